@@ -1,0 +1,82 @@
+// What belongs to the sequence of contacts and when it is over: one definition for all solvers.
+//
+// The second floor contact begins when the floor gap reaches 0 from above after having opened since the first
+// release; a floor force that switches off and on while the gap stays closed ends nothing. t_f is the end of the
+// last ball–ball contact that began before that instant, an open one being followed to its end. The separation
+// velocity is the gap rate of the pair at the first instant >= t_f at which no force acts and the gap is not
+// closing. With more than two balls the velocities are not defined and t_f is the end of the last such contact.
+#pragma once
+#include "../math.hpp"
+#include "../outcome.hpp"
+
+namespace hardlimit::column {
+
+struct Sequence {
+    int n_contacts = 0;  // ball–ball contacts
+    double t_first_touch = math::nan;
+    double t_end = math::nan;
+    double t_floor_end = math::nan;
+    double relative_velocity = math::nan;    // paper's v'_r, at t_end
+    double separation_velocity = math::nan;  // once no force acts
+    Outcome outcome = Outcome::ok;
+
+    bool floor_opened = false;  // the floor gap has opened after the first release
+    bool met_again = false;     // the second floor contact has begun
+    bool finished = false;      // nothing that happens later belongs to the sequence
+    int open_pairs = 0;         // ball–ball contacts of the sequence now open
+
+    // The floor gap reaches zero from above, or the clipped floor force switches on again.
+    HL_FN void floor_begins(double t) {
+        if (math::is_nan(t_first_touch)) {
+            t_first_touch = t;
+        } else if (floor_opened) {
+            met_again = true;
+            if (open_pairs == 0) finished = true;
+        }
+    }
+    HL_FN void floor_ends(double t) {
+        if (!met_again) t_floor_end = t;
+    }
+    // The floor gap reaches zero from below: the floor contact is over for good.
+    HL_FN void floor_opens() { floor_opened = true; }
+
+    // Returns whether the contact belongs to the sequence; its end must be reported exactly then.
+    HL_FN bool pair_begins() {
+        if (met_again || finished) return false;
+        ++n_contacts;
+        ++open_pairs;
+        relative_velocity = separation_velocity = t_end = math::nan;
+        return true;
+    }
+    HL_FN void pair_ends(double t, double gap_rate) {
+        --open_pairs;
+        t_end = t;
+        relative_velocity = gap_rate;
+        separation_velocity = math::nan;
+        if (met_again && open_pairs == 0) finished = true;
+    }
+
+    // No force acts on any ball. `gap_rate` is the smallest rate of the ball–ball gaps; `floor_clear` says that
+    // the lowest ball cannot meet the floor force before its gap has opened and closed again.
+    HL_FN void moves_freely(double gap_rate, bool floor_clear) {
+        if (finished || gap_rate < 0.0) return;
+        if (n_contacts > 0 && math::is_nan(separation_velocity)) separation_velocity = gap_rate;
+        if (floor_clear) finished = true;
+    }
+
+    // A contact will never end. For a pair contact both velocities are zero by definition.
+    HL_FN void comes_to_rest(bool pair_persists) {
+        outcome = Outcome::at_rest;
+        finished = true;
+        if (pair_persists) {
+            t_end = math::nan;
+            relative_velocity = separation_velocity = 0.0;
+        }
+    }
+
+    HL_FN void close() {
+        if (outcome == Outcome::ok && n_contacts == 0) outcome = Outcome::no_contact;
+    }
+};
+
+}  // namespace hardlimit::column

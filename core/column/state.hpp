@@ -1,0 +1,41 @@
+// A column of balls on one vertical line, in SI units.
+//
+// The state is gaps and velocities, never positions: a gap of 1e-15 m then keeps all its digits. Pair 0 is
+// floor–lowest ball, pair j joins balls j and j + 1 counted from the bottom (ball 1 is the lowest). A cradle has
+// no floor: pair 0 exists in the arrays but is never closed.
+#pragma once
+#include <vector>
+
+#include "../contact/law.hpp"
+#include "../outcome.hpp"
+
+namespace hardlimit::column {
+
+template <class Law>
+struct Column {
+    int balls;                     // N
+    bool floor;                    // false: cradle
+    double gravity;                // [m/s²], downwards
+    std::vector<double> mass;      // [N], bottom first [kg]
+    std::vector<double> radius;    // [N] [m]
+    std::vector<Law> contacts;     // [N], pair 0 first; contacts[0] is unused without a floor
+    std::vector<double> gaps;      // [N], gaps[0] = height of the lowest ball's underside above the floor [m]
+    std::vector<double> velocity;  // [N] at release, upwards [m/s]
+};
+
+// One contact of the sequence. Times in s after the first floor touch (cradle: after release).
+struct Contact {
+    int pair;
+    double begin, end;  // end is NaN for a contact that never ends or was still open when the run stopped
+};
+
+// Time of the first floor touch after release, or NaN if the lowest ball never lands. The stable root of
+// gap + v t − g t²/2 = 0.
+HL_FN double fall_time(double gap, double velocity, double gravity) {
+    if (gap <= 0.0) return velocity < 0.0 || gravity > 0.0 ? 0.0 : math::nan;
+    if (gravity == 0.0) return velocity < 0.0 ? -gap / velocity : math::nan;
+    const double speed = math::sqrt(velocity * velocity + 2.0 * gravity * gap);
+    return velocity > 0.0 ? (velocity + speed) / gravity : 2.0 * gap / (speed - velocity);
+}
+
+}  // namespace hardlimit::column

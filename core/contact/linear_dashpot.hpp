@@ -1,0 +1,100 @@
+// Linear dashpot: F = max(0, k ξ + γ ξ̇) while ξ > 0 (Eq. 7; the force counts as repulsive when positive).
+//
+// One collision, with ω0² = k/m, β = γ/(2m) and b = β/ω0. The contact ends when F = 0, before ξ = 0:
+//   ω0 t_c = 2 acos(b)/√(1 − b²)      for b < 1,    2 at b = 1,    2 acosh(b)/√(b² − 1) for b > 1,
+//   ε      = exp(−b · ω0 t_c).
+// This is Eqs. 11–13 as one smooth function of b: the arctan branches of Eq. 11 are one atan2, and the third
+// line of Eq. 13 is the second continued to imaginary ω. ε runs through all of (0, 1], so every ε has one b.
+// The usual DEM relation b = −ln ε/√(π² + ln²ε) lets the contact end at ξ = 0 with an attractive tail and does
+// not return the ε it is asked for.
+#pragma once
+#include "law.hpp"
+
+namespace hardlimit::contact {
+
+// ω0 t_c as a function of b = β/ω0.
+HL_FN double linear_scaled_duration(double b) {
+    if (b < 1.0) {
+        const double w = math::sqrt((1.0 - b) * (1.0 + b));
+        return 2.0 * math::atan2_upper(w, b) / w;
+    }
+    if (b == 1.0) return 2.0;
+    const double inverse = 1.0 / b;
+    const double s = b * math::sqrt((1.0 - inverse) * (1.0 + inverse));  // √(b² − 1) without overflow
+    return 2.0 * math::log1p((b - 1.0) + s) / s;
+}
+
+// −ln ε as a function of b.
+HL_FN double linear_loss_exponent(double b) { return b * linear_scaled_duration(b); }
+
+// Inverse: b from L = −ln ε >= 0. Newton on ln b, since b dL/db = b (ω0 t_c − 2b)/(1 − b²) lies between L and 2
+// and the step is exact in both limits, L = πb and L = 2 ln 2b.
+HL_FN double linear_damping_ratio(double loss_exponent) {
+    if (!(loss_exponent > 0.0)) return 0.0;
+    double b = loss_exponent < 2.0 ? loss_exponent / (math::pi - 0.57 * loss_exponent)
+                                   : 0.5 * math::exp(0.5 * loss_exponent);
+    for (int i = 0; i < 20; ++i) {
+        const double tau = linear_scaled_duration(b);
+        // (1 − b²) → 0 at critical damping; the derivative there is 4/3 − (8/15)(b − 1).
+        const double slope = math::abs(b - 1.0) < 1e-3 ? 4.0 / 3.0 - 8.0 / 15.0 * (b - 1.0)
+                             : b < 1e8                 ? (tau - 2.0 * b) / ((1.0 - b) * (1.0 + b))
+                                                       : 2.0 / b;
+        const double step = (loss_exponent - b * tau) / (b * slope);
+        b *= math::exp(math::clamp(step, -1.0, 1.0));
+        if (math::abs(step) < 2.0 * math::epsilon) break;
+    }
+    return b;
+}
+
+struct LinearDashpot {
+    double stiffness;  // k [N/m]
+    double damping;    // γ [N s/m]
+
+    static constexpr int onset_power = 1;
+    static constexpr LawRecord record = {
+        "linear",
+        "LinearDashpot",
+        "Linear dashpot: F = max(0, k ξ + γ dξ/dt) while ξ > 0.",
+        "Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), Eqs. 7 and 11–13",
+        1,
+        {{"stiffness", "N/m", 0.0, math::infinity, false, false, "spring constant k"}},
+        2,
+        {1, 1},
+        {{{"restitution", "1", 0.0, 1.0, false, true,
+           "coefficient of restitution ε; every contact gets the damping that yields it"}},
+         {{"damping", "N s/m", 0.0, math::infinity, true, false, "dashpot constant γ, the same for every contact"}}},
+        2,
+        {"stiffness", "damping"}};
+
+    void values(double* out) const {
+        out[0] = stiffness;
+        out[1] = damping;
+    }
+
+    // parameters: common first, then those of the alternative.
+    static LinearDashpot from_parameters(int alternative, const double* p, PairGeometry pair) {
+        if (alternative == 1) return {p[0], p[1]};
+        const double b = linear_damping_ratio(-math::log1p(p[1] - 1.0));
+        return {p[0], 2.0 * b * math::sqrt(p[0]) * math::sqrt(pair.effective_mass)};
+    }
+
+    template <class T>
+    T force(T s, T rate) const { return stiffness * s + damping * rate; }
+    template <class T>
+    T elastic_force(T s) const { return stiffness * s; }
+    template <class T>
+    T energy(T s) const { return 0.5 * stiffness * s * s; }
+    template <class T>
+    T drive(T s, T rate) const { return s + relaxation_time() * rate; }
+    double relaxation_time() const { return damping / stiffness; }
+
+    double damping_ratio(double mass) const { return 0.5 * damping / (math::sqrt(stiffness) * math::sqrt(mass)); }
+    double restitution(double /*speed*/, double mass) const {
+        return math::exp(-linear_loss_exponent(damping_ratio(mass)));
+    }
+    double duration(double /*speed*/, double mass) const {
+        return linear_scaled_duration(damping_ratio(mass)) * (math::sqrt(mass) / math::sqrt(stiffness));
+    }
+};
+
+}  // namespace hardlimit::contact

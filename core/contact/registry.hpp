@@ -1,0 +1,9 @@
+// The contact laws there are. A new law is one header and one line here: it then appears in Python, on the
+// command line, in the solvers and in the generic tests.
+#pragma once
+#include "linear_dashpot.hpp"
+#include "viscoelastic.hpp"
+
+#define HARDLIMIT_LAWS(X) \
+    X(LinearDashpot)      \
+    X(Viscoelastic)
