@@ -15,7 +15,7 @@ struct Sequence {
     int n_contacts = 0;  // ball–ball contacts
     double t_first_touch = math::nan;
     double t_end = math::nan;
-    double t_floor_end = math::nan;
+    double t_floor_end = math::nan;          // first release from the floor
     double relative_velocity = math::nan;    // paper's v'_r, at t_end
     double separation_velocity = math::nan;  // once no force acts
     Outcome outcome = Outcome::ok;
@@ -35,7 +35,7 @@ struct Sequence {
         }
     }
     HL_FN void floor_ends(double t) {
-        if (!met_again) t_floor_end = t;
+        if (math::is_nan(t_floor_end)) t_floor_end = t;
     }
     // The floor gap reaches zero from below: the floor contact is over for good.
     HL_FN void floor_opens() { floor_opened = true; }

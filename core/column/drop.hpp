@@ -1,0 +1,200 @@
+// Two balls in SI units through the exact solver: start of the drop, recording, sampling anywhere.
+#pragma once
+#include "adiabatic.hpp"
+#include "exact.hpp"
+
+namespace hardlimit::column {
+
+enum class Coupling { full, adiabatic };
+
+using LinearColumn = Column<contact::LinearDashpot>;
+
+// What a recorded run keeps.
+struct Recorder {
+    std::vector<Node> nodes;
+    std::vector<Contact> contacts;
+    long open[2] = {-1, -1};
+
+    void node(const Node& n) { nodes.push_back(n); }
+    void begins(int pair, double t) {
+        open[pair] = static_cast<long>(contacts.size());
+        contacts.push_back({pair, t, math::nan});
+    }
+    void ends(int pair, double t) { contacts[static_cast<std::size_t>(open[pair])].end = t; }
+};
+
+// For maps: nothing but the sequence itself.
+struct NoRecorder {
+    HL_FN void node(const Node&) {}
+    HL_FN void begins(int, double) {}
+    HL_FN void ends(int, double) {}
+};
+
+struct Start {
+    TwoBall groups;
+    Units units;
+    Gaps released, first;     // at release, and where the solver starts (the touch, unless the pair meets first)
+    double fall;              // time from release to the touch, in scaled time
+    double t;                 // of `first`
+    Outcome outcome;
+};
+
+// Speed at the floor, V = √(v1² + 2 g u).
+HL_FN double impact_speed(double gap, double velocity, double gravity) {
+    return math::sqrt(velocity * velocity + 2.0 * gravity * gap);
+}
+
+HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1, double m2,
+                           double gravity, Gaps released, Coupling coupling) {
+    Start s{};
+    const double speed = impact_speed(released.u, released.du, gravity);
+    const double fall = fall_time(released.u, released.du, gravity);
+    s.groups = coupling == Coupling::full ? coupled_groups(floor, pair, m1, m2, gravity, speed, s.units)
+                                          : adiabatic_groups(floor, pair, m1, m2, gravity, speed, s.units);
+    s.outcome = !(speed > 0.0)           ? Outcome::invalid
+                : math::is_nan(fall) ? Outcome::never_lands
+                                     : Outcome::ok;
+    const double length = s.units.rate / speed;
+    s.released = {released.u * length, released.du / speed, released.w * length, released.dw / speed};
+    s.fall = fall * s.units.rate;
+    const double w_touch = s.released.w + s.released.dw * s.fall;
+    const bool pair_first = s.released.dw < 0.0 && w_touch < 0.0 && s.fall > 0.0;
+    s.first = pair_first ? s.released : Gaps{0.0, -1.0, w_touch, s.released.dw};
+    s.t = pair_first ? -s.fall : 0.0;
+    return s;
+}
+
+// Scaled sequence to SI units; times from the first floor touch.
+HL_FN void to_si(Sequence& q, const Units& units) {
+    const double t0 = math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
+    q.t_end = (q.t_end - t0) / units.rate;
+    q.t_floor_end = (q.t_floor_end - t0) / units.rate;
+    q.relative_velocity *= units.speed;
+    q.separation_velocity *= units.speed;
+    q.t_first_touch = t0 / units.rate;
+}
+
+struct Drop {
+    Start start;
+    Sequence sequence;                  // SI
+    std::vector<Contact> contacts;      // SI
+    std::vector<Node> nodes;            // scaled, times from the first floor touch
+    std::vector<double> dissipated;     // [J] up to each node
+};
+
+// One state on the way, in SI units.
+struct DropSample {
+    double u, w, du, dw;                         // gaps [m] and their rates [m/s]
+    double force_floor, force_pair;              // [N]
+    double kinetic, potential, stored, dissipated;  // [J]; potential is zero at the floor
+};
+
+namespace drop {
+
+inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
+    if (dt == 0.0) return n.x;
+    if (!n.floor && !n.pair) return exact::fly(s, n.x, dt);
+    if (n.floor && !n.pair) return exact::lie_on_floor(s, n.x, dt);
+    exact::Piece piece;
+    const double h = exact::piece_length(s, n.floor, n.pair);
+    Gaps x = n.x;
+    for (; dt > h; dt -= h) {
+        exact::expand(s, x, n.floor, n.pair, h, piece);
+        x = exact::evaluate(piece, 1.0);
+    }
+    exact::expand(s, x, n.floor, n.pair, dt, piece);
+    return exact::evaluate(piece, 1.0);
+}
+
+inline double stored_energy(const LinearColumn& c, const Units& units, const Gaps& x) {
+    const double length = units.speed / units.rate;
+    const double floor = math::max(0.0, -x.u * length), pair = math::max(0.0, -x.w * length);
+    return c.contacts[0].energy(floor) + c.contacts[1].energy(pair);
+}
+
+// Work done by the dashpots, and energy that a contact still stores when its clipped force vanishes, from the node
+// over dt: an eight-point Gauss rule on pieces of at most half a radian is exact to rounding. A force-free overlap gives its stored energy away.
+inline double dissipated_over(const LinearColumn& c, const Start& s, const Node& n, double dt) {
+    static constexpr double at[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959,
+                                     0.96028985649753623168};
+    static constexpr double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054,
+                                         0.10122853629037625915};
+    const double speed2 = s.units.speed * s.units.speed;
+    const auto power = [&](const Gaps& x) {
+        return ((n.floor ? c.contacts[0].damping * x.du * x.du : 0.0) +
+                (n.pair ? c.contacts[1].damping * x.dw * x.dw : 0.0)) * speed2 / s.units.rate;
+    };
+    double work = 0.0;
+    if (n.floor || n.pair) {
+        const double h = exact::piece_length(s.groups, n.floor, n.pair);
+        const int pieces = static_cast<int>(math::min(dt / (0.5 * h), 20000.0)) + 1;
+        const double half = 0.5 * dt / pieces;
+        for (int i = 0; i < pieces; ++i)
+            for (int j = 0; j < 4; ++j)
+                work += half * weight[j] * (power(state_at(s.groups, n, half * (2 * i + 1 - at[j]))) +
+                                            power(state_at(s.groups, n, half * (2 * i + 1 + at[j]))));
+    }
+    const double length = s.units.speed / s.units.rate;
+    const Gaps end = state_at(s.groups, n, dt);
+    const auto lost = [&](const contact::LinearDashpot& k, double before, double after) {
+        return k.energy(math::max(0.0, -before * length)) - k.energy(math::max(0.0, -after * length));
+    };
+    if (!n.floor) work += lost(c.contacts[0], n.x.u, end.u);
+    if (!n.pair) work += lost(c.contacts[1], n.x.w, end.w);
+    return work;
+}
+
+}  // namespace drop
+
+inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until) {
+    Drop d;
+    d.start = start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                             {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
+    d.sequence.outcome = d.start.outcome;
+    if (d.start.outcome != Outcome::ok) return d;
+    const Units units = d.start.units;
+    Recorder record;
+    if (d.start.t == 0.0 && d.start.fall > 0.0) record.node({-d.start.fall, d.start.released, false, false});
+    const double end = math::is_nan(until) ? -math::infinity : until * units.rate;
+    d.sequence = run_two_ball(d.start.groups, d.start.first, d.start.t, end, record);
+    const double t0 = math::is_nan(d.sequence.t_first_touch) ? 0.0 : d.sequence.t_first_touch;
+    for (Contact& k : record.contacts) k = {k.pair, (k.begin - t0) / units.rate, (k.end - t0) / units.rate};
+    for (Node& n : record.nodes) n.t -= t0;
+    to_si(d.sequence, units);
+    d.contacts = std::move(record.contacts);
+    d.nodes = std::move(record.nodes);
+    return d;
+}
+
+// State, forces and energies at time t [s after the first floor touch], within the recorded span.
+inline DropSample sample_drop(const LinearColumn& c, Drop& d, double t) {
+    const TwoBall& s = d.start.groups;
+    const Units units = d.start.units;
+    if (d.dissipated.empty()) {
+        d.dissipated.push_back(0.0);
+        for (std::size_t i = 0; i + 1 < d.nodes.size(); ++i)
+            d.dissipated.push_back(d.dissipated[i] +
+                                   drop::dissipated_over(c, d.start, d.nodes[i], d.nodes[i + 1].t - d.nodes[i].t));
+    }
+    const double at = t * units.rate;
+    std::size_t lo = 0, hi = d.nodes.size();
+    while (hi - lo > 1) {
+        const std::size_t mid = (lo + hi) / 2;
+        (d.nodes[mid].t <= at ? lo : hi) = mid;
+    }
+    const Node& n = d.nodes[lo];
+    const Gaps x = drop::state_at(s, n, at - n.t);
+    const double length = units.speed / units.rate, m1 = c.mass[0], m2 = c.mass[1];
+    DropSample r{x.u * length, x.w * length, x.du * units.speed, x.dw * units.speed, 0, 0, 0, 0, 0, 0};
+    if (n.floor) r.force_floor = math::max(0.0, c.contacts[0].force(-r.u, -r.du));
+    if (n.pair) r.force_pair = math::max(0.0, c.contacts[1].force(-r.w, -r.dw));
+    const double v2 = r.du + r.dw;
+    r.kinetic = 0.5 * (m1 * r.du * r.du + m2 * v2 * v2);
+    const double z1 = r.u + c.radius[0], z2 = z1 + r.w + c.radius[0] + c.radius[1];
+    r.potential = c.gravity * (m1 * z1 + m2 * z2);
+    r.stored = drop::stored_energy(c, units, x);
+    r.dissipated = d.dissipated[lo] + drop::dissipated_over(c, d.start, n, at - n.t);
+    return r;
+}
+
+}  // namespace hardlimit::column

@@ -1,0 +1,433 @@
+// Newton's equations for two balls on a floor with the linear dashpot (Eq. 14 with Eq. 7), solved exactly.
+//
+// With gaps u (floor) and w (pair), L1 = u + c1 u̇, L2 = w + c2 ẇ (c = γ/k, force = −k L while in contact):
+//   ü = −G − a1 L1 [floor] + a2 L2 [pair],      ẅ = a1 L1 [floor] − L2 [pair],
+// in units of length V/ω, time 1/ω, speed V, with ω² = k12/m_eff, a1 = k01/(m1 ω²), a2 = m_eff/m1. Other values of
+// the groups give the adiabatic problem (adiabatic.hpp).
+//
+// Between two switches the system is linear with constant coefficients (motion A: free, B: floor, C: both,
+// D: pair), so the state is exp(M t) acting on the last one. The exponential is evaluated through its Taylor
+// series over pieces of length h = 1.5/|M|: 22 terms leave a remainder below rounding (1.5²²/22! = 7e-18), whatever
+// the damping, without the digits that eigenvectors lose where eigenvalues meet (critical damping). Motion A is the
+// parabola itself. Each switch is the first zero of a polynomial on [0, 1], found by steps that provably cannot
+// pass it (first_crossing).
+#pragma once
+#include "../contact/linear_dashpot.hpp"
+#include "sequence.hpp"
+#include "state.hpp"
+
+namespace hardlimit::column {
+
+// The dimensionless groups of the problem.
+struct TwoBall {
+    double a1, a2;   // floor and reaction couplings
+    double c1, c2;   // damping times γ/k of floor and pair
+    double gravity;  // G = g/(V ω)
+};
+
+// Units of the scaled problem: length speed/rate, time 1/rate.
+struct Units {
+    double speed, rate;
+};
+
+// Fully coupled balls: time in units of the pair's own 1/ω12.
+HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
+                             double m2, double gravity, double speed, Units& units) {
+    const double reduced = effective(m1, m2);
+    const double rate = math::sqrt(pair.stiffness / reduced);
+    units = {speed, rate};
+    return {(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1, floor.relaxation_time() * rate,
+            pair.relaxation_time() * rate, gravity / (speed * rate)};
+}
+
+struct Gaps {
+    double u, du, w, dw;
+};
+
+// State at the start of a piece, and which contacts are closed in it.
+struct Node {
+    double t;
+    Gaps x;
+    bool floor, pair;
+};
+
+namespace exact {
+
+inline constexpr int order = 22;
+inline constexpr long max_pieces = 4'000'000;
+
+// Polynomials in θ = (t − t0)/h.
+struct Piece {
+    double h;
+    double u[order + 1], w[order + 1], l1[order], l2[order];
+};
+
+// Length of a piece: 1.5 over a bound on the rates of the motion.
+HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) {
+    const double square = (floor ? s.a1 : 0.0) + (pair ? 1.0 : 0.0);
+    const double damping = (floor ? s.a1 * s.c1 : 0.0) + (pair ? s.c2 : 0.0);
+    return 1.5 / math::max(math::sqrt(square), damping);
+}
+
+HL_FN void expand(const TwoBall& s, const Gaps& x, bool floor, bool pair, double h, Piece& p) {
+    const double k1 = floor ? s.a1 : 0.0, k2 = pair ? 1.0 : 0.0, reaction = pair ? s.a2 : 0.0;
+    const double d1 = s.c1 / h, d2 = s.c2 / h;
+    p.h = h;
+    p.u[0] = x.u;
+    p.u[1] = x.du * h;
+    p.w[0] = x.w;
+    p.w[1] = x.dw * h;
+    double weight = s.gravity;
+    for (int n = 0; n + 2 <= order; ++n) {
+        p.l1[n] = p.u[n] + d1 * ((n + 1) * p.u[n + 1]);
+        p.l2[n] = p.w[n] + d2 * ((n + 1) * p.w[n + 1]);
+        const double factor = h * h / ((n + 1) * (n + 2));
+        p.u[n + 2] = factor * (reaction * p.l2[n] - k1 * p.l1[n] - weight);
+        p.w[n + 2] = factor * (k1 * p.l1[n] - k2 * p.l2[n]);
+        weight = 0.0;
+    }
+    p.l1[order - 1] = p.u[order - 1] + d1 * (order * p.u[order]);
+    p.l2[order - 1] = p.w[order - 1] + d2 * (order * p.w[order]);
+}
+
+HL_FN Gaps evaluate(const Piece& p, double theta) {
+    Gaps x = {p.u[order], 0.0, p.w[order], 0.0};
+    for (int n = order - 1; n >= 0; --n) {
+        x.du = x.du * theta + x.u;
+        x.dw = x.dw * theta + x.w;
+        x.u = x.u * theta + p.u[n];
+        x.w = x.w * theta + p.w[n];
+    }
+    x.du /= p.h;
+    x.dw /= p.h;
+    return x;
+}
+
+// The parabola of motion A.
+HL_FN Gaps fly(const TwoBall& s, const Gaps& x, double t) {
+    return {x.u + t * (x.du - 0.5 * s.gravity * t), x.du - s.gravity * t, x.w + x.dw * t, x.dw};
+}
+
+inline constexpr double never = math::infinity;
+
+// First θ in [0, 1] at which the polynomial f rises to zero, from below; `never` if it does not. A function that
+// vanishes at θ = 0 because the last switch put it there is divided by θ first (`at_zero`). Each step goes to the
+// zero of a parabola above f (|f''| <= bound), so no zero can be passed, and converges quadratically.
+HL_FN double first_crossing(const double* f, int degree, double sign, bool at_zero) {
+    if (at_zero) {
+        ++f;
+        --degree;
+        while (degree > 0 && f[0] == 0.0) {
+            ++f;
+            --degree;
+        }
+    }
+    double rise = sign * f[0];
+    if (rise >= 0.0) return 0.0;
+    double bound = 0.0;
+    for (int n = 1; n <= degree; ++n) {
+        rise += math::max(sign * f[n], 0.0);
+        bound += n * (n - 1) * math::abs(f[n]);
+    }
+    if (rise < 0.0) return never;
+    double theta = 0.0;
+    for (int i = 0; i < 500; ++i) {
+        double value = f[degree], slope = 0.0;
+        for (int n = degree - 1; n >= 0; --n) {
+            slope = slope * theta + value;
+            value = value * theta + f[n];
+        }
+        value *= sign;
+        slope *= sign;
+        if (value >= 0.0) return theta;
+        const double reach = slope + math::sqrt(slope * slope - 2.0 * bound * value);
+        if (!(reach > 0.0)) return never;
+        const double step = -2.0 * value / reach;
+        theta += step;
+        if (theta > 1.0) return never;
+        if (step <= math::epsilon * theta) return theta;
+    }
+    return theta;
+}
+
+// First t >= 0 at which v + s t − g t²/2 falls to zero; v <= 0 means that it lies on zero now.
+HL_FN double first_fall(double v, double s, double g) {
+    if (v <= 0.0) {
+        if (s < 0.0 || (s == 0.0 && g > 0.0)) return 0.0;
+        return g > 0.0 ? 2.0 * s / g : never;
+    }
+    const double root = math::sqrt(s * s + 2.0 * g * v);
+    if (s > 0.0) return g > 0.0 ? (s + root) / g : never;
+    return root - s > 0.0 ? 2.0 * v / (root - s) : never;
+}
+
+// First t at which v + s t − g t²/2 (v <= 0) rises to zero.
+HL_FN double first_rise(double v, double s, double g) {
+    const double square = s * s + 2.0 * g * v;
+    if (!(s > 0.0) || square < 0.0) return never;
+    return -2.0 * v / (s + math::sqrt(square));
+}
+
+enum class Switch { none, floor_begins, floor_ends, floor_opens, pair_begins, pair_ends, pair_opens };
+
+struct Next {
+    double at = never;  // θ within a piece, or time in motion A
+    Switch what = Switch::none;
+    HL_FN void consider(double when, Switch candidate) {
+        if (when < at) {
+            at = when;
+            what = candidate;
+        }
+    }
+};
+
+// Which event functions the last switch put exactly on zero.
+struct OnSurface {
+    bool u = false, w = false, l1 = false, l2 = false;
+};
+
+// A contact that is not closed is either open (gap >= 0) or overlaps with its force clipped to zero.
+struct Phase {
+    bool floor = false, pair = false;          // force acts
+    bool floor_open = true, pair_open = true;  // gap >= 0
+};
+
+HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
+    Next next;
+    if (p.floor_open) {
+        next.consider(first_fall(x.u, x.du, s.gravity), Switch::floor_begins);
+    } else {
+        next.consider(first_rise(x.u, x.du, s.gravity), Switch::floor_opens);
+        next.consider(first_fall(x.u + s.c1 * x.du, x.du - s.c1 * s.gravity, s.gravity), Switch::floor_begins);
+    }
+    if (p.pair_open)
+        next.consider(first_fall(x.w, x.dw, 0.0), Switch::pair_begins);
+    else
+        next.consider(first_rise(x.w, x.dw, 0.0), Switch::pair_opens);
+    return next;
+}
+
+HL_FN Next next_in_piece(const Piece& piece, const Phase& p, const OnSurface& on) {
+    Next next;
+    if (p.floor) {
+        next.consider(first_crossing(piece.l1, order - 1, 1.0, on.l1), Switch::floor_ends);
+    } else if (p.floor_open) {
+        next.consider(first_crossing(piece.u, order, -1.0, on.u), Switch::floor_begins);
+    } else {
+        next.consider(first_crossing(piece.u, order, 1.0, on.u), Switch::floor_opens);
+        next.consider(first_crossing(piece.l1, order - 1, -1.0, on.l1), Switch::floor_begins);
+    }
+    if (p.pair) {
+        next.consider(first_crossing(piece.l2, order - 1, 1.0, on.l2), Switch::pair_ends);
+    } else if (p.pair_open) {
+        next.consider(first_crossing(piece.w, order, -1.0, on.w), Switch::pair_begins);
+    } else {
+        next.consider(first_crossing(piece.w, order, 1.0, on.w), Switch::pair_opens);
+        next.consider(first_crossing(piece.l2, order - 1, -1.0, on.l2), Switch::pair_begins);
+    }
+    return next;
+}
+
+// Gravity holds both contacts closed for good: the energy about the static equilibrium (never rising) is too
+// small for L1 or L2 to reach zero. Adiabatic: the floor is judged alone and must be still before the pair is.
+HL_FN bool rests_on_both(const TwoBall& s, const Gaps& x) {
+    if (s.gravity == 0.0) return false;
+    const double w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
+    const double y = x.u - u0, v = x.w - w0;
+    const double floor = x.du * x.du + s.a1 * y * y, pair = x.dw * x.dw + v * v;  // twice the energies / mass
+    const double floor_reach = 1.0 / math::sqrt(s.a1) + s.c1, pair_reach = 1.0 + s.c2;
+    if (s.a2 == 0.0) {
+        return math::sqrt(floor) * floor_reach < 1e-3 * -u0 * math::min(1.0, s.a1 * s.c1 + s.c2) &&
+               math::sqrt(pair) * pair_reach < -0.5 * w0;
+    }
+    const double sum = x.du + x.dw;
+    const double twice_energy =
+        (x.du * x.du + s.a1 * y * y) / s.a2 + sum * sum / (1.0 - s.a2) + v * v;  // in units of m_eff V²
+    const double amplitude = math::sqrt(twice_energy);
+    return amplitude * math::sqrt(s.a2) * floor_reach < -u0 && amplitude * pair_reach < -w0;
+}
+
+// The same for the floor contact alone; the pair gap then closes under gravity some time later.
+HL_FN bool rests_on_floor(const TwoBall& s, const Gaps& x) {
+    if (s.gravity == 0.0) return false;
+    const double u0 = -s.gravity / s.a1, y = x.u - u0;
+    return math::sqrt(x.du * x.du + s.a1 * y * y) * (1.0 / math::sqrt(s.a1) + s.c1) < -u0;
+}
+
+// Damped oscillator ÿ + 2λ ẏ + κ y = 0 at time t (Eq. A4 with cosine and sine amplitudes).
+HL_FN void oscillate(double kappa, double lambda, double t, double& y, double& dy) {
+    const double square = kappa - lambda * lambda;
+    const double slope = dy + lambda * y;
+    if (square > 0.0) {
+        const double omega = math::sqrt(square);
+        const math::SinCos a = math::sincos(omega * t);
+        const double decay = math::exp(-lambda * t);
+        const double now = decay * (y * a.cos + slope * (a.sin / omega));
+        dy = decay * (slope * a.cos - y * omega * a.sin) - lambda * now;
+        y = now;
+    } else {
+        const double omega = math::sqrt(-square), slow = kappa / (lambda + omega);  // λ − Ω without cancellation
+        const double decay = math::exp(-slow * t), fast = math::exp(-2.0 * omega * t);
+        const double cosh = 0.5 * (1.0 + fast);
+        const double sinh = omega * t > 1e-8 ? 0.5 * (1.0 - fast) / omega : t;
+        const double now = decay * (y * cosh + slope * sinh);
+        dy = decay * (slope * cosh + y * (omega * omega * sinh)) - lambda * now;
+        y = now;
+    }
+}
+
+// Motion B in closed form over any time.
+HL_FN Gaps lie_on_floor(const TwoBall& s, const Gaps& x, double t) {
+    const double u0 = -s.gravity / s.a1;
+    double y = x.u - u0, dy = x.du;
+    oscillate(s.a1, 0.5 * s.a1 * s.c1, t, y, dy);
+    const double upper = x.u + x.w, upper_rate = x.du + x.dw;  // the upper ball falls freely
+    const double u = u0 + y;
+    return {u, dy, (upper + t * (upper_rate - 0.5 * s.gravity * t)) - u, (upper_rate - s.gravity * t) - dy};
+}
+
+// Time at which the pair gap closes on a lower ball that rests on the floor. w is concave there; Newton's method
+// from a time at which it is surely closed comes down to the zero from the right.
+HL_FN double closing_on_rest(const TwoBall& s, const Gaps& x) {
+    const double u0 = -s.gravity / s.a1;
+    const double largest = math::sqrt(x.du * x.du / s.a1 + (x.u - u0) * (x.u - u0));
+    double t = first_fall(x.u + x.w - u0 + largest, x.du + x.dw, s.gravity);
+    for (int i = 0; i < 100; ++i) {
+        const Gaps y = lie_on_floor(s, x, t);
+        if (!(y.dw < 0.0)) break;
+        const double step = y.w / y.dw;
+        t -= step;
+        if (math::abs(step) <= 2.0 * math::epsilon * t) break;
+    }
+    return math::max(t, 0.0);
+}
+
+}  // namespace exact
+
+// Runs the sequence from `start` (at time `t`, all contacts open), and on to `span` after the first floor touch if
+// that is later (-infinity: no later). `Observer` sees the nodes and the contacts.
+template <class Observer>
+HL_FN Sequence run_two_ball(const TwoBall& s, Gaps start, double t, double span, Observer& observer) {
+    using namespace exact;
+    Sequence sequence;
+    Gaps x = start;
+    Phase phase;
+    OnSurface on;
+    on.u = x.u == 0.0;
+    on.w = x.w == 0.0;
+    bool counted = false;
+    long pieces = 0;
+    double until = span > -never ? never : -never;  // on the clock of t; known once the floor is touched
+    while (!sequence.finished || t < until) {
+        if (++pieces > max_pieces) {
+            if (!sequence.finished) sequence.outcome = Outcome::unresolved;
+            break;
+        }
+        Next next;
+        Piece piece;
+        const bool flight = !phase.floor && !phase.pair;
+        bool long_rest = false;
+        double dt = never;
+        observer.node(Node{t, x, phase.floor, phase.pair});
+        if (flight) {
+            sequence.moves_freely(x.dw, sequence.floor_opened && phase.floor_open);
+            if (sequence.finished && !(t < until)) break;
+            next = next_in_flight(s, x, phase);
+            dt = next.at;
+            if (dt == never && math::is_nan(sequence.t_first_touch)) sequence.outcome = Outcome::never_lands;
+        } else if (phase.floor && !phase.pair && phase.pair_open && !on.w && rests_on_floor(s, x)) {
+            long_rest = true;
+            dt = closing_on_rest(s, x);
+            next.consider(dt, Switch::pair_begins);
+        } else {
+            if (phase.floor && phase.pair && rests_on_both(s, x)) {
+                if (!sequence.finished) sequence.comes_to_rest(true);
+            }
+            double h = piece_length(s, phase.floor, phase.pair);
+            if (t < until) h = math::min(h, until - t);
+            expand(s, x, phase.floor, phase.pair, h, piece);
+            next = next_in_piece(piece, phase, on);
+            dt = next.at == never ? h : next.at * h;
+        }
+        if (dt == never && !(math::abs(until) < never)) break;
+        if (t < until && t + dt >= until) {  // the state asked for
+            dt = until - t;
+            if (next.at != never && (flight || long_rest ? next.at : next.at * piece.h) > dt) next = Next{};
+        }
+        if (dt > 0.0) {
+            x = flight ? fly(s, x, dt) : long_rest ? lie_on_floor(s, x, dt) : evaluate(piece, dt / piece.h);
+            t += dt;
+            on = OnSurface{};
+        }
+        switch (next.what) {
+            case Switch::none:
+                break;
+            case Switch::floor_begins:
+                if (phase.floor_open) {
+                    x.u = 0.0;
+                    on.u = true;
+                    on.l1 = s.c1 == 0.0 || x.du == 0.0;
+                } else {
+                    x.u = -s.c1 * x.du;
+                    on.l1 = true;
+                }
+                phase.floor = true;
+                phase.floor_open = false;
+                sequence.floor_begins(t);
+                until = span + sequence.t_first_touch;
+                observer.begins(0, t);
+                break;
+            case Switch::floor_ends:
+                x.u = -s.c1 * x.du;
+                on.l1 = true;
+                phase.floor = false;
+                phase.floor_open = s.c1 == 0.0;
+                on.u = phase.floor_open;
+                sequence.floor_ends(t);
+                observer.ends(0, t);
+                if (phase.floor_open) sequence.floor_opens();
+                break;
+            case Switch::floor_opens:
+                x.u = 0.0;
+                on.u = true;
+                phase.floor_open = true;
+                sequence.floor_opens();
+                break;
+            case Switch::pair_begins:
+                if (phase.pair_open) {
+                    x.w = 0.0;
+                    on.w = true;
+                    on.l2 = s.c2 == 0.0 || x.dw == 0.0;
+                } else {
+                    x.w = -s.c2 * x.dw;
+                    on.l2 = true;
+                }
+                phase.pair = true;
+                phase.pair_open = false;
+                counted = sequence.pair_begins();
+                observer.begins(1, t);
+                break;
+            case Switch::pair_ends:
+                x.w = -s.c2 * x.dw;
+                on.l2 = true;
+                phase.pair = false;
+                phase.pair_open = s.c2 == 0.0;
+                on.w = phase.pair_open;
+                if (counted) sequence.pair_ends(t, x.dw);
+                counted = false;
+                observer.ends(1, t);
+                break;
+            case Switch::pair_opens:
+                x.w = 0.0;
+                on.w = true;
+                phase.pair_open = true;
+                break;
+        }
+        if (sequence.outcome == Outcome::never_lands) break;
+    }
+    observer.node(Node{t, x, phase.floor, phase.pair});
+    sequence.close();
+    return sequence;
+}
+
+}  // namespace hardlimit::column
