@@ -1,0 +1,82 @@
+"""The parts of the documentation that the compiled core states about itself, in docs/generated/.
+
+python docs/generate.py            write them, from the installed package
+python docs/generate.py --check    write nothing; exit code 1 if a committed file is out of date
+"""
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+Record = Mapping[str, Any]
+FOLDER = Path(__file__).resolve().parent / "generated"
+NOTE = "<!-- written by docs/generate.py -->\n"
+
+
+def number(x: float) -> str:
+    return ("−∞" if x < 0 else "∞") if math.isinf(x) else f"{x:g}".replace("-", "−")
+
+
+def interval(parameter: Record) -> str:
+    """Accepted values, with a round bracket where the bound itself is refused."""
+    lowest, highest = parameter["lowest"], parameter["highest"]
+    opening = "[" if parameter.get("lowest_allowed", not math.isinf(lowest)) else "("
+    closing = "]" if parameter.get("highest_allowed", not math.isinf(highest)) else ")"
+    return f"{opening}{number(lowest)}, {number(highest)}{closing}"
+
+
+def parameter_rows(group: str, parameters: Sequence[Record]) -> list[str]:
+    return [f"| {group} | `{p['name']}` | {p['unit']} | {interval(p)} | {p['meaning']} |" for p in parameters]
+
+
+def law_section(law: Record) -> str:
+    lines = [
+        f"## {law['class_name']}",
+        "",
+        law["summary"],
+        "",
+        f"Name on the command line: `{law['name']}`. Source: {law['source']}.",
+        "",
+        "| given | parameter | unit | range | meaning |",
+        "|---|---|---|---|---|",
+        *parameter_rows("always", law["common"]),
+    ]
+    for i, alternative in enumerate(law["alternatives"]):
+        lines += parameter_rows("either" if i == 0 else "or", alternative)
+    attributes = ", ".join(f"`{name}`" for name in law["contact_parameters"])
+    return "\n".join([*lines, "", f"A contact of this law has the attributes {attributes}.", ""])
+
+
+def laws() -> str:
+    from hardlimit import _core
+
+    return NOTE + "\n" + "\n".join(law_section(law) for law in _core.law_records())
+
+
+FILES: dict[str, Callable[[], str]] = {"laws.md": laws}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--check", action="store_true", help="compare, write nothing")
+    check = parser.parse_args().check
+    FOLDER.mkdir(exist_ok=True)
+    stale = []
+    for name, content in FILES.items():
+        path, text = FOLDER / name, content()
+        if check and (not path.exists() or path.read_text(encoding="utf-8") != text):
+            stale.append(name)
+        elif not check:
+            path.write_text(text, encoding="utf-8")
+    for name in stale:
+        print(f"docs/generated/{name} is out of date: run python docs/generate.py")
+    return 1 if stale else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
