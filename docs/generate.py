@@ -23,8 +23,8 @@ def number(x: float) -> str:
 def interval(parameter: Record) -> str:
     """Accepted values, with a round bracket where the bound itself is refused."""
     lowest, highest = parameter["lowest"], parameter["highest"]
-    opening = "[" if parameter.get("lowest_allowed", not math.isinf(lowest)) else "("
-    closing = "]" if parameter.get("highest_allowed", not math.isinf(highest)) else ")"
+    opening = "[" if parameter["lowest_allowed"] else "("
+    closing = "]" if parameter["highest_allowed"] else ")"
     return f"{opening}{number(lowest)}, {number(highest)}{closing}"
 
 
