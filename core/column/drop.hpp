@@ -86,7 +86,7 @@ struct Drop {
 struct DropSample {
     double u, w, du, dw;                         // gaps [m] and their rates [m/s]
     double force_floor, force_pair;              // [N]
-    double kinetic, potential, stored, dissipated;  // [J]; potential is zero at the floor
+    double kinetic, potential, stored, dissipated;  // [J]; potential is zero when both gaps are
 };
 
 namespace drop {
@@ -190,8 +190,7 @@ inline DropSample sample_drop(const LinearColumn& c, Drop& d, double t) {
     if (n.pair) r.force_pair = math::max(0.0, c.contacts[1].force(-r.w, -r.dw));
     const double v2 = r.du + r.dw;
     r.kinetic = 0.5 * (m1 * r.du * r.du + m2 * v2 * v2);
-    const double z1 = r.u + c.radius[0], z2 = z1 + r.w + c.radius[0] + c.radius[1];
-    r.potential = c.gravity * (m1 * z1 + m2 * z2);
+    r.potential = c.gravity * ((m1 + m2) * r.u + m2 * r.w);
     r.stored = drop::stored_energy(c, units, x);
     r.dissipated = d.dissipated[lo] + drop::dissipated_over(c, d.start, n, at - n.t);
     return r;

@@ -1,0 +1,32 @@
+"""How far can you trust an event-driven simulation? Hard-sphere collisions and Newton's equations, side by side."""
+
+from typing import Final
+
+from . import _core
+from .column import PAPER_DENSITY, Column
+from .contact import FLOOR, Ball, Contact
+from .laws import *  # noqa: F403
+from .laws import LAWS
+from .laws import __all__ as _laws
+from .result import Result
+from .solve import adiabatic, independent, newton
+
+__version__: Final = _core.version
+
+#: Names of the outcome codes, in the order of their numbers.
+OUTCOMES: Final = _core.outcome_names
+
+__all__ = [  # noqa: PLE0604
+    "FLOOR",
+    "LAWS",
+    "OUTCOMES",
+    "PAPER_DENSITY",
+    "Ball",
+    "Column",
+    "Contact",
+    "Result",
+    "adiabatic",
+    "independent",
+    "newton",
+    *(name for name in _laws if name != "LAWS"),
+]
