@@ -1,9 +1,9 @@
-// One step of the explicit Runge-Kutta method of Dormand and Prince of order 8, with error estimators of orders
-// 5 and 3, for an autonomous system dy/dτ = f(y):
+// One step of the explicit Runge-Kutta method of Dormand and Prince of order 8, with error estimators of
+// orders 5 and 3, for an autonomous system dy/dτ = f(y):
 //   k_i = f(y + h Σ_{j<i} a_ij k_j),  y(h) = y + h Σ b_i k_i,
 //   error = |h| e5²/√((e5² + 0.01 e3²) n),  e5, e3 = norms of Σ e_i k_i in units of the caller's scale.
-// Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (2nd ed., 1993), Sec. II.5, II.10.
-// The quotient behaves as h^8, so one exponent 1/8 steers the step.
+// Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (2nd ed., 1993), Sec. II.5,
+// II.10. The quotient behaves as h^8, so one exponent 1/8 steers the step.
 //
 // There is no interpolant. A state inside a step is the end of a shorter step from the same start: it has the
 // full order, at the price of the twelve stages, and nothing but the start needs to be remembered.
@@ -58,7 +58,8 @@ struct DormandPrince {
         -0.3503288487499736816886487290, 0.3341791187130174790297318841,
         0.8192320648511571246570742613e-1, -0.2235530786388629525884427845e-1};
     static constexpr double third[3] = {  // e3 = b except at stages 1, 9 and 12
-        0.244094488188976377952755905512, 0.733846688281611857341361741547, 0.220588235294117647058823529412e-1};
+        0.244094488188976377952755905512, 0.733846688281611857341361741547,
+        0.220588235294117647058823529412e-1};
 
     // out = y(h) from y and k[0..n) = f(y). `k` [stages * n] receives the stages. `out` must not alias `y`.
     template <class Rhs>

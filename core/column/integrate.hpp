@@ -1,6 +1,6 @@
-// Newton's equations for N balls in a column and any contact law, integrated with high order and every switch of
-// a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
-//   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v of ball 1),
+// Newton's equations for N balls in a column and any contact law, integrated with high order and every switch
+// of a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
+//   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v_1),
 //   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
 // The law is asked for nothing but the interface in contact/law.hpp.
 //
@@ -8,32 +8,34 @@
 // contact is closed its coordinate is therefore s = ξ^{1/p} (p = Law::onset_power), in which the force is a
 // polynomial, and time runs as dt = g dτ:
 //   ds_j/dτ = rate_j g/(p s_j^{p−1}),   1/g² = 1 + Σ_j (s_j/ℓ_j)^{2−2p}   over the closed contacts,
-// so that g/s_j^{p−1} is bounded and smooth. Written relative to the smallest s it needs no division by zero, and
-// g has the sign of that s: the solution continues smoothly through s = 0, where the end of an elastic contact is
-// a simple zero like any other. (1/g linear in 1/s has a pole where two contacts end at one instant.) A contact
-// that is pressed only indirectly (rate = 0 at touch) has ξ ~ t^{7/2} or so: there ξ is the better coordinate, and
-// the choice is made anew before each step; it costs nothing, since a one-step method has no memory. p = 1: ξ, g = 1.
+// so that g/s_j^{p−1} is bounded and smooth. Written relative to the smallest s it needs no division by zero,
+// and g has the sign of that s: the solution continues smoothly through s = 0, where the end of an elastic
+// contact is a simple zero like any other. (1/g linear in 1/s has a pole where two contacts end at one
+// instant.) A contact that is pressed only indirectly (rate = 0 at touch) has ξ ~ t^{7/2} or so: there ξ is
+// the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
+// method has no memory. p = 1: ξ, g = 1.
 //
 // Switches of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
 //   open → closed      gap                     slack → open      ξ
 //   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
-// The third is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double one. A slack pair
-// overlaps without force. After a switch the state is put exactly on the surface, and the function that vanishes
-// there counts again once it has become positive; a value below zero while it rises is rounding.
-// A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on, and whether it
+// That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
+// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the function that
+// vanishes there counts again once it has become positive; a value below zero while it rises is rounding. A
+// pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on, and whether it
 // becomes a contact, from that instant, is decided by the sign of ξ once that stands out from rounding.
 //
-// A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from the
-// start of the interval. Two zeros within a step show as a minimum, which is followed until it is decided.
-// While no force acts the motion is a parabola and everything is in closed form.
+// A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
+// the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
+// decided. While no force acts the motion is a parabola and everything is in closed form.
 //
-// Energy: potential = Σ_j W_j gap_j with W_j the weight above gap j (zero for balls lying on each other), the only
-// form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack pair gives
-// back of its stored energy is dissipation too.
+// Energy: potential = Σ_j W_j gap_j with W_j the weight above gap j (zero for balls lying on each other), the
+// only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
+// pair gives back of its stored energy is dissipation too.
 //
-// Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy with
-// B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end only if this
-// reaches min_ξ B_j(ξ) + m_eff (ξ/τ_r)²/2, the least energy with ξ + τ_r rate = 0. Below that it never ends.
+// Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
+// with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end
+// only if this reaches min_ξ B_j(ξ) + m_eff (ξ/τ_r)²/2, the least energy with ξ + τ_r rate = 0. Below that it
+// never ends.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -47,10 +49,10 @@
 namespace hardlimit::column {
 
 struct IntegrateOptions {
-    double tolerance = 1e-14;     // local error in units of the impact (see Scales)
-    long max_steps = 2'000'000;   // integration steps and switches together
-    double until = math::nan;     // [s] after the first floor touch (cradle: after release); NaN: end of sequence
-    bool record = false;          // keep what sample() needs
+    double tolerance = 1e-14;    // local error in units of the impact (see Scales)
+    long max_steps = 2'000'000;  // integration steps and switches together
+    double until = math::nan;    // [s] after the first floor touch (cradle: release); NaN: end of sequence
+    bool record = false;         // keep what sample() needs
 };
 
 namespace newton {
@@ -58,7 +60,8 @@ namespace newton {
 enum class Pair : unsigned char { open, touching, slack, closed };
 enum class Switch : unsigned char { none, begins, ends, opens, engages, parts };
 
-// Start of an interval without switches. State: N coordinates (gap or s), N velocities, time, dissipated energy.
+// Start of an interval without switches. State: N coordinates (gap or s), N velocities, time, dissipated
+// energy.
 struct Interval {
     double t, length;  // length in τ
     std::vector<double> y;
@@ -73,7 +76,7 @@ struct Integration {
     Sequence sequence;               // times relative to the first floor touch (cradle: release)
     std::vector<Contact> contacts;   // sorted by begin; with `until`, those that begin up to it
     double t_stop = math::nan;       // [s] time of the state below
-    std::vector<double> gaps;        // [N] [m] at `until`, else at t_end (two balls), else where the run stopped
+    std::vector<double> gaps;        // [N] [m] at `until`, else t_end (two balls), else where the run stopped
     std::vector<double> velocity;    // [N] [m/s]
     long steps = 0;                  // integration steps, rejected ones included, and switches
     double energy_error = 0.0;       // largest error of the energy balance relative to the initial energy
@@ -117,7 +120,8 @@ double pair_mass(const Column<Law>& c, int j) {
     return effective(j == 0 ? math::infinity : c.mass[j - 1], c.mass[j]);
 }
 
-// Units: the impact speed, and of each contact the compression ξ = s^p an elastic impact at this speed reaches.
+// Units: the impact speed, and of each contact the compression ξ = s^p an elastic impact at this speed
+// reaches.
 struct Scales {
     double speed = 0.0, time = math::infinity, energy = 0.0;
     std::vector<double> s, depth;  // [N] ℓ_j and ℓ_j^p
@@ -270,8 +274,8 @@ struct Motion {
         rooted[j] = use_root;
     }
 
-    // s where the contact is compressed or being compressed in earnest, the gap elsewhere. Returns whether any
-    // coordinate has changed.
+    // s where the contact is compressed or being compressed in earnest, the gap elsewhere. Returns whether
+    // any coordinate has changed.
     bool choose_coordinates(double* y) {
         if constexpr (p == 1) return false;
         bool changed = false, at_zero = false;
@@ -322,7 +326,9 @@ struct Equilibrium {
 
     bool holds(const Motion<Law>& motion, const double* y) const {
         double total = motion.energies(y).kinetic;
-        for (int j = 0; j < motion.balls(); ++j) total += excess(motion.column->contacts[j], j, motion.s(j, y));
+        for (int j = 0; j < motion.balls(); ++j) {
+            total += excess(motion.column->contacts[j], j, motion.s(j, y));
+        }
         return total < barrier || total < rounding;
     }
 };
@@ -346,7 +352,7 @@ public:
     Integration<Law> integrate() {
         if (!(motion.scales.speed > 0.0)) {
             sequence().outcome = Outcome::invalid;
-            return std::move(result);
+            return finish();
         }
         const Energies e = motion.energies(y.data());
         initial_energy = e.kinetic + e.potential;
@@ -382,6 +388,8 @@ private:
     double now() const { return y[motion.clock()]; }
     double tiny(int j) const { return 10.0 * options.tolerance * motion.scales.depth[j]; }
 
+    bool clock_started() const { return !column.floor || !math::is_nan(result.sequence.t_first_touch); }
+
     // With `until`, more than two balls need nothing after it; two balls need the rest of the sequence.
     bool complete() {
         if (!timed) return sequence().finished;
@@ -393,7 +401,7 @@ private:
     // Ends the interval at `end`, `length` in τ after y, with a switch of pair j there.
     void close_interval(double length, Switch what, int j) {
         record(length);
-        if (timed && !kept && end[motion.clock()] >= options.until) {
+        if (timed && !kept && clock_started() && end[motion.clock()] >= options.until) {
             motion.reach(y.data(), k.data(), length, options.until, trial.data());
             keep(trial);
             if (complete()) {
@@ -452,7 +460,7 @@ private:
         Next next;
         for (int j = column.floor ? 0 : 1; j < column.balls; ++j) next_of_pair(j, next);
         if (next.what == Switch::none) {
-            if (column.floor && math::is_nan(sequence().t_first_touch)) sequence().outcome = Outcome::never_lands;
+            if (!clock_started()) sequence().outcome = Outcome::never_lands;
             stopped = true;
             if (!timed || kept || sequence().outcome == Outcome::never_lands) return;
             next.dt = options.until - now();
@@ -606,7 +614,8 @@ private:
 
     bool still_fresh(int j) const {
         for (const Switch kind : switches_of(j)) {
-            if (kind != Switch::none && !(surface(j, kind, end.data(), k_end.data()).value > 0.0)) return true;
+            if (kind == Switch::none) continue;
+            if (!(surface(j, kind, end.data(), k_end.data()).value > 0.0)) return true;
         }
         return false;
     }
@@ -644,7 +653,8 @@ private:
             const double d = (a.smooth_slope + b.smooth_slope - 2.0 * chord) / (width * width);
             const double c = (3.0 * chord - 2.0 * a.smooth_slope - b.smooth_slope) / width;
             const double square = math::max(c * c - 3.0 * d * a.smooth_slope, 0.0);
-            const double x = math::clamp(-a.smooth_slope / (c + math::sqrt(square)), 0.01 * width, 0.99 * width);
+            const double lowest = -a.smooth_slope / (c + math::sqrt(square));
+            const double x = math::clamp(lowest, 0.01 * width, 0.99 * width);
             const double least = a.smooth + x * (a.smooth_slope + x * (c + x * d));
             const double margin = 0.1 * width * math::max(-a.smooth_slope, b.smooth_slope);
             if (!(least < margin)) return false;
@@ -682,7 +692,7 @@ private:
     void apply(Switch what, int j) {
         motion.choose_coordinate(j, y.data(), false);
         const double rate = motion.rate(j, y.data());
-        const double balanced = column.contacts[j].relaxation_time() * rate;  // the gap at which the force is 0
+        const double balanced = column.contacts[j].relaxation_time() * rate;  // gap of zero force
         fresh[j] = 1;
         switch (what) {
             case Switch::none: break;
@@ -803,18 +813,20 @@ struct Samples {
     double* gaps;       // [n × N] [m]
     double* velocity;   // [n × N] [m/s]
     double* force;      // [n × N] [N], pair 0 (floor) first
-    Energies* energies; // [n] [J]
+    Energies* energies;  // [n] [J]
 };
 
 // State at n times from a recorded integration. NaN outside the recorded range.
 template <class Law>
-void sample(const Column<Law>& column, const Integration<Law>& run, const double* times, long n, Samples out) {
+void sample(const Column<Law>& column, const Integration<Law>& run, const double* times, long n,
+            const Samples& out) {
     newton::Motion<Law> motion(column);
     const int balls = column.balls;
     std::vector<double> k(motion.dimension()), y(motion.dimension());
     for (long i = 0; i < n; ++i) {
-        const auto after = std::upper_bound(run.intervals.begin(), run.intervals.end(), times[i],
-                                            [](double t, const newton::Interval& node) { return t < node.t; });
+        const auto after =
+            std::upper_bound(run.intervals.begin(), run.intervals.end(), times[i],
+                             [](double t, const newton::Interval& interval) { return t < interval.t; });
         const bool known = after != run.intervals.begin() && times[i] <= run.intervals.back().t;
         if (known) {
             const newton::Interval& from = *(after - 1);
