@@ -19,10 +19,11 @@
 //   open → closed      gap                     slack → open      ξ
 //   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
 // That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
-// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the function that
-// vanishes there counts again once it has become positive; a value below zero while it rises is rounding. A
-// pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on, and whether it
-// becomes a contact, from that instant, is decided by the sign of ξ once that stands out from rounding.
+// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the
+// function that vanishes there counts again once it has become positive; a value below zero while it rises is
+// rounding. A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on,
+// and whether it becomes a contact, from that instant, is decided by the sign of ξ once that stands out from
+// rounding.
 //
 // A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
 // the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
