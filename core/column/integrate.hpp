@@ -75,7 +75,7 @@ struct Interval {
 template <class Law>
 struct Integration {
     Sequence sequence;               // times relative to the first floor touch (cradle: release)
-    std::vector<Contact> contacts;   // sorted by begin; with `until`, those that begin up to it
+    std::vector<Contact> contacts;   // by begin, then pair; with `until`, those that begin up to it
     double t_stop = math::nan;       // [s] time of the state below
     std::vector<double> gaps;        // [N] [m] at `until`, else t_end (two balls), else where the run stopped
     std::vector<double> velocity;    // [N] [m/s]
@@ -794,8 +794,9 @@ private:
         if (timed) {
             std::erase_if(result.contacts, [&](const Contact& c) { return c.begin > options.until; });
         }
-        std::stable_sort(result.contacts.begin(), result.contacts.end(),
-                         [](const Contact& a, const Contact& b) { return a.begin < b.begin; });
+        std::sort(result.contacts.begin(), result.contacts.end(), [](const Contact& a, const Contact& b) {
+            return a.begin < b.begin || (a.begin == b.begin && a.pair < b.pair);
+        });
         if (column.balls != 2) sequence().relative_velocity = sequence().separation_velocity = math::nan;
         sequence().close();
         return std::move(result);
