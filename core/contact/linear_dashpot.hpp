@@ -19,8 +19,8 @@ HL_FN double linear_scaled_duration(double b) {
         return 2.0 * math::atan2_upper(w, b) / w;
     }
     if (b == 1.0) return 2.0;
-    const double inverse = 1.0 / b;
-    const double s = b * math::sqrt((1.0 - inverse) * (1.0 + inverse));  // √(b² − 1) without overflow
+    // √(b² − 1) without overflow; b − 1 is exact near 1, 1 − 1/b would cost four digits there.
+    const double s = math::sqrt(b - 1.0) * math::sqrt(b + 1.0);
     return 2.0 * math::log1p((b - 1.0) + s) / s;
 }
 
@@ -74,7 +74,7 @@ struct LinearDashpot {
     // parameters: common first, then those of the alternative.
     static LinearDashpot from_parameters(int alternative, const double* p, PairGeometry pair) {
         if (alternative == 1) return {p[0], p[1]};
-        const double b = linear_damping_ratio(-math::log1p(p[1] - 1.0));
+        const double b = linear_damping_ratio(-math::log(p[1]));
         return {p[0], 2.0 * b * math::sqrt(p[0]) * math::sqrt(pair.effective_mass)};
     }
 

@@ -244,7 +244,7 @@ struct Viscoelastic {
         const double rho =
             2.0 * p[0] * math::sqrt(pair.effective_radius) / (3.0 * ((1.0 - p[1]) * (1.0 + p[1])));
         if (alternative == 0) return {rho, p[2]};
-        const double x = viscoelastic_argument(-math::log1p(p[2] - 1.0));
+        const double x = viscoelastic_argument(-math::log(p[2]));
         return {rho, x / argument_per_time(rho, pair.effective_mass, p[3])};
     }
 
