@@ -443,6 +443,8 @@ void bind_columns(nb::module_& m) {
 
 }  // namespace
 
+void bind_sweep(nb::module_& m);
+
 NB_MODULE(_core, m) {
     m.attr("version") = HARDLIMIT_VERSION;
     nb::list names, messages;
@@ -455,4 +457,5 @@ NB_MODULE(_core, m) {
     bind_contacts(m);
     bind_math(m);
     bind_columns(m);
+    bind_sweep(m);
 }

@@ -8,6 +8,7 @@ from .contact import FLOOR, Ball, Contact
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
+from .maps import sweep
 from .result import Result
 from .solve import adiabatic, independent, newton
 
@@ -28,5 +29,6 @@ __all__ = [  # noqa: PLE0604
     "adiabatic",
     "independent",
     "newton",
+    "sweep",
     *(name for name in _laws if name != "LAWS"),
 ]

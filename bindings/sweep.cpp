@@ -1,0 +1,100 @@
+// Bindings of the maps: hand over arrays, run the threads with the interpreter unlocked, stay interruptible.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+
+#include "contact/registry.hpp"
+#include "sweep/map.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+namespace hl = hardlimit;
+namespace sw = hardlimit::sweep;
+
+namespace {
+
+using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Bytes = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Doubles = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+double* doubles(const nb::dict& out, const char* name) {
+    return out.contains(name) ? nb::cast<Doubles>(out[name]).data() : nullptr;
+}
+std::uint8_t* bytes(const nb::dict& out, const char* name) {
+    return out.contains(name) ? nb::cast<Bytes>(out[name]).data() : nullptr;
+}
+
+using Worker = void (*)(sw::Job&, hl::u64);
+
+Worker worker_for(const std::string& law) {
+#define HL_WORKER(Law) \
+    if (law == hl::contact::Law::record.name) return &sw::work<hl::contact::Law>;
+    HARDLIMIT_LAWS(HL_WORKER)
+#undef HL_WORKER
+    throw nb::value_error(("law: unknown name " + law).c_str());
+}
+
+// Points first … first + count − 1 of the map. Returns the contact counts above 255 as (point, count).
+nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2, int restitution_at,
+                 const std::vector<Values>& values, const std::vector<hl::u64>& strides, hl::u64 first, hl::u64 count,
+                 int threads, const nb::dict& out, nb::object progress) {
+    if (values.size() != sw::parameter_count || strides.size() != sw::parameter_count)
+        throw nb::value_error("values: wrong number of parameters");
+    sw::Job job{};
+    for (int i = 0; i < sw::parameter_count; ++i)
+        job.axes.axis[i] = {values[i].data(), strides[i], values[i].shape(0)};
+    job.setting = {static_cast<sw::Model>(model), alternative, density_1, density_2, restitution_at};
+    job.first = first;
+    job.count = count;
+    job.out = {bytes(out, "n_contacts"), bytes(out, "outcome"), doubles(out, "relative_velocity"),
+               doubles(out, "separation_velocity"), doubles(out, "effective_restitution"),
+               doubles(out, "restitution_ratio"), doubles(out, "t_end"), doubles(out, "t_floor_end")};
+    const Worker worker = worker_for(law);
+    const hl::u64 block = std::max<hl::u64>(1, std::min<hl::u64>(4096, count / (8 * threads) + 1));
+    bool interrupted = false;
+    {
+        nb::gil_scoped_release unlocked;
+        std::vector<std::thread> pool;
+        job.running = threads;
+        for (int i = 0; i < threads; ++i) pool.emplace_back(worker, std::ref(job), block);
+        auto told = std::chrono::steady_clock::now();
+        int pause_us = 50;
+        while (job.running > 0) {
+            std::this_thread::sleep_for(std::chrono::microseconds(pause_us));
+            pause_us = std::min(2 * pause_us, 20000);
+            const auto now = std::chrono::steady_clock::now();
+            if (now - told < std::chrono::milliseconds(100)) continue;
+            told = now;
+            nb::gil_scoped_acquire locked;
+            if (PyErr_CheckSignals() != 0) interrupted = true;
+            if (!interrupted && !progress.is_none()) {
+                try {
+                    progress(job.done.load());
+                } catch (nb::python_error& e) {
+                    e.restore();
+                    interrupted = true;
+                }
+            }
+            if (interrupted) job.stop = true;
+            if (interrupted) break;
+        }
+        for (std::thread& t : pool) t.join();
+    }
+    if (interrupted) throw nb::python_error();
+    nb::list large;
+    for (const sw::LargeCount& k : job.large) large.append(nb::make_tuple(k.point, k.count));
+    return large;
+}
+
+}  // namespace
+
+void bind_sweep(nb::module_& m) {
+    m.attr("sweep_parameters") = sw::parameter_count;
+    m.attr("max_law_parameters") = hl::max_parameters;
+    m.def("run_map", &run_map, "law"_a, "model"_a, "alternative"_a, "density_1"_a, "density_2"_a, "restitution_at"_a,
+          "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "out"_a, "progress"_a.none());
+}
