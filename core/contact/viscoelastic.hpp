@@ -60,11 +60,13 @@ HL_FN double evaluate(const double* c, double h) {
     return sum;
 }
 
-// Step for which the last two terms of σ and V fall below rounding.
-HL_FN double step_size(const Series& c) {
-    double h = 1e300;
+// Step for which the last two terms of σ and V fall below rounding. V ends as ε, which may be tiny: its terms
+// count against V itself, or where that passes through zero against the speed p σ² at which the contact ends.
+HL_FN double step_size(const Series& c, double p) {
+    const double speed = math::max(math::abs(c.v[0]), p * c.s[0] * c.s[0]);
+    double h = 4.0;  // longer than any step, and left alone where the terms underflow
     for (int n = order - 1; n <= order; ++n) {
-        const double largest = math::max(math::abs(c.s[n]), math::abs(c.v[n]));
+        const double largest = math::max(math::abs(c.s[n]), math::abs(c.v[n]) / speed);
         if (largest > 0.0) h = math::min(h, math::exp(math::log(1e-18 / largest) / n));
     }
     return h;
@@ -83,7 +85,7 @@ HL_FN UniversalCollision viscoelastic_collision(double x) {
     Series c;
     for (int step = 0; step < 1000; ++step) {
         expand(sigma, velocity, p, r, c);
-        double h = step_size(c);
+        double h = step_size(c, p);
         // The end as a simple zero of g = σ − √(−r V/p): also at x = 0, where pσ² + rV has a double one.
         const auto g = [&](double at) {
             const double s1 = evaluate(c.s, at), v1 = evaluate(c.v, at);
