@@ -7,7 +7,7 @@
 // m_eff. The solver is therefore the same. Amplitude and phase of A4, whose p is 0/0 at z = z_inh, are not formed:
 // the state itself is propagated. Damping constants stay those of the real contacts.
 #pragma once
-#include "exact.hpp"
+#include "two_ball.hpp"
 
 namespace hardlimit::column {
 

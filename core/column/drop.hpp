@@ -1,11 +1,10 @@
 // Two balls in SI units through the exact solver: start of the drop, recording, sampling anywhere.
 #pragma once
-#include "adiabatic.hpp"
 #include "exact.hpp"
+#include "start.hpp"
+#include "state.hpp"
 
 namespace hardlimit::column {
-
-enum class Coupling { full, adiabatic };
 
 using LinearColumn = Column<contact::LinearDashpot>;
 
@@ -22,57 +21,6 @@ struct Recorder {
     }
     void ends(int pair, double t) { contacts[static_cast<std::size_t>(open[pair])].end = t; }
 };
-
-// For maps: nothing but the sequence itself.
-struct NoRecorder {
-    HL_FN void node(const Node&) {}
-    HL_FN void begins(int, double) {}
-    HL_FN void ends(int, double) {}
-};
-
-struct Start {
-    TwoBall groups;
-    Units units;
-    Gaps released, first;     // at release, and where the solver starts (the touch, unless the pair meets first)
-    double fall;              // time from release to the touch, in scaled time
-    double t;                 // of `first`
-    Outcome outcome;
-};
-
-// Speed at the floor, V = √(v1² + 2 g u).
-HL_FN double impact_speed(double gap, double velocity, double gravity) {
-    return math::sqrt(velocity * velocity + 2.0 * gravity * gap);
-}
-
-HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1, double m2,
-                           double gravity, Gaps released, Coupling coupling) {
-    Start s{};
-    const double speed = impact_speed(released.u, released.du, gravity);
-    const double fall = fall_time(released.u, released.du, gravity);
-    s.groups = coupling == Coupling::full ? coupled_groups(floor, pair, m1, m2, gravity, speed, s.units)
-                                          : adiabatic_groups(floor, pair, m1, m2, gravity, speed, s.units);
-    s.outcome = !(speed > 0.0)           ? Outcome::invalid
-                : math::is_nan(fall) ? Outcome::never_lands
-                                     : Outcome::ok;
-    const double length = s.units.rate / speed;
-    s.released = {released.u * length, released.du / speed, released.w * length, released.dw / speed};
-    s.fall = fall * s.units.rate;
-    const double w_touch = s.released.w + s.released.dw * s.fall;
-    const bool pair_first = s.released.dw < 0.0 && w_touch < 0.0 && s.fall > 0.0;
-    s.first = pair_first ? s.released : Gaps{0.0, -1.0, w_touch, s.released.dw};
-    s.t = pair_first ? -s.fall : 0.0;
-    return s;
-}
-
-// Scaled sequence to SI units; times from the first floor touch.
-HL_FN void to_si(Sequence& q, const Units& units) {
-    const double t0 = math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
-    q.t_end = (q.t_end - t0) / units.rate;
-    q.t_floor_end = (q.t_floor_end - t0) / units.rate;
-    q.relative_velocity *= units.speed;
-    q.separation_velocity *= units.speed;
-    q.t_first_touch = t0 / units.rate;
-}
 
 struct Drop {
     Start start;

@@ -12,37 +12,10 @@
 // parabola itself. Each switch is the first zero of a polynomial on [0, 1], found by steps that provably cannot
 // pass it (first_crossing).
 #pragma once
-#include "../contact/linear_dashpot.hpp"
 #include "sequence.hpp"
-#include "state.hpp"
+#include "two_ball.hpp"
 
 namespace hardlimit::column {
-
-// The dimensionless groups of the problem.
-struct TwoBall {
-    double a1, a2;   // floor and reaction couplings
-    double c1, c2;   // damping times γ/k of floor and pair
-    double gravity;  // G = g/(V ω)
-};
-
-// Units of the scaled problem: length speed/rate, time 1/rate.
-struct Units {
-    double speed, rate;
-};
-
-// Fully coupled balls: time in units of the pair's own 1/ω12.
-HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
-                             double m2, double gravity, double speed, Units& units) {
-    const double reduced = effective(m1, m2);
-    const double rate = math::sqrt(pair.stiffness / reduced);
-    units = {speed, rate};
-    return {(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1, floor.relaxation_time() * rate,
-            pair.relaxation_time() * rate, gravity / (speed * rate)};
-}
-
-struct Gaps {
-    double u, du, w, dw;
-};
 
 // State at the start of a piece, and which contacts are closed in it.
 struct Node {
@@ -429,5 +402,12 @@ HL_FN Sequence run_two_ball(const TwoBall& s, Gaps start, double t, double span,
     sequence.close();
     return sequence;
 }
+
+// For maps: nothing but the sequence itself.
+struct NoRecorder {
+    HL_FN void node(const Node&) {}
+    HL_FN void begins(int, double) {}
+    HL_FN void ends(int, double) {}
+};
 
 }  // namespace hardlimit::column

@@ -8,6 +8,7 @@
 
 #include "../contact/law.hpp"
 #include "../outcome.hpp"
+#include "flight.hpp"
 
 namespace hardlimit::column {
 
@@ -28,14 +29,5 @@ struct Contact {
     int pair;
     double begin, end;  // end is NaN for a contact that never ends or was still open when the run stopped
 };
-
-// Time of the first floor touch after release, or NaN if the lowest ball never lands. The stable root of
-// gap + v t − g t²/2 = 0.
-HL_FN double fall_time(double gap, double velocity, double gravity) {
-    if (gap <= 0.0) return velocity < 0.0 || gravity > 0.0 ? 0.0 : math::nan;
-    if (gravity == 0.0) return velocity < 0.0 ? -gap / velocity : math::nan;
-    const double speed = math::sqrt(velocity * velocity + 2.0 * gravity * gap);
-    return velocity > 0.0 ? (velocity + speed) / gravity : 2.0 * gap / (speed - velocity);
-}
 
 }  // namespace hardlimit::column

@@ -13,7 +13,7 @@ Method = Literal["auto", "exact", "general"]
 
 
 def newton(
-    column: Column, until: float | None = None, *, method: Method = "auto", tolerance: float = 1e-13
+    column: Column, until: float | None = None, *, method: Method = "auto", tolerance: float = 1e-14
 ) -> Result:
     """Newton's equations (Eq. 14): exact where the law allows, else integrated with every switch located.
 
@@ -39,7 +39,7 @@ def newton(
         raise ValueError(f"method: got {method!r}, must be auto, exact or general")
     if method == "exact" and not exact:
         raise ValueError("method: got 'exact', must be auto or general unless two balls fall on a floor, linear law")
-    if tolerance != 1e-13:
+    if tolerance != 1e-14:
         tolerance = validation.number("tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True)
     general = method == "general" or not exact
     words = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"

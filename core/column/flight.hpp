@@ -1,0 +1,21 @@
+// The fall of the lowest ball, before and between contacts.
+#pragma once
+#include "../math.hpp"
+
+namespace hardlimit::column {
+
+// Time of the first floor touch after release, or NaN if the lowest ball never lands. The stable root of
+// gap + v t − g t²/2 = 0.
+HL_FN double fall_time(double gap, double velocity, double gravity) {
+    if (gap <= 0.0) return velocity < 0.0 || gravity > 0.0 ? 0.0 : math::nan;
+    if (gravity == 0.0) return velocity < 0.0 ? -gap / velocity : math::nan;
+    const double speed = math::sqrt(velocity * velocity + 2.0 * gravity * gap);
+    return velocity > 0.0 ? (velocity + speed) / gravity : 2.0 * gap / (speed - velocity);
+}
+
+// Speed at the floor, V = √(v1² + 2 g u).
+HL_FN double impact_speed(double gap, double velocity, double gravity) {
+    return math::sqrt(velocity * velocity + 2.0 * gravity * gap);
+}
+
+}  // namespace hardlimit::column
