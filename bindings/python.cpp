@@ -408,12 +408,13 @@ void bind_math(nb::module_& m) {
           [](const std::string& name, In x) {
               namespace hm = hl::math;
               const std::pair<const char*, double (*)(double)> functions[] = {
-                  {"exp", &hm::exp}, {"log", &hm::log}, {"log1p", &hm::log1p}, {"sin", &hm::sin}, {"cos", &hm::cos}};
+                  {"exp", &hm::exp<double>}, {"log", &hm::log<double>}, {"log1p", &hm::log1p<double>},
+                  {"sin", &hm::sin<double>}, {"cos", &hm::cos<double>}};
               for (const auto& [known, f] : functions)
                   if (name == known) return map(x, f);
               throw nb::value_error("name: exp, log, log1p, sin or cos");
           }, "name"_a, "x"_a, "The core's own elementary functions, for their tests.");
-    m.def("atan2_upper", &hl::math::atan2_upper, "y"_a, "x"_a);
+    m.def("atan2_upper", &hl::math::atan2_upper<double>, "y"_a, "x"_a);
 }
 
 void bind_columns(nb::module_& m) {
