@@ -404,6 +404,7 @@ private:
         record(length);
         if (timed && !kept && clock_started() && end[motion.clock()] >= options.until) {
             motion.reach(y.data(), k.data(), length, options.until, trial.data());
+            trial[motion.clock()] = options.until;  // reached to rounding: below it, sample() would not know this state
             keep(trial);
             if (complete()) {
                 y = trial;
