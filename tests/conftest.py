@@ -1,0 +1,124 @@
+"""What several test files share: the reference data, random columns, two balls at given masses."""
+
+import csv
+import json
+import math
+from pathlib import Path
+
+from hypothesis import settings
+from hypothesis import strategies as st
+
+import hardlimit as hl
+
+DATA = Path(__file__).parent / "data"
+
+# The same examples on every machine; a slow shared one is no failure.
+settings.register_profile("hardlimit", deadline=None, derandomize=True, database=None)
+settings.load_profile("hardlimit")
+
+TWO_BALL_TABLES = ["two_ball_paper", "two_ball_ratio", "two_ball_wide"]
+
+#: Constants of common solids, by name of the parameter; of others the middle of the accepted range.
+TYPICAL = {"stiffness": 1e7, "youngs_modulus": 1e9, "poisson_ratio": 0.3}
+
+
+def table(name: str) -> list[dict[str, str]]:
+    with open(DATA / f"{name}.csv", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def columns_json() -> list[dict]:
+    return json.loads((DATA / "columns.json").read_text(encoding="utf-8"))
+
+
+def number(field: str) -> float:
+    """A field of a table; an empty one is NaN."""
+    return float(field) if field else math.nan
+
+
+def two_ball_column(row: dict[str, str]) -> hl.Column:
+    """The drop of one row of the linear two-ball tables."""
+    law = hl.LinearDashpot(stiffness=float(row["stiffness_N_m"]), restitution=float(row["restitution"]))
+    density = float(row["density_kg_m3"])
+    balls = [hl.Ball(float(row[f"radius_{i}_m"]), density=density) for i in (1, 2)]
+    return hl.Column(balls, [float(row["gap_m"])], float(row["height_m"]), law)
+
+
+def common_constants(name: str) -> dict[str, float]:
+    """Values for what a law always needs, also for a law that these tests have never heard of."""
+    constants = {}
+    for p in hl.LAWS[name].record["common"]:
+        bounded = math.isfinite(p["lowest"]) and math.isfinite(p["highest"])
+        middle = 0.5 * (p["lowest"] + p["highest"]) if bounded else max(p["lowest"], 0.0) + 1e7
+        constants[p["name"]] = TYPICAL.get(p["name"], middle)
+    return constants
+
+
+def law_of(name: str, restitution: float, speed: float = 1.0) -> hl.contact.Law:
+    """A law of the given kind whose contacts have ``restitution`` at ``speed``."""
+    given = {"restitution": restitution, "impact_speed": speed}
+    choices = hl.LAWS[name].record["alternatives"]
+    wanted = next(c for c in choices if any(p["name"] == "restitution" for p in c))
+    return hl.LAWS[name](**common_constants(name), **{p["name"]: given[p["name"]] for p in wanted})
+
+
+def damping_name(name: str) -> str:
+    """The material constant of a law that damps: the alternative to a restitution."""
+    choices = hl.LAWS[name].record["alternatives"]
+    (other,) = next(c for c in choices if all(p["name"] != "restitution" for p in c))
+    return other["name"]
+
+
+def falling(masses, gaps, law, *, radius=0.02, speed=1.0, gravity=0.0) -> hl.Column:
+    """Balls that all move down at ``speed``, the lowest one touching the floor."""
+    balls = [hl.Ball(radius, mass=m) for m in masses]
+    return hl.Column(balls, gaps, radius, law, velocities=-speed, gravity=gravity)
+
+
+def long_after(column: hl.Column, method: str = "general") -> hl.Result:
+    """The column a thousand durations of its floor contact later."""
+    duration = column.contacts[0].duration(column.impact_speed)
+    return hl.newton(column, until=1e3 * duration, method=method)
+
+
+def log_floats(low: float, high: float) -> st.SearchStrategy[float]:
+    """Floats spread evenly over decades."""
+    return st.floats(math.log(low), math.log(high)).map(math.exp)
+
+
+restitutions = st.one_of(
+    st.floats(0.05, 1.0), st.sampled_from([1.0, math.exp(-2.0), math.exp(-math.pi / 2.0), 0.999, 0.01])
+)
+
+
+@st.composite
+def laws(draw, restitution=restitutions) -> hl.contact.Law:
+    name = draw(st.sampled_from(sorted(hl.LAWS)))
+    return law_of(name, draw(restitution), draw(log_floats(0.3, 3.0)))
+
+
+@st.composite
+def columns(draw, law=None, least=2, most=5, gravity=None) -> hl.Column:
+    """Random columns of a few balls above a floor."""
+    n = draw(st.integers(least, most))
+    radii = [draw(log_floats(3e-3, 3e-2)) for _ in range(n)]
+    gaps = [draw(st.one_of(st.just(0.0), log_floats(1e-7, 1e-3))) for _ in range(n - 1)]
+    fall = draw(log_floats(1e-2, 0.5))
+    density = draw(log_floats(500.0, 8000.0))
+    chosen = draw(laws()) if law is None else draw(law)
+    g = draw(st.sampled_from([9.81, 1.62])) if gravity is None else gravity
+    speed = 0.0 if g > 0.0 else -draw(log_floats(0.2, 3.0))
+    balls = [hl.Ball(r, density=density) for r in radii]
+    return hl.Column(balls, gaps, radii[0] + fall, chosen, velocities=speed, gravity=g)
+
+
+@st.composite
+def free_columns(draw, law=None, least=2, most=5) -> hl.Column:
+    """Random balls in a row that run into each other, without floor and gravity."""
+    n = draw(st.integers(least, most))
+    balls = [hl.Ball(draw(log_floats(3e-3, 3e-2)), density=2500.0) for _ in range(n)]
+    gaps = [draw(st.one_of(st.just(0.0), log_floats(1e-7, 1e-3))) for _ in range(n - 1)]
+    velocities = sorted((draw(st.floats(-2.0, 2.0)) for _ in range(n)), reverse=True)
+    if velocities[0] - velocities[-1] < 0.1:
+        velocities[0] += 1.0
+    return hl.Column.cradle(balls, velocities, draw(laws()) if law is None else draw(law), gaps)
