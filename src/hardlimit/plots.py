@@ -7,6 +7,7 @@ colour for each number of contacts (:func:`count_colours`), so that pictures can
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -447,6 +448,7 @@ def axis_label(name: str, attrs: dict[str, Any] | None = None) -> str:
     """Label of a parameter or a variable with its unit, such as ``initial gap Δh [m]``."""
     label, unit = QUANTITIES.get(name, (str((attrs or {}).get("long_name", name)), ""))
     unit = str((attrs or {}).get("units", unit))
+    unit = re.sub(r"(?<=[a-z])([23])$", lambda m: {"2": "²", "3": "³"}[m[1]], unit)
     return label if unit in ("", "1") else f"{label} [{unit}]"
 
 
@@ -620,3 +622,30 @@ def label_regions(
             clip_on=True,
         )
         text.set_path_effects([withStroke(linewidth=1.8, foreground="white")])
+
+
+def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
+    """One variable of a sweep over one or two parameters: a line or a map.
+
+    Raises
+    ------
+    ValueError
+        If the variable is missing or has more than two dimensions.
+    """
+    if variable not in ds or ds[variable].ndim != 1:
+        return count_map(ds, variable)
+    dim = str(ds[variable].dims[0])
+    x = ds[dim].values if dim in ds.coords else np.arange(ds.sizes[dim])
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH * 0.62, 3.2))
+        ax = figure.subplots()
+        if variable == "n_contacts":
+            ax.step(x, ds[variable].values, where="mid", color=PALETTE["blue"])
+        else:
+            ax.plot(x, ds[variable].values, color=PALETTE["blue"])
+        if is_logarithmic(x):
+            ax.set_xscale("log")
+        ax.set_xlim(x.min(), x.max())
+        ax.set_xlabel(axis_label(dim, dict(ds[dim].attrs)))
+        ax.set_ylabel(axis_label(variable, dict(ds[variable].attrs)))
+    return figure

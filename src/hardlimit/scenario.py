@@ -291,7 +291,7 @@ def with_balls(
 ) -> Scenario:
     """Other radii, densities or masses. One density stands for all balls.
 
-    ``radii`` replaces all radii and may change the number of balls; ``radius_ratio`` R1/R2 changes the lowest.
+    ``radii`` replaces all radii and may change the number of balls; ``radius_ratio`` R1/R2 sets the lowest.
     """
     if densities and masses:
         raise ValueError("density | mass: got both, must be at most one of them")
@@ -345,8 +345,8 @@ def with_motion(
     n = len(scenario.balls)
     return replace(
         scenario,
-        gaps=_fitting("gaps", gaps, scenario.gaps, n - 1),
-        velocities=_fitting("velocities", velocities, scenario.velocities, n),
+        gaps=_fitting("gap", gaps, scenario.gaps, n - 1),
+        velocities=_fitting("velocity", velocities, scenario.velocities, n),
         height=scenario.height if height is None else height,
         gravity=scenario.gravity if gravity is None else gravity,
     )
@@ -355,7 +355,7 @@ def with_motion(
 def _fitting(name: str, given: Sequence[float], present: tuple[float, ...], count: int) -> tuple[float, ...]:
     """The values given, or those present, which may stretch to more balls if they are all the same."""
     if given:
-        limits = {"lowest": 0.0, "lowest_allowed": True} if name == "gaps" else {}
+        limits = {"lowest": 0.0, "lowest_allowed": True} if name == "gap" else {}
         return validation.numbers(name, given[0] if len(given) == 1 else given, count, **limits)
     if len(present) != count and len(set(present)) == 1:
         return present[:1] * count

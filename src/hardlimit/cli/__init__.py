@@ -1,0 +1,35 @@
+"""The command line: ``hardlimit drop | contact | paper | sweep | explore``. It computes nothing itself."""
+
+from __future__ import annotations
+
+import click
+
+from .. import __version__
+from .common import Program
+from .contact import contact
+from .drop import drop
+from .explore import explore
+from .paper import paper
+from .sweep import sweep
+
+
+@click.group(
+    cls=Program,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="Example: hardlimit drop --restitution 0.9 --gap 1e-3 --plot drop.png",
+)
+@click.version_option(__version__, "--version", prog_name="hardlimit")
+@click.pass_context
+def main(context: click.Context) -> None:
+    """How far can you trust an event-driven simulation?
+
+    Columns of balls as instantaneous collisions and under Newton's equations, side by side. Quantities are in
+    SI units.
+    """
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+
+
+for command in (drop, contact, paper, sweep, explore):
+    main.add_command(command)
