@@ -1,0 +1,171 @@
+"""Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), end to end: every figure, and what the text states.
+
+``setup`` holds the paper's columns, ``figure2`` … ``figure8`` compute the data of one figure each,
+``drawing`` draws them, ``statements``, ``misprints`` and ``density`` compare with the text.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, Final
+
+from .. import validation
+from ..column import PAPER_DENSITY
+from . import density as inference
+from . import misprints, statements
+from .data import FIGURES, Data
+from .report import Report, Row
+from .setup import Setup
+
+__all__ = ["FIGURES", "FORMATS", "Report", "Row", "run"]
+
+FORMATS: Final = ("png", "pdf", "svg")
+
+#: Called with the part done, 0 to 1, and what is being done.
+Progress = Callable[[float, str], object]
+
+#: Rough shares of the running time.
+_WEIGHTS: Final = {2: 1.0, 3: 1.5, 4: 20.0, 5: 1.0, 6: 1.0, 7: 3.0, 8: 2.5, "statements": 2.0, "density": 4.0}
+
+
+def run(
+    out: str | Path = "hardlimit-paper",
+    figures: Iterable[int | str] | str | None = None,
+    density: float = PAPER_DENSITY,
+    format: str = "png",
+    infer_density: bool = False,
+    progress: Progress | None = None,
+) -> Report:
+    """Compute the figures and the statements of the paper and write them to a folder.
+
+    Parameters
+    ----------
+    out : path
+        Folder, made if it is missing; holds ``fig2.png``, ``fig2.nc``, … and ``report.md``.
+    figures : list of int, or text such as "2,3,4", optional
+        All by default. Statements that need a figure left out are left out too.
+    density : float [kg/m³]
+        Of both balls; the paper prints none.
+    format : {"png", "pdf", "svg"}
+    infer_density : bool
+        Scan the density for the facts that the paper states; also writes ``density.nc``.
+    progress : callable(part, text), optional
+        ``part`` runs from 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        For an unknown figure or format, a density that is not positive, or a folder that cannot be written.
+    """
+    started = time.perf_counter()
+    chosen = _figures(figures)
+    setup = Setup(validation.number("density", density, 0.0))
+    if format not in FORMATS:
+        raise ValueError(f"format: got {format!r}, must be one of {', '.join(FORMATS)}")
+    folder = _writable(out)
+    steps: list[Any] = [*chosen, "statements", *(["density"] if infer_density else [])]
+    track = _Track(steps, progress)
+
+    report = Report(folder, setup.density)
+    data = Data(setup, track.within)
+    for number in chosen:
+        track.begin(number, f"Fig. {number}")
+        report.files += _write_figure(folder, number, data, format)
+        report.meanings[number] = str(data.figure(number).attrs["meaning"])
+        report.choices[number] = str(data.figure(number).attrs["choices"])
+    track.begin("statements", "statements of the text")
+    report.rows = statements.rows(data, chosen, track.within)
+    scan = None
+    if infer_density:
+        track.begin("density", "density")
+        scan = inference.infer(track.within)
+        report.files.append(
+            _write_data(scan.assign_attrs(data.attributes("Fig. 3 and text")), folder / "density.nc")
+        )
+    report.rows += [*inference.rows(setup, scan), *misprints.rows(setup)]
+    report.wall_time = time.perf_counter() - started
+    page = folder / "report.md"
+    page.write_text(report.to_markdown(), encoding="utf-8")
+    report.files.append(page)
+    track.end()
+    return report
+
+
+def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
+    """The figures asked for, in order and once each."""
+    if figures is None:
+        return tuple(FIGURES)
+    if isinstance(figures, int):
+        figures = [figures]
+    names = figures.split(",") if isinstance(figures, str) else list(figures)
+    known = {str(number): number for number in FIGURES}
+    chosen = set()
+    for name in names:
+        text = str(name).strip()
+        if isinstance(name, bool) or text not in known:
+            raise ValueError(f"figures: got {text!r}, must be among {', '.join(known)}")
+        chosen.add(known[text])
+    if not chosen:
+        raise ValueError(f"figures: got none, must be among {', '.join(known)}")
+    return tuple(sorted(chosen))
+
+
+def _writable(out: str | Path) -> Path:
+    """The folder, made, and seen to take a file."""
+    folder = Path(out)
+    probe = folder / ".hardlimit-write-test"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe.write_bytes(b"")
+        probe.unlink()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise ValueError(f"out: got {str(out)!r}, must be a folder that can be written: {reason}") from None
+    return folder
+
+
+def _write_figure(folder: Path, number: int, data: Data, format: str) -> list[Path]:
+    from .. import plots  # drawing is imported when something is drawn
+    from . import drawing
+
+    picture = plots.save(drawing.draw(number, data.figure(number)), folder / f"fig{number}.{format}")
+    return [picture, _write_data(data.figure(number), folder / f"fig{number}.nc")]
+
+
+def _write_data(data: Any, path: Path) -> Path:
+    large = {name: {"zlib": True, "complevel": 4} for name, v in data.variables.items() if v.size > 10_000}
+    try:
+        data.to_netcdf(path, engine="h5netcdf", encoding=large)
+    except OSError as error:
+        raise ValueError(f"out: got {str(path)!r}, must be writable: {error.strerror or error}") from None
+    return path
+
+
+class _Track:
+    """Turns the progress of single steps into the part of the whole."""
+
+    def __init__(self, steps: list[Any], progress: Progress | None) -> None:
+        self._steps = steps
+        self._progress = progress
+        self._total = sum(_WEIGHTS[step] for step in steps)
+        self._before = 0.0
+        self._step: Any = None
+        self._text = ""
+
+    def begin(self, step: Any, text: str) -> None:
+        """The next step starts."""
+        done = self._steps[: self._steps.index(step)]
+        self._before, self._step, self._text = sum(_WEIGHTS[s] for s in done), step, text
+        self.within(0.0)
+
+    def within(self, part: float) -> None:
+        """Part of the present step that is done."""
+        if self._progress is not None and self._step is not None:
+            self._progress((self._before + part * _WEIGHTS[self._step]) / self._total, self._text)
+
+    def end(self) -> None:
+        """All steps are done."""
+        if self._progress is not None:
+            self._progress(1.0, "done")
