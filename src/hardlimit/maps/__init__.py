@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +13,19 @@ import numpy as np
 
 from .. import validation
 from ..column import Column
-from .plan import VARIABLES, make_plan
+from . import cluster
+from .plan import VARIABLES, Chunk, Plan, make_plan
+from .store import Store
+from .tiles import Tiles
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["ENGINES", "VARIABLES", "sweep"]
 
-ENGINES = ("cpu",)
+ENGINES = ("cpu", "dask")
+
+Report = Callable[[int], object]
 
 
 def sweep(
@@ -30,6 +36,7 @@ def sweep(
     store: str | Path | None = None,
     progress: Callable[[int, int], object] | None = None,
     variables: Sequence[str] | None = None,
+    scheduler: Any = None,
     **swept: Any,
 ) -> xr.Dataset:
     """Compute a map over any physical parameters of a two-ball column.
@@ -39,16 +46,25 @@ def sweep(
     column : Column
         Two balls on a floor; gives every parameter that is not swept.
     model : {"newton", "adiabatic", "independent"}
-    engine : {"cpu"}
+    engine : {"cpu", "dask"}
+        ``"dask"`` computes on a cluster (extra ``hardlimit[cluster]``). The bits are the same.
     threads : int, optional
-        Defaults to the number of processors. The result does not depend on it.
+        Defaults to the number of processors, with ``"dask"`` to one for each task. The result does not depend
+        on it.
+    store : path, optional
+        A Zarr store to fill, tile by tile. The same call goes on with one that was left unfinished. The
+        results need not fit in memory: the Dataset reads them from disk.
     progress : callable(done, total), optional
     variables : sequence of str, optional
         Which variables to compute and keep; all but ``t_floor_end`` by default.
+    scheduler : str, distributed.Client or cluster object, optional
+        Where ``"dask"`` computes: the address of a scheduler, or a connection; by default a cluster on this
+        machine.
     **swept : array
-        ``gap``, ``radius_ratio``, ``radius_1``, ``radius_2``, ``density``, ``mass_1``, …, ``height``, ``velocity``,
-        ``gravity`` and the parameters of the law (``restitution``, ``stiffness``, …), each a number or a
-        one-dimensional array. Every array opens a dimension; two DataArrays that share one make a list of points.
+        ``gap``, ``radius_ratio``, ``radius_1``, ``radius_2``, ``density``, ``mass_1``, …, ``height``,
+        ``velocity``, ``gravity`` and the parameters of the law (``restitution``, ``stiffness``, …), each
+        a number or a one-dimensional array. Every array opens a dimension; two DataArrays that share one make
+        a list of points.
 
     Returns
     -------
@@ -58,18 +74,72 @@ def sweep(
     Raises
     ------
     ValueError
-        For unknown names and values outside their range.
+        For unknown names, values outside their range, and a store that holds something else.
+    OSError
+        If the store cannot be written. It stays valid and keeps what is finished.
     """
     plan = make_plan(column, model, variables, swept)
     if engine not in ENGINES:
         raise ValueError(f"engine: got {engine!r}, must be one of {', '.join(ENGINES)}")
-    workers = _threads(threads)
+    if scheduler is not None and engine != "dask":
+        raise ValueError(f"scheduler: got {scheduler!r}, must not be given unless engine is 'dask'")
+    workers = _threads(1 if threads is None and engine == "dask" else threads)
     started = time.perf_counter()
-    report = None if progress is None else (lambda done: progress(done, plan.size))
-    flat = plan.compute(0, plan.size, workers, report)
-    if progress is not None:
-        progress(plan.size, plan.size)
-    return plan.dataset(flat, {"engine": engine, "wall_time_s": time.perf_counter() - started})
+    tiles = Tiles.whole(plan) if store is None and engine == "cpu" else Tiles.of(plan)
+    with nullcontext(Memory(plan, tiles)) if store is None else Store(store, plan, tiles) as results:
+        missing = results.missing()
+        done = plan.size - sum(tiles.span(tile)[1] for tile in missing)
+
+        def report(more: int) -> None:
+            if progress is not None:
+                progress(done + more, plan.size)
+
+        report(0)
+        if engine == "dask" and missing:
+            computed = cluster.compute(plan, tiles, missing, workers, scheduler)
+        else:
+            computed = _on_cpu(plan, tiles, missing, workers, report)
+        with closing(computed):
+            for tile, chunk in computed:
+                results.write(tile, chunk)
+                done += tiles.span(tile)[1]
+                report(0)
+        ds = results.dataset()
+    return ds.assign_attrs(engine=engine, wall_time_s=time.perf_counter() - started)
+
+
+def _on_cpu(
+    plan: Plan, tiles: Tiles, wanted: Sequence[int], threads: int, report: Report
+) -> Generator[tuple[int, Chunk], None, None]:
+    for tile in wanted:
+        yield tile, plan.compute(*tiles.span(tile), threads, report)
+
+
+class Memory:
+    """The results of a sweep in arrays; what Store is on disk."""
+
+    def __init__(self, plan: Plan, tiles: Tiles) -> None:
+        self.plan, self.tiles = plan, tiles
+        self.flat: Chunk = {}
+
+    def missing(self) -> list[int]:
+        return list(range(len(self.tiles)))
+
+    def write(self, tile: int, chunk: Chunk) -> None:
+        first, count = self.tiles.span(tile)
+        if count == self.plan.size:
+            self.flat = chunk
+            return
+        for name, values in chunk.items():
+            out = self.flat.get(name)
+            if out is None:
+                out = self.flat[name] = np.empty(self.plan.size, values.dtype)
+            elif values.dtype.itemsize > out.dtype.itemsize:  # the first counts above 255
+                out = self.flat[name] = out.astype(values.dtype)
+            out[first : first + count] = values
+
+    def dataset(self) -> xr.Dataset:
+        return self.plan.dataset(self.flat, {})
 
 
 def _threads(threads: int | None) -> int:

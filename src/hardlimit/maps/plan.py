@@ -87,7 +87,8 @@ class Plan:
     strides: tuple[int, ...]
     dims: tuple[str, ...]
     shape: tuple[int, ...]
-    coordinates: tuple[tuple[str, str, NDArray[np.float64], str, str], ...]  # name, dim, values, unit, meaning
+    #: name, dimension (None: a single number), values, unit, meaning
+    coordinates: tuple[tuple[str, str | None, NDArray[np.float64], str, str], ...]
     variables: tuple[str, ...]
     column: str
 
@@ -138,8 +139,11 @@ class Plan:
         return xr.Dataset(data, self.labels(), {**self.attributes(), **attributes})
 
     def labels(self) -> dict[str, Any]:
-        """Coordinates in the form xarray takes."""
-        return {name: (dim, v, {"units": unit, "long_name": text}) for name, dim, v, unit, text in self.coordinates}
+        """Coordinates in the form xarray takes; a single number has no dimension."""
+        return {
+            name: (() if dim is None else dim, v[0] if dim is None else v, {"units": unit, "long_name": text})
+            for name, dim, v, unit, text in self.coordinates
+        }
 
     def attributes(self) -> dict[str, Any]:
         """What was computed, for the attributes of a Dataset."""
@@ -242,10 +246,9 @@ def _lay_out(
             raise ValueError(f"{name}: unknown, a sweep takes {', '.join(ranges)}")
         unit, meaning, limits = ranges[name]
         checked, dim = _axis_values(name, array, limits)
-        if dim is not None:
-            if dims.setdefault(dim, len(checked)) != len(checked):
-                raise ValueError(f"{name}: got {len(checked)} values, must be {dims[dim]} like dimension {dim!r}")
-            coordinates.append((name, dim, checked, unit, meaning))
+        if dim is not None and dims.setdefault(dim, len(checked)) != len(checked):
+            raise ValueError(f"{name}: got {len(checked)} values, must be {dims[dim]} like dimension {dim!r}")
+        coordinates.append((name, dim, checked, unit, meaning))
         _mark_matter(name, given)
         for place in places[name]:
             if place in taken:

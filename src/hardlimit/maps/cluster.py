@@ -1,0 +1,109 @@
+"""A map on a cluster: tiles as tasks of dask.distributed."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from .. import _core
+from .plan import Chunk, Plan
+from .tiles import Tiles
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+
+def compute(
+    plan: Plan, tiles: Tiles, wanted: Iterable[int], threads: int, scheduler: Any
+) -> Generator[tuple[int, Chunk], None, None]:
+    """Each wanted tile once, as it is finished.
+
+    A task carries all it needs, so the death of a worker costs the tiles it was at, and the scheduler gives
+    them to another. Only a few tiles for each worker are under way: results pile up neither there nor here.
+    """
+    with _client(scheduler) as client:
+        yield from _stream(client, plan, tiles, iter(wanted), threads)
+
+
+def _stream(
+    client: Client, plan: Plan, tiles: Tiles, waiting: Iterator[int], threads: int
+) -> Generator[tuple[int, Chunk], None, None]:
+    from distributed import as_completed
+
+    finished = as_completed(loop=client.loop)
+    under_way: dict[Any, tuple[Any, int]] = {}
+
+    def submit() -> None:
+        most = 2 * sum(client.nthreads().values()) + 2
+        while len(under_way) < most and (tile := next(waiting, None)) is not None:
+            future = client.submit(_run, tiles.cut(plan, tile), threads, _core.version, pure=False)
+            under_way[future.key] = future, tile
+            finished.add(future)
+
+    try:
+        submit()
+        for future in finished:
+            chunk = _result(future)
+            yield under_way.pop(future.key)[1], chunk
+            submit()
+    finally:
+        if under_way:
+            client.cancel([future for future, _ in under_way.values()], force=True)
+
+
+def _run(plan: Plan, threads: int, version: str) -> Chunk:
+    """A tile, on a worker."""
+    if _core.version != version:
+        raise RuntimeError(f"a worker has hardlimit {_core.version}, must be {version} as here")
+    from distributed import get_worker
+    from distributed.worker import thread_state
+
+    tasks, key = get_worker().state.tasks, thread_state.key
+
+    def stop_if_cancelled(_: int) -> None:
+        if key not in tasks or tasks[key].state == "cancelled":
+            raise RuntimeError("cancelled")
+
+    return plan.compute(0, plan.size, threads, stop_if_cancelled)
+
+
+def _result(future: Any) -> Chunk:
+    """What a task returned, or one line on what became of it."""
+    from distributed import CancelledError, KilledWorker
+
+    try:
+        chunk: Chunk = future.result()
+    except KilledWorker:
+        raise RuntimeError("scheduler: four workers died, one after another, at the same tile") from None
+    except CancelledError:
+        raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
+    return chunk
+
+
+@contextmanager
+def _client(scheduler: Any) -> Iterator[Client]:
+    """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        need = "engine: got 'dask', must have the package distributed: pip install 'hardlimit[cluster]'"
+        raise ImportError(need) from None
+    if isinstance(scheduler, Client):
+        yield scheduler
+    elif scheduler is None:
+        # Threads rather than processes: the kernel does not hold the interpreter lock, and a script needs no
+        # `if __name__ == "__main__"`.
+        with (
+            LocalCluster(processes=False, dashboard_address=None) as cluster,
+            Client(cluster, set_as_default=False) as client,
+        ):
+            yield client
+    else:
+        try:
+            client = Client(scheduler, timeout="10s", set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            need = f"scheduler: got {scheduler!r}, must be the address of one that answers"
+            raise ValueError(f"{need} ({error})") from None
+        with client:
+            yield client
