@@ -214,11 +214,11 @@ def _contacts_of(result: Result, pair: int) -> tuple[NDArray[np.float64], NDArra
     return table["begin"].values[mine], table["end"].values[mine]
 
 
-def _pairs(result: Result) -> list[int]:
+def pairs_of(result: Result) -> list[int]:
     return list(range(0 if result.column.floor else 1, len(result.column.balls)))
 
 
-def _window(results: Iterable[Result]) -> tuple[float, float]:
+def window(results: Iterable[Result]) -> tuple[float, float]:
     """The time span in which the contacts lie, with a margin."""
     marks: list[float] = [0.0]
     for result in results:
@@ -240,18 +240,18 @@ def forces(result: Result) -> Figure:
     Instantaneous collisions are drawn as arrows. A dashed line marks t_f.
     """
     with style():
-        pairs = _pairs(result)
+        pairs = pairs_of(result)
         figure = Figure(figsize=(PAGE_WIDTH * 0.72, 1.0 + 1.25 * len(pairs)))
         axes = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
-        _draw_forces(list(axes), result, None)
+        draw_forces(list(axes), result, None)
     return figure
 
 
-def _draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
+def draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
     """Forces of ``result``, one panel for each pair, top pair first; instants of ``ghost`` as arrows."""
-    start, stop = _window([result] if ghost is None else [result, ghost])
+    start, stop = window([result] if ghost is None else [result, ghost])
     factor, unit = scaled(stop, "s")
-    for ax, pair in zip(axes, reversed(_pairs(result)), strict=True):
+    for ax, pair in zip(axes, reversed(pairs_of(result)), strict=True):
         if result.model == "independent":
             _draw_instants(ax, _contacts_of(result, pair)[0] * factor, pair_colour(pair))
             ax.set_yticks([])
@@ -317,7 +317,7 @@ def _draw_instants(ax: Axes, instants: NDArray[np.float64], colour: str) -> None
 # --- heights ------------------------------------------------------------------------------------------------
 
 _LINE_OF_MODEL: Final = {"newton": "-", "independent": (0, (5, 2)), "adiabatic": (0, (1, 1.2))}
-_NAME_OF_MODEL: Final = {
+NAME_OF_MODEL: Final = {
     "newton": "Newton’s equations",
     "independent": "independent collisions",
     "adiabatic": "adiabatic",
@@ -345,7 +345,7 @@ def _heights_until(results: Iterable[Result]) -> float:
     span = 0.0
     for result in results:
         release = -release_time(result) if result.column.floor else 0.0
-        sequence = _window([result])[1]
+        sequence = window([result])[1]
         span = max(span, result.until if result.until is not None else max(1.3 * release, 3.0 * sequence))
     return span
 
@@ -368,7 +368,7 @@ def _draw_heights(ax: Axes, results: tuple[Result, ...], until: float | None) ->
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")
     for result in results:
-        name, line = _NAME_OF_MODEL[result.model], _LINE_OF_MODEL[result.model]
+        name, line = NAME_OF_MODEL[result.model], _LINE_OF_MODEL[result.model]
         ax.plot([], [], color="black", ls=line, label=name)
     ax.set_xlim(start * factor, stop * factor)
     if results[0].column.floor:
@@ -388,12 +388,12 @@ def drop(newton: Result, independent: Result, adiabatic: Result | None = None) -
     """
     results = tuple(r for r in (newton, independent, adiabatic) if r is not None)
     with style():
-        pairs = _pairs(newton)
+        pairs = pairs_of(newton)
         figure = Figure(figsize=(PAGE_WIDTH, max(3.2, 1.0 + 1.15 * len(pairs))))
         parts: Any = figure.subfigures(1, 2, width_ratios=(1.15, 1.0))
         left, right = parts
         axes = left.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
-        _draw_forces(list(axes), newton, independent)
+        draw_forces(list(axes), newton, independent)
         axes[0].set_title("contact forces", loc="left", fontsize=10)
         if len(independent.contacts["pair"]):
             note = "grey arrows: instants of the independent-collisions model"

@@ -228,6 +228,23 @@ def plain(value: Any) -> Any:
 
 
 @contextmanager
+def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
+    """A progress bar on stderr, fed with (part from 0 to 1, what is being done)."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    out = console(stderr=True)
+    columns = (
+        TextColumn("{task.description:24.24}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=out, transient=True, disable=not out.is_terminal) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda part, text: bar.update(task, completed=part, description=text)
+
+
+@contextmanager
 def progress(title: str, rate: str | None = None) -> Iterator[Callable[[int, int], None]]:
     """A progress bar on stderr, fed with (done, total); nothing where stderr is not a terminal."""
     from rich.progress import (

@@ -164,10 +164,8 @@ def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
     ]
     asked = digits(usual["asked"])
     show(out, f"Asked for ε = {asked}", table(["damping chosen by", "γ [N s/m]", "ε obtained"], rows))
-    out.print(
-        f"Asked for {asked}, the usual DEM formula gives {usual['restitution']:.4f}: it assumes a contact that "
-        "ends in attraction."
-    )
+    sentence = f"Asked for {asked}, the usual DEM formula gives {usual['restitution']:.4f}"
+    out.print(f"{sentence}: it assumes a contact that ends in attraction.")
 
 
 def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> dict[str, Any]:

@@ -2,11 +2,75 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
-from .common import Command
+from ..column import PAPER_DENSITY
+from .common import NUMBER, Command, console, fraction_progress, print_json
+
+if TYPE_CHECKING:
+    from ..paper import Report
+
+MARKS = {"yes": ("✓", "green"), "partly": ("~", "yellow"), "no": ("✗", "red")}
+TITLES = {"statement": "What the paper states", "density": "Density", "misprint": "Misprints"}
 
 
-@click.command(cls=Command)
-def paper() -> None:
-    """Compute the figures of the paper and check what its text states."""
+@click.command(cls=Command, epilog="Example: hardlimit paper --figures 2,3 --out figures --format pdf")
+@click.option("--figures", metavar="LIST", help="Such as 2,3,4.  [default: all]")
+@click.option("--out", metavar="FOLDER", default="hardlimit-paper", show_default=True)
+@click.option("--density", type=NUMBER, default=PAPER_DENSITY, show_default=True, help="[kg/m³], inferred.")
+@click.option("--format", "picture", default="png", show_default=True, help="png, pdf or svg.")
+@click.option("--infer-density", is_flag=True, help="Repeat the inference of the density.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def paper(
+    figures: str | None, out: str, density: float, picture: str, infer_density: bool, as_json: bool
+) -> None:
+    """Compute Figs. 2–8 of the paper and check what its text states.
+
+    Müller and Pöschel, Phys. Rev. E 83, 041304 (2011). Writes every figure as a picture and as data (NetCDF),
+    and prints each statement with what comes out.
+    """
+    from ..paper import run
+
+    with fraction_progress("paper") as report:
+        found = run(out, figures, density, picture, infer_density, progress=report)
+    if as_json:
+        print_json(found.to_dict())
+    else:
+        print_report(found)
+
+
+def print_report(found: Report) -> None:
+    from rich.text import Text
+
+    out = console()
+    for kind, title in TITLES.items():
+        rows = [row for row in found.rows if row.kind == kind]
+        if rows:
+            out.print(Text(title, style="bold"))
+            out.print(statement_table(rows))
+            out.print()
+    for number, sentence in found.meanings.items():
+        out.print(Text.assemble((f"Fig. {number}  ", "bold"), sentence))
+    agree = sum(row.agrees == "yes" for row in found.rows)
+    out.print()
+    summary = f"{agree} of {len(found.rows)} statements agree; {len(found.files)} files in {found.out}"
+    out.print(Text(f"{summary}, {found.wall_time:.1f} s", style="bold"))
+
+
+def statement_table(rows: list[Any]) -> Any:
+    """Statement, place in the paper, result and agreement, as wide as the terminal allows."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    made.add_column("statement", ratio=5)
+    made.add_column("where", ratio=2)
+    made.add_column("what comes out", ratio=4)
+    made.add_column("", width=1)
+    for row in rows:
+        mark, colour = MARKS[row.agrees]
+        made.add_row(Text(row.statement), Text(row.where), Text(row.result), Text(mark, style=colour))
+    return made
