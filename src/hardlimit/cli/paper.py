@@ -53,10 +53,16 @@ def print_report(found: Report) -> None:
             out.print()
     for number, sentence in found.meanings.items():
         out.print(Text.assemble((f"Fig. {number}  ", "bold"), sentence))
-    agree = sum(row.agrees == "yes" for row in found.rows)
+    stated = [row.agrees for row in found.rows if row.kind == "statement"]
+    summary = f"{stated.count('yes')} of {len(stated)} statements agree"
+    if stated.count("partly"):
+        summary += f", {stated.count('partly')} in part"
+    if stated.count("no"):
+        summary += f", {stated.count('no')} not"
     out.print()
-    summary = f"{agree} of {len(found.rows)} statements agree; {len(found.files)} files in {found.out}"
-    out.print(Text(f"{summary}, {found.wall_time:.1f} s", style="bold"))
+    out.print(
+        Text(f"{summary}. {len(found.files)} files in {found.out}, {found.wall_time:.1f} s", style="bold")
+    )
 
 
 def statement_table(rows: list[Any]) -> Any:
@@ -65,7 +71,7 @@ def statement_table(rows: list[Any]) -> Any:
     from rich.table import Table
     from rich.text import Text
 
-    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    made = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, leading=1)
     made.add_column("statement", ratio=5)
     made.add_column("where", ratio=2)
     made.add_column("what comes out", ratio=4)
