@@ -50,7 +50,7 @@ def run(
         Of both balls; the paper prints none.
     format : {"png", "pdf", "svg"}
     infer_density : bool
-        Scan the density for the facts that the paper states; also writes ``density.nc``.
+        Scan the density for the facts that the paper states; also writes ``density.png`` and ``density.nc``.
     progress : callable(part, text), optional
         ``part`` runs from 0 to 1.
 
@@ -81,9 +81,7 @@ def run(
     if infer_density:
         track.begin("density", "density")
         scan = inference.infer(track.within)
-        report.files.append(
-            _write_data(scan.assign_attrs(data.attributes("Fig. 3 and text")), folder / "density.nc")
-        )
+        report.files += _write_density(folder, scan.assign_attrs(data.attributes("Fig. 3 and text")), format)
     report.rows += [*inference.rows(setup, scan), *misprints.rows(setup)]
     report.wall_time = time.perf_counter() - started
     page = folder / "report.md"
@@ -134,8 +132,20 @@ def _write_figure(folder: Path, number: int, data: Data, format: str) -> list[Pa
     return [picture, _write_data(data.figure(number), folder / f"fig{number}.nc")]
 
 
+def _write_density(folder: Path, scan: Any, format: str) -> list[Path]:
+    from .. import plots
+    from . import drawing
+
+    picture = plots.save(drawing.density(scan), folder / f"density.{format}")
+    return [picture, _write_data(scan, folder / "density.nc")]
+
+
 def _write_data(data: Any, path: Path) -> Path:
-    large = {name: {"zlib": True, "complevel": 4} for name, v in data.variables.items() if v.size > 10_000}
+    large = {
+        name: {"zlib": True, "complevel": 4, "shuffle": True}
+        for name, v in data.variables.items()
+        if v.size > 10_000
+    }
     try:
         data.to_netcdf(path, engine="h5netcdf", encoding=large)
     except OSError as error:

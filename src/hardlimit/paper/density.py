@@ -84,7 +84,12 @@ def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset
                 {"units": "1", "long_name": "1 where all stated facts hold"},
             ),
         },
-        coords={"density": ("density", density, {"units": "kg/m3"}), "tip": [1, 2]},
+        coords={
+            "density": ("density", density, {"units": "kg/m3", "long_name": "density of both balls"}),
+            "tip": ("tip", [1, 2], {"units": "1", "long_name": "number of the spike, highest first"}),
+            "printed": ("tip", list(SPIKES), {"units": "1", "long_name": "as the paper prints it"}),
+        },
+        attrs={"half_digit": HALF_DIGIT},
     )
 
 
@@ -95,9 +100,8 @@ def rows(setup: Setup, scan: xr.Dataset | None) -> list[Row]:
     good = n == CONTACTS_AT_ONE and all(abs(a - b) <= HALF_DIGIT for a, b in zip(tips, SPIKES, strict=True))
     found = [
         Row(
-            "No density is printed; with the one used here the stated facts (3 contacts at ε = 1, spikes at "
-            "ε ≈ 0.78 "
-            "and 0.67) must come out",
+            "No density is printed; with the one used here the stated facts (3 contacts at ε = 1, spikes "
+            "at ε ≈ 0.78 and 0.67) must come out",
             "Sec. IV A",
             f"ρ = {setup.density:g} kg/m³: {n} contacts, spikes at {tips[0]:.4f} and {tips[1]:.4f}",
             "yes" if good else "no",

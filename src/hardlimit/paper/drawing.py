@@ -139,7 +139,9 @@ def outlines(ax: Axes, data: xr.Dataset, name: str, prefix: str, factor: float) 
     y, count = data[name].values, data[f"{prefix}n_contacts"].values
     for part in runs(count):
         for j in range(int(count[part.start])):
-            ax.fill_betweenx(y[part], begin[part, j], end[part, j], fc=TINT, ec=EDGE, lw=0.4, zorder=0)
+            ax.fill_betweenx(y[part], begin[part, j], end[part, j], color=TINT, lw=0, zorder=0)
+            for border in (begin, end):
+                ax.plot(border[part, j], y[part], color=EDGE, lw=0.5, zorder=0.5)
 
 
 def runs(counts: NDArray[Any]) -> list[slice]:
@@ -213,7 +215,7 @@ def viscoelastic(data: xr.Dataset) -> Figure:
     _sequence(ax, data, "restitution", "restitution_outline", "", "outline_", MILLI, 1.3)
     ax.set_xlabel("time after the first floor touch [ms]")
     ax.set_ylabel(rf"{EPSILON} at {float(data['input_speed']):g} m/s")
-    inset = ax.inset_axes((0.6, 0.12, 0.375, 0.48))
+    inset = ax.inset_axes((0.6, 0.1, 0.375, 0.43))
     floor_end = float(data["inset_outline_t_floor_end"].max()) * MILLI
     inset.set_xlim(0.0, 2.0 * floor_end)
     inset.set_ylim(ax.get_ylim())
@@ -224,7 +226,7 @@ def viscoelastic(data: xr.Dataset) -> Figure:
     inset.set_xlabel("time [ms]", fontsize=8.5, labelpad=1)
     inset.set_ylabel(r"$\varepsilon$", fontsize=8.5, labelpad=1)
     inset.tick_params(labelsize=8)
-    _sequence_legend(ax, "upper right")
+    _sequence_legend(ax, "upper right", (1.0, 0.705))
     return figure
 
 
@@ -243,12 +245,14 @@ def _sequence(
     ax.plot(data[f"{fine_prefix}t_floor_end"].values * factor, data[fine].values, color=BLACK, lw=1.0)
 
 
-def _sequence_legend(ax: Axes, place: Literal["upper right", "lower right"]) -> None:
+def _sequence_legend(
+    ax: Axes, place: Literal["upper right", "lower right"], corner: tuple[float, float] | None = None
+) -> None:
     handles: list[Any] = [
         ax.plot([], [], color="#4d4d4d", lw=1.6, label="ball–ball contacts")[0],
         ax.plot([], [], color=BLACK, lw=1.0, label=r"$t_{01}^{(e)}$, floor contact ends")[0],
     ]
-    ax.legend(handles=handles, loc=place)
+    ax.legend(handles=handles, loc=place, bbox_to_anchor=corner)
 
 
 def same_material(data: xr.Dataset) -> Figure:
@@ -301,7 +305,10 @@ def count_maps(data: xr.Dataset) -> Figure:
         mesh = ax.pcolormesh(epsilon, y, n.T, cmap=cmap, norm=norm, shading="nearest", rasterized=True)
         _label_counts(ax, epsilon, y, n, marked)
         ax.axhline(marked, color=BLACK, lw=1.0, ls=(0, (5, 3)))
-        ax.plot(float(data["marked_restitution"]), marked, "+", color=BLACK, ms=11, mew=1.8)
+        for colour, width in (("white", 3.6), (BLACK, 1.8)):
+            ax.plot(
+                float(data["marked_restitution"]), marked, "+", color=colour, ms=10 + width / 2, mew=width
+            )
         ax.set_xlim(epsilon[0], epsilon[-1])
         ax.set_ylim(y[0], y[-1])
         ax.set_xlabel(EPSILON)
@@ -374,6 +381,7 @@ def ratio_over_gap(data: xr.Dataset) -> Figure:
     small = data.sel(gap=slice(None, float(data["magnified_gap"]) * (1 + 1e-12)))
     right = ratio_and_counts(bottom, small["gap"].values * MICRO, small)
     bottom.set_xscale("log")
+    bottom.xaxis.set_major_formatter(FormatStrFormatter("%g"))
     bottom.set_xlim(float(small["gap"][0]) * MICRO, float(small["gap"][-1]) * MICRO)
     bottom.set_ylim(0.0, float(small["restitution_ratio"].max()) * 1.08)
     right.set_ylim(0.0, most * 1.08)
@@ -417,6 +425,39 @@ def ratio_over_radii(data: xr.Dataset) -> Figure:
         fontsize=8.5,
     )
     inset.set_xlabel(r"$R_1/R_2$", fontsize=8.5, labelpad=1)
+    return figure
+
+
+# --- density ------------------------------------------------------------------------------------------------
+
+
+def density(scan: xr.Dataset) -> Figure:
+    """The tips of the two uppermost spikes over the density, what the paper prints, and where both agree."""
+    with plots.style():
+        figure = Figure(figsize=(plots.PAGE_WIDTH * 0.7, 3.4))
+        ax = figure.subplots()
+        x, holds = scan["density"].values, scan["holds"].values == 1
+        near = x[holds] if holds.any() else x
+        shown = (x > near[0] - 150.0) & (x < near[-1] + 150.0)
+        half = float(scan.attrs["half_digit"])
+        for i, (printed, colour) in enumerate(zip(scan["printed"].values, (BLUE, RED), strict=True)):
+            ax.axhspan(printed - half, printed + half, color=colour, alpha=0.18, lw=0)
+            label = rf"spike at $\varepsilon\approx{printed:g}$ in the paper"
+            ax.plot(x[shown], scan["spike"].values[shown, i], color=colour, label=label)
+        if holds.any():
+            ax.axvspan(near[0], near[-1], color="#888888", alpha=0.25, lw=0)
+            ax.annotate(
+                f"{0.5 * (near[0] + near[-1]):.0f} ± {0.5 * (near[-1] - near[0]):.0f} kg/m³",
+                (near[-1], 0.5),
+                (6, 0),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                va="center",
+            )
+        ax.set_xlim(x[shown][0], x[shown][-1])
+        ax.set_xlabel("density [kg/m³]")
+        ax.set_ylabel(r"$\varepsilon$ at the tip of the spike")
+        ax.legend(loc="upper left")
     return figure
 
 

@@ -80,7 +80,6 @@ def meaning(data: xr.Dataset) -> str:
     n = data.sizes["contact"]
     return (
         f"An event-driven simulation makes one ball–ball collision of this drop and parts the balls at "
-        f"{float(data.relative_velocity_independent):.2f} m/s; Newton’s equations have {n} contacts while "
-        f"the floor "
-        f"still pushes, and part them at {float(data.relative_velocity):.2f} m/s."
+        f"{float(data.relative_velocity_independent):.2f} m/s; Newton’s equations have {n} contacts, and a "
+        f"relative velocity of {float(data.relative_velocity):.2f} m/s after the last."
     )

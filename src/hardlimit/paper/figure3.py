@@ -50,6 +50,6 @@ def meaning(data: xr.Dataset) -> str:
     n = data["outline_n_contacts"].values
     return (
         f"An event-driven simulation has one contact on every line; Newton’s equations have {n.min()} to "
-        f"{n.max()}, and "
-        f"the number changes by jumps, so that a small error of ε can change the course of a drop altogether."
+        f"{n.max()}, and the number changes by jumps, so that a small error of ε can change the course of "
+        f"a drop altogether."
     )

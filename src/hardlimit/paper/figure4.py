@@ -41,7 +41,7 @@ def compute(setup: Setup, progress: Callable[[float], object] = lambda part: Non
             top.rename({name: f"{name}_over_gap" for name in VARIABLES}),
             bottom.rename({name: f"{name}_over_radius_ratio" for name in VARIABLES}),
         ],
-        combine_attrs="drop",
+        combine_attrs="override",
     )
     data["marked_restitution"] = ((), RESTITUTION_2, {"units": "1", "long_name": "ε of Fig. 2, the +"})
     data["marked_gap"] = ((), GAP, {"units": "m", "long_name": "Δh of Figs. 2 and 3, dashed"})
@@ -59,9 +59,7 @@ def meaning(data: xr.Dataset) -> str:
     close = np.abs(data["restitution_ratio_over_gap"].values - 1.0) < 0.05
     right = 100.0 * np.sum(single & close) / np.sum(single)
     return (
-        f"Wherever the count is not 1 an event-driven simulation has the wrong sequence, and a count of 1 is "
-        f"no "
-        f"guarantee: in the upper map its effective restitution is within 5 % in only {right:.0f} % of the "
-        f"area with "
-        f"one contact."
+        f"Wherever the count is not 1 an event-driven simulation has the wrong sequence, and a count of 1 "
+        f"is no guarantee: in the upper map its effective restitution is within 5 % in only {right:.0f} % "
+        f"of the area with one contact."
     )

@@ -10,10 +10,10 @@ from .sampling import counts_of, refine
 from .setup import RESTITUTION_5, Setup
 
 TITLE = "Effective restitution over the initial gap"
-CHOICES = "The ranges are chosen here: Δh up to 4 mm, and from 0.3 µm to 0.4 mm on a logarithmic axis."
+CHOICES = "The ranges are chosen here: Δh up to 4 mm, and from 0.3 µm to 0.44 mm on a logarithmic axis."
 
-SMALL = (3e-7, 4e-4)
-LARGE = (4e-4, 4e-3)
+SMALL = (3e-7, 4.4e-4)
+LARGE = (4.4e-4, 4e-3)
 
 
 def compute(setup: Setup) -> xr.Dataset:
@@ -43,8 +43,6 @@ def meaning(data: xr.Dataset) -> str:
     """What the figure means for an event-driven simulation."""
     return (
         f"With ε = {RESTITUTION_5} an event-driven simulation has the right relative velocity, to one per "
-        f"cent of ε, "
-        f"only where the gap is larger than {safe_gap(data) * 1e3:.1f} mm; at smaller gaps almost any "
-        f"effective "
-        f"restitution can come out, down to none at all."
+        f"cent of ε, only where the gap is larger than {safe_gap(data) * 1e3:.1f} mm; at smaller gaps the "
+        f"effective restitution varies by jumps, down to almost nothing."
     )

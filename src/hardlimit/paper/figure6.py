@@ -46,8 +46,6 @@ def meaning(data: xr.Dataset) -> str:
     at_ten = float(data["restitution_ratio"].interp(radius_ratio=RADIUS_RATIO))
     return (
         f"Event-driven simulations of unequal balls go wrong first: at this gap they are right to one per "
-        f"cent only up to "
-        f"R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = {RADIUS_RATIO:g} the balls part "
-        f"as if ε were "
-        f"{at_ten:.2f} of what was specified."
+        f"cent only up to R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = "
+        f"{RADIUS_RATIO:g} the balls part as if ε were {at_ten:.2f} of what was specified."
     )

@@ -42,7 +42,6 @@ def meaning(data: xr.Dataset) -> str:
     """What the figure means for an event-driven simulation."""
     n = int(data["outline_n_contacts"].max())
     return (
-        f"A more realistic contact force does not rescue the event-driven picture: viscoelastic spheres have "
-        f"up to "
-        f"{n} contacts in one drop, where it has one."
+        f"A more realistic contact force does not rescue the event-driven picture: viscoelastic spheres "
+        f"have up to {n} contacts in one drop, where it has one."
     )

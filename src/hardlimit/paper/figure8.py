@@ -44,7 +44,6 @@ def meaning(data: xr.Dataset) -> str:
     """What the figure means for an event-driven simulation."""
     n = int(data["outline_n_contacts"].max())
     return (
-        f"Giving both contacts one material instead of one ε changes little: up to {n} contacts in one drop, "
-        f"so the "
-        f"failure of the event-driven picture does not hinge on how dissipation is specified."
+        f"Giving both contacts one material instead of one ε changes little: up to {n} contacts in one "
+        f"drop, so the failure of the event-driven picture does not hinge on how dissipation is specified."
     )

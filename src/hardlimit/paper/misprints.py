@@ -67,9 +67,8 @@ def _end_of_contact(setup: Setup) -> Row:
     return _row(
         "Printed: the collision is complete when ξ̇ = 0. Should be ξ̈ = 0, where the force has fallen to zero",
         "Sec. II B",
-        f"ε = 0.7: ξ̇ = 0 at {low * 1e6:.1f} µs, where F = {force / 1e3:.1f} kN and Eq. 10 would give ε = 0; "
-        f"ξ̈ = 0 at "
-        f"{end * 1e6:.1f} µs, −ξ̇/v = {rebound:.4f}",
+        f"ε = 0.7: ξ̇ = 0 at {low * 1e6:.1f} µs, where F = {force / 1e3:.1f} kN and Eq. 10 would give ε = "
+        f"0; ξ̈ = 0 at {end * 1e6:.1f} µs, −ξ̇/v = {rebound:.4f}",
         force < 1.0,
     )
 
@@ -89,9 +88,8 @@ def _sign(setup: Setup) -> Row:
     return _row(
         "Printed: Eq. 7 makes repulsion negative (F ≤ 0), but Eq. 14 and App. A need it positive",
         "Eqs. 7, 14",
-        f"lower ball on the floor at {at * 1e6:.0f} µs: as printed it is pulled down with {printed:.0f} "
-        f"m/s², with F ≥ 0 "
-        f"pushed up with {meant:.0f}; its velocity changes by {measured:.0f} m/s²",
+        f"lower ball on the floor at {at * 1e6:.0f} µs: as printed it is pulled down with {-printed:.0f} "
+        f"m/s², with F ≥ 0 pushed up with {meant:.0f}; its velocity changes by {measured:.0f} m/s²",
         bool(abs(printed - measured) < 0.01 * abs(measured)),
     )
 
@@ -130,7 +128,6 @@ def _amplitude(setup: Setup) -> Row:
         "Printed: A = (z1 − z_inh)/cos p with p = arctan(…/(z_inh − z1)), which is 0/0 where z1 = z_inh",
         "Eq. A4",
         f"no gravity, at the first touch: as printed A = {abs(amplitude):g}, the ball would stand still; "
-        f"with amplitudes of cos and "
-        f"sin it is compressed by {deepest * 1e3:.3f} mm",
+        f"with amplitudes of cos and sin it is compressed by {deepest * 1e3:.3f} mm",
         abs(amplitude) > 0.1 * deepest,
     )

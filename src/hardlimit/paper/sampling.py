@@ -87,7 +87,7 @@ def sequences(
             ),
             f"{prefix}t_end": (name, np.array(finals), SECONDS | {"long_name": "end of the sequence, t_f"}),
         },
-        coords={name: np.asarray(values)},
+        coords={name: (name, np.asarray(values), {"units": "1", "long_name": "coefficient of restitution"})},
     )
 
 
