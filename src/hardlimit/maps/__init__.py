@@ -83,6 +83,8 @@ def sweep(
         raise ValueError(f"engine: got {engine!r}, must be one of {', '.join(ENGINES)}")
     if scheduler is not None and engine != "dask":
         raise ValueError(f"scheduler: got {scheduler!r}, must not be given unless engine is 'dask'")
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress: got {progress!r}, must be callable with (done, total)")
     workers = _threads(1 if threads is None and engine == "dask" else threads)
     started = time.perf_counter()
     tiles = Tiles.whole(plan) if store is None and engine == "cpu" else Tiles.of(plan)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -95,7 +96,7 @@ def _client(scheduler: Any) -> Iterator[Client]:
         # Threads rather than processes: the kernel does not hold the interpreter lock, and a script needs no
         # `if __name__ == "__main__"`.
         with (
-            LocalCluster(processes=False, dashboard_address=None) as cluster,
+            LocalCluster(processes=False, dashboard_address=None, silence_logs=logging.ERROR) as cluster,
             Client(cluster, set_as_default=False) as client,
         ):
             yield client

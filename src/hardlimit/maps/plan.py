@@ -258,6 +258,7 @@ def _lay_out(
             if dim is not None:
                 dim_of[place] = dim
     _forbid_together(swept, "radius_ratio", "radius_1")
+    _check_dimensions({name: dim for name, dim, *_ in coordinates if dim is not None})
     shape = tuple(dims.values())
     stride_of = {dim: math.prod(shape[i + 1 :]) for i, dim in enumerate(dims)}
     return Plan(
@@ -288,6 +289,13 @@ def _mark_matter(name: str, given: list[str]) -> None:
 def _forbid_together(swept: Mapping[str, Any], a: str, b: str) -> None:
     if a in swept and b in swept:
         raise ValueError(f"{a} | {b}: got both, must be at most one of them")
+
+
+def _check_dimensions(dim_of: Mapping[str, str]) -> None:
+    """A dimension may bear the name of what is swept along it, but of nothing else in the Dataset."""
+    for name, dim in dim_of.items():
+        if dim in VARIABLES or dim_of.get(dim, dim) != dim:
+            raise ValueError(f"{name}: got dimension {dim!r}, must be another name, that one is taken")
 
 
 def _axis_values(name: str, array: Any, limits: dict[str, Any]) -> tuple[NDArray[np.float64], str | None]:
