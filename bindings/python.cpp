@@ -400,7 +400,7 @@ void bind_contacts(nb::module_& m) {
     m.def("linear_restitution",
           [](In b) { return map(b, [](double v) { return hl::math::exp(-hl::contact::linear_loss_exponent(v)); }); },
           "damping_ratio"_a);
-    m.def("linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration); }, "damping_ratio"_a);
+    m.def("linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration<double>); }, "damping_ratio"_a);
 }
 
 void bind_math(nb::module_& m) {

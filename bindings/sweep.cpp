@@ -15,6 +15,8 @@ using namespace nb::literals;
 namespace hl = hardlimit;
 namespace sw = hardlimit::sweep;
 
+extern const hardlimit_abi::Kernel hardlimit_kernel_base, hardlimit_kernel_avx2, hardlimit_kernel_avx512;
+
 namespace {
 
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -26,6 +28,26 @@ double* doubles(const nb::dict& out, const char* name) {
 }
 std::uint8_t* bytes(const nb::dict& out, const char* name) {
     return out.contains(name) ? nb::cast<Bytes>(out[name]).data() : nullptr;
+}
+
+// Kernels in the order of preference; the last one runs anywhere.
+std::vector<const hardlimit_abi::Kernel*> kernels() {
+    std::vector<const hardlimit_abi::Kernel*> found;
+#if defined(HARDLIMIT_X86)
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+        __builtin_cpu_supports("avx512bw"))
+        found.push_back(&hardlimit_kernel_avx512);
+    if (__builtin_cpu_supports("avx2")) found.push_back(&hardlimit_kernel_avx2);
+#endif
+    found.push_back(&hardlimit_kernel_base);
+    return found;
+}
+
+const hardlimit_abi::Kernel* kernel_named(const std::string& name) {
+    if (name == "scalar") return nullptr;
+    for (const hardlimit_abi::Kernel* k : kernels())
+        if (name == k->name || name == "auto") return k;
+    throw nb::value_error(("instruction_set: " + name + " is not available here").c_str());
 }
 
 using Worker = void (*)(sw::Job&, hl::u64);
@@ -41,13 +63,14 @@ Worker worker_for(const std::string& law) {
 // Points first … first + count − 1 of the map. Returns the contact counts above 255 as (point, count).
 nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2, int restitution_at,
                  const std::vector<Values>& values, const std::vector<hl::u64>& strides, hl::u64 first, hl::u64 count,
-                 int threads, const nb::dict& out, nb::object progress) {
+                 int threads, const nb::dict& out, nb::object progress, const std::string& instruction_set) {
     if (values.size() != sw::parameter_count || strides.size() != sw::parameter_count)
         throw nb::value_error("values: wrong number of parameters");
     sw::Job job{};
     for (int i = 0; i < sw::parameter_count; ++i)
         job.axes.axis[i] = {values[i].data(), strides[i], values[i].shape(0)};
     job.setting = {static_cast<sw::Model>(model), alternative, density_1, density_2, restitution_at};
+    job.kernel = kernel_named(instruction_set);
     job.first = first;
     job.count = count;
     job.out = {bytes(out, "n_contacts"), bytes(out, "outcome"), doubles(out, "relative_velocity"),
@@ -96,5 +119,10 @@ void bind_sweep(nb::module_& m) {
     m.attr("sweep_parameters") = sw::parameter_count;
     m.attr("max_law_parameters") = hl::max_parameters;
     m.def("run_map", &run_map, "law"_a, "model"_a, "alternative"_a, "density_1"_a, "density_2"_a, "restitution_at"_a,
-          "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "out"_a, "progress"_a.none());
+          "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "out"_a, "progress"_a.none(), "instruction_set"_a = "auto");
+    m.def("instruction_sets", [] {
+        std::vector<std::string> names;
+        for (const hardlimit_abi::Kernel* k : kernels()) names.emplace_back(k->name);
+        return names;
+    });
 }

@@ -48,6 +48,7 @@ HL_FN Real broadcast(double x) {
     else return Real{} + x;
 }
 
+// Lane by lane. Real may itself be a Mask.
 template <class Real>
 HL_FN Real select(Mask<Real> m, Real yes, Real no) { return m ? yes : no; }
 

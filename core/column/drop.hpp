@@ -41,7 +41,7 @@ namespace drop {
 
 inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
     if (dt == 0.0) return n.x;
-    if (!n.floor && !n.pair) return exact::fly(s, n.x, dt);
+    if (!n.floor && !n.pair) return exact::fly<double>(s, n.x, dt);
     if (n.floor && !n.pair) return exact::lie_on_floor(s, n.x, dt);
     exact::Piece piece;
     const double h = exact::piece_length(s, n.floor, n.pair);

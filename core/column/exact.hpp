@@ -29,43 +29,62 @@ namespace exact {
 inline constexpr int order = 22;
 inline constexpr long max_pieces = 4'000'000;
 
-// Polynomials in θ = (t − t0)/h.
-struct Piece {
-    double h;
-    double u[order + 1], w[order + 1], l1[order], l2[order];
+// Polynomials in θ = (t − t0)/h, and the reciprocals 1/((n + 1)(n + 2)) of their recurrence.
+template <class R, int N = order>
+struct Series {
+    R h;
+    R u[N + 1], w[N + 1], l1[N], l2[N];
 };
 
-// Length of a piece: 1.5 over a bound on the rates of the motion.
-HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) {
-    const double square = (floor ? s.a1 : 0.0) + (pair ? 1.0 : 0.0);
-    const double damping = (floor ? s.a1 * s.c1 : 0.0) + (pair ? s.c2 : 0.0);
-    return 1.5 / math::max(math::sqrt(square), damping);
+template <int N>
+struct Reciprocals {
+    double of[N];
+    constexpr Reciprocals() : of() {
+        for (int n = 0; n < N; ++n) of[n] = 1.0 / ((n + 1.0) * (n + 2.0));
+    }
+};
+
+using Piece = Series<double>;
+
+// Bound on the rates of the motion.
+template <class R>
+HL_FN R rate_bound(const Groups<R>& s, Mask<R> floor, Mask<R> pair) {
+    const R square = select<R>(floor, s.a1, R{}) + select<R>(pair, broadcast<R>(1.0), R{});
+    const R damping = select<R>(floor, s.a1 * s.c1, R{}) + select<R>(pair, s.c2, R{});
+    return math::max<R>(math::sqrt(square), damping);
 }
 
-HL_FN void expand(const TwoBall& s, const Gaps& x, bool floor, bool pair, double h, Piece& p) {
-    const double k1 = floor ? s.a1 : 0.0, k2 = pair ? 1.0 : 0.0, reaction = pair ? s.a2 : 0.0;
-    const double d1 = s.c1 / h, d2 = s.c2 / h;
+inline constexpr double reach = 1.5;  // length of a piece times the bound on the rates
+HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) { return reach / rate_bound(s, floor, pair); }
+
+template <class R, int N>
+HL_FN void expand(const Groups<R>& s, const GapState<R>& x, Mask<R> floor, Mask<R> pair, R h, Series<R, N>& p) {
+    constexpr Reciprocals<N> reciprocal;
+    const R square = h * h, d1 = s.c1 / h, d2 = s.c2 / h;
+    const R k1 = select<R>(floor, s.a1, R{}) * square, k2 = select<R>(pair, square, R{});
+    const R reaction = select<R>(pair, s.a2, R{}) * square;
     p.h = h;
     p.u[0] = x.u;
     p.u[1] = x.du * h;
     p.w[0] = x.w;
     p.w[1] = x.dw * h;
-    double weight = s.gravity;
-    for (int n = 0; n + 2 <= order; ++n) {
-        p.l1[n] = p.u[n] + d1 * ((n + 1) * p.u[n + 1]);
-        p.l2[n] = p.w[n] + d2 * ((n + 1) * p.w[n + 1]);
-        const double factor = h * h / ((n + 1) * (n + 2));
-        p.u[n + 2] = factor * (reaction * p.l2[n] - k1 * p.l1[n] - weight);
-        p.w[n + 2] = factor * (k1 * p.l1[n] - k2 * p.l2[n]);
-        weight = 0.0;
+    R weight = s.gravity * square;
+    for (int n = 0; n + 2 <= N; ++n) {
+        p.l1[n] = p.u[n] + d1 * ((n + 1.0) * p.u[n + 1]);
+        p.l2[n] = p.w[n] + d2 * ((n + 1.0) * p.w[n + 1]);
+        const R push = k1 * p.l1[n];
+        p.u[n + 2] = reciprocal.of[n] * ((reaction * p.l2[n] - push) - weight);
+        p.w[n + 2] = reciprocal.of[n] * (push - k2 * p.l2[n]);
+        weight = R{};
     }
-    p.l1[order - 1] = p.u[order - 1] + d1 * (order * p.u[order]);
-    p.l2[order - 1] = p.w[order - 1] + d2 * (order * p.w[order]);
+    p.l1[N - 1] = p.u[N - 1] + d1 * (static_cast<double>(N) * p.u[N]);
+    p.l2[N - 1] = p.w[N - 1] + d2 * (static_cast<double>(N) * p.w[N]);
 }
 
-HL_FN Gaps evaluate(const Piece& p, double theta) {
-    Gaps x = {p.u[order], 0.0, p.w[order], 0.0};
-    for (int n = order - 1; n >= 0; --n) {
+template <class R, int N>
+HL_FN GapState<R> evaluate(const Series<R, N>& p, R theta) {
+    GapState<R> x = {p.u[N], R{}, p.w[N], R{}};
+    for (int n = N - 1; n >= 0; --n) {
         x.du = x.du * theta + x.u;
         x.dw = x.dw * theta + x.w;
         x.u = x.u * theta + p.u[n];
@@ -77,50 +96,51 @@ HL_FN Gaps evaluate(const Piece& p, double theta) {
 }
 
 // The parabola of motion A.
-HL_FN Gaps fly(const TwoBall& s, const Gaps& x, double t) {
+template <class R>
+HL_FN GapState<R> fly(const Groups<R>& s, const GapState<R>& x, R t) {
     return {x.u + t * (x.du - 0.5 * s.gravity * t), x.du - s.gravity * t, x.w + x.dw * t, x.dw};
 }
 
 inline constexpr double never = math::infinity;
 
-// First θ in [0, 1] at which the polynomial f rises to zero, from below; `never` if it does not. A function that
+// First θ in [0, 1] at which sign·f, a polynomial, rises to zero from below; `never` if it does not. A function that
 // vanishes at θ = 0 because the last switch put it there is divided by θ first (`at_zero`). Each step goes to the
 // zero of a parabola above f (|f''| <= bound), so no zero can be passed, and converges quadratically.
-HL_FN double first_crossing(const double* f, int degree, double sign, bool at_zero) {
-    if (at_zero) {
-        ++f;
-        --degree;
-        while (degree > 0 && f[0] == 0.0) {
-            ++f;
-            --degree;
-        }
+template <class R>
+HL_FN R first_crossing(const R* f, int degree, R sign, Mask<R> at_zero) {
+    R g[order + 1];
+    for (int n = 0; n < degree; ++n) g[n] = sign * select<R>(at_zero, f[n + 1], f[n]);
+    g[degree] = sign * select<R>(at_zero, R{}, f[degree]);
+    for (int i = 0; i < degree; ++i) {  // touching without approach: zero of higher order
+        const Mask<R> again = at_zero & (g[0] == 0.0);
+        if (!any(again)) break;
+        for (int n = 0; n < degree; ++n) g[n] = select<R>(again, g[n + 1], g[n]);
+        g[degree] = select<R>(again, R{}, g[degree]);
     }
-    double rise = sign * f[0];
-    if (rise >= 0.0) return 0.0;
-    double bound = 0.0;
+    R highest = g[0], bound = R{};
     for (int n = 1; n <= degree; ++n) {
-        rise += math::max(sign * f[n], 0.0);
-        bound += n * (n - 1) * math::abs(f[n]);
+        highest = highest + math::max<R>(g[n], R{});
+        bound = bound + (n * (n - 1.0)) * math::abs<R>(g[n]);
     }
-    if (rise < 0.0) return never;
-    double theta = 0.0;
-    for (int i = 0; i < 500; ++i) {
-        double value = f[degree], slope = 0.0;
+    Mask<R> active = (g[0] < 0.0) & (highest >= 0.0);
+    R theta = R{}, found = select<R>(g[0] >= 0.0, R{}, broadcast<R>(never));
+    for (int i = 0; i < 500 && any(active); ++i) {
+        R value = g[degree], slope = R{};
         for (int n = degree - 1; n >= 0; --n) {
             slope = slope * theta + value;
-            value = value * theta + f[n];
+            value = value * theta + g[n];
         }
-        value *= sign;
-        slope *= sign;
-        if (value >= 0.0) return theta;
-        const double reach = slope + math::sqrt(slope * slope - 2.0 * bound * value);
-        if (!(reach > 0.0)) return never;
-        const double step = -2.0 * value / reach;
-        theta += step;
-        if (theta > 1.0) return never;
-        if (step <= math::epsilon * theta) return theta;
+        const Mask<R> there = active & (value >= 0.0);
+        const R speed = slope + math::sqrt<R>(slope * slope - 2.0 * bound * value);
+        const R step = -2.0 * value / speed;
+        const R moved = theta + step;
+        active = active & negation(there) & (speed > 0.0) & (moved <= 1.0);
+        theta = select<R>(active, moved, theta);
+        const Mask<R> converged = active & (step <= math::epsilon * moved);
+        found = select<R>(there | converged, theta, found);
+        active = active & negation(converged);
     }
-    return theta;
+    return select<R>(active, theta, found);
 }
 
 // First t >= 0 at which v + s t − g t²/2 falls to zero; v <= 0 means that it lies on zero now.
@@ -183,48 +203,47 @@ HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
 HL_FN Next next_in_piece(const Piece& piece, const Phase& p, const OnSurface& on) {
     Next next;
     if (p.floor) {
-        next.consider(first_crossing(piece.l1, order - 1, 1.0, on.l1), Switch::floor_ends);
+        next.consider(first_crossing<double>(piece.l1, order - 1, 1.0, on.l1), Switch::floor_ends);
     } else if (p.floor_open) {
-        next.consider(first_crossing(piece.u, order, -1.0, on.u), Switch::floor_begins);
+        next.consider(first_crossing<double>(piece.u, order, -1.0, on.u), Switch::floor_begins);
     } else {
-        next.consider(first_crossing(piece.u, order, 1.0, on.u), Switch::floor_opens);
-        next.consider(first_crossing(piece.l1, order - 1, -1.0, on.l1), Switch::floor_begins);
+        next.consider(first_crossing<double>(piece.u, order, 1.0, on.u), Switch::floor_opens);
+        next.consider(first_crossing<double>(piece.l1, order - 1, -1.0, on.l1), Switch::floor_begins);
     }
     if (p.pair) {
-        next.consider(first_crossing(piece.l2, order - 1, 1.0, on.l2), Switch::pair_ends);
+        next.consider(first_crossing<double>(piece.l2, order - 1, 1.0, on.l2), Switch::pair_ends);
     } else if (p.pair_open) {
-        next.consider(first_crossing(piece.w, order, -1.0, on.w), Switch::pair_begins);
+        next.consider(first_crossing<double>(piece.w, order, -1.0, on.w), Switch::pair_begins);
     } else {
-        next.consider(first_crossing(piece.w, order, 1.0, on.w), Switch::pair_opens);
-        next.consider(first_crossing(piece.l2, order - 1, -1.0, on.l2), Switch::pair_begins);
+        next.consider(first_crossing<double>(piece.w, order, 1.0, on.w), Switch::pair_opens);
+        next.consider(first_crossing<double>(piece.l2, order - 1, -1.0, on.l2), Switch::pair_begins);
     }
     return next;
 }
 
 // Gravity holds both contacts closed for good: the energy about the static equilibrium (never rising) is too
 // small for L1 or L2 to reach zero. Adiabatic: the floor is judged alone and must be still before the pair is.
-HL_FN bool rests_on_both(const TwoBall& s, const Gaps& x) {
-    if (s.gravity == 0.0) return false;
-    const double w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
-    const double y = x.u - u0, v = x.w - w0;
-    const double floor = x.du * x.du + s.a1 * y * y, pair = x.dw * x.dw + v * v;  // twice the energies / mass
-    const double floor_reach = 1.0 / math::sqrt(s.a1) + s.c1, pair_reach = 1.0 + s.c2;
-    if (s.a2 == 0.0) {
-        return math::sqrt(floor) * floor_reach < 1e-3 * -u0 * math::min(1.0, s.a1 * s.c1 + s.c2) &&
-               math::sqrt(pair) * pair_reach < -0.5 * w0;
-    }
-    const double sum = x.du + x.dw;
-    const double twice_energy =
-        (x.du * x.du + s.a1 * y * y) / s.a2 + sum * sum / (1.0 - s.a2) + v * v;  // in units of m_eff V²
-    const double amplitude = math::sqrt(twice_energy);
-    return amplitude * math::sqrt(s.a2) * floor_reach < -u0 && amplitude * pair_reach < -w0;
+template <class R>
+HL_FN Mask<R> rests_on_both(const Groups<R>& s, const GapState<R>& x) {
+    const R w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
+    const R y = x.u - u0, v = x.w - w0, sum = x.du + x.dw;
+    const R floor = x.du * x.du + s.a1 * y * y, pair = x.dw * x.dw + v * v;  // twice the energies over the masses
+    const R floor_reach = 1.0 / math::sqrt<R>(s.a1) + s.c1, pair_reach = 1.0 + s.c2;
+    // Coupled: twice the energy in units of m_eff V² bounds both amplitudes.
+    const R amplitude = math::sqrt<R>(floor / s.a2 + sum * sum / (1.0 - s.a2) + v * v);
+    const Mask<R> coupled = (amplitude * math::sqrt<R>(s.a2) * floor_reach < -u0) & (amplitude * pair_reach < -w0);
+    const R damping = math::min<R>(broadcast<R>(1.0), s.a1 * s.c1 + s.c2);
+    const Mask<R> adiabatic = (math::sqrt<R>(floor) * floor_reach < -1e-3 * u0 * damping) &
+                              (math::sqrt<R>(pair) * pair_reach < -0.5 * w0);
+    return (s.gravity > 0.0) & select<Mask<R>>(s.a2 > 0.0, coupled, adiabatic);
 }
 
 // The same for the floor contact alone; the pair gap then closes under gravity some time later.
-HL_FN bool rests_on_floor(const TwoBall& s, const Gaps& x) {
-    if (s.gravity == 0.0) return false;
-    const double u0 = -s.gravity / s.a1, y = x.u - u0;
-    return math::sqrt(x.du * x.du + s.a1 * y * y) * (1.0 / math::sqrt(s.a1) + s.c1) < -u0;
+template <class R>
+HL_FN Mask<R> rests_on_floor(const Groups<R>& s, const GapState<R>& x) {
+    const R u0 = -s.gravity / s.a1, y = x.u - u0;
+    const R amplitude = math::sqrt<R>(x.du * x.du + s.a1 * y * y);
+    return (s.gravity > 0.0) & (amplitude * (1.0 / math::sqrt<R>(s.a1) + s.c1) < -u0);
 }
 
 // Damped oscillator ÿ + 2λ ẏ + κ y = 0 at time t (Eq. A4 with cosine and sine amplitudes).
@@ -233,7 +252,7 @@ HL_FN void oscillate(double kappa, double lambda, double t, double& y, double& d
     const double slope = dy + lambda * y;
     if (square > 0.0) {
         const double omega = math::sqrt(square);
-        const math::SinCos a = math::sincos(omega * t);
+        const auto a = math::sincos(omega * t);
         const double decay = math::exp(-lambda * t);
         const double now = decay * (y * a.cos + slope * (a.sin / omega));
         dy = decay * (slope * a.cos - y * omega * a.sin) - lambda * now;
@@ -328,7 +347,7 @@ HL_FN Sequence run_two_ball(const TwoBall& s, Gaps start, double t, double span,
             if (next.at != never && (flight || long_rest ? next.at : next.at * piece.h) > dt) next = Next{};
         }
         if (dt > 0.0) {
-            x = flight ? fly(s, x, dt) : long_rest ? lie_on_floor(s, x, dt) : evaluate(piece, dt / piece.h);
+            x = flight ? fly<double>(s, x, dt) : long_rest ? lie_on_floor(s, x, dt) : evaluate(piece, dt / piece.h);
             t += dt;
             on = OnSurface{};
         }

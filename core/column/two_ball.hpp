@@ -5,11 +5,13 @@
 namespace hardlimit::column {
 
 // The dimensionless groups of the problem.
-struct TwoBall {
-    double a1, a2;   // floor and reaction couplings
-    double c1, c2;   // damping times γ/k of floor and pair
-    double gravity;  // G = g/(V ω)
+template <class R>
+struct Groups {
+    R a1, a2;   // floor and reaction couplings
+    R c1, c2;   // damping times γ/k of floor and pair
+    R gravity;  // G = g/(V ω)
 };
+using TwoBall = Groups<double>;
 
 // Units of the scaled problem: length speed/rate, time 1/rate.
 struct Units {
@@ -26,8 +28,11 @@ HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact:
             pair.relaxation_time() * rate, gravity / (speed * rate)};
 }
 
-struct Gaps {
-    double u, du, w, dw;
+// Gaps of floor and pair, and their rates.
+template <class R>
+struct GapState {
+    R u, du, w, dw;
 };
+using Gaps = GapState<double>;
 
 }  // namespace hardlimit::column

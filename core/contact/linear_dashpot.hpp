@@ -13,15 +13,16 @@
 namespace hardlimit::contact {
 
 // ω0 t_c as a function of b = β/ω0.
-HL_FN double linear_scaled_duration(double b) {
-    if (b < 1.0) {
-        const double w = math::sqrt((1.0 - b) * (1.0 + b));
-        return 2.0 * math::atan2_upper(w, b) / w;
-    }
-    if (b == 1.0) return 2.0;
+template <class R>
+HL_FN R linear_scaled_duration(R b) {
+    const R one = broadcast<R>(1.0);
+    const R below = math::min<R>(b, one), above = math::max<R>(b, one);
+    const R w = math::sqrt<R>((1.0 - below) * (1.0 + below));
     // √(b² − 1) without overflow; b − 1 is exact near 1, 1 − 1/b would cost four digits there.
-    const double s = math::sqrt(b - 1.0) * math::sqrt(b + 1.0);
-    return 2.0 * math::log1p((b - 1.0) + s) / s;
+    const R s = math::sqrt<R>(above - 1.0) * math::sqrt<R>(above + 1.0);
+    const R swinging = 2.0 * math::atan2_upper<R>(w, below) / w;
+    const R creeping = 2.0 * math::log1p<R>((above - 1.0) + s) / s;
+    return select<R>(b < 1.0, swinging, select<R>(b > 1.0, creeping, one + one));
 }
 
 // −ln ε as a function of b.
@@ -29,21 +30,21 @@ HL_FN double linear_loss_exponent(double b) { return b * linear_scaled_duration(
 
 // Inverse: b from L = −ln ε >= 0. Newton on ln b, since b dL/db = b (ω0 t_c − 2b)/(1 − b²) lies between L and 2
 // and the step is exact in both limits, L = πb and L = 2 ln 2b.
-HL_FN double linear_damping_ratio(double loss_exponent) {
-    if (!(loss_exponent > 0.0)) return 0.0;
-    double b = loss_exponent < 2.0 ? loss_exponent / (math::pi - 0.57 * loss_exponent)
-                                   : 0.5 * math::exp(0.5 * loss_exponent);
-    for (int i = 0; i < 20; ++i) {
-        const double tau = linear_scaled_duration(b);
+template <class R>
+HL_FN R linear_damping_ratio(R loss_exponent) {
+    const R L = loss_exponent;
+    R b = select<R>(L < 2.0, L / (math::pi - 0.57 * L), 0.5 * math::exp<R>(0.5 * L));
+    Mask<R> active = L > 0.0;
+    for (int i = 0; i < 20 && any(active); ++i) {
+        const R tau = linear_scaled_duration<R>(b);
         // (1 − b²) → 0 at critical damping; the derivative there is 4/3 − (8/15)(b − 1).
-        const double slope = math::abs(b - 1.0) < 1e-3 ? 4.0 / 3.0 - 8.0 / 15.0 * (b - 1.0)
-                             : b < 1e8                 ? (tau - 2.0 * b) / ((1.0 - b) * (1.0 + b))
-                                                       : 2.0 / b;
-        const double step = (loss_exponent - b * tau) / (b * slope);
-        b *= math::exp(math::clamp(step, -1.0, 1.0));
-        if (math::abs(step) < 2.0 * math::epsilon) break;
+        const R regular = (tau - 2.0 * b) / ((1.0 - b) * (1.0 + b)), near = 4.0 / 3.0 - (8.0 / 15.0) * (b - 1.0);
+        const R slope = select<R>(math::abs<R>(b - 1.0) < 1e-3, near, select<R>(b < 1e8, regular, 2.0 / b));
+        const R step = (L - b * tau) / (b * slope);
+        b = select<R>(active, b * math::exp<R>(math::clamp<R>(step, -1.0, 1.0)), b);
+        active = active & (math::abs<R>(step) >= 2.0 * math::epsilon);
     }
-    return b;
+    return select<R>(L > 0.0, b, R{});
 }
 
 struct LinearDashpot {
@@ -74,8 +75,10 @@ struct LinearDashpot {
     // parameters: common first, then those of the alternative.
     static LinearDashpot from_parameters(int alternative, const double* p, PairGeometry pair) {
         if (alternative == 1) return {p[0], p[1]};
-        const double b = linear_damping_ratio(-math::log(p[1]));
-        return {p[0], 2.0 * b * math::sqrt(p[0]) * math::sqrt(pair.effective_mass)};
+        return from_damping_ratio(p[0], linear_damping_ratio(-math::log(p[1])), pair.effective_mass);
+    }
+    static LinearDashpot from_damping_ratio(double stiffness, double b, double mass) {
+        return {stiffness, 2.0 * b * math::sqrt(stiffness) * math::sqrt(mass)};
     }
 
     template <class T>

@@ -2,10 +2,12 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
 
+#include "block.hpp"
 #include "point.hpp"
 
 namespace hardlimit::sweep {
@@ -14,15 +16,41 @@ namespace hardlimit::sweep {
 struct Axis {
     const double* values;
     u64 stride, size;
-    double at(u64 point) const { return values[size == 1 ? 0 : (point / stride) % size]; }
 };
 
 struct Axes {
     Axis axis[parameter_count];
-    Parameters at(u64 point) const {
-        double p[parameter_count];
-        for (int i = 0; i < parameter_count; ++i) p[i] = axis[i].at(point);
-        return __builtin_bit_cast(Parameters, p);
+};
+
+// Walks through the points of a map in order, without a division for each.
+class Cursor {
+    const Axes& axes;
+    int varying[parameter_count], n_varying = 0;
+    u64 index[parameter_count] = {}, run[parameter_count] = {};
+    double value[parameter_count];
+
+public:
+    Cursor(const Axes& a, u64 point) : axes(a) {
+        for (int i = 0; i < parameter_count; ++i) {
+            const Axis& k = axes.axis[i];
+            if (k.size > 1) {
+                varying[n_varying++] = i;
+                index[i] = (point / k.stride) % k.size;
+                run[i] = point % k.stride;
+            }
+            value[i] = k.values[index[i]];
+        }
+    }
+    Parameters parameters() const { return __builtin_bit_cast(Parameters, value); }
+    void next() {
+        for (int v = 0; v < n_varying; ++v) {
+            const int i = varying[v];
+            const Axis& k = axes.axis[i];
+            if (++run[i] < k.stride) continue;
+            run[i] = 0;
+            if (++index[i] == k.size) index[i] = 0;
+            value[i] = k.values[index[i]];
+        }
     }
 };
 
@@ -42,6 +70,7 @@ struct LargeCount {
 struct Job {
     Axes axes;
     Setting setting;
+    const hardlimit_abi::Kernel* kernel;
     u64 first, count;
     Outputs out;
     std::atomic<u64> next{0}, done{0};
@@ -68,15 +97,119 @@ struct Job {
     }
 };
 
+// Points of one block on their way through the vector kernel.
+class VectorBlock {
+public:
+    static constexpr int most = 1024;
+
+    void solve(Job& job, u64 first, int count) {
+        Cursor at(job.axes, job.first + first);
+        for (int i = 0; i < count; ++i, at.next()) p[i] = at.parameters();
+        damping(job, count);
+        int n = 0;
+        for (int i = 0; i < count; ++i) {
+            slot[i] = enter(job.setting, i, n) ? n++ : -1;
+        }
+        const hardlimit_abi::Block b = {n, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8], in[9],
+                                        out[0], out[1], out[2], out[3], out[4], out[5], status};
+        job.kernel->solve(b);
+        for (int i = 0; i < count; ++i) {
+            PointResult r;
+            const int k = slot[i];
+            if (k >= 0 && status[k] == static_cast<int>(hardlimit_abi::Status::done))
+                leave(job.setting, i, k, r);
+            else
+                r = solve_point<contact::LinearDashpot>(job.setting, p[i]);
+            job.put(first + static_cast<u64>(i), r);
+        }
+    }
+
+private:
+    Parameters p[most];
+    double ratio[2][most];             // β/ω0 of floor and pair, when given by ε
+    double listed[2 * most];
+    int list_of[2][most];
+    double in[10][most], out[6][most];
+    int status[most], slot[most];
+    column::Units units[most];
+
+    // β/ω0 from ε, once for each run of equal values.
+    void damping(const Job& job, int count) {
+        if (job.setting.restitution_at < 0) return;
+        int n = 0;
+        double last = math::nan;
+        for (int i = 0; i < count; ++i) {
+            for (int side = 0; side < 2; ++side) {
+                const double e = (side == 0 ? p[i].floor_law : p[i].pair_law)[job.setting.restitution_at];
+                if (e != last) listed[n++] = -math::log(e);
+                last = e;
+                list_of[side][i] = n - 1;
+            }
+        }
+        job.kernel->damping_ratios(listed, n);
+        for (int side = 0; side < 2; ++side)
+            for (int i = 0; i < count; ++i) ratio[side][i] = listed[list_of[side][i]];
+    }
+
+    // Groups and start of point i into place k; false if it is not one for the kernel.
+    bool enter(const Setting& setting, int i, int k) {
+        Parameters& q = p[i];
+        if (!math::is_nan(q.radius_ratio)) q.radius_1 = q.radius_ratio * q.radius_2;
+        q.radius_ratio = math::nan;
+        const double height = q.height - q.radius_1;
+        if (!(height >= 0.0)) return false;
+        const double m1 = ball_mass(q.matter_1, setting.density_1, q.radius_1);
+        const double m2 = ball_mass(q.matter_2, setting.density_2, q.radius_2);
+        const bool given = setting.restitution_at >= 0;
+        const contact::LinearDashpot floor = given ? contact::LinearDashpot::from_damping_ratio(q.floor_law[0], ratio[0][i], m1)
+                                                   : contact::LinearDashpot{q.floor_law[0], q.floor_law[1]};
+        const contact::LinearDashpot pair =
+            given ? contact::LinearDashpot::from_damping_ratio(q.pair_law[0], ratio[1][i], effective(m1, m2))
+                  : contact::LinearDashpot{q.pair_law[0], q.pair_law[1]};
+        const column::Start s = column::start_two_ball(
+            floor, pair, m1, m2, q.gravity, {height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
+            setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
+        if (s.outcome != Outcome::ok || !math::is_finite(s.groups.gravity + s.first.w)) return false;
+        const double values[10] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
+                                   s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
+        for (int j = 0; j < 10; ++j) in[j][k] = values[j];
+        units[k] = s.units;
+        return true;
+    }
+
+    void leave(const Setting& setting, int i, int k, PointResult& r) const {
+        column::Sequence q;
+        q.n_contacts = static_cast<int>(out[0][k]);
+        q.t_first_touch = out[1][k];
+        q.t_end = out[2][k];
+        q.t_floor_end = out[3][k];
+        q.relative_velocity = out[4][k];
+        q.separation_velocity = out[5][k];
+        q.close();
+        column::to_si(q, units[k]);
+        finish(q, setting, p[i], units[k].speed, r);
+    }
+};
+
 // Takes blocks until none is left; each result depends on its point alone, so neither the number of threads nor the
 // order matters.
 template <class Law>
 void work(Job& job, u64 block) {
+    constexpr bool linear = std::is_same_v<Law, contact::LinearDashpot>;
+    const bool vector = linear && job.kernel && job.setting.model != Model::independent;
+    const auto lanes = std::make_unique<VectorBlock>();
     for (;;) {
         const u64 begin = job.next.fetch_add(block);
         if (begin >= job.count || job.stop) break;
         const u64 end = begin + block < job.count ? begin + block : job.count;
-        for (u64 i = begin; i < end && !job.stop; ++i) job.put(i, solve_point<Law>(job.setting, job.axes.at(job.first + i)));
+        if (vector) {
+            for (u64 i = begin; i < end && !job.stop; i += VectorBlock::most)
+                lanes->solve(job, i, static_cast<int>(end - i < VectorBlock::most ? end - i : VectorBlock::most));
+        } else {
+            Cursor at(job.axes, job.first + begin);
+            for (u64 i = begin; i < end && !job.stop; ++i, at.next())
+                job.put(i, solve_point<Law>(job.setting, at.parameters()));
+        }
         job.done += end - begin;
     }
     --job.running;

@@ -1,0 +1,23 @@
+// What passes between a map and the kernel compiled for one instruction set. Each instruction set has its own copy
+// of the core under its own namespace (or the linker would mix them); these plain types belong to all.
+#pragma once
+
+namespace hardlimit_abi {
+
+enum class Status : int { running = 0, done = 1, left = 2 };  // left: for the scalar solver
+
+// Drops of a block, one array each: groups and start in, sequence out (scaled units, times on the clock of t).
+struct Block {
+    int count;
+    const double *a1, *a2, *c1, *c2, *gravity, *u, *du, *w, *dw, *t;
+    double *contacts, *t_first, *t_end, *t_floor_end, *relative, *separation;
+    int* status;
+};
+
+struct Kernel {
+    const char* name;
+    void (*solve)(const Block&);
+    void (*damping_ratios)(double*, int);  // b from −ln ε, in place
+};
+
+}  // namespace hardlimit_abi
