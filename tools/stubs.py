@@ -1,10 +1,10 @@
-"""Type stub of the compiled module: src/hardlimit/_core.pyi, written by nanobind from the installed package.
+"""Type stubs: _core.pyi, written by nanobind from the compiled module, and laws.pyi, from the laws' records.
 
-The stub is committed so that type checkers work from the source tree. After a change of the bindings:
+Both are committed so that type checkers work from the source tree. After a change of the bindings or the laws:
 
     pip install . && python tools/stubs.py
 
-With --check nothing is written; the exit code is 1 if the committed stub differs from what would be written.
+With --check nothing is written; the exit code is 1 if a committed stub differs from what would be written.
 """
 
 import argparse
@@ -14,10 +14,10 @@ import sys
 import tempfile
 from pathlib import Path
 
-STUB = Path(__file__).resolve().parents[1] / "src" / "hardlimit" / "_core.pyi"
+PACKAGE = Path(__file__).resolve().parents[1] / "src" / "hardlimit"
 
 
-def generated() -> str:
+def core_stub() -> str:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "_core.pyi"
         # Run elsewhere: the source tree must not be imported in place of the installed package.
@@ -29,23 +29,52 @@ def generated() -> str:
         return path.read_text(encoding="utf-8")
 
 
+def laws_stub() -> str:
+    from hardlimit import _core
+
+    lines = ["# Written by tools/stubs.py from the laws' records.", "", "from .contact import Law", ""]
+    lines += ["__all__: list[str]", "LAWS: dict[str, type[Law]]", ""]
+    for record in _core.law_records():
+        common = [p["name"] for p in record["common"]]
+        chosen = list(dict.fromkeys(p["name"] for c in record["alternatives"] for p in c))
+        arguments = [
+            "self",
+            "*",
+            *(f"{n}: float" for n in common),
+            *(f"{n}: float | None = None" for n in chosen),
+        ]
+        lines += [f"class {record['class_name']}(Law):"]
+        lines += ["    def __init__(", *(f"        {a}," for a in arguments), "    ) -> None: ..."]
+        lines += [f"    {name}: float" for name in [*common, *chosen]]
+        lines += [""]
+    return "\n".join(lines)
+
+
+STUBS = {"_core.pyi": core_stub, "laws.pyi": laws_stub}
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--check", action="store_true", help="compare, write nothing")
     check = parser.parse_args().check
-    new = generated()
-    if not check:
-        STUB.write_text(new, encoding="utf-8")
-        return 0
-    old = STUB.read_text(encoding="utf-8") if STUB.exists() else ""
-    difference = list(
-        difflib.unified_diff(old.splitlines(), new.splitlines(), "committed", "generated", lineterm="")
-    )
-    if difference:
-        print(*difference, "The committed stub is out of date: run python tools/stubs.py", sep="\n")
-    return 1 if difference else 0
+    stale = False
+    for name, make in STUBS.items():
+        path, new = PACKAGE / name, make()
+        if not check:
+            path.write_text(new, encoding="utf-8")
+            continue
+        old = path.read_text(encoding="utf-8") if path.exists() else ""
+        difference = list(
+            difflib.unified_diff(
+                old.splitlines(), new.splitlines(), f"committed {name}", f"generated {name}", lineterm=""
+            )
+        )
+        if difference:
+            print(*difference, "A committed stub is out of date: run python tools/stubs.py", sep="\n")
+            stale = True
+    return 1 if stale else 0
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ __version__: Final = _core.version
 #: Names of the outcome codes, in the order of their numbers.
 OUTCOMES: Final = _core.outcome_names
 
-__all__ = [  # noqa: PLE0604
+__all__ = [
     "FLOOR",
     "LAWS",
     "OUTCOMES",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, validation
-from .contact import FLOOR, Ball, Contact, Law
+from .contact import FLOOR, Ball, Contact, Floor, Law
 from .laws import LinearDashpot
 
 #: Density with which the paper's stated facts come out [kg/m³]; inferred, the paper prints none.
@@ -55,7 +55,9 @@ class Column:
         self.height = validation.number("height", height)
         lowest = self.balls[0].radius
         if not self.height >= lowest:
-            raise ValueError(f"height: got {self.height:.16g}, must be >= {lowest:.16g}, the radius of the lowest ball")
+            raise ValueError(
+                f"height: got {self.height:.16g}, must be >= {lowest:.16g}, the radius of the lowest ball"
+            )
         self.floor = True
         self._set_laws(law, len(self.balls))
         v = self.velocities[0]
@@ -64,7 +66,9 @@ class Column:
                 f"height: got {self.height:.16g} with nothing moving, must be > {lowest:.16g} or velocities not 0"
             )
         if math.isnan(_core.fall_time(self.drop_height, v, self.gravity)):
-            raise ValueError(f"velocities[0]: got {v:.16g}, must be < 0: without gravity the column never lands")
+            raise ValueError(
+                f"velocities[0]: got {v:.16g}, must be < 0: without gravity the column never lands"
+            )
 
     def _set_balls(self, balls: Sequence[Ball], gaps: Any, velocities: Any) -> None:
         if isinstance(balls, Ball) or not isinstance(balls, Iterable):
@@ -80,7 +84,9 @@ class Column:
         self.velocities = validation.numbers("velocities", velocities, n)
 
     def _set_laws(self, law: Law | Sequence[Law], contacts: int) -> None:
-        laws = (law,) * contacts if isinstance(law, Law) else tuple(law) if isinstance(law, Iterable) else (law,)
+        laws = (
+            (law,) * contacts if isinstance(law, Law) else tuple(law) if isinstance(law, Iterable) else (law,)
+        )
         for one in laws:
             if not isinstance(one, Law):
                 raise ValueError(f"law: got {one!r}, must be a contact law such as LinearDashpot")
@@ -147,7 +153,9 @@ class Column:
 
     def __repr__(self) -> str:
         law = self.laws[0] if len(set(self.laws)) == 1 else list(self.laws)
-        inner = f"balls={list(self.balls)}, gaps={list(self.gaps)}, law={law}, velocities={list(self.velocities)}"
+        inner = (
+            f"balls={list(self.balls)}, gaps={list(self.gaps)}, law={law}, velocities={list(self.velocities)}"
+        )
         if not self.floor:
             return f"Column.cradle({inner})"
         return f"Column({inner}, height={self.height!r}, gravity={self.gravity!r})"
@@ -159,7 +167,15 @@ class Column:
         return hash(repr(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.floor, self.balls, self.gaps, self.height, self.laws, self.velocities, self.gravity)
+        return _rebuild, (
+            self.floor,
+            self.balls,
+            self.gaps,
+            self.height,
+            self.laws,
+            self.velocities,
+            self.gravity,
+        )
 
     @property
     def drop_height(self) -> float:
@@ -182,7 +198,7 @@ class Column:
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
         """All contacts, the floor's first (a cradle has none with a floor)."""
-        lower = [FLOOR, *self.balls[:-1]] if self.floor else list(self.balls[:-1])
+        lower: list[Ball | Floor] = [FLOOR, *self.balls[:-1]] if self.floor else list(self.balls[:-1])
         upper = self.balls if self.floor else self.balls[1:]
         return tuple(law.between(b, a) for law, a, b in zip(self.laws, lower, upper, strict=True))
 

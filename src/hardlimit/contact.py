@@ -52,7 +52,9 @@ class Ball:
             weight = validation.number("mass", mass, 0.0)
             rho = weight / volume if volume > 0.0 else math.inf
         if not 1e-150 < weight < 1e150:
-            raise ValueError(f"radius: got {size:.16g}, gives a mass of {weight:g} kg, must be in [1e-150, 1e150]")
+            raise ValueError(
+                f"radius: got {size:.16g}, gives a mass of {weight:g} kg, must be in [1e-150, 1e150]"
+            )
         for name, value in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
             object.__setattr__(self, name, value)
 
@@ -99,7 +101,9 @@ class Contact:
         constants = self.__dict__.get("_constants", {})
         if name in constants:
             return float(constants[name])
-        raise AttributeError(f"{type(self).__name__} of a {type(self.law).__name__} has no attribute {name!r}")
+        raise AttributeError(
+            f"{type(self).__name__} of a {type(self.law).__name__} has no attribute {name!r}"
+        )
 
     def __repr__(self) -> str:
         inner = ", ".join(f"{k}={v:.6g}" for k, v in self._constants.items())
@@ -168,7 +172,9 @@ class Law:
         known = [p["name"] for p in common] + [p["name"] for choice in choices for p in choice]
         for name in named:
             if name not in known:
-                raise ValueError(f"{name}: unknown, {type(self).__name__} takes {', '.join(dict.fromkeys(known))}")
+                raise ValueError(
+                    f"{name}: unknown, {type(self).__name__} takes {', '.join(dict.fromkeys(known))}"
+                )
         for p in common:
             if p["name"] not in named:
                 raise ValueError(f"{p['name']}: missing, must be {_range_of(p)}")
@@ -255,6 +261,16 @@ def make_law(record: dict[str, Any]) -> type[Law]:
                 f"{p['name']} : float [{p['unit']}]",
                 f"    {p['meaning']}; {_range_of(p)}. Alternative {i + 1} of {len(alternatives)}.",
             ]
-    lines += ["", "Raises", "------", "ValueError", "    If a value is outside its range or not exactly one alternative is given."]
+    lines += [
+        "",
+        "Raises",
+        "------",
+        "ValueError",
+        "    If a value is outside its range or not exactly one alternative is given.",
+    ]
     lines += ["", f"Source: {record['source']}."]
-    return type(record["class_name"], (Law,), {"record": record, "__doc__": "\n".join(lines), "__module__": "hardlimit"})
+    return type(
+        record["class_name"],
+        (Law,),
+        {"record": record, "__doc__": "\n".join(lines), "__module__": "hardlimit"},
+    )

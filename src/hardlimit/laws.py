@@ -6,4 +6,4 @@ from .contact import Law, make_law
 LAWS: dict[str, type[Law]] = {record["name"]: make_law(record) for record in _core.law_records()}
 globals().update({law.__name__: law for law in LAWS.values()})
 
-__all__ = ["LAWS", *(law.__name__ for law in LAWS.values())]  # noqa: PLE0604
+__all__ = ["LAWS", *(law.__name__ for law in LAWS.values())]

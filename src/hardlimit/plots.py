@@ -90,6 +90,7 @@ COUNT_COLOURS: Final = (
     "#e8601c", "#dc050c", "#72190e",
 )
 # fmt: on
+MOST_CELLS: Final = 2000  #: of a map along one side; more cannot be seen
 MORE_CONTACTS: Final = "#1a1a1a"
 MISSING: Final = "#777777"
 
@@ -463,18 +464,18 @@ def count_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
     ValueError
         If the variable is missing or does not have two dimensions.
     """
-    values = _plane(ds, variable)
+    array = _plane(ds, variable)
+    values = array.values
     label = axis_label(variable, dict(ds[variable].attrs))
     if variable == "n_contacts":
-        return _draw_counts(ds[variable], values, label)
+        return _draw_counts(array, values, label)
     if variable in RATIOS:
         top = max(float(np.nanmax(values, initial=1.0)), 1.1)
-        return _draw_plane(ds[variable], values, label, _white_at(0.0, 1.0, top), Normalize(0.0, top))
+        return _draw_plane(array, values, label, _white_at(0.0, 1.0, top), Normalize(0.0, top))
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
-    return _draw_plane(
-        ds[variable], values, label, "cividis", Normalize(low, high if high > low else low + 1.0)
-    )
+    norm = Normalize(low, high if high > low else low + 1.0)
+    return _draw_plane(array, values, label, "cividis", norm)
 
 
 def difference_map(
@@ -488,25 +489,24 @@ def difference_map(
         If the variable is missing in one, or the axes differ.
     """
     first, second = _plane(newton, variable), _plane(independent, variable)
-    dims = newton[variable].dims
-    if dims != independent[variable].dims or any(
-        not np.array_equal(newton[d].values, independent[d].values) for d in dims
-    ):
+    if first.dims != second.dims or any(not np.array_equal(first[d], second[d]) for d in first.dims):
         raise ValueError("independent: its axes differ from those of newton, must be the same")
-    difference = first.astype(float) - second.astype(float)
+    difference = first.values.astype(float) - second.values.astype(float)
     low = min(float(np.nanmin(difference, initial=0.0)), 0.0)
     high = max(float(np.nanmax(difference, initial=0.0)), 0.0, 1e-3 * abs(low)) or 1.0
     name = axis_label(variable, dict(newton[variable].attrs))
     label = f"{name}: Newton − independent"
-    return _draw_plane(newton[variable], difference, label, _white_at(low, 0.0, high), Normalize(low, high))
+    return _draw_plane(first, difference, label, _white_at(low, 0.0, high), Normalize(low, high))
 
 
-def _plane(ds: xr.Dataset, variable: str) -> NDArray[Any]:
+def _plane(ds: xr.Dataset, variable: str) -> xr.DataArray:
+    """The variable of a map, thinned out to what a picture can show."""
     if variable not in ds:
         raise ValueError(f"variable: got {variable!r}, must be one of {', '.join(map(str, ds.data_vars))}")
     if ds[variable].ndim != 2:
         raise ValueError(f"{variable}: got {ds[variable].ndim} dimensions, a map must have 2")
-    return np.asarray(ds[variable].values)
+    step = [slice(None, None, math.ceil(n / MOST_CELLS)) for n in ds[variable].shape]
+    return ds[variable][step[0], step[1]].load()
 
 
 def _white_at(low: float, middle: float, high: float) -> Colormap:

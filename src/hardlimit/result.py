@@ -98,7 +98,7 @@ class Result:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return _core.outcome_messages[self._core.outcome]
+        return str(_core.outcome_messages[self._core.outcome])
 
     @property
     def outcome_code(self) -> int:
@@ -125,7 +125,11 @@ class Result:
         seconds = {"units": "s", "long_name": "time after the first floor touch"}
         return xr.Dataset(
             {
-                "pair": ("contact", pair, {"long_name": "0 = floor and lowest ball, 1 = lowest and second, …"}),
+                "pair": (
+                    "contact",
+                    pair,
+                    {"long_name": "0 = floor and lowest ball, 1 = lowest and second, …"},
+                ),
                 "begin": ("contact", begin, seconds),
                 "end": ("contact", end, seconds),
             }
@@ -190,7 +194,9 @@ class Result:
         """
         import xarray as xr
 
-        at = np.atleast_1d(np.asarray(self.default_times() if times is None else times, dtype=np.float64)).ravel()
+        at = np.atleast_1d(
+            np.asarray(self.default_times() if times is None else times, dtype=np.float64)
+        ).ravel()
         first = self._core.t_first
         for bad in at[~(np.isfinite(at) & (at >= first * (1.0 + 1e-12)))]:
             raise ValueError(f"times: got {bad:.16g}, must be >= {first:.16g} (release) and finite")

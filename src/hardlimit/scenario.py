@@ -81,7 +81,7 @@ def read(path: str | Path) -> Column:
     ValueError
         If the file cannot be read, is not TOML, has an unknown key or a bad value; names the file.
     """
-    return read_with(path)[0].column()
+    return prefixed(f"{path}: ", read_with(path)[0].column)
 
 
 def read_with(path: str | Path, *other: str) -> tuple[Scenario, dict[str, Any]]:

@@ -38,9 +38,13 @@ def newton(
     if method not in ("auto", "exact", "general"):
         raise ValueError(f"method: got {method!r}, must be auto, exact or general")
     if method == "exact" and not exact:
-        raise ValueError("method: got 'exact', must be auto or general unless two balls fall on a floor, linear law")
+        raise ValueError(
+            "method: got 'exact', must be auto or general unless two balls fall on a floor, linear law"
+        )
     if tolerance != 1e-14:
-        tolerance = validation.number("tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True)
+        tolerance = validation.number(
+            "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
+        )
     general = method == "general" or not exact
     words = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
     return Result(column, "newton", words, lambda t: _core.newton(core, t, general, tolerance), _time(until))
@@ -57,7 +61,13 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
         If the column is not two balls on a floor under the linear law.
     """
     core = _checked(column)
-    return Result(column, "adiabatic", "piecewise exact, lower ball unaffected", lambda t: _core.adiabatic(core, t), _time(until))
+    return Result(
+        column,
+        "adiabatic",
+        "piecewise exact, lower ball unaffected",
+        lambda t: _core.adiabatic(core, t),
+        _time(until),
+    )
 
 
 def independent(column: Column, until: float | None = None) -> Result:

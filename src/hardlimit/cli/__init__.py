@@ -17,7 +17,7 @@ from .sweep import sweep
     cls=Program,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="Example: hardlimit drop --restitution 0.9 --gap 1e-3 --plot drop.png",
+    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1e-3 --plot drop.png",
 )
 @click.version_option(__version__, "--version", prog_name="hardlimit")
 @click.pass_context

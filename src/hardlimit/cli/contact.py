@@ -35,7 +35,7 @@ SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 
 @click.command(
-    cls=Command, epilog="Example: hardlimit contact --restitution 0.5 --radius 0.01 --density 2500"
+    cls=Command, epilog="\b\nExample:\n  hardlimit contact --restitution 0.5 --radius 0.01 --density 2500"
 )
 @click.option("--radius", type=NUMBER, help="Of the ball [m].  [default: 0.01]")
 @click.option("--density", type=NUMBER, help="[kg/m³].  [default: 840]")

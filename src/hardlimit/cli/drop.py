@@ -91,7 +91,7 @@ def column_from(base: scenarios.Scenario, options: dict[str, Any]) -> Column:
 
 @click.command(
     cls=Command,
-    epilog="Example: hardlimit drop --restitution 0.9 --gap 1e-3 --plot drop.png",
+    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1e-3 --plot drop.png",
 )
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options()

@@ -7,7 +7,7 @@ import click
 from .common import Command
 
 
-@click.command(cls=Command, epilog="Example: hardlimit explore --port 8765 --no-browser")
+@click.command(cls=Command, epilog="\b\nExample:\n  hardlimit explore --port 8765 --no-browser")
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=8000, show_default=True, help="0: any free one."
 )

@@ -16,7 +16,7 @@ MARKS = {"yes": ("✓", "green"), "partly": ("~", "yellow"), "no": ("✗", "red"
 TITLES = {"statement": "What the paper states", "density": "Density", "misprint": "Misprints"}
 
 
-@click.command(cls=Command, epilog="Example: hardlimit paper --figures 2,3 --out figures --format pdf")
+@click.command(cls=Command, epilog="\b\nExample:\n  hardlimit paper --figures 2,3 --out figures --format pdf")
 @click.option("--figures", metavar="LIST", help="Such as 2,3,4.  [default: all]")
 @click.option("--out", metavar="FOLDER", default="hardlimit-paper", show_default=True)
 @click.option("--density", type=NUMBER, default=PAPER_DENSITY, show_default=True, help="[kg/m³], inferred.")

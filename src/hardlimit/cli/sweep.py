@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +33,7 @@ from .common import (
 if TYPE_CHECKING:
     import xarray as xr
 
-JOB_KEYS = ("model", "engine", "threads", "variables", "out", "plot", "difference", "axes")
+JOB_KEYS = ("model", "engine", "threads", "scheduler", "variables", "out", "plot", "difference", "axes")
 MOST_POINTS = 10**9
 
 
@@ -91,7 +91,7 @@ def geometry_options(function: Callable[..., None]) -> Callable[..., None]:
 
 @click.command(
     cls=Command,
-    epilog="Example: hardlimit sweep --restitution 0.4:1:400 --gap 1e-6:1e-2:400:log --plot map.png",
+    epilog="\b\nExample:\n  hardlimit sweep --restitution 0.4:1:400 --gap 1e-6:1e-2:400:log --plot map.png",
 )
 @click.argument("file", required=False, metavar="[JOB.toml]")
 @geometry_options
@@ -99,6 +99,7 @@ def geometry_options(function: Callable[..., None]) -> Callable[..., None]:
 @click.option("--model", help=f"{' | '.join(MODELS)}  [default: newton]")
 @click.option("--engine", help=f"{' | '.join(maps.ENGINES)}  [default: cpu]")
 @click.option("--threads", type=int, help="[default: all processors]")
+@click.option("--scheduler", help="Address of the scheduler for the engine dask.  [default: this machine]")
 @click.option(
     "--variable", "variables", multiple=True, help=f"To keep, repeated: {', '.join(maps.VARIABLES)}."
 )
@@ -114,10 +115,11 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
 
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors. What is not
     given is that of FILE.toml or of Fig. 2 of the paper. A job file is that of `hardlimit drop` with a table
-    [sweep] (model, engine, threads, variables, out, plot, difference) and [sweep.axes].
+    [sweep] (model, engine, threads, scheduler, variables, out, plot, difference) and [sweep.axes].
     """
     base, job = read_job(file)
-    settings = {name: options.pop(name) or job.get(name) for name in JOB_KEYS if name != "axes"}
+    given = {name: options.pop(name) for name in JOB_KEYS if name != "axes"}
+    settings = {name: job.get(name) if value in (None, ()) else value for name, value in given.items()}
     column, swept = column_and_axes(base, options, job.get("axes", {}))
     if not swept:
         raise ValueError("axes: got none, must be at least one, such as --restitution 0.4:1:100")
@@ -128,8 +130,11 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
         "model": settings["model"] or "newton",
         "engine": settings["engine"] or "cpu",
         "threads": settings["threads"],
+        "scheduler": settings["scheduler"],
         "variables": wanted_variables(settings["variables"], pictures),
     }
+    import xarray  # noqa: F401  # here, so that loading it does not count as time of the sweep
+
     with progress("sweep", "points") as report:
         store = out if out is not None and out.suffix == ".zarr" else None
         ds = maps.sweep(column, store=store, progress=report, **run, **swept)
@@ -257,6 +262,14 @@ def draw(
         plots.save(plots.difference_map(models["newton"], models["independent"]), pictures["difference"])
 
 
+def blocks(ds: xr.Dataset, points: int = 2_000_000) -> Iterator[xr.Dataset]:
+    """The map in parts that fit in memory: a store may be larger."""
+    dim = max(ds.sizes, key=lambda name: ds.sizes[name])
+    step = max(1, points * ds.sizes[dim] // math.prod(ds.sizes.values()))
+    for first in range(0, ds.sizes[dim], step):
+        yield ds.isel({dim: slice(first, first + step)})
+
+
 def summarise(ds: xr.Dataset, out: Path | None) -> dict[str, Any]:
     """Size, time and how the points ended."""
     summary: dict[str, Any] = {
@@ -268,16 +281,20 @@ def summarise(ds: xr.Dataset, out: Path | None) -> dict[str, Any]:
         "model": ds.attrs.get("model"),
         "engine": ds.attrs.get("engine"),
     }
-    if "outcome" in ds:
-        names = ds["outcome"].attrs["flag_meanings"].split()
-        codes, counts = np.unique(ds["outcome"].values, return_counts=True)
-        summary["outcomes"] = {names[int(c)]: int(n) for c, n in zip(codes, counts, strict=True)}
-    ranges = {}
-    for name in ds.data_vars:
-        values = ds[name].values
-        if name != "outcome" and np.isfinite(values).any():
-            ranges[str(name)] = [float(np.nanmin(values)), float(np.nanmax(values))]
-    summary["ranges"] = ranges
+    outcomes: dict[str, int] = {}
+    ranges: dict[str, list[float]] = {}
+    for block in blocks(ds):
+        for name in block.data_vars:
+            values = block[name].values
+            if name == "outcome":
+                codes, counts = np.unique(values, return_counts=True)
+                words = block[name].attrs["flag_meanings"].split()
+                for code, n in zip(codes, counts, strict=True):
+                    outcomes[words[code]] = outcomes.get(words[code], 0) + int(n)
+            elif np.isfinite(values).any():
+                low, high = ranges.get(str(name), [math.inf, -math.inf])
+                ranges[str(name)] = [min(low, float(np.nanmin(values))), max(high, float(np.nanmax(values)))]
+    summary |= {"outcomes": outcomes, "ranges": ranges}
     result: dict[str, Any] = plain(summary)
     return result
 

@@ -58,7 +58,11 @@ VARIABLES: Final[dict[str, tuple[str, str, str]]] = {
     "n_contacts": ("uint8", "1", "ball–ball contacts of the sequence"),
     "relative_velocity": ("float64", "m/s", "v2 − v1 at t_f"),
     "separation_velocity": ("float64", "m/s", "v2 − v1 once no force acts"),
-    "effective_restitution": ("float64", "1", "ε of the independent-collisions model with the same v2 − v1 at t_f"),
+    "effective_restitution": (
+        "float64",
+        "1",
+        "ε of the independent-collisions model with the same v2 − v1 at t_f",
+    ),
     "restitution_ratio": ("float64", "1", "effective over specified coefficient of restitution"),
     "t_end": ("float64", "s", "t_f, end of the last ball–ball contact of the sequence"),
     "t_floor_end": ("float64", "s", "first release from the floor"),
@@ -134,7 +138,8 @@ class Plan:
         import xarray as xr
 
         data = {
-            name: (self.dims, flat[name].reshape(self.shape), variable_attributes(name)) for name in self.variables
+            name: (self.dims, flat[name].reshape(self.shape), variable_attributes(name))
+            for name in self.variables
         }
         return xr.Dataset(data, self.labels(), {**self.attributes(), **attributes})
 
@@ -161,9 +166,7 @@ def variable_attributes(name: str) -> dict[str, Any]:
     return attributes
 
 
-def make_plan(
-    column: Column, model: str, variables: Sequence[str] | None, swept: Mapping[str, Any]
-) -> Plan:
+def make_plan(column: Column, model: str, variables: Sequence[str] | None, swept: Mapping[str, Any]) -> Plan:
     """Check a sweep and lay it out.
 
     Raises
@@ -201,7 +204,11 @@ def _with_alternative(law: Law, swept: Mapping[str, Any]) -> tuple[Law, int]:
 
 
 def _lay_out(
-    column: Column, model: str, variables: tuple[str, ...], laws: Sequence[tuple[Law, int]], swept: Mapping[str, Any]
+    column: Column,
+    model: str,
+    variables: tuple[str, ...],
+    laws: Sequence[tuple[Law, int]],
+    swept: Mapping[str, Any],
 ) -> Plan:
     record = laws[0][0].record
     if len({alternative for _, alternative in laws}) > 1:

@@ -1,0 +1,34 @@
+# Written by tools/stubs.py from the laws' records.
+
+from .contact import Law
+
+__all__: list[str]
+LAWS: dict[str, type[Law]]
+
+class LinearDashpot(Law):
+    def __init__(
+        self,
+        *,
+        stiffness: float,
+        restitution: float | None = None,
+        damping: float | None = None,
+    ) -> None: ...
+    stiffness: float
+    restitution: float
+    damping: float
+
+class Viscoelastic(Law):
+    def __init__(
+        self,
+        *,
+        youngs_modulus: float,
+        poisson_ratio: float,
+        dissipative_time: float | None = None,
+        restitution: float | None = None,
+        impact_speed: float | None = None,
+    ) -> None: ...
+    youngs_modulus: float
+    poisson_ratio: float
+    dissipative_time: float
+    restitution: float
+    impact_speed: float
