@@ -195,7 +195,7 @@ private:
             s.force[i] = 0.0;
         }
         *s.stored = 0.0;
-        complete(column, s, f.lowest - column.gaps[0] - column.radius[0]);
+        complete(column, s, column.floor ? 0.0 : f.lowest - column.gaps[0] - column.radius[0]);
         for (int i = 0; i < column.balls; ++i) sum += s.energy[i];
         return sum;
     }

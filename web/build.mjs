@@ -1,0 +1,11 @@
+// Bundles the page into ../src/hardlimit/explorer/page. Deterministic: the same sources give the same bytes.
+import { build } from "esbuild";
+import { copyFileSync, mkdirSync } from "node:fs";
+
+const out = process.argv[2] ?? "../src/hardlimit/explorer/page";
+mkdirSync(out, { recursive: true });
+const common = { bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "none" };
+await build({ ...common, entryPoints: ["src/main.ts"], outfile: `${out}/main.js` });
+await build({ ...common, entryPoints: ["src/worker.ts"], outfile: `${out}/worker.js` });
+await build({ entryPoints: ["src/style.css"], outfile: `${out}/style.css`, minify: true, charset: "utf8" });
+for (const file of ["index.html", "icon.svg"]) copyFileSync(`src/${file}`, `${out}/${file}`);

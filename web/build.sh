@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Builds the page: the core to WebAssembly, the TypeScript to JavaScript. build.sh [FOLDER]; without one into the package.
+# Needs Debian's clang-19 lld-19 wasi-libc libc++-19-dev-wasm32 libclang-rt-19-dev-wasm32, and node with `npm ci` done.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+out=$(realpath -m "${1:-../src/hardlimit/explorer/page}")
+mkdir -p "$out"
+
+exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample scan_points scan_timeline outcome_message)
+"${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -O3 -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
+    -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
+    ../bindings/wasm.cpp runtime.cpp -o "$out/core.wasm" \
+    -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${exports[@]/#/-Wl,--export=}"
+chmod 644 "$out/core.wasm"
+node -e '
+const module = new WebAssembly.Module(require("fs").readFileSync(process.argv[1]));
+const imports = WebAssembly.Module.imports(module);
+if (imports.length > 0) throw new Error("the core imports " + imports.map((i) => i.name).join());' "$out/core.wasm"
+
+npx tsc
+node build.mjs "$out"

@@ -1,0 +1,212 @@
+// The controls: a slider and a text field for every number.
+import { parse, sub, withUnit } from "./format";
+import {
+  clampTo, densityFor, lowestHeight, massOf, MOST_BALLS, ranges, setBallCount, settle, type Law, type Range, type Scenario,
+} from "./scenario";
+
+const steps = 1000;
+
+interface Control {
+  element: HTMLElement;
+  refresh(): void;
+}
+
+export class Controls {
+  private scenario: Scenario;
+  private list: Control[] = [];
+  private shape = "";
+
+  constructor(
+    private readonly box: HTMLElement,
+    scenario: Scenario,
+    private readonly changed: () => void,
+  ) {
+    this.scenario = scenario;
+    this.build();
+  }
+
+  set(scenario: Scenario, about: string): void {
+    this.scenario = scenario;
+    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle} ${about}`;
+    if (shape !== this.shape) this.build(about);
+    this.shape = shape;
+    for (const control of this.list) control.refresh();
+  }
+
+  private edit(change: (s: Scenario) => void): void {
+    change(this.scenario);
+    settle(this.scenario);
+    this.changed();
+  }
+
+  private build(about = ""): void {
+    const focused = document.activeElement?.id;
+    const s = this.scenario;
+    this.list = [];
+    const parts: HTMLElement[] = [];
+    if (about) {
+      const p = document.createElement("p");
+      p.className = "about";
+      p.textContent = about;
+      parts.push(p);
+    }
+    const add = (c: Control): void => {
+      this.list.push(c);
+      parts.push(c.element);
+    };
+    add(this.number("restitution", "Restitution ε", ranges.restitution, (q) => q.restitution, (q, x) => (q.restitution = x)));
+    if (s.balls.length === 2) add(this.gap(1, `Gap Δh`));
+    if (!s.cradle)
+      add(this.number("height", "Height of lowest centre", ranges.height, (q) => q.height, (q, x) => (q.height = Math.max(x, lowestHeight(q)))));
+    add(
+      this.choice("law", "Contact law", [["linear", "linear"], ["viscoelastic", "viscoelastic"]], () => this.scenario.law, (v) =>
+        this.edit((q) => (q.law = v as Law)),
+      ),
+    );
+    if (s.law === "linear") add(this.number("stiffness", "Stiffness k", ranges.stiffness, (q) => q.stiffness, (q, x) => (q.stiffness = x)));
+    else {
+      add(this.number("youngs", "Young’s modulus Y", ranges.youngs, (q) => q.youngs, (q, x) => (q.youngs = x)));
+      add(this.number("poisson", "Poisson’s ratio ν", ranges.poisson, (q) => q.poisson, (q, x) => (q.poisson = x)));
+      add(this.number("impactSpeed", "ε is given at", ranges.impactSpeed, (q) => q.impactSpeed, (q, x) => (q.impactSpeed = x)));
+    }
+    add(this.stepper());
+    for (let i = s.balls.length - 1; i >= 0; i--) {
+      const group = document.createElement("div");
+      group.className = "ball";
+      group.setAttribute("role", "group");
+      const title = document.createElement("h3");
+      const n = s.balls.length;
+      const place = s.cradle ? (i === 0 ? ", first" : i === n - 1 ? ", last" : "") : i === 0 ? ", lowest" : i === n - 1 ? ", top" : "";
+      title.textContent = `Ball ${i + 1}${place}`;
+      title.id = `ball${i + 1}-title`;
+      group.setAttribute("aria-labelledby", title.id);
+      group.append(title);
+      const inside = (c: Control): void => {
+        this.list.push(c);
+        group.append(c.element);
+      };
+      const name = sub(i + 1);
+      inside(this.number(`radius${i + 1}`, `Radius R${name}`, ranges.radius, (q) => q.balls[i].radius, (q, x) => (q.balls[i].radius = x)));
+      inside(
+        this.number(`mass${i + 1}`, `Mass m${name}`, ranges.mass, (q) => massOf(q.balls[i]), (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius))),
+      );
+      if (i > 0 && n > 2) inside(this.gap(i, s.cradle ? `Gap to ball ${i}` : `Gap below, to ball ${i}`));
+      if (s.cradle) inside(this.number(`velocity${i + 1}`, `Velocity`, ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
+      parts.push(group);
+    }
+    this.box.replaceChildren(...parts);
+    if (focused) document.getElementById(focused)?.focus();
+  }
+
+  private gap(pair: number, label: string): Control {
+    return this.number(`gap${pair}`, label, ranges.gap, (q) => q.gaps[pair - 1], (q, x) => (q.gaps[pair - 1] = x));
+  }
+
+  private number(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
+    const element = document.createElement("div");
+    element.className = "control";
+    const name = document.createElement("label");
+    name.textContent = label;
+    name.htmlFor = id;
+    const field = document.createElement("input");
+    field.type = "text";
+    field.id = `${id}-value`;
+    field.setAttribute("aria-label", `${label}, value${r.unit ? ` with unit (${r.unit})` : ""}`);
+    const slider = document.createElement("input");
+    slider.type = "range";
+    slider.id = id;
+    slider.min = "0";
+    slider.max = String(steps);
+    const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
+    slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value)))));
+    field.addEventListener("change", () => {
+      const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
+      field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
+      if (Number.isFinite(x)) this.edit((s) => put(s, clampTo(r, x)));
+    });
+    field.addEventListener("focus", () => field.select());
+    element.append(name, field, slider);
+    const refresh = (): void => {
+      const x = get(this.scenario);
+      slider.value = String(toSlider(r, x));
+      slider.setAttribute("aria-valuetext", say(x));
+      const text = say(x);
+      if (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x) field.value = text;
+      field.removeAttribute("aria-invalid");
+    };
+    refresh();
+    return { element, refresh };
+  }
+
+  private choice(id: string, title: string, options: [string, string][], get: () => string, put: (v: string) => void): Control {
+    const element = document.createElement("fieldset");
+    element.className = "choice";
+    const legend = document.createElement("legend");
+    legend.textContent = title;
+    element.append(legend);
+    const inputs = options.map(([value, text]) => {
+      const label = document.createElement("label");
+      const input = document.createElement("input");
+      input.type = "radio";
+      input.name = id;
+      input.id = `${id}-${value}`;
+      input.value = value;
+      input.addEventListener("change", () => input.checked && put(value));
+      label.append(input, text);
+      element.append(label);
+      return input;
+    });
+    const refresh = (): void => inputs.forEach((input) => (input.checked = input.value === get()));
+    refresh();
+    return { element, refresh };
+  }
+
+  private stepper(): Control {
+    const element = document.createElement("div");
+    element.className = "control count";
+    const name = document.createElement("span");
+    name.id = "count-label";
+    name.textContent = "Number of balls";
+    const group = document.createElement("div");
+    group.className = "stepper";
+    group.setAttribute("role", "group");
+    group.setAttribute("aria-labelledby", name.id);
+    const value = document.createElement("output");
+    value.id = "count";
+    const button = (text: string, label: string, id: string, by: number): HTMLButtonElement => {
+      const b = document.createElement("button");
+      b.type = "button";
+      b.id = id;
+      b.textContent = text;
+      b.setAttribute("aria-label", label);
+      b.addEventListener("click", () => this.edit((s) => setBallCount(s, Math.min(Math.max(s.balls.length + by, 2), MOST_BALLS))));
+      return b;
+    };
+    const less = button("−", "One ball less", "count-less", -1);
+    const more = button("+", "One ball more", "count-more", 1);
+    group.append(less, value, more);
+    element.append(name, group);
+    const refresh = (): void => {
+      const n = this.scenario.balls.length;
+      value.textContent = String(n);
+      less.setAttribute("aria-disabled", String(n <= 2));
+      more.setAttribute("aria-disabled", String(n >= MOST_BALLS));
+    };
+    refresh();
+    return { element, refresh };
+  }
+}
+
+// Sliders are logarithmic where the range is; values are rounded to what a reader would write.
+export function fromSlider(r: Range, at: number): number {
+  if (r.zero && at === 0) return 0;
+  const share = at / steps;
+  const x = r.log ? r.low * (r.high / r.low) ** share : r.low + (r.high - r.low) * share;
+  return clampTo(r, Number(r.log ? x.toPrecision(3) : x.toFixed(3)));
+}
+
+export function toSlider(r: Range, x: number): number {
+  if (r.zero && x === 0) return 0;
+  const share = r.log ? Math.log(x / r.low) / Math.log(r.high / r.low) : (x - r.low) / (r.high - r.low);
+  return Math.round(steps * Math.min(Math.max(share, 0), 1));
+}

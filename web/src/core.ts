@@ -1,0 +1,172 @@
+// The compiled core: columns in, numbers out. Layouts are those of bindings/wasm.cpp.
+import { columnOf, type Scenario } from "./scenario";
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  column_buffer(): number;
+  reply_buffer(): number;
+  scratch(n: number): number;
+  solve(model: number, until: number): number;
+  contacts_of(model: number, out: number): void;
+  row_size(): number;
+  sample(model: number, n: number, times: number, out: number): void;
+  scan_points(axis: number, n: number, points: number, out: number): void;
+  scan_timeline(model: number, n: number, restitution: number, out: number, room: number): number;
+  outcome_message(outcome: number): number;
+}
+
+export enum Model {
+  newton = 0,
+  adiabatic = 1,
+  independent = 2,
+}
+
+export interface Contact {
+  pair: number; // 0: floor and lowest ball
+  begin: number; // s after the first floor touch (cradle: after release)
+  end: number; // NaN: never, or not before the run stopped
+}
+
+export interface Run {
+  outcome: number;
+  nContacts: number;
+  tEnd: number;
+  tFloorEnd: number;
+  relativeVelocity: number;
+  separationVelocity: number;
+  first: number;
+  last: number;
+  impactSpeed: number;
+  effective: number; // ε_eff at the end of the sequence
+  effectiveSeparation: number;
+  contacts: Contact[];
+}
+
+// One state of n balls, bottom first.
+export class State {
+  readonly position: Float64Array;
+  readonly velocity: Float64Array;
+  readonly gap: Float64Array;
+  readonly force: Float64Array;
+  readonly energy: Float64Array;
+  readonly stored: number;
+  readonly dissipated: number;
+  constructor(row: Float64Array, n: number) {
+    this.position = row.subarray(0, n);
+    this.velocity = row.subarray(n, 2 * n);
+    this.gap = row.subarray(2 * n, 3 * n);
+    this.force = row.subarray(3 * n, 4 * n);
+    this.energy = row.subarray(4 * n, 5 * n);
+    this.stored = row[5 * n];
+    this.dissipated = row[5 * n + 1];
+  }
+}
+
+// What the timeline over ε holds for one ε.
+export interface TimelineRow {
+  restitution: number;
+  nContacts: number;
+  tEnd: number;
+  tFloorEnd: number;
+  contacts: Contact[];
+}
+
+export const MAP_VALUES = 3; // contacts, ε_eff/ε at t_f, ε_eff/ε at separation
+
+export class Core {
+  private readonly x: Exports;
+  private balls = 0;
+
+  constructor(module: WebAssembly.Module) {
+    this.x = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
+  }
+
+  // Memory may move when the module grows: views are made anew for every use.
+  private view(pointer: number, n: number): Float64Array {
+    return new Float64Array(this.x.memory.buffer, pointer, n);
+  }
+
+  setColumn(column: Float64Array): void {
+    this.view(this.x.column_buffer(), column.length).set(column);
+    this.balls = column[6];
+  }
+
+  set(scenario: Scenario): void {
+    this.setColumn(columnOf(scenario));
+  }
+
+  solve(model: Model, until = NaN): Run | null {
+    if (!this.x.solve(model, until)) return null;
+    const r = this.view(this.x.reply_buffer(), 12).slice();
+    const n = r[8];
+    const pointer = this.x.scratch(3 * n + 1);
+    this.x.contacts_of(model, pointer);
+    const flat = this.view(pointer, 3 * n);
+    const contacts: Contact[] = [];
+    for (let i = 0; i < n; i++) contacts.push({ pair: flat[3 * i], begin: flat[3 * i + 1], end: flat[3 * i + 2] });
+    return {
+      outcome: r[0],
+      nContacts: r[1],
+      tEnd: r[2],
+      tFloorEnd: r[3],
+      relativeVelocity: r[4],
+      separationVelocity: r[5],
+      first: r[6],
+      last: r[7],
+      impactSpeed: r[9],
+      effective: r[10],
+      effectiveSeparation: r[11],
+      contacts,
+    };
+  }
+
+  // States of the last run of this model; times outside it are moved to its ends.
+  sample(model: Model, times: ArrayLike<number>): State[] {
+    const n = times.length;
+    const size = this.x.row_size();
+    const pointer = this.x.scratch(n * (size + 1));
+    this.view(pointer, n).set(times);
+    this.x.sample(model, n, pointer, pointer + 8 * n);
+    const rows = this.view(pointer + 8 * n, n * size).slice();
+    return Array.from({ length: n }, (_, i) => new State(rows.subarray(i * size, (i + 1) * size), this.balls));
+  }
+
+  // (ε, y) pairs → MAP_VALUES numbers each.
+  scan(axis: number, points: Float64Array): Float64Array {
+    const n = points.length / 2;
+    const pointer = this.x.scratch(points.length + MAP_VALUES * n);
+    this.view(pointer, points.length).set(points);
+    const out = pointer + 8 * points.length;
+    this.x.scan_points(axis, n, pointer, out);
+    return this.view(out, MAP_VALUES * n).slice();
+  }
+
+  timeline(model: Model, restitution: number[]): TimelineRow[] {
+    const n = restitution.length;
+    const room = n * 200 + 1000;
+    const pointer = this.x.scratch(n + room);
+    this.view(pointer, n).set(restitution);
+    const used = this.x.scan_timeline(model, n, pointer, pointer + 8 * n, room);
+    const d = this.view(pointer + 8 * n, used);
+    const rows: TimelineRow[] = [];
+    for (let at = 0; at < used; ) {
+      const row: TimelineRow = {
+        restitution: restitution[rows.length],
+        nContacts: d[at],
+        tEnd: d[at + 1],
+        tFloorEnd: d[at + 2],
+        contacts: [],
+      };
+      const count = d[at + 3];
+      at += 4;
+      for (let i = 0; i < count; i++, at += 3) row.contacts.push({ pair: d[at], begin: d[at + 1], end: d[at + 2] });
+      rows.push(row);
+    }
+    return rows;
+  }
+
+  message(outcome: number): string {
+    const bytes = new Uint8Array(this.x.memory.buffer, this.x.outcome_message(outcome));
+    return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
+  }
+}

@@ -1,0 +1,175 @@
+// The table of results, the energy bars and the sentence on top.
+import type { Core, State } from "./core";
+import type { Drop, Track } from "./drop";
+import { digits, withUnit } from "./format";
+
+interface Row {
+  name: string;
+  title: string;
+  values: [string, string];
+  lead?: boolean;
+  id: string;
+}
+
+const length = (x: number): string => withUnit(x, "m");
+
+function rows(d: Drop): Row[] {
+  const { newton, icm, scenario } = d;
+  const n = scenario.balls.length;
+  const both = (f: (t: Track) => string): [string, string] => [f(newton), f(icm)];
+  const list: Row[] = [];
+  const row = (id: string, name: string, title: string, values: [string, string], lead = false): void =>
+    void list.push({ id, name, title, values, lead });
+  row("contacts", "Ball–ball contacts", "contacts of the sequence", both((t) => String(t.run.nContacts)), true);
+  const v = (t: Track, i: number): string => withUnit(t.final.velocity[i], "m/s");
+  if (scenario.cradle) {
+    for (let i = n - 1; i >= 0; i--) row(`v${i}`, `Ball ${i + 1} leaves with`, "velocity after the last contact", both((t) => v(t, i)), i === n - 1);
+    return list;
+  }
+  row("top", "Top ball rises to", "height of its centre above the floor", both((t) => length(t.peaks[n - 1])), true);
+  row("low", "Lowest ball rises to", "height of its centre above the floor", both((t) => length(t.peaks[0])));
+  if (n > 2) {
+    row("vtop", "Top ball leaves with", "velocity when the sequence is over", both((t) => v(t, n - 1)));
+    return list;
+  }
+  row("vr", "Relative velocity v′_r", "upper minus lower velocity when the last contact of the sequence ends", both((t) => withUnit(t.run.relativeVelocity, "m/s")));
+  row("vs", "Separation velocity", "the same once no force acts", both((t) => withUnit(t.run.separationVelocity, "m/s")));
+  row("eff", "ε_eff", "restitution that would give v′ᵣ with independent collisions", both((t) => digits(t.run.effective)));
+  row("ratio", "ε_eff/ε", "1: independent collisions are right", both((t) => digits(t.run.effective / scenario.restitution)));
+  row("sep", "ε_eff/ε at separation", "the same from the separation velocity", both((t) => digits(t.run.effectiveSeparation / scenario.restitution)));
+  row("floor", "Floor contact lasts", "first contact of the lowest ball with the floor", [withUnit(newton.run.tFloorEnd, "s"), "0 s"]);
+  return list;
+}
+
+// "ε_eff" with a real subscript.
+function subscripted(text: string): (string | HTMLElement)[] {
+  return text.split(/(_\w+)/).map((part) => {
+    if (!part.startsWith("_")) return part;
+    const sub = document.createElement("sub");
+    sub.textContent = part.slice(1);
+    return sub;
+  });
+}
+
+// The numbers with all their digits, for tests and for the CSV file.
+export function exactNumbers(d: Drop): Record<string, number | null> {
+  const out: Record<string, number | null> = {};
+  const put = (name: string, x: number): void => void (out[name] = Number.isFinite(x) ? x : null);
+  for (const [model, t] of [["newton", d.newton], ["icm", d.icm]] as const) {
+    put(`${model}_contacts`, t.run.nContacts);
+    put(`${model}_t_end`, t.run.tEnd);
+    put(`${model}_t_floor_end`, t.run.tFloorEnd);
+    put(`${model}_relative_velocity`, t.run.relativeVelocity);
+    put(`${model}_separation_velocity`, t.run.separationVelocity);
+    put(`${model}_effective_restitution`, t.run.effective);
+    t.peaks.forEach((z, i) => put(`${model}_rise_${i + 1}`, z));
+    t.final.velocity.forEach((v, i) => put(`${model}_velocity_${i + 1}`, v));
+  }
+  return out;
+}
+
+export function fillTable(body: HTMLElement, d: Drop): void {
+  const list = rows(d);
+  while (body.children.length > list.length) body.lastElementChild!.remove();
+  list.forEach((r, i) => {
+    let tr = body.children[i] as HTMLTableRowElement | undefined;
+    if (!tr) {
+      tr = document.createElement("tr");
+      const th = document.createElement("th");
+      th.scope = "row";
+      tr.append(th, document.createElement("td"), document.createElement("td"));
+      body.append(tr);
+    }
+    tr.className = r.lead ? "lead" : "";
+    tr.dataset.id = r.id;
+    tr.title = r.title;
+    [r.name, ...r.values].forEach((text, k) => {
+      const cell = tr!.children[k] as HTMLElement;
+      if (cell.dataset.text === text) return;
+      cell.dataset.text = text;
+      cell.replaceChildren(...subscripted(text));
+    });
+    tr.children[1].classList.add("newton");
+    tr.children[2].classList.add("icm");
+  });
+}
+
+// Shares of the initial energy: the balls from the top, then what was dissipated.
+function shares(t: Track): number[] {
+  const s: State = t.final;
+  const balls = Array.from(s.energy).reverse();
+  const lost = t.initialEnergy - balls.reduce((a, b) => a + b, 0) - s.stored;
+  return [...balls, Math.max(lost, 0)].map((e) => Math.max(e, 0) / t.initialEnergy);
+}
+
+const percent = (x: number): string => (x > 0 && x < 0.0005 ? "<0.1 %" : `${(100 * x).toFixed(1)} %`);
+
+export function fillEnergy(box: HTMLElement, d: Drop): void {
+  const n = d.scenario.balls.length;
+  const names = [...d.scenario.balls.map((_, i) => ballName(n - 1 - i, n)), "lost in contacts"];
+  const colors = [...d.scenario.balls.map((_, i) => `var(--ball${n - i})`), "var(--lost)"];
+  const tracks: [string, string, Track][] = [["Newton", "newton", d.newton], ["ICM", "icm", d.icm]];
+  const parts: HTMLElement[] = [];
+  for (const [name, className, track] of tracks) {
+    const title = document.createElement("div");
+    title.className = `energy-name ${className}`;
+    title.textContent = name;
+    const bar = document.createElement("div");
+    bar.className = "bar";
+    bar.setAttribute("role", "img");
+    const part = shares(track);
+    bar.setAttribute("aria-label", `${name}: ${names.map((x, i) => `${x} ${percent(part[i])}`).join(", ")}`);
+    part.forEach((share, i) => {
+      const piece = document.createElement("div");
+      piece.style.width = `${100 * share}%`;
+      piece.style.background = colors[i];
+      bar.append(piece);
+    });
+    parts.push(title, bar);
+  }
+  const legend = document.createElement("div");
+  legend.className = "legend";
+  const [a, b] = [shares(d.newton), shares(d.icm)];
+  names.forEach((name, i) => {
+    const swatch = document.createElement("i");
+    swatch.style.background = colors[i];
+    const label = document.createElement("span");
+    label.textContent = name;
+    const left = document.createElement("b");
+    left.className = "newton";
+    left.textContent = percent(a[i]);
+    const right = document.createElement("b");
+    right.className = "icm";
+    right.textContent = percent(b[i]);
+    legend.append(swatch, label, left, right);
+  });
+  box.replaceChildren(...parts, legend);
+}
+
+export const ballName = (i: number, n: number): string =>
+  i === n - 1 ? "top ball" : i === 0 ? "lowest ball" : `ball ${i + 1}`;
+
+const words = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
+const spell = (n: number): string => words[n] ?? String(n);
+const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
+
+// One sentence with what Newton's equations say, one with what independent collisions say.
+export function verdict(d: Drop, core: Core): [string, string] {
+  const { newton, icm, scenario } = d;
+  const n = scenario.balls.length;
+  const k = newton.run.nContacts;
+  const contacts = k === 1 ? "one contact" : `${spell(k)} contacts`;
+  if (scenario.cradle) {
+    const v = (t: Track): string => withUnit(t.final.velocity[n - 1], "m/s");
+    return [`${capital(contacts)}; the last ball leaves with ${v(newton)}.`, `Independent collisions: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
+  }
+  if (newton.run.outcome !== 0) return [`${capital(core.message(newton.run.outcome))}.`, ""];
+  const rise = (t: Track): string => withUnit(t.peaks[n - 1], "m");
+  const ratio = newton.run.effective / scenario.restitution;
+  const where = `${capital(contacts)}, and the top ball rises to ${rise(newton)}.`;
+  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say the same: ${rise(icm)}.`];
+  const times = (icm.peaks[n - 1] - scenario.balls[0].radius) / (newton.peaks[n - 1] - scenario.balls[0].radius);
+  const factor = times > 1.15 && times < 1e4 ? `, ${digits(times, 2)} times as high` : "";
+  return [where, `Independent collisions say ${spell(icm.run.nContacts)}, and ${rise(icm)}${factor}.`];
+}
+

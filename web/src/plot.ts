@@ -1,0 +1,101 @@
+// Axes of the plots: where data lie on the canvas, ticks and labels.
+import type { Theme } from "./theme";
+
+export interface Frame {
+  left: number;
+  top: number;
+  width: number;
+  height: number;
+}
+
+export class Scale {
+  constructor(
+    readonly low: number,
+    readonly high: number,
+    readonly from: number, // pixel of low
+    readonly to: number, // pixel of high
+    readonly log = false,
+  ) {}
+  private f(x: number): number {
+    return this.log ? Math.log(x) : x;
+  }
+  at(x: number): number {
+    return this.from + ((this.f(x) - this.f(this.low)) / (this.f(this.high) - this.f(this.low))) * (this.to - this.from);
+  }
+  value(pixel: number): number {
+    const y = this.f(this.low) + ((pixel - this.from) / (this.to - this.from)) * (this.f(this.high) - this.f(this.low));
+    return this.log ? Math.exp(y) : y;
+  }
+}
+
+export const fontSize = (w: number): number => Math.min(Math.max(w / 42, 13), 16);
+
+export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
+  g.font = `${weight} ${Math.round(size)}px ${theme.font}`;
+}
+
+export interface AxisText {
+  ticks: number[];
+  name: (tick: number) => string;
+  title: string;
+}
+
+// Ticks, grid and titles around a frame. The vertical title lies on top of the axis, horizontally: it reads without
+// turning the head.
+export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, xText: AxisText | null, yText: AxisText, theme: Theme, size: number, grid = true): void {
+  setFont(g, theme, size);
+  g.lineWidth = 1;
+  g.textBaseline = "middle";
+  g.textAlign = "right";
+  for (const tick of yText.ticks) {
+    const at = Math.round(y.at(tick)) + 0.5;
+    if (grid) {
+      g.strokeStyle = theme.faint;
+      stroke(g, f.left, at, f.left + f.width, at);
+    }
+    g.strokeStyle = theme.muted;
+    stroke(g, f.left - 4, at, f.left, at);
+    g.fillStyle = theme.muted;
+    g.fillText(yText.name(tick), f.left - 7, at);
+  }
+  if (xText) {
+    g.textBaseline = "top";
+    g.textAlign = "center";
+    let right = -Infinity;
+    for (const tick of xText.ticks) {
+      const at = Math.round(x.at(tick)) + 0.5;
+      g.strokeStyle = theme.muted;
+      stroke(g, at, f.top + f.height, at, f.top + f.height + 4);
+      const text = xText.name(tick);
+      const half = g.measureText(text).width / 2;
+      if (at - half < right + 8 || at + half > f.left + f.width + 1.4 * size) continue;
+      right = at + half;
+      g.fillStyle = theme.muted;
+      g.fillText(text, at, f.top + f.height + 7);
+    }
+    g.fillStyle = theme.ink;
+    g.textAlign = "right";
+    g.fillText(xText.title, f.left + f.width, f.top + f.height + 7 + 1.3 * size);
+  }
+  g.textBaseline = "bottom";
+  g.textAlign = "left";
+  g.fillStyle = theme.ink;
+  g.fillText(yText.title, Math.max(f.left - 2.6 * size, 2), f.top - 6);
+  g.strokeStyle = theme.muted;
+  g.strokeRect(Math.round(f.left) + 0.5, Math.round(f.top) + 0.5, Math.round(f.width), Math.round(f.height));
+}
+
+export function stroke(g: CanvasRenderingContext2D, x0: number, y0: number, x1: number, y1: number): void {
+  g.beginPath();
+  g.moveTo(x0, y0);
+  g.lineTo(x1, y1);
+  g.stroke();
+}
+
+// Unit of time for a span: a power of 1000 and its name.
+export function timeUnit(span: number): [number, string] {
+  if (span < 2e-6) return [1e9, "ns"];
+  if (span < 2e-3) return [1e6, "µs"];
+  if (span < 2) return [1e3, "ms"];
+  return [1, "s"];
+}

@@ -1,0 +1,223 @@
+// What is dropped: the parameters, their ranges, their form in a link and in a TOML file. SI units.
+export type Law = "linear" | "viscoelastic";
+
+export interface Ball {
+  radius: number;
+  density: number; // of a solid sphere of the same mass; changing a radius keeps it
+}
+
+export interface Scenario {
+  law: Law;
+  restitution: number;
+  stiffness: number; // linear
+  youngs: number; // viscoelastic
+  poisson: number;
+  impactSpeed: number; // at which ε is given
+  cradle: boolean; // no floor, no gravity
+  height: number; // of the lowest ball's centre
+  balls: Ball[]; // bottom first
+  gaps: number[]; // gaps[i] between balls i and i + 1
+  velocities: number[]; // upwards at release
+}
+
+export const GRAVITY = 9.81;
+export const MOST_BALLS = 6;
+
+export interface Range {
+  low: number;
+  high: number;
+  log: boolean;
+  unit: string;
+  zero?: boolean; // 0 is allowed below `low`
+}
+
+export const ranges = {
+  restitution: { low: 0.02, high: 1, log: false, unit: "" },
+  stiffness: { low: 1e3, high: 1e9, log: true, unit: "N/m" },
+  youngs: { low: 1e5, high: 1e12, log: true, unit: "Pa" },
+  poisson: { low: 0, high: 0.5, log: false, unit: "" },
+  impactSpeed: { low: 0.01, high: 100, log: true, unit: "m/s" },
+  height: { low: 0.01, high: 10, log: true, unit: "m" },
+  radius: { low: 1e-3, high: 0.5, log: true, unit: "m" },
+  mass: { low: 1e-6, high: 1e3, log: true, unit: "kg" },
+  gap: { low: 1e-8, high: 1, log: true, unit: "m", zero: true },
+  velocity: { low: -5, high: 5, log: false, unit: "m/s" },
+  density: { low: 0.1, high: 1e6, log: true, unit: "kg/m³" },
+} satisfies Record<string, Range>;
+
+export const clampTo = (r: Range, x: number): number =>
+  r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
+
+const volume = (radius: number): number => (4 / 3) * Math.PI * radius ** 3;
+export const massOf = (b: Ball): number => b.density * volume(b.radius);
+export const densityFor = (mass: number, radius: number): number => mass / volume(radius);
+
+export const paper = (): Scenario => ({
+  law: "linear",
+  restitution: 0.7,
+  stiffness: 5e7,
+  youngs: 5e7,
+  poisson: 0.45,
+  impactSpeed: 3,
+  cradle: false,
+  height: 0.6,
+  balls: [
+    { radius: 0.1, density: 840 },
+    { radius: 0.01, density: 840 },
+  ],
+  gaps: [1e-4],
+  velocities: [0, 0],
+});
+
+export const copyOf = (s: Scenario): Scenario => ({
+  ...s,
+  balls: s.balls.map((b) => ({ ...b })),
+  gaps: [...s.gaps],
+  velocities: [...s.velocities],
+});
+
+// The lowest ball must start above the floor.
+export const lowestHeight = (s: Scenario): number => s.balls[0].radius * 1.001 + 1e-4;
+
+export function setBallCount(s: Scenario, n: number): void {
+  while (s.balls.length > n) {
+    s.balls.pop();
+    s.gaps.pop();
+    s.velocities.pop();
+  }
+  while (s.balls.length < n) {
+    const top = s.balls[s.balls.length - 1];
+    const radius = s.cradle ? top.radius : clampTo(ranges.radius, 0.6 * top.radius);
+    s.balls.push({ radius, density: top.density });
+    s.gaps.push(s.cradle ? 0 : s.gaps[s.gaps.length - 1]);
+    s.velocities.push(0);
+  }
+}
+
+// The core's column; layout in bindings/wasm.cpp.
+export function columnOf(s: Scenario): Float64Array {
+  const head =
+    s.law === "linear"
+      ? [0, 0, s.stiffness, s.restitution, 0, 0]
+      : [1, 1, s.youngs, s.poisson, s.restitution, s.impactSpeed];
+  const column = [...head, s.balls.length, s.cradle ? 0 : 1, s.cradle ? 0 : GRAVITY];
+  s.balls.forEach((b, i) => {
+    const gap = i > 0 ? s.gaps[i - 1] : s.cradle ? 0 : s.height - b.radius;
+    column.push(massOf(b), b.radius, gap, s.velocities[i]);
+  });
+  return Float64Array.from(column);
+}
+
+// ---- a link ----------------------------------------------------------------------------------------------
+
+const scalars: [string, keyof Scenario & keyof typeof ranges][] = [
+  ["e", "restitution"],
+  ["k", "stiffness"],
+  ["Y", "youngs"],
+  ["nu", "poisson"],
+  ["v", "impactSpeed"],
+  ["h", "height"],
+];
+
+export function toQuery(s: Scenario, q: URLSearchParams): void {
+  const base = paper();
+  if (s.law !== base.law) q.set("law", s.law);
+  if (s.cradle) q.set("setup", "cradle");
+  for (const [key, name] of scalars) if (s[name] !== base[name]) q.set(key, String(s[name]));
+  const lists: [string, number[], number[]][] = [
+    ["r", s.balls.map((b) => b.radius), base.balls.map((b) => b.radius)],
+    ["rho", s.balls.map((b) => b.density), base.balls.map((b) => b.density)],
+    ["gap", s.gaps, base.gaps],
+    ["u", s.velocities, s.velocities.map(() => 0)],
+  ];
+  for (const [key, now, before] of lists) if (now.join() !== before.join()) q.set(key, now.join());
+}
+
+// Reads what it can over `s`; what it cannot is said in `notes`.
+export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): void {
+  const number = (key: string, text: string, r: Range, fallback: number): number => {
+    const x = text.trim() === "" ? NaN : Number(text);
+    if (!Number.isFinite(x)) {
+      notes.push(`${key} = “${text.slice(0, 20)}” is not a number: ${fallback} used`);
+      return fallback;
+    }
+    const kept = clampTo(r, x);
+    if (kept !== x) notes.push(`${key} = ${x} is outside ${r.zero ? 0 : r.low} … ${r.high}: ${kept} used`);
+    return kept;
+  };
+  const choice = <T extends string>(key: string, options: readonly T[], fallback: T): T => {
+    const text = q.get(key);
+    if (text === null) return fallback;
+    if ((options as readonly string[]).includes(text)) return text as T;
+    notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: ${fallback} used`);
+    return fallback;
+  };
+  s.law = choice("law", ["linear", "viscoelastic"], s.law);
+  s.cradle = choice("setup", ["drop", "cradle"], s.cradle ? "cradle" : "drop") === "cradle";
+  for (const [key, name] of scalars) {
+    const text = q.get(key);
+    if (text !== null) s[name] = number(key, text, ranges[name], s[name]);
+  }
+  const radii = q.get("r")?.split(",");
+  if (radii) {
+    const n = Math.min(Math.max(radii.length, 2), MOST_BALLS);
+    if (n !== radii.length) notes.push(`r: ${radii.length} balls are outside 2 … ${MOST_BALLS}: ${n} used`);
+    setBallCount(s, n);
+  }
+  const list = (key: string, r: Range, count: number, set: (i: number, x: number) => void, get: (i: number) => number) => {
+    const texts = q.get(key)?.split(",");
+    if (!texts) return;
+    if (texts.length !== count && key !== "r") notes.push(`${key}: ${texts.length} values for ${count}`);
+    for (let i = 0; i < Math.min(count, texts.length); i++) set(i, number(key, texts[i], r, get(i)));
+  };
+  const n = s.balls.length;
+  list("r", ranges.radius, n, (i, x) => (s.balls[i].radius = x), (i) => s.balls[i].radius);
+  list("rho", ranges.density, n, (i, x) => (s.balls[i].density = x), (i) => s.balls[i].density);
+  list("gap", ranges.gap, n - 1, (i, x) => (s.gaps[i] = x), (i) => s.gaps[i]);
+  list("u", ranges.velocity, n, (i, x) => (s.velocities[i] = x), (i) => s.velocities[i]);
+  settle(s, notes);
+}
+
+// Conditions between the parameters.
+export function settle(s: Scenario, notes: string[] = []): void {
+  s.balls.forEach((b, i) => {
+    const mass = clampTo(ranges.mass, massOf(b));
+    if (Math.abs(mass / massOf(b) - 1) > 1e-9) {
+      b.density = densityFor(mass, b.radius);
+      notes.push(`the mass of ball ${i + 1} is outside ${ranges.mass.low} … ${ranges.mass.high} kg: ${mass} kg used`);
+    }
+  });
+  if (s.cradle) {
+    const closing = s.velocities.some((v, i) => i > 0 && v < s.velocities[i - 1]);
+    if (!closing) {
+      s.velocities = s.velocities.map((_, i) => (i === 0 ? 1 : 0));
+      notes.push("in a cradle one ball must approach the next: the first now moves at 1 m/s");
+    }
+  } else {
+    s.velocities = s.velocities.map(() => 0);
+    if (!(s.height >= lowestHeight(s))) {
+      s.height = Number(lowestHeight(s).toPrecision(4)) + 1e-3;
+      notes.push(`the lowest ball must start above the floor: its centre starts at ${s.height} m`);
+    }
+  }
+}
+
+// ---- a file for `hardlimit drop` -------------------------------------------------------------------------
+
+export function toToml(s: Scenario): string {
+  const lines = ["# hardlimit drop THIS_FILE.toml", `gravity = ${toml(s.cradle ? 0 : GRAVITY)}`];
+  if (s.cradle) lines.push("cradle = true");
+  else lines.push(`height = ${toml(s.height)}  # m, centre of the lowest ball`);
+  lines.push(`gaps = [${s.gaps.map(toml).join(", ")}]  # m`);
+  if (s.velocities.some((v) => v !== 0)) lines.push(`velocities = [${s.velocities.map(toml).join(", ")}]  # m/s`);
+  for (const b of s.balls) lines.push("", "[[balls]]", `radius = ${toml(b.radius)}  # m`, `density = ${toml(b.density)}  # kg/m³`);
+  lines.push("", "[law]", `name = "${s.law}"`);
+  if (s.law === "linear") lines.push(`stiffness = ${toml(s.stiffness)}  # N/m`);
+  else lines.push(`youngs_modulus = ${toml(s.youngs)}  # Pa`, `poisson_ratio = ${toml(s.poisson)}`);
+  lines.push(`restitution = ${toml(s.restitution)}`);
+  if (s.law === "viscoelastic") lines.push(`impact_speed = ${toml(s.impactSpeed)}  # m/s`);
+  return lines.join("\n") + "\n";
+}
+
+// A TOML float: JavaScript writes 50000000 and 1e-7, TOML wants a point or an exponent.
+const toml = (x: number): string => (/[.e]/.test(String(x)) ? String(x).replace("e+", "e") : `${x}.0`);
