@@ -11,6 +11,13 @@
 #define HL_FN inline
 #endif
 
+// Before a loop with a constant number of turns: unroll it.
+#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
+#define HL_UNROLL _Pragma("GCC unroll 64")
+#else
+#define HL_UNROLL _Pragma("unroll")
+#endif
+
 namespace hardlimit {
 
 using i64 = long long;
@@ -19,6 +26,14 @@ static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 
 template <class Real>
 using Mask = decltype(Real{} < Real{});
+
+// T, without a part in the deduction of T: & and | of two bools give an int, which becomes a bool again.
+template <class T>
+struct Unchanged {
+    using Type = T;
+};
+template <class T>
+using Same = typename Unchanged<T>::Type;
 
 template <class Real>
 struct Lanes {
@@ -62,6 +77,8 @@ HL_FN bool any(M m) {
         return found != 0;
     }
 }
+HL_FN bool any(int m) { return m != 0; }
+HL_FN bool negation(int m) { return m == 0; }
 template <class M>
 HL_FN M negation(M m) {
     if constexpr (sizeof(M) == sizeof(bool)) return !m;

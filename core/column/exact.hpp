@@ -36,13 +36,34 @@ struct Series {
     R u[N + 1], w[N + 1], l1[N], l2[N];
 };
 
+// 1/n!
 template <int N>
-struct Reciprocals {
-    double of[N];
-    constexpr Reciprocals() : of() {
-        for (int n = 0; n < N; ++n) of[n] = 1.0 / ((n + 1.0) * (n + 2.0));
+struct InverseFactorials {
+    double of[N + 1];
+    constexpr InverseFactorials() : of() {
+        of[0] = 1.0;
+        for (int n = 1; n <= N; ++n) of[n] = of[n - 1] / n;
     }
 };
+
+// Polynomial of degree D and its derivative, by Horner's rule on every fourth coefficient: four short chains of
+// dependent operations instead of one long one.
+template <int D, class R>
+HL_FN R value_at(const R* f, R x) {
+    const R x2 = x * x, x4 = x2 * x2;
+    R part[4] = {};
+    HL_UNROLL
+    for (int n = D; n >= 0; --n) part[n % 4] = part[n % 4] * x4 + f[n];
+    return (part[0] + x * part[1]) + x2 * (part[2] + x * part[3]);
+}
+template <int D, class R>
+HL_FN R slope_at(const R* f, R x) {
+    const R x2 = x * x, x4 = x2 * x2;
+    R part[4] = {};
+    HL_UNROLL
+    for (int n = D; n >= 1; --n) part[(n - 1) % 4] = part[(n - 1) % 4] * x4 + static_cast<double>(n) * f[n];
+    return (part[0] + x * part[1]) + x2 * (part[2] + x * part[3]);
+}
 
 using Piece = Series<double>;
 
@@ -57,42 +78,40 @@ HL_FN R rate_bound(const Groups<R>& s, Mask<R> floor, Mask<R> pair) {
 inline constexpr double reach = 1.5;  // length of a piece times the bound on the rates
 HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) { return reach / rate_bound(s, floor, pair); }
 
+// The recurrence runs on derivatives (n! times the coefficients), where its factors do not depend on n:
+// u⁽ⁿ⁺²⁾ = reaction·L2⁽ⁿ⁾ − k1·L1⁽ⁿ⁾, with L⁽ⁿ⁾ multiplied out so that few operations depend on the last one.
 template <class R, int N>
 HL_FN void expand(const Groups<R>& s, const GapState<R>& x, Mask<R> floor, Mask<R> pair, R h, Series<R, N>& p) {
-    constexpr Reciprocals<N> reciprocal;
+    constexpr InverseFactorials<N> inverse;
     const R square = h * h, d1 = s.c1 / h, d2 = s.c2 / h;
     const R k1 = select<R>(floor, s.a1, R{}) * square, k2 = select<R>(pair, square, R{});
     const R reaction = select<R>(pair, s.a2, R{}) * square;
+    const R k1d = k1 * d1, k2d = k2 * d2, reaction_d = reaction * d2;
     p.h = h;
-    p.u[0] = x.u;
-    p.u[1] = x.du * h;
-    p.w[0] = x.w;
-    p.w[1] = x.dw * h;
+    R u0 = x.u, w0 = x.w, u1 = x.du * h, w1 = x.dw * h;
     R weight = s.gravity * square;
-    for (int n = 0; n + 2 <= N; ++n) {
-        p.l1[n] = p.u[n] + d1 * ((n + 1.0) * p.u[n + 1]);
-        p.l2[n] = p.w[n] + d2 * ((n + 1.0) * p.w[n + 1]);
-        const R push = k1 * p.l1[n];
-        p.u[n + 2] = reciprocal.of[n] * ((reaction * p.l2[n] - push) - weight);
-        p.w[n + 2] = reciprocal.of[n] * (push - k2 * p.l2[n]);
+    HL_UNROLL
+    for (int n = 0; n < N; ++n) {
+        p.u[n] = inverse.of[n] * u0;
+        p.w[n] = inverse.of[n] * w0;
+        p.l1[n] = inverse.of[n] * (u0 + d1 * u1);
+        p.l2[n] = inverse.of[n] * (w0 + d2 * w1);
+        const R push = k1d * u1, u2 = ((reaction * w0 - k1 * u0) - weight) + (reaction_d * w1 - push);
+        const R w2 = (k1 * u0 - k2 * w0) + (push - k2d * w1);
+        u0 = u1;
+        w0 = w1;
+        u1 = u2;
+        w1 = w2;
         weight = R{};
     }
-    p.l1[N - 1] = p.u[N - 1] + d1 * (static_cast<double>(N) * p.u[N]);
-    p.l2[N - 1] = p.w[N - 1] + d2 * (static_cast<double>(N) * p.w[N]);
+    p.u[N] = inverse.of[N] * u0;
+    p.w[N] = inverse.of[N] * w0;
 }
 
 template <class R, int N>
 HL_FN GapState<R> evaluate(const Series<R, N>& p, R theta) {
-    GapState<R> x = {p.u[N], R{}, p.w[N], R{}};
-    for (int n = N - 1; n >= 0; --n) {
-        x.du = x.du * theta + x.u;
-        x.dw = x.dw * theta + x.w;
-        x.u = x.u * theta + p.u[n];
-        x.w = x.w * theta + p.w[n];
-    }
-    x.du /= p.h;
-    x.dw /= p.h;
-    return x;
+    return {value_at<N>(p.u, theta), slope_at<N>(p.u, theta) / p.h, value_at<N>(p.w, theta),
+            slope_at<N>(p.w, theta) / p.h};
 }
 
 // The parabola of motion A.
@@ -103,33 +122,29 @@ HL_FN GapState<R> fly(const Groups<R>& s, const GapState<R>& x, R t) {
 
 inline constexpr double never = math::infinity;
 
-// First θ in [0, 1] at which sign·f, a polynomial, rises to zero from below; `never` if it does not. A function that
-// vanishes at θ = 0 because the last switch put it there is divided by θ first (`at_zero`). Each step goes to the
-// zero of a parabola above f (|f''| <= bound), so no zero can be passed, and converges quadratically.
-template <class R>
-HL_FN R first_crossing(const R* f, int degree, R sign, Mask<R> at_zero) {
-    R g[order + 1];
-    for (int n = 0; n < degree; ++n) g[n] = sign * select<R>(at_zero, f[n + 1], f[n]);
-    g[degree] = sign * select<R>(at_zero, R{}, f[degree]);
-    for (int i = 0; i < degree; ++i) {  // touching without approach: zero of higher order
+// First θ in [0, 1] at which sign·f, a polynomial of degree D, rises to zero from below; `never` if it does not. A
+// function that vanishes at θ = 0 because the last switch put it there is divided by θ first (`at_zero`). Each step
+// goes to the zero of a parabola above f (|f''| <= bound), so no zero can be passed, and converges quadratically.
+template <int D, class R>
+HL_FN R first_crossing(const R* f, R sign, Mask<R> at_zero) {
+    R g[D + 1];
+    for (int n = 0; n < D; ++n) g[n] = sign * select<R>(at_zero, f[n + 1], f[n]);
+    g[D] = sign * select<R>(at_zero, R{}, f[D]);
+    for (int i = 0; i < D; ++i) {  // touching without approach: zero of higher order
         const Mask<R> again = at_zero & (g[0] == 0.0);
         if (!any(again)) break;
-        for (int n = 0; n < degree; ++n) g[n] = select<R>(again, g[n + 1], g[n]);
-        g[degree] = select<R>(again, R{}, g[degree]);
+        for (int n = 0; n < D; ++n) g[n] = select<R>(again, g[n + 1], g[n]);
+        g[D] = select<R>(again, R{}, g[D]);
     }
     R highest = g[0], bound = R{};
-    for (int n = 1; n <= degree; ++n) {
+    for (int n = 1; n <= D; ++n) {
         highest = highest + math::max<R>(g[n], R{});
         bound = bound + (n * (n - 1.0)) * math::abs<R>(g[n]);
     }
     Mask<R> active = (g[0] < 0.0) & (highest >= 0.0);
     R theta = R{}, found = select<R>(g[0] >= 0.0, R{}, broadcast<R>(never));
     for (int i = 0; i < 500 && any(active); ++i) {
-        R value = g[degree], slope = R{};
-        for (int n = degree - 1; n >= 0; --n) {
-            slope = slope * theta + value;
-            value = value * theta + g[n];
-        }
+        const R value = value_at<D>(g, theta), slope = slope_at<D>(g, theta);
         const Mask<R> there = active & (value >= 0.0);
         const R speed = slope + math::sqrt<R>(slope * slope - 2.0 * bound * value);
         const R step = -2.0 * value / speed;
@@ -203,20 +218,20 @@ HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
 HL_FN Next next_in_piece(const Piece& piece, const Phase& p, const OnSurface& on) {
     Next next;
     if (p.floor) {
-        next.consider(first_crossing<double>(piece.l1, order - 1, 1.0, on.l1), Switch::floor_ends);
+        next.consider(first_crossing<order - 1>(piece.l1, 1.0, on.l1), Switch::floor_ends);
     } else if (p.floor_open) {
-        next.consider(first_crossing<double>(piece.u, order, -1.0, on.u), Switch::floor_begins);
+        next.consider(first_crossing<order>(piece.u, -1.0, on.u), Switch::floor_begins);
     } else {
-        next.consider(first_crossing<double>(piece.u, order, 1.0, on.u), Switch::floor_opens);
-        next.consider(first_crossing<double>(piece.l1, order - 1, -1.0, on.l1), Switch::floor_begins);
+        next.consider(first_crossing<order>(piece.u, 1.0, on.u), Switch::floor_opens);
+        next.consider(first_crossing<order - 1>(piece.l1, -1.0, on.l1), Switch::floor_begins);
     }
     if (p.pair) {
-        next.consider(first_crossing<double>(piece.l2, order - 1, 1.0, on.l2), Switch::pair_ends);
+        next.consider(first_crossing<order - 1>(piece.l2, 1.0, on.l2), Switch::pair_ends);
     } else if (p.pair_open) {
-        next.consider(first_crossing<double>(piece.w, order, -1.0, on.w), Switch::pair_begins);
+        next.consider(first_crossing<order>(piece.w, -1.0, on.w), Switch::pair_begins);
     } else {
-        next.consider(first_crossing<double>(piece.w, order, 1.0, on.w), Switch::pair_opens);
-        next.consider(first_crossing<double>(piece.l2, order - 1, -1.0, on.l2), Switch::pair_begins);
+        next.consider(first_crossing<order>(piece.w, 1.0, on.w), Switch::pair_opens);
+        next.consider(first_crossing<order - 1>(piece.l2, -1.0, on.l2), Switch::pair_begins);
     }
     return next;
 }

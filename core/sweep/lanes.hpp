@@ -52,11 +52,11 @@ HL_FN void assign(Mask<R> m, GapState<R>& to, const GapState<R>& value) {
 }
 
 template <class M>
-HL_FN void set(M& flag, M where, M value) { flag = (flag & negation(where)) | (value & where); }
+HL_FN void set(M& flag, Same<M> where, Same<M> value) { flag = (flag & negation(where)) | (value & where); }
 template <class M>
-HL_FN void raise(M& flag, M where) { flag = flag | where; }
+HL_FN void raise(M& flag, Same<M> where) { flag = flag | where; }
 template <class M>
-HL_FN void clear(M& flag, M where) { flag = flag & negation(where); }
+HL_FN void clear(M& flag, Same<M> where) { flag = flag & negation(where); }
 
 // ---- switches: the definitions of column/sequence.hpp, lane by lane -------------------------------------------
 
@@ -233,14 +233,14 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
     R f[order + 1];
     for (int n = 0; n < order; ++n) f[n] = select<R>(q.floor, p.l1[n], p.u[n]);
     f[order] = select<R>(q.floor, R{}, p.u[order]);
-    const R at1 = first_crossing<R>(f, order, select<R>(negation(q.floor) & q.floor_open, down, up),
+    const R at1 = first_crossing<order>(f, select<R>(negation(q.floor) & q.floor_open, down, up),
                                     select<Mask<R>>(q.floor, q.on_l1, q.on_u));
     for (int n = 0; n < order; ++n) f[n] = select<R>(q.pair, p.l2[n], p.w[n]);
     f[order] = select<R>(q.pair, R{}, p.w[order]);
-    const R at2 = first_crossing<R>(f, order, select<R>(negation(q.pair) & q.pair_open, down, up),
+    const R at2 = first_crossing<order>(f, select<R>(negation(q.pair) & q.pair_open, down, up),
                                     select<Mask<R>>(q.pair, q.on_l2, q.on_w));
-    const R press1 = any(floor_slack) ? select<R>(floor_slack, first_crossing<R>(p.l1, order - 1, down, q.on_l1), none) : none;
-    const R press2 = any(pair_slack) ? select<R>(pair_slack, first_crossing<R>(p.l2, order - 1, down, q.on_l2), none) : none;
+    const R press1 = any(floor_slack) ? select<R>(floor_slack, first_crossing<order - 1>(p.l1, down, q.on_l1), none) : none;
+    const R press2 = any(pair_slack) ? select<R>(pair_slack, first_crossing<order - 1>(p.l2, down, q.on_l2), none) : none;
     const R first = math::min<R>(math::min<R>(at1, at2), math::min<R>(press1, press2));
     const Mask<R> hit = m & (first != never);
     const R theta = select<R>(hit, first, up);
@@ -386,21 +386,11 @@ HL_FN Mask<R> quick_floor(State<R>& q, Mask<R> m) {
 
 // ---- quick step, pair closed (motions C and D) -----------------------------------------------------------------
 
-inline constexpr int long_order = 32;
-inline constexpr double long_reach = 3.6;  // 3.6³²/32! = 2e-18
+inline constexpr int long_order = 38;
+inline constexpr double long_reach = 5.2;  // 5.2³⁸/38! = 3e-18
 
-template <class R>
-HL_FN void value_and_slope(const R* f, int degree, R theta, R& value, R& slope) {
-    value = f[degree];
-    slope = R{};
-    for (int n = degree - 1; n >= 0; --n) {
-        slope = slope * theta + value;
-        value = value * theta + f[n];
-    }
-}
-
-// Lanes of m, with a pair contact that begins now, whose next switch is the end of that contact. L2 falls and rises
-// once: its first maximum comes at the earliest three quarters of a period after a touch, beyond the series.
+// Lanes of m, with a pair contact that begins now, whose next switch is the end of that contact. L2 falls from the
+// touch on, and rises once within the reach of the series (less than a period), so it has one zero there.
 template <class R>
 HL_FN Mask<R> quick_pair(State<R>& q, Mask<R> m) {
     const Groups<R>& s = q.s;
@@ -412,30 +402,24 @@ HL_FN Mask<R> quick_pair(State<R>& q, Mask<R> m) {
     // Isolated contact as the guess: t_c = 2 atan2(ω, β)/ω, β = c2/2.
     const R beta = 0.5 * s.c2, omega = math::sqrt<R>(math::max<R>(1.0 - beta * beta, constant<R>(0.1)));
     R theta = math::min<R>(2.0 * math::atan2_upper<R>(omega, beta) / (omega * h), constant<R>(0.97));
-    R value, slope, step = R{};
+    using column::exact::slope_at, column::exact::value_at;
+    constexpr int rough = 24, full = long_order - 1;
+    R slope = R{}, step = R{};
     for (int i = 0; i < 6; ++i) {
-        value_and_slope<R>(p.l2, i < 3 ? 20 : long_order - 1, theta, value, slope);
-        step = -value / slope;
+        slope = i < 3 ? slope_at<rough>(p.l2, theta) : slope_at<full>(p.l2, theta);
+        step = -(i < 3 ? value_at<rough>(p.l2, theta) : value_at<full>(p.l2, theta)) / slope;
         theta = math::clamp<R>(theta + step, 0.05, 1.0);
     }
     m = m & (slope > 0.0) & (math::abs<R>(step) < 1e-11) & (theta < 1.0);
-    // Nothing else before: L1 stays below zero by its values at four nodes and a bound on its curvature; an open
-    // floor gap is concave while the pair pushes.
-    const R quarter = 0.25 * theta;
-    R worst = constant<R>(-1e300), before = constant<R>(-1e300), ignored;
-    for (int i = 1; i <= 4; ++i) {
-        value_and_slope<R>(p.l1, long_order - 1, static_cast<double>(i) * quarter, value, ignored);
-        worst = math::max<R>(worst, value);
-        if (i == 4) break;
-        value_and_slope<R>(p.l2, long_order - 1, static_cast<double>(i) * quarter, value, ignored);
-        before = math::max<R>(before, value);
-    }
-    R bound = R{};
-    for (int n = long_order - 1; n >= 2; --n) bound = bound * theta + (n * (n - 1.0)) * math::abs<R>(p.l1[n]);
+    // Nothing else before: L1 stays below zero by its values at both ends and a bound on its curvature; an open floor
+    // gap is concave while the pair pushes.
+    R curvature[full - 1];
+    for (int n = 2; n <= full; ++n) curvature[n - 2] = (n * (n - 1.0)) * math::abs<R>(p.l1[n]);
+    const R bound = value_at<full - 2>(curvature, theta);
     const GapState<R> x = column::exact::evaluate<R>(p, theta);
-    const R start = p.l1[0];
-    const Mask<R> stays = (math::max<R>(worst, start) + 0.125 * bound * quarter * quarter < 0.0) | q.on_l1;
-    const Mask<R> good = m & (before < 0.0) & select<Mask<R>>(q.floor, stays & negation(q.on_l1), x.u > 0.0);
+    const R worst = math::max<R>(p.l1[0], x.u + s.c1 * x.du);
+    const Mask<R> stays = (worst + 0.125 * bound * theta * theta < 0.0) & negation(q.on_l1);
+    const Mask<R> good = m & select<Mask<R>>(q.floor, stays, x.u > 0.0);
     advance<R>(q, good, theta * h, x);
     pair_ends<R>(q, good);
     return good;
@@ -704,8 +688,8 @@ HL_FN void sort(State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
         fly<R>(q, free);
     }
     m = m & q.active;
-    const Mask<R> fresh = m & q.pair & q.on_w, lying = m & q.floor & negation(q.pair);
-    const Mask<R> lasting = m & negation(fresh | lying) & may_glide<R>(q);
+    const Mask<R> lying = m & q.floor & negation(q.pair), lasting = m & may_glide<R>(q);
+    const Mask<R> fresh = m & q.pair & q.on_w & negation(lasting);
     set(wait.lying, m, lying);
     set(wait.pressed, m, fresh);
     set(wait.lasting, m, lasting);
@@ -726,17 +710,16 @@ HL_FN Mask<R> step(State<R>& q, Waiting<Mask<R>>& wait) {
         return done;
     }
     if (most == 1) {
-        const Mask<R> m = wait.pressed, done = quick_pair<R>(q, m), last = m & negation(done) & may_glide<R>(q);
+        const Mask<R> m = wait.pressed, done = quick_pair<R>(q, m);
         clear(wait.pressed, m);
-        raise(wait.lasting, last);
-        raise(wait.stuck, m & negation(done | last));
+        raise(wait.stuck, m & negation(done));
         return done;
     }
     if (most == 2) {
-        const Mask<R> m = wait.lasting;
-        glide<R>(q, m);
+        const Mask<R> m = wait.lasting, fresh = q.on_w, done = glide<R>(q, m);
         clear(wait.lasting, m);
-        raise(wait.stuck, m);
+        raise(wait.pressed, m & fresh & negation(done));
+        raise(wait.stuck, m & (done | negation(fresh)));
         return m & negation(m);
     }
     const Mask<R> m = wait.stuck;
