@@ -18,6 +18,11 @@
 #define HL_UNROLL _Pragma("unroll")
 #endif
 
+#if defined(__CUDACC_RTC__)  // lacks these two constants
+#define __builtin_huge_val() __builtin_bit_cast(double, 0x7ff0000000000000ULL)
+#define __builtin_nan(text) __builtin_bit_cast(double, 0x7ff8000000000000ULL)
+#endif
+
 namespace hardlimit {
 
 using i64 = long long;
