@@ -1,6 +1,7 @@
 // A map: every point of a grid (or list) of parameters, in blocks, on a few threads.
 #pragma once
 #include <atomic>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -41,7 +42,7 @@ public:
             value[i] = k.values[index[i]];
         }
     }
-    Parameters parameters() const { return __builtin_bit_cast(Parameters, value); }
+    Parameters parameters() const { return std::bit_cast<Parameters>(value); }
     void next() {
         for (int v = 0; v < n_varying; ++v) {
             const int i = varying[v];
