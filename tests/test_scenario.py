@@ -99,6 +99,15 @@ def test_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
     assert "\n" not in str(refused.value)
 
 
+def test_cradle_may_state_that_there_is_no_gravity() -> None:
+    text = scenario.dumps(
+        hl.Column.cradle([hl.Ball(0.1, mass=1.0)] * 2, [1, 0], hl.LinearDashpot(stiffness=1e6, damping=3.0))
+    )
+    assert scenario.loads("gravity = 0.0\n" + text) == scenario.loads(text)
+    with pytest.raises(ValueError, match=r"gravity: got 9\.81, must be 0"):
+        scenario.loads("gravity = 9.81\n" + text)
+
+
 def test_broken_toml_says_where(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"line 2, column"):
         scenario.read(written(tmp_path, "height = 0.6\ngaps = = 3\n"))

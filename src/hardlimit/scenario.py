@@ -3,7 +3,7 @@
 The file has the top-level keys ``height`` and ``gravity``, ``gaps``, ``velocities``, one ``[[balls]]`` table
 for each ball, bottom first (``radius``, and ``density`` or ``mass``), and one ``[law]`` (``name`` and its
 parameters) or one ``[[laws]]`` for each contact, the floor's first. ``cradle = true`` leaves out floor,
-height and gravity.
+height and gravity (which may stand there as 0).
 """
 
 from __future__ import annotations
@@ -165,9 +165,9 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
     if not isinstance(cradle, bool):
         raise ValueError(f"cradle: got {cradle!r}, must be true or false")
     if cradle:
-        _refuse_unknown(
-            "", content, [key for key in KEYS if key not in ("height", "gravity")], " for a cradle"
-        )
+        _refuse_unknown("", content, [key for key in KEYS if key != "height"], " for a cradle")
+        if content.get("gravity", 0) != 0:
+            raise ValueError(f"gravity: got {content['gravity']!r}, must be 0 or left out for a cradle")
     balls = tuple(_ball(i, table) for i, table in enumerate(_tables("balls", content.get("balls"))))
     height = content.get("height")
     if height is None and not cradle:
