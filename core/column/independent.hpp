@@ -6,16 +6,11 @@
 // v'10 − g (t12 − t10) (the printed v12 = v'10 − g t12 contradicts Eq. 5); its inverse is effective_restitution.
 // The sequence is event-driven for any number of balls: it does not stop after the upward cascade.
 #pragma once
+#include "restitution.hpp"
 #include "sequence.hpp"
 #include "state.hpp"
 
 namespace hardlimit::column {
-
-// ε that gives the relative velocity v_r in the ICM, v_r = ε (1 + ε) V (Eq. 4 inverted, in the stable form).
-HL_FN double effective_restitution(double relative_velocity, double impact_speed) {
-    const double ratio = relative_velocity / impact_speed;
-    return ratio >= -0.25 ? 2.0 * ratio / (1.0 + math::sqrt(1.0 + 4.0 * ratio)) : math::nan;
-}
 
 // A collision-free stretch: state at its beginning. Times from the first floor touch (cradle: from release).
 struct Flight {

@@ -59,7 +59,8 @@ public:
 struct Outputs {
     std::uint8_t* n_contacts;
     std::uint8_t* outcome;
-    double *relative_velocity, *separation_velocity, *effective_restitution, *restitution_ratio, *t_end, *t_floor_end;
+    double *relative_velocity, *separation_velocity, *effective_restitution, *restitution_ratio, *t_end,
+        *t_floor_end;
 };
 
 // Counts that a byte cannot hold.
@@ -109,16 +110,17 @@ public:
         damping(job, count);
         int n = 0;
         for (int i = 0; i < count; ++i) {
-            slot[i] = enter(job.setting, i, n) ? n++ : -1;
+            slot[i] = enter_block(job.setting, i, n) ? n++ : -1;
         }
-        const hardlimit_abi::Block b = {n, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8], in[9],
-                                        out[0], out[1], out[2], out[3], out[4], out[5], status};
+        const hardlimit_abi::Block b = {n,     in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
+                                        in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
         job.kernel->solve(b);
         for (int i = 0; i < count; ++i) {
             PointResult r;
             const int k = slot[i];
             if (k >= 0 && status[k] == static_cast<int>(hardlimit_abi::Status::done))
-                leave(job.setting, i, k, r);
+                r = leave(job.setting, p[i], units[k],
+                          {out[0][k], out[1][k], out[2][k], out[3][k], out[4][k], out[5][k]});
             else
                 r = solve_point<contact::LinearDashpot>(job.setting, p[i]);
             job.put(first + static_cast<u64>(i), r);
@@ -127,7 +129,7 @@ public:
 
 private:
     Parameters p[most];
-    double ratio[2][most];             // β/ω0 of floor and pair, when given by ε
+    double ratio[2][most];  // β/ω0 of floor and pair, when given by ε
     double listed[2 * most];
     int list_of[2][most];
     double in[10][most], out[6][most];
@@ -153,42 +155,14 @@ private:
     }
 
     // Groups and start of point i into place k; false if it is not one for the kernel.
-    bool enter(const Setting& setting, int i, int k) {
-        Parameters& q = p[i];
-        if (!math::is_nan(q.radius_ratio)) q.radius_1 = q.radius_ratio * q.radius_2;
-        q.radius_ratio = math::nan;
-        const double height = q.height - q.radius_1;
-        if (!(height >= 0.0)) return false;
-        const double m1 = ball_mass(q.matter_1, setting.density_1, q.radius_1);
-        const double m2 = ball_mass(q.matter_2, setting.density_2, q.radius_2);
-        const bool given = setting.restitution_at >= 0;
-        const contact::LinearDashpot floor = given ? contact::LinearDashpot::from_damping_ratio(q.floor_law[0], ratio[0][i], m1)
-                                                   : contact::LinearDashpot{q.floor_law[0], q.floor_law[1]};
-        const contact::LinearDashpot pair =
-            given ? contact::LinearDashpot::from_damping_ratio(q.pair_law[0], ratio[1][i], effective(m1, m2))
-                  : contact::LinearDashpot{q.pair_law[0], q.pair_law[1]};
-        const column::Start s = column::start_two_ball(
-            floor, pair, m1, m2, q.gravity, {height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
-            setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
-        if (s.outcome != Outcome::ok || !math::is_finite(s.groups.gravity + s.first.w)) return false;
+    bool enter_block(const Setting& setting, int i, int k) {
+        column::Start s;
+        if (!enter(setting, p[i], ratio[0][i], ratio[1][i], s)) return false;
         const double values[10] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
                                    s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
         for (int j = 0; j < 10; ++j) in[j][k] = values[j];
         units[k] = s.units;
         return true;
-    }
-
-    void leave(const Setting& setting, int i, int k, PointResult& r) const {
-        column::Sequence q;
-        q.n_contacts = static_cast<int>(out[0][k]);
-        q.t_first_touch = out[1][k];
-        q.t_end = out[2][k];
-        q.t_floor_end = out[3][k];
-        q.relative_velocity = out[4][k];
-        q.separation_velocity = out[5][k];
-        q.close();
-        column::to_si(q, units[k]);
-        finish(q, setting, p[i], units[k].speed, r);
     }
 };
 
@@ -205,7 +179,8 @@ void work(Job& job, u64 block) {
         const u64 end = begin + block < job.count ? begin + block : job.count;
         if (vector) {
             for (u64 i = begin; i < end && !job.stop; i += VectorBlock::most)
-                lanes->solve(job, i, static_cast<int>(end - i < VectorBlock::most ? end - i : VectorBlock::most));
+                lanes->solve(job, i,
+                             static_cast<int>(end - i < VectorBlock::most ? end - i : VectorBlock::most));
         } else {
             Cursor at(job.axes, job.first + begin);
             for (u64 i = begin; i < end && !job.stop; ++i, at.next())

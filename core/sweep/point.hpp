@@ -3,50 +3,9 @@
 #include "../column/drop.hpp"
 #include "../column/independent.hpp"
 #include "../column/integrate.hpp"
+#include "parameters.hpp"
 
 namespace hardlimit::sweep {
-
-enum class Model : int { newton = 0, adiabatic = 1, independent = 2 };
-
-// The physical parameters of a point. Mass or density of each ball, whichever the user gave; a radius ratio that is
-// not NaN replaces the lower radius.
-struct Parameters {
-    double radius_1, radius_2, radius_ratio, matter_1, matter_2, gap, height, velocity_1, velocity_2, gravity;
-    double floor_law[max_parameters], pair_law[max_parameters];
-};
-inline constexpr int parameter_count = 10 + 2 * max_parameters;
-static_assert(sizeof(Parameters) == parameter_count * sizeof(double));
-
-// What all points have in common.
-struct Setting {
-    Model model;
-    int alternative;               // of the law's parameters
-    bool density_1, density_2;     // matter is a density, else a mass
-    int restitution_at;            // place of ε among the law's parameters; -1: the law was not given by ε
-};
-
-struct PointResult {
-    int n_contacts = 0;
-    double relative_velocity = math::nan, separation_velocity = math::nan, effective_restitution = math::nan,
-           restitution_ratio = math::nan, t_end = math::nan, t_floor_end = math::nan;
-    Outcome outcome = Outcome::invalid;
-};
-
-HL_FN double ball_mass(double matter, bool density, double radius) {
-    return density ? (4.0 / 3.0 * math::pi) * (matter * (radius * radius * radius)) : matter;
-}
-
-HL_FN void finish(const column::Sequence& q, const Setting& s, const Parameters& p, double speed, PointResult& r) {
-    r.n_contacts = q.n_contacts;
-    r.relative_velocity = q.relative_velocity;
-    r.separation_velocity = q.separation_velocity;
-    r.t_end = q.t_end;
-    r.t_floor_end = q.t_floor_end;
-    r.outcome = q.outcome;
-    r.effective_restitution = column::effective_restitution(q.relative_velocity, speed);
-    if (s.restitution_at >= 0 && p.floor_law[s.restitution_at] == p.pair_law[s.restitution_at])
-        r.restitution_ratio = r.effective_restitution / p.floor_law[s.restitution_at];
-}
 
 template <class Law>
 PointResult solve_point(const Setting& setting, Parameters p) {
@@ -76,8 +35,13 @@ PointResult solve_point(const Setting& setting, Parameters p) {
             return r;
         }
     }
-    const column::Column<Law> c{2,        true,           p.gravity,        {m1, m2},
-                                {p.radius_1, p.radius_2}, {floor_law, pair_law}, {height, p.gap},
+    const column::Column<Law> c{2,
+                                true,
+                                p.gravity,
+                                {m1, m2},
+                                {p.radius_1, p.radius_2},
+                                {floor_law, pair_law},
+                                {height, p.gap},
                                 {p.velocity_1, p.velocity_2}};
     if (math::is_nan(column::fall_time(height, p.velocity_1, p.gravity))) {
         r.outcome = Outcome::never_lands;

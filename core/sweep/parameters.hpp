@@ -1,0 +1,100 @@
+// A point of a map from its physical parameters to a drop in scaled units, and back to the numbers a sweep keeps.
+// Free of containers, so that it also compiles for a GPU.
+#pragma once
+#include "../column/restitution.hpp"
+#include "../column/start.hpp"
+
+namespace hardlimit::sweep {
+
+enum class Model : int { newton = 0, adiabatic = 1, independent = 2 };
+
+// The physical parameters of a point. Mass or density of each ball, whichever the user gave; a radius ratio that is
+// not NaN replaces the lower radius.
+struct Parameters {
+    double radius_1, radius_2, radius_ratio, matter_1, matter_2, gap, height, velocity_1, velocity_2, gravity;
+    double floor_law[max_parameters], pair_law[max_parameters];
+};
+inline constexpr int geometry_count = 10;
+inline constexpr int parameter_count = geometry_count + 2 * max_parameters;
+static_assert(sizeof(Parameters) == parameter_count * sizeof(double));
+
+// What all points have in common.
+struct Setting {
+    Model model;
+    int alternative;            // of the law's parameters
+    bool density_1, density_2;  // matter is a density, else a mass
+    int restitution_at;         // place of ε among the law's parameters; -1: the law was not given by ε
+};
+
+struct PointResult {
+    int n_contacts = 0;
+    double relative_velocity = math::nan, separation_velocity = math::nan, effective_restitution = math::nan,
+           restitution_ratio = math::nan, t_end = math::nan, t_floor_end = math::nan;
+    Outcome outcome = Outcome::invalid;
+};
+
+HL_FN double ball_mass(double matter, bool density, double radius) {
+    return density ? (4.0 / 3.0 * math::pi) * (matter * (radius * radius * radius)) : matter;
+}
+
+// Processors differ in the sign and the bits of a NaN that went through an operation.
+HL_FN double one_nan(double x) { return math::is_nan(x) ? math::nan : x; }
+
+HL_FN void finish(const column::Sequence& q, const Setting& s, const Parameters& p, double speed,
+                  PointResult& r) {
+    r.n_contacts = q.n_contacts;
+    r.relative_velocity = one_nan(q.relative_velocity);
+    r.separation_velocity = one_nan(q.separation_velocity);
+    r.t_end = one_nan(q.t_end);
+    r.t_floor_end = one_nan(q.t_floor_end);
+    r.outcome = q.outcome;
+    r.effective_restitution = one_nan(column::effective_restitution(q.relative_velocity, speed));
+    if (s.restitution_at >= 0 && p.floor_law[s.restitution_at] == p.pair_law[s.restitution_at])
+        r.restitution_ratio = one_nan(r.effective_restitution / p.floor_law[s.restitution_at]);
+}
+
+// A drop for the kernel of lanes.hpp under the linear law; false if the point is not one for it. The damping ratios
+// β/ω0 of floor and pair count when the law is given by ε.
+HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, double pair_ratio,
+                 column::Start& s) {
+    if (!math::is_nan(q.radius_ratio)) q.radius_1 = q.radius_ratio * q.radius_2;
+    q.radius_ratio = math::nan;
+    const double height = q.height - q.radius_1;
+    if (!(height >= 0.0)) return false;
+    const double m1 = ball_mass(q.matter_1, setting.density_1, q.radius_1);
+    const double m2 = ball_mass(q.matter_2, setting.density_2, q.radius_2);
+    using contact::LinearDashpot;
+    const bool given = setting.restitution_at >= 0;
+    const LinearDashpot floor = given ? LinearDashpot::from_damping_ratio(q.floor_law[0], floor_ratio, m1)
+                                      : LinearDashpot{q.floor_law[0], q.floor_law[1]};
+    const LinearDashpot pair =
+        given ? LinearDashpot::from_damping_ratio(q.pair_law[0], pair_ratio, effective(m1, m2))
+              : LinearDashpot{q.pair_law[0], q.pair_law[1]};
+    s = column::start_two_ball(
+        floor, pair, m1, m2, q.gravity, {height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
+        setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
+    return s.outcome == Outcome::ok && math::is_finite(s.groups.gravity + s.first.w);
+}
+
+// What the kernel found for a drop, in scaled units.
+struct Found {
+    double contacts, t_first, t_end, t_floor_end, relative, separation;
+};
+
+HL_FN PointResult leave(const Setting& setting, const Parameters& p, const column::Units& units,
+                        const Found& found) {
+    column::Sequence q;
+    q.n_contacts = static_cast<int>(found.contacts);
+    q.t_first_touch = found.t_first;
+    q.t_end = found.t_end;
+    q.t_floor_end = found.t_floor_end;
+    q.relative_velocity = found.relative;
+    q.separation_velocity = found.separation;
+    q.close();
+    column::to_si(q, units);
+    PointResult r;
+    finish(q, setting, p, units.speed, r);
+    return r;
+}
+
+}  // namespace hardlimit::sweep
