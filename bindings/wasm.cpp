@@ -9,6 +9,7 @@
 #include "column/independent.hpp"
 #include "column/integrate.hpp"
 #include "contact/registry.hpp"
+#include "sweep/lanes.hpp"
 
 #include <type_traits>
 
@@ -300,28 +301,97 @@ void set_contacts(col::Column<Law>& c, double restitution) {
     }
 }
 
+// A cradle's first gap is only the way to the first collision.
 template <class Law>
-void scan(int axis, long n, const double* points, double* out) {
-    const col::Column<Law> base = make_column<Law>();
-    col::Column<Law> c = base;
+int first_gap(const col::Column<Law>& c) {
+    return c.floor || c.balls == 2 ? 1 : 2;
+}
+
+// The column of each point in turn; contacts are kept while ε and the balls stay.
+template <class Law>
+struct Points {
+    int axis;
+    const double* points;
+    col::Column<Law> base = make_column<Law>(), c = base;
     double known = hl::math::nan;  // ε that the contacts have now
-    for (long i = 0; i < n; ++i) {
+
+    // Whether the lowest ball starts above the floor.
+    bool move_to(long i) {
         const double restitution = points[2 * i], y = points[2 * i + 1];
         if (axis == radius_ratio) {
             c = base;
             set_radius_ratio(c, y);
             known = hl::math::nan;
         } else {
-            for (int j = 1; j < c.balls; ++j) c.gaps[j] = y;
+            for (int j = first_gap(c); j < c.balls; ++j) c.gaps[j] = y;
         }
         if (restitution != known) set_contacts(c, restitution);
         known = restitution;
-        const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity);
-        const bool lands = c.gaps[0] > 0.0 || !c.floor;
-        const col::Sequence q = lands ? run_point(c, col::Coupling::full, nullptr) : col::Sequence{};
-        out[3 * i] = lands ? q.n_contacts : hl::math::nan;
+        return c.gaps[0] > 0.0 || !c.floor;
+    }
+    void write(long i, const col::Sequence& q, double* out) const {
+        const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity), restitution = points[2 * i];
+        out[3 * i] = q.outcome == hl::Outcome::invalid ? hl::math::nan : q.n_contacts;
         out[3 * i + 1] = col::effective_restitution(q.relative_velocity, speed) / restitution;
         out[3 * i + 2] = col::effective_restitution(q.separation_velocity, speed) / restitution;
+    }
+};
+
+col::Sequence refused() {
+    col::Sequence q;
+    q.outcome = hl::Outcome::invalid;
+    return q;
+}
+
+template <class Law>
+void scan(int axis, long n, const double* points, double* out) {
+    Points<Law> p{axis, points};
+    for (long i = 0; i < n; ++i)
+        p.write(i, p.move_to(i) ? run_point(p.c, col::Coupling::full, nullptr) : refused(), out);
+}
+
+// Two balls under the linear law: many drops at once.
+using Pair = hl::Vector<4>::Real;
+
+void scan_block(int axis, long n, const double* points, double* out) {
+    constexpr int most = 512;
+    static double in[10][most], back[6][most];
+    static int status[most];
+    static col::Units units[most];
+    Points<LinearDashpot> p{axis, points}, again{axis, points};
+    for (long first = 0; first < n; first += most) {
+        const int count = static_cast<int>(n - first < most ? n - first : most);
+        for (int i = 0; i < count; ++i) {
+            const bool lands = p.move_to(first + i);
+            const col::Column<LinearDashpot>& c = p.c;
+            const col::Start s =
+                col::start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                                    {lands ? c.gaps[0] : 1.0, c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
+                                    col::Coupling::full);
+            const double values[] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
+                                     s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
+            for (int k = 0; k < 10; ++k) in[k][i] = values[k];
+            units[i] = s.units;
+        }
+        hl::sweep::solve_block<Pair>({count, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8], in[9], back[0],
+                                      back[1], back[2], back[3], back[4], back[5], status});
+        for (int i = 0; i < count; ++i) {
+            const bool lands = again.move_to(first + i);
+            col::Sequence q = refused();
+            if (lands && status[i] == static_cast<int>(hl::sweep::Status::done)) {
+                q.outcome = hl::Outcome::ok;
+                q.n_contacts = static_cast<int>(back[0][i]);
+                q.t_first_touch = back[1][i];
+                q.t_end = back[2][i];
+                q.t_floor_end = back[3][i];
+                q.relative_velocity = back[4][i];
+                q.separation_velocity = back[5][i];
+                col::to_si(q, units[i]);
+            } else if (lands) {
+                q = run_point(again.c, col::Coupling::full, nullptr);
+            }
+            again.write(first + i, q, out);
+        }
     }
 }
 
@@ -415,6 +485,8 @@ void sample(int model, long n, const double* times, double* out) {
 
 // n points (ε, gap) or (ε, R1/R2) → number of contacts, ε_eff/ε at the end of the sequence and at separation.
 void scan_points(int axis, long n, const double* points, double* out) {
+    const bool pair = request[0] == 0.0 && balls() == 2 && on_floor();
+    if (pair) return scan_block(axis, n, points, out);
     with_law([&]<class Law>() { scan<Law>(axis, n, points, out); });
 }
 

@@ -17,6 +17,7 @@ export interface Drop {
   icm: Track;
   start: number; // of the animation: release [s]
   stop: number;
+  origin: number; // zero of the times shown: first floor touch, or first contact of a cradle
   from: number; // span of the contacts
   to: number;
   clock: Clock; // slow through the contacts
@@ -73,11 +74,13 @@ export function solve(core: Core, scenario: Scenario): Drop | Unsolved {
   const sequence = newton.run.contacts.filter((c) => c.begin <= newton.run.last);
   const known = [...sequence, ...icm.run.contacts.filter((c) => c.begin <= Math.max(newton.run.last, icm.run.last))];
   const ends = known.map((c) => (Number.isFinite(c.end) ? c.end : newton.run.last));
-  const from = Math.min(0, ...known.map((c) => c.begin));
+  const first = Math.min(...known.map((c) => c.begin));
+  const from = scenario.cradle ? first : Math.min(0, first);
+  const origin = scenario.cradle ? first : 0;
   const to = Math.max(...ends, from + 1e-9);
   const windows = windowsOf(known, newton.run.last).filter((w) => w.end < stop);
   const drop: Drop = {
-    scenario, newton, icm, start, stop, from, to,
+    scenario, newton, icm, start, stop, origin, from, to,
     clock: new Clock(start, stop, windows),
     realTime: new Clock(start, stop, []),
     times: [], forces: [], peakForce: [], compression: [], bottom: 0, top: 0,
@@ -90,7 +93,7 @@ export function solve(core: Core, scenario: Scenario): Drop | Unsolved {
 function sampleForces(core: Core, d: Drop, contacts: Contact[]): void {
   const n = d.scenario.balls.length;
   const span = d.to - d.from;
-  const low = d.scenario.cradle ? d.from : d.from - 0.06 * span;
+  const low = d.from - 0.06 * span;
   const high = d.to + 0.08 * span;
   const times = new Set<number>();
   const count = 480;

@@ -1,7 +1,7 @@
 // Forces over time (Fig. 2): between the balls above, on the floor below.
 import type { Drop } from "./drop";
 import { digits, forceName, niceTicks, withUnit } from "./format";
-import { drawAxes, fontSize, Scale, setFont, stroke, timeUnit, type Frame } from "./plot";
+import { drawAxes, fontSize, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
 import type { Theme } from "./theme";
 
 export interface ForcesLayout {
@@ -29,7 +29,9 @@ export function drawForces(g: CanvasRenderingContext2D, w: number, h: number, d:
   shadeContacts(g, d, x, upper, floor ? lower : null, theme, size);
   drawGroup(g, d, x, upper, pairs, theme, size, !floor);
   if (floor) drawGroup(g, d, x, lower, [0], theme, size, true);
-  markIndependent(g, d, x, frames, theme, size);
+  const said = markIndependent(g, d, x, frames, theme, size);
+  nameGroup(g, upper, pairs, right - left - said - size, theme, size);
+  if (floor) nameGroup(g, lower, [0], right - left, theme, size);
   return { x, frames };
 }
 
@@ -42,9 +44,8 @@ function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pai
     g, f, x, y,
     last
       ? {
-          ticks: niceTicks(x.low * timeFactor, x.high * timeFactor, Math.max(3, f.width / (5.5 * size))).map((t) => t / timeFactor),
-          name: (t) => String(Number((t * timeFactor).toPrecision(6))).replace("-", "−"),
-          title: `time after the ${d.scenario.cradle ? "release" : "first floor touch"} (${timeName})`,
+          ...timeTicks(x, d.origin, timeFactor, f.width / (5.5 * size)),
+          title: `time after the first ${d.scenario.cradle ? "contact" : "floor touch"} (${timeName})`,
         }
       : null,
     {
@@ -73,14 +74,18 @@ function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pai
     g.stroke();
   }
   g.restore();
-  // Names beside the title of the axis.
+}
+
+// Names beside the title of the axis; words only where they fit.
+function nameGroup(g: CanvasRenderingContext2D, f: Frame, pairs: number[], room: number, theme: Theme, size: number): void {
   setFont(g, theme, size * 1.05, 700);
   g.textBaseline = "bottom";
   g.textAlign = "left";
   let at = f.left + 0.4 * size;
   for (const j of pairs) {
     g.fillStyle = theme.pairs[j];
-    const label = pairs.length === 1 ? `${forceName(j)}  ${j === 0 ? "floor on lowest ball" : "between the balls"}` : forceName(j);
+    const long = `${forceName(j)}  ${j === 0 ? "floor on lowest ball" : "between the balls"}`;
+    const label = pairs.length === 1 && g.measureText(long).width < room ? long : forceName(j);
     g.fillText(label, at, f.top - 5);
     at += g.measureText(label).width + size;
   }
@@ -109,9 +114,9 @@ function shadeContacts(g: CanvasRenderingContext2D, d: Drop, x: Scale, upper: Fr
   });
 }
 
-function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames: Frame[], theme: Theme, size: number): void {
+function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames: Frame[], theme: Theme, size: number): number {
   const times = d.icm.run.contacts.filter((c) => c.pair > 0).map((c) => c.begin).filter((t) => t >= x.low && t <= x.high);
-  if (times.length === 0) return;
+  if (times.length === 0) return 0;
   g.strokeStyle = theme.icm;
   g.lineWidth = 2;
   g.setLineDash([5, 4]);
@@ -123,6 +128,7 @@ function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames:
   g.textAlign = "right";
   const text = times.length === 1 ? "ICM: one instant" : `ICM: ${times.length} instants`;
   g.fillText(text, frames[0].left + frames[0].width, frames[0].top - 5);
+  return g.measureText(text).width;
 }
 
 export const forcesSummary = (d: Drop): string =>

@@ -38,10 +38,18 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
   if (x === 0) return `0 ${unit}`;
   const size = Math.abs(x);
   if (unit === "kg") return size < 0.9999e-3 ? `${tidy(x * 1e6)} mg` : size < 0.9999 ? `${tidy(x * 1e3)} g` : `${tidy(x)} kg`;
+  if (unit === "m/s" && size >= 0.9999e-2) return `${tidy(x)} m/s`;
   if (unit === "m" && size >= 0.9999e-2 && size < 0.9999) return `${tidy(x * 100)} cm`;
   if (!takesPrefix.has(unit)) return `${tidy(x)} ${unit}`;
   const [factor, prefix] = prefixes.find(([f]) => size >= 0.9999 * f) ?? prefixes[prefixes.length - 1];
   return `${tidy(x / factor)} ${prefix}${unit}`;
+}
+
+// Two lengths in one unit, so that they compare at a glance.
+export function lengths(a: number, b: number): [string, string] {
+  const large = Math.max(Math.abs(a), Math.abs(b));
+  const one = (x: number): string => (large >= 0.9999 && Math.abs(x) >= 0.01 ? `${minus(x.toPrecision(3))} m` : withUnit(x, "m", 3, true));
+  return [one(a), one(b)];
 }
 
 // "0.1 mm" → 1e-4; a bare number is in the base unit. NaN if it is neither.

@@ -6,10 +6,10 @@ import { csv, save } from "./exporting";
 import { drawForces, forcesSummary, type ForcesLayout } from "./forces";
 import { digits, withUnit } from "./format";
 import { ContactMap, type MapLayout } from "./map";
-import { exactNumbers, fillEnergy, fillTable, verdict } from "./numbers";
+import { exactNumbers, fillEnergy, fillTable, subscripted, verdict } from "./numbers";
 import type { Frame, Scale } from "./plot";
 import { presets, type Preset } from "./presets";
-import { clampTo, copyOf, fromQuery, lowestHeight, ranges, toQuery, toToml, type Scenario } from "./scenario";
+import { clampTo, copyOf, firstGap, fromQuery, lowestHeight, ranges, toQuery, toToml, type Scenario } from "./scenario";
 import { drawStage } from "./stage";
 import { themeOf, type Theme } from "./theme";
 import { Timeline, type TimelineLayout } from "./timeline";
@@ -74,6 +74,7 @@ class Page {
   private lastFrame = 0;
   private dirty = { solve: true, plots: true, timeline: true, map: true, mapPicture: true, stage: true };
   private mapKey = "";
+  private mapDrawn = 0;
   private timelineKey = "";
   private urlTimer = 0;
   private hover: [number, number] | null = null;
@@ -103,7 +104,7 @@ class Page {
     this.forces = new Sheet("forces", all);
     this.timelineSheet = new Sheet("timeline", all);
     this.mapSheet = new Sheet("map", all);
-    this.fillPresets(presets.find((p) => queryOf(p.scenario) === queryOf(this.scenario))?.id ?? "");
+    this.fillPresets([base, ...presets].find((p) => queryOf(p.scenario) === queryOf(this.scenario))?.id ?? "");
     this.listen();
     this.setTheme(null);
     this.frame(performance.now());
@@ -257,7 +258,7 @@ class Page {
 
   private mapBox(): Box {
     const { run } = this.drop!.newton;
-    const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : this.drop!.to;
+    const floor = Number.isFinite(run.tFloorEnd) ? run.tFloorEnd : this.drop!.to - this.drop!.from;
     const speed = this.scenario.cradle ? Math.max(...this.scenario.velocities.map(Math.abs)) : run.impactSpeed;
     return this.view.map.zoom ?? wholeMap(this.scenario, this.view.map.axis, floor, speed);
   }
@@ -268,7 +269,7 @@ class Page {
     const { axis } = this.view.map;
     const s = copyOf(this.scenario);
     s.restitution = 0;
-    if (axis === "gap") s.gaps = s.gaps.map(() => 0);
+    if (axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : 0));
     else s.balls[0].radius = 0;
     const key = JSON.stringify([s, axis, box]);
     if (key === this.mapKey) return;
@@ -297,8 +298,10 @@ class Page {
       this.dirty.stage = false;
       this.drawFilm();
     }
-    if (this.dirty.mapPicture && this.drop) {
-      this.dirty.mapPicture = false;
+    const due = this.map.elapsed !== null || this.map.fresh || now - this.mapDrawn > 80; // while workers need the processor
+    if (this.dirty.mapPicture && this.drop && due) {
+      this.dirty.mapPicture = this.map.fresh = false;
+      this.mapDrawn = now;
       this.drawMap();
     }
   };
@@ -328,7 +331,7 @@ class Page {
     timelineSheet.canvas.setAttribute("aria-valuenow", String(s.restitution));
     const exact = s.law === "linear" && s.balls.length === 2 && !s.cradle;
     find("timeline-hint").textContent =
-      (exact ? "Dark edges: lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") + "Click chooses ε.";
+      (exact ? "Fine edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") + "Click chooses ε.";
   }
 
   private drawFilm(): void {
@@ -376,13 +379,14 @@ class Page {
 
   private marked(): [number, number] {
     const s = this.scenario;
-    return [s.restitution, this.view.map.axis === "gap" ? s.gaps[0] : s.balls[0].radius / s.balls[1].radius];
+    return [s.restitution, this.view.map.axis === "gap" ? s.gaps[firstGap(s)] : s.balls[0].radius / s.balls[1].radius];
   }
 
   private drawMap(): void {
     const { mapSheet } = this;
     this.mapLayout = this.map.draw(mapSheet.g, mapSheet.width, mapSheet.height, this.view.map.axis, this.marked(), this.theme);
     this.tellMap();
+    mapSheet.canvas.dataset.computing = String(Math.round(this.map.computing));
     if (this.map.elapsed !== null) mapSheet.canvas.dataset.ms = String(Math.round(this.map.elapsed));
     else delete mapSheet.canvas.dataset.ms;
   }
@@ -391,7 +395,7 @@ class Page {
     const [e, y] = this.hover ?? this.marked();
     const r = this.map.read(e, y);
     const where = `ε = ${digits(e)}, ${this.view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
-    let what = "outside the map";
+    let what = y > 0 ? "outside the map" : "touching, below the map";
     if (r) {
       what = Number.isNaN(r.count) ? "cannot fall" : r.count === 1 ? "1 contact" : `${r.count} contacts`;
       const value = this.view.map.show === "separation" ? r.separation : r.effective;
@@ -399,7 +403,9 @@ class Page {
     }
     const text = `${where}: ${what}`;
     const out = find("map-reading");
-    if (out.textContent !== text) out.textContent = text;
+    if (out.dataset.text === text) return;
+    out.dataset.text = text;
+    out.replaceChildren(...subscripted(text));
   }
 
   // ---- pointer and keys -------------------------------------------------------------------------------
@@ -512,7 +518,7 @@ class Page {
   private chooseInMap(restitution: number, y: number): void {
     const s = this.scenario;
     s.restitution = clampTo(ranges.restitution, Number(restitution.toPrecision(4)));
-    if (this.view.map.axis === "gap") s.gaps = s.gaps.map(() => clampTo(ranges.gap, Number(y.toPrecision(4))));
+    if (this.view.map.axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(y.toPrecision(4)))));
     else {
       const wanted = clampTo(ranges.radius, Number((y * s.balls[1].radius).toPrecision(6)));
       const before = s.balls[0].radius;
@@ -706,9 +712,9 @@ class Page {
 function clockText(time: number, d: Drop): string {
   const span = d.to - d.from;
   const near = time > d.from - 2 * span && time < d.to + 2 * span;
-  if (!near) return `${time.toFixed(3).replace("-", "−")} s`;
+  if (!near) return `${(time - d.origin).toFixed(3).replace("-", "−")} s`;
   const [factor, unit] = span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
-  return `${(time * factor).toFixed(1).replace("-", "−")} ${unit}`;
+  return `${((time - d.origin) * factor).toFixed(1).replace("-", "−")} ${unit}`;
 }
 
 async function begin(): Promise<void> {

@@ -9,9 +9,11 @@ import type { WorkerBatch, WorkerColumn, WorkerResult, WorkerStart } from "./wor
 
 export const SIDE = 400; // points each way
 const strides = [16, 8, 4, 2, 1];
+const patience = 8_000; // ms: a finer level that would take longer is left out
 const batchTime = 14; // ms: how long a worker may be out of reach
 
 interface Batch {
+  job: number;
   stride: number;
   at: Int32Array; // places i + SIDE j of the points
 }
@@ -38,11 +40,14 @@ export class ContactMap {
   private batches = 0;
   private began = 0;
   private perPoint = 0.012; // ms, measured as it goes
-  private missing = 0;
+  private next = 0; // stride of the level that is being sent
   private show: MapShow = "count";
   private labels: { x: number; y: number; n: number }[] = [];
   elapsed: number | null = null; // ms for the whole map
+  computing = 0; // ms of all workers together
+  resolution = 0; // points each way that are complete
   greatest = 0; // count in view
+  fresh = false; // begun anew: draw at once
 
   constructor(
     module: WebAssembly.Module,
@@ -73,7 +78,10 @@ export class ContactMap {
     this.queue = [];
     this.elapsed = null;
     this.greatest = 0;
-    this.missing = SIDE * SIDE;
+    this.fresh = true;
+    this.next = strides[0];
+    this.resolution = 0;
+    this.computing = 0;
     this.began = performance.now();
     for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column });
     const column: WorkerColumn = { kind: "column", job: this.job, column: columnOf(scenario), axis: axis === "gap" ? 0 : 1 };
@@ -105,7 +113,7 @@ export class ContactMap {
       points[2 * k + 1] = y.value(Math.floor(place / SIDE) + 0.5);
     });
     const batch = ++this.batches;
-    this.sent.set(batch, { stride, at: Int32Array.from(at) });
+    this.sent.set(batch, { job: this.job, stride, at: Int32Array.from(at) });
     const message: WorkerBatch = { kind: "batch", job: this.job, batch, points };
     worker.postMessage(message, [points.buffer]);
   }
@@ -115,6 +123,7 @@ export class ContactMap {
     this.sent.delete(result.batch);
     if (batch && result.job === this.job) {
       const n = batch.at.length;
+      this.computing += result.ms;
       this.perPoint = 0.5 * this.perPoint + 0.5 * Math.max(result.ms / n, 1e-4);
       for (let k = 0; k < n; k++) {
         const place = batch.at[k];
@@ -123,9 +132,17 @@ export class ContactMap {
         this.greatest = Math.max(this.greatest, result.values[MAP_VALUES * k] || 0);
         this.paint(place, batch.stride);
       }
-      this.missing -= n;
-      if (this.missing === 0) this.elapsed = performance.now() - this.began;
-      if (this.missing === 0 || this.queue[0]?.stride !== batch.stride) this.placeLabels(batch.stride);
+      const next = this.queue[0]?.stride ?? 0;
+      if (next < this.next) {
+        // A level is complete; the next is left out where it would take too long.
+        this.resolution = Math.floor(SIDE / this.next);
+        const points = (SIDE / Math.max(next, 1)) ** 2 * 0.75;
+        if ((points * this.perPoint) / this.workers.length > patience) this.queue = [];
+        this.next = next;
+      }
+      const over = this.queue.length === 0 && ![...this.sent.values()].some((b) => b.job === this.job);
+      if (over) this.elapsed = performance.now() - this.began;
+      if (over || this.queue[0]?.stride !== batch.stride) this.placeLabels(batch.stride);
       this.changed();
     }
     this.feed(worker);
@@ -218,7 +235,7 @@ export class ContactMap {
     g.imageSmoothingEnabled = false;
     g.fillStyle = theme.faint;
     g.fillRect(f.left, f.top, f.width, f.height);
-    if (this.missing < SIDE * SIDE) g.drawImage(this.sheet, f.left, f.top, f.width, f.height);
+    g.drawImage(this.sheet, f.left, f.top, f.width, f.height);
     drawAxes(
       g, f, x, y,
       { ticks: niceTicks(x.low, x.high, Math.max(3, f.width / (5 * size))), name: (t) => String(Number(t.toPrecision(6))), title: "ε" },

@@ -1,7 +1,7 @@
 // The table of results, the energy bars and the sentence on top.
 import type { Core, State } from "./core";
 import type { Drop, Track } from "./drop";
-import { digits, withUnit } from "./format";
+import { digits, lengths, withUnit } from "./format";
 
 interface Row {
   name: string;
@@ -10,8 +10,6 @@ interface Row {
   lead?: boolean;
   id: string;
 }
-
-const length = (x: number): string => withUnit(x, "m");
 
 function rows(d: Drop): Row[] {
   const { newton, icm, scenario } = d;
@@ -26,8 +24,8 @@ function rows(d: Drop): Row[] {
     for (let i = n - 1; i >= 0; i--) row(`v${i}`, `Ball ${i + 1} leaves with`, "velocity after the last contact", both((t) => v(t, i)), i === n - 1);
     return list;
   }
-  row("top", "Top ball rises to", "height of its centre above the floor", both((t) => length(t.peaks[n - 1])), true);
-  row("low", "Lowest ball rises to", "height of its centre above the floor", both((t) => length(t.peaks[0])));
+  row("top", "Top ball rises to", "height of its centre above the floor", lengths(newton.peaks[n - 1], icm.peaks[n - 1]), true);
+  row("low", "Lowest ball rises to", "height of its centre above the floor", lengths(newton.peaks[0], icm.peaks[0]));
   if (n > 2) {
     row("vtop", "Top ball leaves with", "velocity when the sequence is over", both((t) => v(t, n - 1)));
     return list;
@@ -42,7 +40,7 @@ function rows(d: Drop): Row[] {
 }
 
 // "ε_eff" with a real subscript.
-function subscripted(text: string): (string | HTMLElement)[] {
+export function subscripted(text: string): (string | HTMLElement)[] {
   return text.split(/(_\w+)/).map((part) => {
     if (!part.startsWith("_")) return part;
     const sub = document.createElement("sub");
@@ -106,7 +104,7 @@ const percent = (x: number): string => (x > 0 && x < 0.0005 ? "<0.1 %" : `${(100
 
 export function fillEnergy(box: HTMLElement, d: Drop): void {
   const n = d.scenario.balls.length;
-  const names = [...d.scenario.balls.map((_, i) => ballName(n - 1 - i, n)), "lost in contacts"];
+  const names = [...d.scenario.balls.map((_, i) => ballName(n - 1 - i, d.scenario.cradle ? 0 : n)), "lost in contacts"];
   const colors = [...d.scenario.balls.map((_, i) => `var(--ball${n - i})`), "var(--lost)"];
   const tracks: [string, string, Track][] = [["Newton", "newton", d.newton], ["ICM", "icm", d.icm]];
   const parts: HTMLElement[] = [];
@@ -146,8 +144,9 @@ export function fillEnergy(box: HTMLElement, d: Drop): void {
   box.replaceChildren(...parts, legend);
 }
 
+// n = 0: a cradle, which has neither top nor bottom.
 export const ballName = (i: number, n: number): string =>
-  i === n - 1 ? "top ball" : i === 0 ? "lowest ball" : `ball ${i + 1}`;
+  n > 0 && i === n - 1 ? "top ball" : n > 0 && i === 0 ? "lowest ball" : `ball ${i + 1}`;
 
 const words = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
 const spell = (n: number): string => words[n] ?? String(n);
@@ -164,12 +163,11 @@ export function verdict(d: Drop, core: Core): [string, string] {
     return [`${capital(contacts)}; the last ball leaves with ${v(newton)}.`, `Independent collisions: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
   }
   if (newton.run.outcome !== 0) return [`${capital(core.message(newton.run.outcome))}.`, ""];
-  const rise = (t: Track): string => withUnit(t.peaks[n - 1], "m");
+  const [rise, risen] = lengths(newton.peaks[n - 1], icm.peaks[n - 1]);
   const ratio = newton.run.effective / scenario.restitution;
-  const where = `${capital(contacts)}, and the top ball rises to ${rise(newton)}.`;
-  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say the same: ${rise(icm)}.`];
-  const times = (icm.peaks[n - 1] - scenario.balls[0].radius) / (newton.peaks[n - 1] - scenario.balls[0].radius);
-  const factor = times > 1.15 && times < 1e4 ? `, ${digits(times, 2)} times as high` : "";
-  return [where, `Independent collisions say ${spell(icm.run.nContacts)}, and ${rise(icm)}${factor}.`];
+  const where = `${capital(contacts)}, and the top ball rises to ${rise}.`;
+  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say the same: ${risen}.`];
+  const times = icm.peaks[n - 1] / newton.peaks[n - 1];
+  const factor = times > 1.15 ? `, ${digits(times, 2)} times as high` : "";
+  return [where, `Independent collisions: ${spell(icm.run.nContacts)}, and up to ${risen}${factor}.`];
 }
-

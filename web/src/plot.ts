@@ -1,4 +1,5 @@
 // Axes of the plots: where data lie on the canvas, ticks and labels.
+import { niceTicks } from "./format";
 import type { Theme } from "./theme";
 
 export interface Frame {
@@ -98,4 +99,14 @@ export function timeUnit(span: number): [number, string] {
   if (span < 2e-3) return [1e6, "µs"];
   if (span < 2) return [1e3, "ms"];
   return [1, "s"];
+}
+
+// Ticks of a time axis whose zero is at `origin`.
+export function timeTicks(x: Scale, origin: number, factor: number, wanted: number): Pick<AxisText, "ticks" | "name"> {
+  const low = (x.low - origin) * factor;
+  const high = (x.high - origin) * factor;
+  return {
+    ticks: niceTicks(low, high, Math.max(3, wanted)).map((t) => origin + t / factor),
+    name: (t) => String(Number(((t - origin) * factor).toPrecision(6)) + 0).replace(/^-?\d+\.?\d*e-.*/, "0").replace("-", "−"),
+  };
 }

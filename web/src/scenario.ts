@@ -76,6 +76,9 @@ export const copyOf = (s: Scenario): Scenario => ({
   velocities: [...s.velocities],
 });
 
+// A cradle's first gap is only the way to the first collision: maps vary the others.
+export const firstGap = (s: Scenario): number => (s.cradle && s.gaps.length > 1 ? 1 : 0);
+
 // The lowest ball must start above the floor.
 export const lowestHeight = (s: Scenario): number => s.balls[0].radius * 1.001 + 1e-4;
 

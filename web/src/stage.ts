@@ -2,7 +2,7 @@
 // equations (filled) and the independent-collisions model (outlined) at the same time on the same scale.
 import type { State } from "./core";
 import type { Drop, Track } from "./drop";
-import { digits, forceName, niceBelow, niceTicks, withUnit } from "./format";
+import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "./format";
 import type { Theme } from "./theme";
 
 interface Rect {
@@ -61,10 +61,10 @@ export interface Moment {
 
 export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: Moment, theme: Theme): void {
   g.clearRect(0, 0, w, h);
-  const size = Math.min(Math.max(w / 48, 13), 17);
+  const size = Math.min(Math.max(w / 42, 14), 18);
   const pad = 6;
   const stacked = d.scenario.cradle || w < 480;
-  const trueShare = d.scenario.cradle ? 0.42 : stacked ? 0.47 : 0.42;
+  const trueShare = d.scenario.cradle ? 0.42 : stacked ? 0.47 : 0.37;
   const first: Rect = stacked ? { x: pad, y: 0, w: w - 2 * pad, h: h * trueShare } : { x: pad, y: 0, w: w * trueShare, h };
   const second: Rect = stacked
     ? { x: pad, y: h * trueShare + 6, w: w - 2 * pad, h: h * (1 - trueShare) - 6 }
@@ -123,7 +123,7 @@ class Painter {
   // ---- true scale ---------------------------------------------------------------------------------------
 
   trueScale(r: Rect): void {
-    this.header(r, "True scale");
+    this.header(r, "True scale, metres");
     if (this.d.scenario.cradle) this.trueCradle(r);
     else this.trueDrop(r);
   }
@@ -146,8 +146,6 @@ class Painter {
       this.line(left, y, r.x + r.w, y);
       this.text(digitsOf(z, ticks), left - 8, y, theme.muted, "right");
     }
-    this.font(0.88);
-    this.text("m", left - 8, Math.min(top - 0.2 * size, floor - (ticks[ticks.length - 1] ?? 0) * scale - 1.3 * size), theme.muted, "right");
     this.floor(left, r.x + r.w, floor);
     this.models().forEach(([name, color, state, track, ghost], k) => {
       const line = new Line(g, false, floor, left + (k + 0.5) * lane);
@@ -169,7 +167,7 @@ class Painter {
     line.segment(z * scale, -0.42 * lane, z * scale, 0.42 * lane);
     this.font(0.95, 600);
     const [x, y] = line.at(z * scale);
-    this.label(withUnit(z, "m"), x, Math.max(y - 0.9 * this.size, 1.9 * this.size), color);
+    this.label(lengths(this.d.newton.peaks[n], this.d.icm.peaks[n])[track === this.d.icm ? 1 : 0], x, Math.max(y - 0.9 * this.size, 1.9 * this.size), color);
   }
 
   // Text with a halo, for places where something may lie behind.
@@ -200,7 +198,6 @@ class Painter {
       this.line(origin + z * scale, top, origin + z * scale, bottom);
       this.text(digitsOf(z, ticks), origin + z * scale, bottom + size, theme.muted, "center");
     }
-    this.text("m", left - 8, bottom + size, theme.muted, "right");
     this.models().forEach(([name, color, state, , ghost], k) => {
       const line = new Line(g, true, origin, top + (k + 0.5) * row);
       this.font(1, 600);
@@ -237,10 +234,10 @@ class Painter {
     const begin = cradle ? r.y + 3.4 * size : r.x;
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
     const length = cradle ? r.w - 5 * size : r.h - 6.4 * size;
-    const radii = this.schematicRadii(length, cradle ? 0.34 * width : 0.3 * width);
+    const radii = this.schematicRadii(length, cradle ? 0.34 * width : 0.27 * width);
     if (!cradle) this.floor(r.x, r.x + r.w, r.y + r.h - 2.1 * size);
     this.models().forEach(([name, color, state, track, ghost], k) => {
-      const middle = begin + (k + (cradle ? 0.5 : 0.36)) * width;
+      const middle = begin + (k + (cradle ? 0.5 : 0.31)) * width;
       const line = new Line(this.g, cradle, cradle ? r.x + 4.6 * size : r.y + r.h - 2.1 * size, middle);
       this.font(1, 600);
       if (cradle) this.text(name, r.x, middle, color);
@@ -265,7 +262,7 @@ class Painter {
     const y = r.y + 2.35 * size;
     const bars: [string, number][] = this.d.scenario.cradle
       ? [["gaps and compressions", magnify[1]]]
-      : [["at the floor", magnify[0]], ["between balls", magnify[1]]];
+      : [["floor", magnify[0]], ["balls", magnify[1]]];
     g.lineWidth = 2;
     for (const [name, scale] of bars) {
       const metres = niceBelow((2.4 * size) / scale);
@@ -315,13 +312,16 @@ class Painter {
 
   private contact(line: Line, j: number, plane: number, s: State, radii: number[], ghost: boolean, broken: boolean, centers: number[], limit: number): void {
     const { g, theme, size, d } = this;
-    const force = s.force[j];
+    const force = s.force[j] > 1e-5 * d.peakForce[j] ? s.force[j] : 0;
     const middle = j === 0 ? Math.max((centers[0] - radii[0]) / 2, 0) : plane;
     if (force > 0) {
-      const length = (0.5 + 2.2 * (force / Math.max(d.peakForce[j], 1e-30))) * size;
-      g.strokeStyle = g.fillStyle = theme.pairs[j];
-      this.arrow(line, plane, plane + length);
-      if (j > 0) this.arrow(line, plane, plane - length);
+      const room = 0.85 * Math.min(2.6 * size, radii[j], j > 0 ? radii[j - 1] : Infinity);
+      const length = (0.25 + 0.75 * (force / Math.max(d.peakForce[j], 1e-30))) * room;
+      for (const halo of [true, false]) {
+        g.strokeStyle = g.fillStyle = halo ? theme.ground : theme.pairs[j];
+        this.arrow(line, plane, plane + length, halo);
+        if (j > 0) this.arrow(line, plane, plane - length, halo);
+      }
     }
     if (broken) {
       g.strokeStyle = theme.muted;
@@ -330,7 +330,7 @@ class Painter {
       line.segment(middle - 0.4 * limit, 0, middle + 0.4 * limit, 0);
       g.setLineDash([]);
     }
-    const text = force > 0 ? withUnit(force, "N", 3, true) : s.gap[j] > 0 ? withUnit(s.gap[j], "m", 3, true) : s.gap[j] < 0 ? "no force" : "touching";
+    const text = force > 0 ? withUnit(force, "N", 3, true) : s.gap[j] > 0 ? withUnit(s.gap[j], "m", 3, true) : s.gap[j] < 0 && s.force[j] === 0 ? "no force" : "touching";
     const color = force > 0 ? theme.pairs[j] : theme.muted;
     this.font(0.92, force > 0 ? 700 : 400);
     if (line.horizontal) {
@@ -348,15 +348,19 @@ class Painter {
     if (force > 0 && !ghost) this.label(forceName(j), x, y - 1.05 * size, color, "left");
   }
 
-  private arrow(line: Line, from: number, to: number): void {
+  private arrow(line: Line, from: number, to: number, halo: boolean): void {
     const { g, size } = this;
     const head = Math.sign(to - from) * Math.min(0.55 * size, Math.abs(to - from) * 0.6);
-    g.lineWidth = 5;
+    g.lineJoin = "round";
+    g.lineWidth = halo ? 9 : 5;
     line.segment(from, 0, to - head, 0);
     g.beginPath();
     g.moveTo(...line.at(to, 0));
     g.lineTo(...line.at(to - head, -0.42 * size));
     g.lineTo(...line.at(to - head, 0.42 * size));
+    g.closePath();
+    g.lineWidth = 4;
+    if (halo) g.stroke();
     g.fill();
   }
 

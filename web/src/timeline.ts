@@ -1,8 +1,7 @@
 // When the balls touch, for every ε (Fig. 3): bands are contacts, read horizontally.
 import { Model, type Core, type TimelineRow } from "./core";
 import type { Drop } from "./drop";
-import { niceTicks } from "./format";
-import { drawAxes, fontSize, Scale, setFont, stroke, timeUnit, type Frame } from "./plot";
+import { drawAxes, fontSize, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
 import { ranges, type Scenario } from "./scenario";
 import type { Theme } from "./theme";
 
@@ -80,15 +79,15 @@ export class Timeline {
     g.clearRect(0, 0, w, h);
     const size = fontSize(w);
     const f: Frame = { left: 3.2 * size, top: 1.8 * size, width: w - 3.2 * size - 1.4 * size, height: h - 5 * size };
-    const begin = d.scenario.cradle ? Math.max(0, d.from - 0.02 * (d.to - d.from)) : Math.min(0, d.from);
+    const begin = d.scenario.cradle ? d.from - 0.02 * (d.to - d.from) : Math.min(0, d.from);
     const span = this.span();
-    const x = new Scale(begin, d.scenario.cradle ? begin + Math.max(span - begin, 1.1 * (d.to - begin)) : span, f.left, f.left + f.width);
+    const x = new Scale(begin, d.scenario.cradle ? Math.max(d.from + 1.15 * (span / 1.15 - d.from), begin + 1.1 * (d.to - begin)) : span, f.left, f.left + f.width);
     const y = new Scale(0, 1, f.top + f.height, f.top);
     g.save();
     g.beginPath();
     g.rect(f.left, f.top, f.width, f.height);
     g.clip();
-    this.drawBands(g, x, y, theme);
+    this.drawBands(g, x, y, d.scenario.balls.length > 2, theme);
     this.drawAdiabatic(g, x, y, theme);
     this.drawFloorEnd(g, x, y, theme);
     g.restore();
@@ -96,8 +95,7 @@ export class Timeline {
     drawAxes(
       g, f, x, y,
       {
-        ticks: niceTicks(x.low * factor, x.high * factor, Math.max(3, f.width / (5.5 * size))).map((t) => t / factor),
-        name: (t) => String(Number((t * factor).toPrecision(6))).replace("-", "−"),
+        ...timeTicks(x, d.origin, factor, f.width / (5.5 * size)),
         title: `time (${unit})`,
       },
       { ticks: [0, 0.2, 0.4, 0.6, 0.8, 1], name: (v) => v.toFixed(1), title: "ε" },
@@ -107,7 +105,7 @@ export class Timeline {
     return { x, y, frame: f };
   }
 
-  private drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme): void {
+  private drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, several: boolean, theme: Theme): void {
     const edge = (i: number): number => Math.round(y.at(restitutionAt(i - 0.5))); // whole pixels leave no seams
     for (let i = 0; i < count; i++) {
       const row = this.at(this.rows, i);
@@ -115,9 +113,15 @@ export class Timeline {
       const top = edge(i + 1);
       const thickness = edge(i) - top;
       for (const c of row.contacts) {
-        const end = Number.isFinite(c.end) ? c.end : x.high;
+        const from = x.at(c.begin);
+        const width = x.at(Number.isFinite(c.end) ? c.end : x.high) - from;
         g.fillStyle = c.pair === 0 ? theme.faint : theme.pairs[c.pair];
-        g.fillRect(x.at(c.begin), top, Math.max(x.at(end) - x.at(c.begin), c.pair === 0 ? 0 : 1), thickness);
+        g.globalAlpha = several && c.pair > 0 ? 0.16 : 1;
+        g.fillRect(from, top, Math.max(width, c.pair === 0 ? 0 : 1), thickness);
+        g.globalAlpha = 1;
+        if (!several || c.pair === 0) continue;
+        g.fillRect(from - 1, top, 2.5, thickness); // bands of several pairs overlap: their edges tell them apart
+        g.fillRect(from + width - 1.5, top, 2.5, thickness);
       }
     }
   }
@@ -174,9 +178,11 @@ export class Timeline {
     g.globalAlpha = 1;
     g.fillStyle = theme.ink;
     g.fillText(text, f.left + f.width - 9, middle);
+    if (d.scenario.balls.length !== 2) {
+      this.drawNames(g, f, d.scenario.balls.length, theme, size);
+      return;
+    }
     g.textAlign = "center";
-    g.fillStyle = theme.ink;
-    if (d.scenario.balls.length !== 2) return;
     let right = -Infinity;
     d.newton.run.contacts
       .filter((c) => c.pair === 1 && c.begin <= d.newton.run.last)
@@ -194,6 +200,21 @@ export class Timeline {
         g.fillStyle = theme.ink;
         g.fillText(name, center, middle);
       });
+  }
+
+  private drawNames(g: CanvasRenderingContext2D, f: Frame, balls: number, theme: Theme, size: number): void {
+    setFont(g, theme, size, 700);
+    g.textAlign = "right";
+    g.textBaseline = "bottom";
+    let at = f.left + f.width;
+    for (let j = balls - 1; j >= 1; j--) {
+      const name = `${j}–${j + 1}`;
+      g.fillStyle = theme.pairs[j];
+      g.fillText(name, at, f.top - 4);
+      at -= g.measureText(name).width + 0.9 * size;
+    }
+    g.fillStyle = theme.muted;
+    g.fillText("balls", at, f.top - 4);
   }
 }
 

@@ -1,0 +1,148 @@
+// Golden values of the page's core: columns, what the native build makes of them, and a hash over a large map, as JSON
+// on standard output. tests/data/golden_wasm.json is what this printed; web/tests/golden.test.mjs replays it in
+// WebAssembly. Numbers are the sixteen hexadecimal digits of their bits; every NaN is written as "nan".
+// (web/golden.sh writes it).
+#include "../bindings/wasm.cpp"
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double nan = hardlimit::math::nan;
+
+struct Case {
+    const char* name;
+    std::vector<double> column;
+    double until;  // of the second run of each model
+};
+
+double sphere(double density, double radius) { return density * (4.0 / 3.0) * pi * radius * radius * radius; }
+
+std::vector<double> linear(double stiffness, double restitution) { return {0, 0, stiffness, restitution, 0, 0}; }
+std::vector<double> viscous(double young, double poisson, double restitution, double speed) {
+    return {1, 1, young, poisson, restitution, speed};
+}
+
+// balls: radius, density, gap below, velocity
+std::vector<double> make(std::vector<double> law, bool floor, std::vector<std::array<double, 4>> balls) {
+    law.push_back(static_cast<double>(balls.size()));
+    law.push_back(floor);
+    law.push_back(floor ? 9.81 : 0.0);
+    for (const auto& [radius, density, gap, velocity] : balls)
+        law.insert(law.end(), {sphere(density, radius), radius, gap, velocity});
+    return law;
+}
+
+std::vector<Case> cases() {
+    const auto two = [](double lower, double upper, double gap) {
+        return std::vector<std::array<double, 4>>{{lower, 840.0, 0.6 - lower, 0.0}, {upper, 840.0, gap, 0.0}};
+    };
+    std::vector<std::array<double, 4>> stack = {
+        {0.027, 950.0, 0.473, 0.0}, {0.019, 950.0, 5e-5, 0.0}, {0.0135, 950.0, 5e-5, 0.0}, {0.009, 950.0, 5e-5, 0.0}};
+    std::vector<std::array<double, 4>> cradle(5, {0.01, 7850.0, 0.0, 0.0});
+    cradle[0][3] = 1.0;
+    cradle[1][2] = 0.05;
+    return {
+        {"paper, Fig. 2", make(linear(5e7, 0.7), true, two(0.1, 0.01, 1e-4)), 0.2},
+        {"elastic", make(linear(5e7, 1.0), true, two(0.1, 0.01, 1e-4)), 0.2},
+        {"overdamped", make(linear(5e7, 0.05), true, two(0.1, 0.01, 1e-4)), 0.05},
+        {"touching", make(linear(4e4, 0.8), true, two(0.12, 0.033, 0.0)), 0.1},
+        {"far apart", make(linear(5e7, 0.9), true, two(0.1, 0.01, 0.05)), 0.2},
+        {"viscoelastic, Fig. 7", make(viscous(5e7, 0.45, 0.7, 3.0), true, two(0.1, 0.0025, 1e-4)), 0.05},
+        {"stack of four", make(linear(5e5, 0.85), true, stack), 0.1},
+        {"cradle of five", make(viscous(2.1e11, 0.3, 0.97, 1.0), false, cradle), 0.06},
+    };
+}
+
+std::string bits(double x) {
+    if (x != x) return "\"nan\"";
+    char text[24];
+    std::snprintf(text, sizeof text, "\"%016llx\"", static_cast<unsigned long long>(hardlimit::bits_of(x)));
+    return text;
+}
+void print(const char* name, const double* x, long n, const char* after) {
+    std::printf("\"%s\": [", name);
+    for (long i = 0; i < n; ++i) std::printf("%s%s", i ? ", " : "", bits(x[i]).c_str());
+    std::printf("]%s", after);
+}
+
+void print_run(int model, double until) {
+    if (!solve(model, until)) {
+        std::printf("null");
+        return;
+    }
+    const std::vector<double> head(reply_buffer(), reply_buffer() + 12);
+    const long n = static_cast<long>(head[8]);
+    std::vector<double> contacts(3 * static_cast<std::size_t>(n) + 1);
+    contacts_of(model, contacts.data());
+    std::vector<double> times, states(9 * static_cast<std::size_t>(row_size()));
+    for (int i = 0; i < 9; ++i) times.push_back(head[6] + (head[7] - head[6]) * (i / 8.0));
+    sample(model, 9, times.data(), states.data());
+    std::printf("{");
+    print("reply", head.data(), 12, ",\n     ");
+    print("contacts", contacts.data(), 3 * n, ",\n     ");
+    print("times", times.data(), 9, ",\n     ");
+    print("states", states.data(), static_cast<long>(states.size()), "}");
+}
+
+// Two 32-bit hashes of the bits, NaN counted as one value.
+struct Hash {
+    std::uint32_t a = 2166136261u, b = 0x9e3779b9u;
+    void add(double x) {
+        std::uint64_t v = 0x7ff8000000000000ull;
+        if (x == x) std::memcpy(&v, &x, 8);
+        for (const std::uint32_t word : {static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v >> 32)}) {
+            a = (a ^ word) * 16777619u;
+            b = ((b ^ word) * 0x85ebca6bu) ^ (b >> 13);
+        }
+    }
+};
+
+// side² points: ε = (i + 1/2)/side above 0.02, gap = 1e-8 (j + 1)² m or R1/R2 = 0.5 + 0.05 j.
+void print_map(const char* name, const Case& c, int axis, int side, const char* after) {
+    std::memcpy(column_buffer(), c.column.data(), 8 * c.column.size());
+    std::vector<double> points, out(3 * static_cast<std::size_t>(side) * side);
+    for (int i = 0; i < side; ++i)
+        for (int j = 0; j < side; ++j) {
+            points.push_back(0.02 + 0.98 * ((i + 0.5) / side));
+            points.push_back(axis == 0 ? 1e-8 * ((j + 1.0) * (j + 1.0)) : 0.5 + 0.05 * j);
+        }
+    scan_points(axis, static_cast<long>(side) * side, points.data(), out.data());
+    Hash hash;
+    for (const double x : out) hash.add(x);
+    std::printf("  {\"name\": \"%s\", \"axis\": %d, \"side\": %d, ", name, axis, side);
+    print("column", c.column.data(), static_cast<long>(c.column.size()), ", ");
+    std::printf("\"hash\": \"%08x%08x\"}%s\n", static_cast<unsigned>(hash.a), static_cast<unsigned>(hash.b), after);
+}
+
+}  // namespace
+
+int main() {
+    const std::vector<Case> all = cases();
+    std::printf("{\"cases\": [\n");
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Case& c = all[i];
+        std::memcpy(column_buffer(), c.column.data(), 8 * c.column.size());
+        std::printf("  {\"name\": \"%s\",\n   ", c.name);
+        print("column", c.column.data(), static_cast<long>(c.column.size()), ",\n   \"runs\": [");
+        bool first = true;
+        for (int model = 0; model < 3; ++model)
+            for (const double until : {nan, c.until}) {
+                std::printf("%s\n    {\"model\": %d, \"until\": %s, \"run\": ", first ? "" : ",", model, bits(until).c_str());
+                print_run(model, until);
+                std::printf("}");
+                first = false;
+            }
+        std::printf("]}%s\n", i + 1 < all.size() ? "," : "");
+    }
+    std::printf("],\n\"maps\": [\n");
+    print_map("paper, contacts over gap", all[0], 0, 316, ",");
+    print_map("paper, contacts over radius ratio", all[0], 1, 100, ",");
+    print_map("viscoelastic", all[5], 0, 8, "");
+    std::printf("]}\n");
+}
