@@ -58,7 +58,10 @@ def test_linear_points_are_those_of_one_column(model: str) -> None:
         for gap in GRID["gap"]:
             point = ds.sel(gap=gap, restitution=restitution)
             for name, value in scalar(hl.Column(BALLS, gap, 0.6, law), model).items():
-                np.testing.assert_array_equal(point[name], value, err_msg=name)
+                if model == "independent" or name == "n_contacts":
+                    np.testing.assert_array_equal(point[name], value, err_msg=name)
+                else:  # another kernel, see below
+                    np.testing.assert_allclose(point[name], value, rtol=1e-9, atol=1e-11, err_msg=name)
 
 
 def test_newton_agrees_with_one_column() -> None:

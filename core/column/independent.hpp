@@ -34,7 +34,7 @@ struct Event {
     int pair;
 };
 
-// First closing of any gap; ties go to the lower pair.
+// First closing of any gap. Ties, as in touching stacks, go to the upper pair: the limit of equal vanishing gaps.
 template <class Law>
 Event next_event(const Column<Law>& c, const Flight& f) {
     Event e{math::infinity, -1};
@@ -45,7 +45,7 @@ Event next_event(const Column<Law>& c, const Flight& f) {
     for (int j = 1; j < c.balls; ++j) {
         const double rate = f.velocity[j] - f.velocity[j - 1];
         const double wait = math::max(0.0, f.gaps[j]) / -rate;
-        if (rate < 0.0 && wait < e.in) e = {wait, j};
+        if (rate < 0.0 && wait <= e.in) e = {wait, j};
     }
     return e;
 }
