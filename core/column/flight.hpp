@@ -5,11 +5,11 @@
 namespace hardlimit::column {
 
 // Time of the first floor touch after release, or NaN if the lowest ball never lands. The stable root of
-// gap + v t − g t²/2 = 0.
+// gap + v t − g t²/2 = 0. A ball that leaves the floor (gap 0, v > 0) touches it again at 2v/g, not now.
 HL_FN double fall_time(double gap, double velocity, double gravity) {
-    if (gap <= 0.0) return velocity < 0.0 || gravity > 0.0 ? 0.0 : math::nan;
+    if (gap <= 0.0 && !(velocity > 0.0)) return velocity < 0.0 || gravity > 0.0 ? 0.0 : math::nan;
     if (gravity == 0.0) return velocity < 0.0 ? -gap / velocity : math::nan;
-    const double speed = math::sqrt(velocity * velocity + 2.0 * gravity * gap);
+    const double speed = math::sqrt(velocity * velocity + 2.0 * gravity * math::max(gap, 0.0));
     return velocity > 0.0 ? (velocity + speed) / gravity : 2.0 * gap / (speed - velocity);
 }
 
