@@ -447,6 +447,7 @@ void bind_columns(nb::module_& m) {
 void bind_sweep(nb::module_& m);
 
 NB_MODULE(_core, m) {
+    nb::set_leak_warnings(false);  // objects alive at exit, in a traceback say, are no fault
     m.attr("version") = HARDLIMIT_VERSION;
     nb::list names, messages;
     for (const hl::OutcomeRecord& r : hl::outcome_records) {

@@ -9,7 +9,8 @@ from scipy.integrate import solve_ivp
 
 import hardlimit as hl
 
-ROWS = list(csv.DictReader((Path(__file__).parent / "data" / "oblique_rotation.csv").open()))
+PATH = Path(__file__).parent / "data" / "oblique_rotation.csv"
+ROWS = list(csv.DictReader(PATH.read_text(encoding="utf-8").splitlines()))
 
 
 def contact_of(law: str, duration: float) -> hl.Contact:
