@@ -1,0 +1,267 @@
+// What every kernel over lanes has in common, whatever the contact law: one drop in each lane, the switches of
+// column/sequence.hpp lane by lane, force-free flight, and the way of a drop into a lane and out of it.
+#pragma once
+#include "../column/exact.hpp"
+#include "block.hpp"
+
+namespace hardlimit::sweep {
+
+using hardlimit_abi::Block;
+using hardlimit_abi::Status;
+
+namespace lanes {
+
+using column::GapState;
+using column::Groups;
+using column::exact::never;
+
+template <class R>
+struct State {
+    using M = Mask<R>;
+    Groups<R> s;
+    GapState<R> x;
+    R t, t_first, t_end, t_floor_end, relative, separation, contacts, pieces;
+    // Closed contacts; whether a contact that is not closed is open (gap >= 0); functions exactly on zero.
+    M floor, pair, floor_open, pair_open, on_u, on_w, on_l1, on_l2;
+    M opened, met, counted, active, left;
+    M glided;  // the present pair contact has been glided over
+};
+
+template <class R>
+HL_FN R constant(double x) { return broadcast<R>(x); }
+
+template <class R>
+HL_FN void assign(Mask<R> m, R& to, R value) { to = select<R>(m, value, to); }
+template <class R>
+HL_FN void assign(Mask<R> m, GapState<R>& to, const GapState<R>& value) {
+    assign<R>(m, to.u, value.u);
+    assign<R>(m, to.du, value.du);
+    assign<R>(m, to.w, value.w);
+    assign<R>(m, to.dw, value.dw);
+}
+
+template <class M>
+HL_FN void set(M& flag, Same<M> where, Same<M> value) { flag = (flag & negation(where)) | (value & where); }
+template <class M>
+HL_FN void raise(M& flag, Same<M> where) { flag = flag | where; }
+template <class M>
+HL_FN void clear(M& flag, Same<M> where) { flag = flag & negation(where); }
+
+// ---- switches: the definitions of column/sequence.hpp, lane by lane -------------------------------------------
+
+template <class R>
+HL_FN void finish(State<R>& q, Mask<R> m) { clear(q.active, m); }
+
+template <class R>
+HL_FN void floor_begins(State<R>& q, Mask<R> m) {
+    if (!any(m)) return;
+    const Mask<R> fresh = m & q.floor_open, again = m & negation(q.floor_open);
+    assign<R>(fresh, q.x.u, R{});
+    assign<R>(again, q.x.u, -q.s.c1 * q.x.du);
+    set(q.on_u, m, fresh);
+    set(q.on_l1, m, again | (fresh & ((q.s.c1 == 0.0) | (q.x.du == 0.0))));
+    raise(q.floor, m);
+    clear(q.floor_open, m);
+    const Mask<R> first = m & math::is_nan(q.t_first), second = m & negation(first) & q.opened;
+    assign<R>(first, q.t_first, q.t);
+    raise(q.met, second);
+    finish<R>(q, second & negation(q.counted));
+}
+
+template <class R>
+HL_FN void floor_ends(State<R>& q, Mask<R> m) {
+    if (!any(m)) return;
+    assign<R>(m, q.x.u, -q.s.c1 * q.x.du);
+    raise(q.on_l1, m);
+    clear(q.floor, m);
+    const Mask<R> open = q.s.c1 == 0.0;
+    set(q.floor_open, m, open);
+    set(q.on_u, m, open);
+    assign<R>(m & math::is_nan(q.t_floor_end), q.t_floor_end, q.t);
+    raise(q.opened, m & open);
+}
+
+template <class R>
+HL_FN void floor_opens(State<R>& q, Mask<R> m) {
+    assign<R>(m, q.x.u, R{});
+    raise(q.on_u, m);
+    raise(q.floor_open, m);
+    raise(q.opened, m);
+}
+
+template <class R>
+HL_FN void pair_begins(State<R>& q, Mask<R> m) {
+    if (!any(m)) return;
+    const Mask<R> fresh = m & q.pair_open, again = m & negation(q.pair_open);
+    assign<R>(fresh, q.x.w, R{});
+    assign<R>(again, q.x.w, -q.s.c2 * q.x.dw);
+    set(q.on_w, m, fresh);
+    set(q.on_l2, m, again | (fresh & ((q.s.c2 == 0.0) | (q.x.dw == 0.0))));
+    raise(q.pair, m);
+    clear(q.pair_open, m);
+    clear(q.glided, m);
+    const Mask<R> belongs = m & negation(q.met);
+    set(q.counted, m, belongs);
+    assign<R>(belongs, q.contacts, q.contacts + 1.0);
+    const R unknown = constant<R>(math::nan);
+    assign<R>(belongs, q.relative, unknown);
+    assign<R>(belongs, q.separation, unknown);
+    assign<R>(belongs, q.t_end, unknown);
+}
+
+template <class R>
+HL_FN void pair_ends(State<R>& q, Mask<R> m) {
+    if (!any(m)) return;
+    assign<R>(m, q.x.w, -q.s.c2 * q.x.dw);
+    raise(q.on_l2, m);
+    clear(q.pair, m);
+    const Mask<R> open = q.s.c2 == 0.0;
+    set(q.pair_open, m, open);
+    set(q.on_w, m, open);
+    const Mask<R> belongs = m & q.counted;
+    assign<R>(belongs, q.t_end, q.t);
+    assign<R>(belongs, q.relative, q.x.dw);
+    clear(q.counted, m);
+    finish<R>(q, belongs & q.met);
+}
+
+template <class R>
+HL_FN void pair_opens(State<R>& q, Mask<R> m) {
+    assign<R>(m, q.x.w, R{});
+    raise(q.on_w, m);
+    raise(q.pair_open, m);
+}
+
+template <class R>
+HL_FN void moves_freely(State<R>& q, Mask<R> m) {
+    const Mask<R> apart = m & (q.x.dw >= 0.0);
+    assign<R>(apart & (q.contacts > 0.0) & math::is_nan(q.separation), q.separation, q.x.dw);
+    finish<R>(q, apart & q.opened & q.floor_open);
+}
+
+// Moves the lanes of m on by dt to the state y; what was on an event surface has left it where dt > 0.
+template <class R>
+HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
+    const Mask<R> moved = m & (dt > 0.0);
+    assign<R>(moved, q.x, y);
+    assign<R>(moved, q.t, q.t + dt);
+    clear(q.on_u, moved);
+    clear(q.on_w, moved);
+    clear(q.on_l1, moved);
+    clear(q.on_l2, moved);
+}
+
+// ---- motion A --------------------------------------------------------------------------------------------------
+
+// column::exact::first_fall, lane by lane.
+template <class R>
+HL_FN R first_fall(R v, R s, R g) {
+    const R root = math::sqrt<R>(s * s + 2.0 * g * v);
+    const R rising = select<R>(g > 0.0, (s + root) / g, constant<R>(never));
+    const R falling = select<R>(root - s > 0.0, 2.0 * v / (root - s), constant<R>(never));
+    const R on_zero = select<R>((s < 0.0) | ((s == 0.0) & (g > 0.0)), R{},
+                                select<R>(g > 0.0, 2.0 * s / g, constant<R>(never)));
+    return select<R>(v <= 0.0, on_zero, select<R>(s > 0.0, rising, falling));
+}
+template <class R>
+HL_FN R first_rise(R v, R s, R g) {
+    const R square = s * s + 2.0 * g * v;
+    const R t = -2.0 * v / (s + math::sqrt<R>(math::max<R>(square, R{})));
+    return select<R>((s > 0.0) & (square >= 0.0), t, constant<R>(never));
+}
+
+template <class R>
+HL_FN void fly(State<R>& q, Mask<R> m) {
+    moves_freely<R>(q, m);
+    m = m & q.active;
+    if (!any(m)) return;
+    const R G = q.s.gravity;
+    const R down = first_fall<R>(q.x.u, q.x.du, G), up = first_rise<R>(q.x.u, q.x.du, G);
+    const R press = first_fall<R>(q.x.u + q.s.c1 * q.x.du, q.x.du - q.s.c1 * G, G);
+    const R floor_at = select<R>(q.floor_open, down, press);
+    const R opens_at = select<R>(q.floor_open, constant<R>(never), up);
+    const R pair_at = select<R>(q.pair_open, first_fall<R>(q.x.w, q.x.dw, R{}), constant<R>(never));
+    const R parts_at = select<R>(q.pair_open, constant<R>(never), first_rise<R>(q.x.w, q.x.dw, R{}));
+    const R first = math::min<R>(math::min<R>(floor_at, opens_at), math::min<R>(pair_at, parts_at));
+    raise(q.left, m & (first == never));  // never lands
+    finish<R>(q, m & (first == never));
+    m = m & q.active;
+    const Mask<R> a = m & (opens_at == first), b = m & negation(a) & (floor_at == first);
+    const Mask<R> c = m & negation(a | b) & (pair_at == first), d = m & negation(a | b | c);
+    advance<R>(q, m, first, column::exact::fly<R>(q.s, q.x, select<R>(m, first, R{})));
+    floor_opens<R>(q, a);
+    floor_begins<R>(q, b);
+    pair_begins<R>(q, c);
+    pair_opens<R>(q, d);
+}
+
+// ---- block -------------------------------------------------------------------------------------------------------
+
+template <class R>
+HL_FN void put(R& to, int lane, double value) {
+    if constexpr (Lanes<R>::count == 1) to = value;
+    else to[lane] = value;
+}
+template <class R>
+HL_FN double get(const R& from, int lane) {
+    if constexpr (Lanes<R>::count == 1) return from;
+    else return from[lane];
+}
+template <class M>
+HL_FN void put_flag(M& to, int lane, bool value) {
+    if constexpr (sizeof(M) == sizeof(bool)) to = value;
+    else to[lane] = value ? -1 : 0;
+}
+template <class M>
+HL_FN bool get_flag(const M& from, int lane) {
+    if constexpr (sizeof(M) == sizeof(bool)) return from;
+    else return from[lane] != 0;
+}
+
+template <class M>
+HL_FN int count(const M& m) {
+    int n = 0;
+    for (int lane = 0; lane < static_cast<int>(sizeof(M) == sizeof(bool) ? 1 : sizeof(M) / 8); ++lane)
+        n += get_flag(m, lane);
+    return n;
+}
+
+template <class R>
+HL_FN void load(State<R>& q, int lane, const Block& b, int i) {
+    put(q.s.a1, lane, b.a1[i]);
+    put(q.s.a2, lane, b.a2[i]);
+    put(q.s.c1, lane, b.c1[i]);
+    put(q.s.c2, lane, b.c2[i]);
+    put(q.s.gravity, lane, b.gravity[i]);
+    put(q.x.u, lane, b.u[i]);
+    put(q.x.du, lane, b.du[i]);
+    put(q.x.w, lane, b.w[i]);
+    put(q.x.dw, lane, b.dw[i]);
+    put(q.t, lane, b.t[i]);
+    R* const unknown[] = {&q.t_first, &q.t_end, &q.t_floor_end, &q.relative, &q.separation};
+    for (R* value : unknown) put(*value, lane, math::nan);
+    put(q.contacts, lane, 0.0);
+    put(q.pieces, lane, 0.0);
+    using M = Mask<R>;
+    M* const no[] = {&q.floor, &q.pair, &q.on_l1, &q.on_l2, &q.opened, &q.met, &q.counted, &q.left, &q.glided};
+    for (M* flag : no) put_flag(*flag, lane, false);
+    M* const yes[] = {&q.floor_open, &q.pair_open, &q.active};
+    for (M* flag : yes) put_flag(*flag, lane, true);
+    put_flag(q.on_u, lane, b.u[i] == 0.0);
+    put_flag(q.on_w, lane, b.w[i] == 0.0);
+}
+
+template <class R>
+HL_FN void store(const State<R>& q, int lane, const Block& b, int i) {
+    b.contacts[i] = get(q.contacts, lane);
+    b.t_first[i] = get(q.t_first, lane);
+    b.t_end[i] = get(q.t_end, lane);
+    b.t_floor_end[i] = get(q.t_floor_end, lane);
+    b.relative[i] = get(q.relative, lane);
+    b.separation[i] = get(q.separation, lane);
+    b.status[i] = static_cast<int>(get_flag(q.left, lane) ? Status::left : Status::done);
+}
+
+}  // namespace lanes
+
+}  // namespace hardlimit::sweep
