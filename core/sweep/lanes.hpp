@@ -122,15 +122,16 @@ struct Swing {
     HL_FN R pull(const GapState<R>& x) const { return x.u + c1 * x.du; }  // L1
 };
 
-// A slack pair opens without its force switching on again. It opens before 2|w|/ẇ if the floor's pull (at most M)
-// is weak, w + ẇt − Mt²/2 > 0 there, and L2 rises all the while if ẇ > M (t + c2).
+// A slack pair opens without its force switching on again. The floor's pull on the gap is at most M, so it opens at
+// the latest at the first zero t of w + ẇ t − M t²/2, and until then L2 >= ẇ t − M (t²/2 + c2 t).
 template <class R>
 HL_FN Mask<R> opens_quietly(const State<R>& q, const Swing<R>& swing) {
     const R amplitude = math::sqrt<R>(swing.A * swing.A + swing.B * swing.B) +
                         swing.c1 * math::sqrt<R>(swing.P * swing.P + swing.Q * swing.Q);
     const R pull = q.s.a1 * amplitude + q.s.gravity;
-    const R within = -2.0 * q.x.w / q.x.dw;
-    return (q.x.dw > 0.0) & (q.x.dw * q.x.dw > -2.0 * pull * q.x.w) & (q.x.dw > pull * (within + q.s.c2));
+    const R square = q.x.dw * q.x.dw + 2.0 * pull * q.x.w;
+    const R opens = -2.0 * q.x.w / (q.x.dw + math::sqrt<R>(math::max<R>(square, R{})));
+    return (q.x.dw > 0.0) & (square > 0.0) & (q.x.dw > 1.01 * pull * (0.5 * opens + q.s.c2));
 }
 
 // Lanes of m whose next switch was found: the pair closes, or the floor lets go.
@@ -419,7 +420,7 @@ struct Waiting {
 template <class R>
 HL_FN Mask<R> may_glide(const State<R>& q) {
     const R slow = q.s.a1 * (q.x.u + q.s.c1 * q.x.du), off = (q.x.w + q.s.c2 * q.x.dw) - slow;
-    const R bound = (1.2 + 2.0 * q.s.c2) * slow;
+    const R bound = (1.0 + q.s.c2) * slow;
     return q.floor & q.pair & negation(q.glided) & (slow < 0.0) & (off * off + q.x.dw * q.x.dw < bound * bound);
 }
 
