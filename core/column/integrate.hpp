@@ -469,6 +469,7 @@ private:
         }
         motion(y.data(), k.data());
         motion.advance(y.data(), k.data(), next.dt, end.data());
+        if (next.what == Switch::none) end[motion.clock()] = options.until;  // not one rounding before it
         if (next.dt > 0.0) std::fill(fresh.begin(), fresh.end(), 0);
         close_interval(next.dt, next.what, next.pair);
     }
