@@ -14,6 +14,9 @@ from .tiles import Tiles
 if TYPE_CHECKING:
     from distributed import Client
 
+#: How long a scheduler may take to answer.
+PATIENCE = "10s"
+
 
 def compute(
     plan: Plan, tiles: Tiles, wanted: Iterable[int], threads: int, scheduler: Any
@@ -23,8 +26,17 @@ def compute(
     A task carries all it needs, so the death of a worker costs the tiles it was at, and the scheduler gives
     them to another. Only a few tiles for each worker are under way: results pile up neither there nor here.
     """
-    with _client(scheduler) as client:
-        yield from _stream(client, plan, tiles, iter(wanted), threads)
+    try:
+        from distributed import CancelledError
+        from distributed.comm import CommClosedError
+    except ImportError:
+        need = "engine: got 'dask', must have the package distributed: pip install 'hardlimit[cluster]'"
+        raise ImportError(need) from None
+    try:
+        with _client(scheduler) as client:
+            yield from _stream(client, plan, tiles, iter(wanted), threads)
+    except (CancelledError, CommClosedError):
+        raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
 
 
 def _stream(
@@ -46,6 +58,7 @@ def _stream(
         submit()
         for future in finished:
             chunk = _result(future)
+            future.release()
             yield under_way.pop(future.key)[1], chunk
             submit()
     finally:
@@ -71,40 +84,36 @@ def _run(plan: Plan, threads: int, version: str) -> Chunk:
 
 def _result(future: Any) -> Chunk:
     """What a task returned, or one line on what became of it."""
-    from distributed import CancelledError, KilledWorker
+    from distributed import KilledWorker
 
     try:
         chunk: Chunk = future.result()
     except KilledWorker:
         raise RuntimeError("scheduler: four workers died, one after another, at the same tile") from None
-    except CancelledError:
-        raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
     return chunk
 
 
 @contextmanager
 def _client(scheduler: Any) -> Iterator[Client]:
     """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine."""
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        need = "engine: got 'dask', must have the package distributed: pip install 'hardlimit[cluster]'"
-        raise ImportError(need) from None
+    from distributed import Client, LocalCluster
+
     if isinstance(scheduler, Client):
         yield scheduler
     elif scheduler is None:
         # Threads rather than processes: the kernel does not hold the interpreter lock, and a script needs no
         # `if __name__ == "__main__"`.
+        here = {"dashboard_address": "127.0.0.1:0", "worker_dashboard_address": "127.0.0.1:0"}
         with (
-            LocalCluster(processes=False, dashboard_address=None, silence_logs=logging.ERROR) as cluster,
+            LocalCluster(processes=False, silence_logs=logging.ERROR, **here) as cluster,
             Client(cluster, set_as_default=False) as client,
         ):
             yield client
     else:
         try:
-            client = Client(scheduler, timeout="10s", set_as_default=False)
+            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
-            need = f"scheduler: got {scheduler!r}, must be the address of one that answers"
+            need = f"scheduler: got {scheduler!r}, must be the address of a scheduler that answers"
             raise ValueError(f"{need} ({error})") from None
         with client:
             yield client

@@ -1,0 +1,274 @@
+"""hl.sweep(engine="dask"): a real scheduler and workers, each a process, some of them killed."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("distributed")
+
+from distributed import Client, LocalCluster
+
+import hardlimit as hl
+from hardlimit.maps import cluster
+from hardlimit.maps import tiles as tiling
+from hardlimit.maps.plan import make_plan
+from test_store import files
+from test_sweep import same_bits
+
+PAPER = hl.Column.paper()
+SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
+GRID = {"restitution": np.linspace(0.3, 1.0, 40), "gap": np.geomspace(1e-6, 1e-2, 50)}
+SLOW = {"gap": np.geomspace(1e-6, 1e-2, 8_000)}  # seconds
+
+
+def one_worker() -> LocalCluster:
+    return LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0")
+
+
+@pytest.fixture(autouse=True)
+def small_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tiling, "POINTS", 120)
+    monkeypatch.setattr(tiling, "POINTS_INTEGRATED", 200)
+
+
+class Processes:
+    """A scheduler and workers as a user starts them, ``dask scheduler`` and ``dask worker``."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.running: list[subprocess.Popen] = []
+        self.address = ""
+
+    def start(self, what: str, *options: str) -> subprocess.Popen:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *options, "--no-dashboard"]
+        with open(self.folder / f"{what}-{len(self.running)}.log", "w") as log:
+            process = subprocess.Popen(command, stdout=log, stderr=log, cwd=self.folder)
+        self.running.append(process)
+        return process
+
+    def start_scheduler(self) -> subprocess.Popen:
+        about = self.folder / "scheduler.json"
+        process = self.start(
+            "scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(about)
+        )
+        with_deadline(lambda: about.exists() and '"address"' in about.read_text())
+        self.address = about.read_text().split('"address": "')[1].split('"')[0]
+        return process
+
+    def start_worker(self) -> subprocess.Popen:
+        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
+
+    def stop(self) -> None:
+        for process in self.running:
+            process.kill()
+            process.wait()
+
+
+def with_deadline(condition: object) -> None:
+    deadline = time.monotonic() + 30
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
+    running = Processes(tmp_path_factory.mktemp("cluster"))
+    try:
+        running.start_scheduler()
+        yield running
+    finally:
+        running.stop()
+
+
+def two_workers(processes: Processes) -> list[subprocess.Popen]:
+    workers = [processes.start_worker() for _ in range(2)]
+    with Client(processes.address, set_as_default=False) as client:
+        client.wait_for_workers(2, timeout=30)
+    return workers
+
+
+# --- without processes --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", ["newton", "adiabatic", "independent"])
+def test_the_same_bits_as_without_a_cluster(model: str) -> None:
+    told: list[int] = []
+    here = hl.sweep(PAPER, model=model, **GRID)
+    there = hl.sweep(PAPER, model=model, engine="dask", progress=lambda done, _: told.append(done), **GRID)
+    assert same_bits(here, there)
+    assert there.attrs["engine"] == "dask"
+    assert told[0] == 0 and told[-1] == 2000 and told == sorted(set(told))
+
+
+def test_the_same_store_as_without_a_cluster(tmp_path: Path) -> None:
+    hl.sweep(PAPER, store=tmp_path / "here", **GRID)
+    hl.sweep(PAPER, store=tmp_path / "there", engine="dask", **GRID)
+    assert files(tmp_path / "here") == files(tmp_path / "there")
+
+
+def test_counts_above_a_byte_in_some_tiles() -> None:
+    column = hl.Column.paper(restitution=1.0, radius_2=1e-4, radius_1=0.1, height=4.0)
+    swept = {"gap": np.geomspace(1e-3, 1e-11, 241)}
+    here, there = hl.sweep(column, **swept), hl.sweep(column, engine="dask", **swept)
+    assert here.n_contacts.dtype == there.n_contacts.dtype == np.uint32
+    assert same_bits(here, there)
+
+
+def test_an_open_client_stays_open() -> None:
+    with one_worker() as local, Client(local, set_as_default=False) as client:
+        for scheduler in (client, local, local.scheduler_address):
+            assert same_bits(
+                hl.sweep(PAPER, engine="dask", scheduler=scheduler, **GRID), hl.sweep(PAPER, **GRID)
+            )
+        assert client.submit(sum, [1, 2]).result() == 3
+
+
+def test_an_error_here_ends_the_work_there() -> None:
+    def fail(done: int, total: int) -> None:
+        if done:
+            raise KeyError("mine")
+
+    with one_worker() as local, Client(local, set_as_default=False) as client:
+        with pytest.raises(KeyError, match="mine"):
+            hl.sweep(SOFT, engine="dask", scheduler=client, progress=fail, **SLOW)
+        assert client.futures == {}
+        with_deadline(lambda: not any(client.processing().values()))
+
+
+def test_every_tile_comes_once() -> None:
+    plan = make_plan(PAPER, "newton", None, GRID)
+    tiles = tiling.Tiles.of(plan)
+    came = [tile for tile, _ in cluster.compute(plan, tiles, range(len(tiles)), 1, None)]
+    assert sorted(came) == list(range(20))
+
+
+# --- refusals -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1:1", "nowhere", 3])
+def test_a_scheduler_that_is_none(scheduler: object, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE", "0.5s")
+    with pytest.raises(ValueError, match="must be the address of a scheduler that answers") as refused:
+        hl.sweep(PAPER, engine="dask", scheduler=scheduler, **GRID)
+    assert str(refused.value).startswith(f"scheduler: got {scheduler!r}")
+    assert "\n" not in str(refused.value)
+
+
+def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ImportError, match=r"pip install 'hardlimit\[cluster\]'"):
+        hl.sweep(PAPER, engine="dask", **GRID)
+
+
+def test_a_worker_of_another_version_is_refused() -> None:
+    with pytest.raises(RuntimeError, match=r"a worker has hardlimit .*, must be 0\.0\.9"):
+        cluster._run(make_plan(PAPER, "newton", None, GRID), 1, "0.0.9")
+
+
+# --- processes ----------------------------------------------------------------------------------------------
+
+
+def test_a_worker_is_killed(processes: Processes, tmp_path: Path) -> None:
+    """In mid-sweep, with tiles done, under way and waiting: nothing is lost, nothing comes twice."""
+    workers = two_workers(processes)
+    told: list[int] = []
+
+    def kill_one(done: int, total: int) -> None:
+        told.append(done)
+        if done > total / 4 and workers[0].poll() is None:
+            workers[0].send_signal(signal.SIGKILL)
+            workers[0].wait()
+
+    hl.sweep(
+        SOFT, store=tmp_path / "there", engine="dask", scheduler=processes.address, progress=kill_one, **SLOW
+    )
+    assert workers[0].returncode == -signal.SIGKILL and workers[1].poll() is None
+    assert told == list(range(0, 8_001, 200))
+    hl.sweep(SOFT, store=tmp_path / "here", **SLOW)
+    assert files(tmp_path / "there") == files(tmp_path / "here")
+
+
+@pytest.mark.slow
+def test_workers_come_and_go(processes: Processes) -> None:
+    """Each is killed in turn, the last one before the next has come."""
+    workers = two_workers(processes)
+    killed = 0
+
+    def replace_one(done: int, total: int) -> None:
+        nonlocal killed
+        if done > (killed + 1) * total / 6:
+            workers[killed].kill()
+            workers[killed].wait()
+            workers.append(processes.start_worker())
+            killed += 1
+
+    there = hl.sweep(
+        SOFT,
+        engine="dask",
+        scheduler=processes.address,
+        progress=replace_one,
+        gap=np.geomspace(1e-6, 1e-2, 40_000),
+    )
+    assert killed == 5
+    assert same_bits(there, hl.sweep(SOFT, gap=np.geomspace(1e-6, 1e-2, 40_000)))
+
+
+@pytest.mark.slow
+def test_the_scheduler_is_killed(processes: Processes, tmp_path: Path) -> None:
+    """One clear error; what came before is in the store, and another cluster goes on from there."""
+    two_workers(processes)
+    told: list[int] = []
+
+    def kill_it(done: int, total: int) -> None:
+        told.append(done)
+        if done > total / 4:
+            processes.running[0].kill()
+
+    with pytest.raises(RuntimeError, match="scheduler: went away"):
+        hl.sweep(
+            SOFT, store=tmp_path / "a", engine="dask", scheduler=processes.address, progress=kill_it, **SLOW
+        )
+    kept, told = told[-1], []
+    hl.sweep(SOFT, store=tmp_path / "a", engine="dask", progress=lambda done, _: told.append(done), **SLOW)
+    assert told[0] == kept > 2000 and told[-1] == 8000
+    hl.sweep(SOFT, store=tmp_path / "b", **SLOW)
+    assert files(tmp_path / "a") == files(tmp_path / "b")
+
+
+INTERRUPTED = """
+    import sys
+    import numpy as np
+    import hardlimit as hl
+    from hardlimit.maps import tiles
+
+    tiles.POINTS_INTEGRATED = {tile}
+    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
+    hl.sweep(soft, store=sys.argv[1], engine="dask", gap=np.geomspace(1e-6, 1e-2, {points}),
+             progress=lambda done, _: print(done, flush=True))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tile", [200, 100_000])
+def test_interrupted_it_stops_soon(tmp_path: Path, tile: int) -> None:
+    script = textwrap.dedent(INTERRUPTED.format(tile=tile, points=400_000))
+    command = [sys.executable, "-c", script, str(tmp_path / "map.zarr")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        for _ in range(1 if tile > 1000 else 5):
+            run.stdout.readline()
+        time.sleep(1.0)
+        began = time.perf_counter()
+        os.kill(run.pid, signal.SIGINT)
+        errors = run.communicate()[1]
+    assert time.perf_counter() - began < 3.0
+    assert errors.rstrip().endswith("KeyboardInterrupt")
+    assert errors.startswith("Traceback")
