@@ -118,7 +118,7 @@ def free_columns(draw, law=None, least=2, most=5) -> hl.Column:
     n = draw(st.integers(least, most))
     balls = [hl.Ball(draw(log_floats(3e-3, 3e-2)), density=2500.0) for _ in range(n)]
     gaps = [draw(st.one_of(st.just(0.0), log_floats(1e-7, 1e-3))) for _ in range(n - 1)]
-    velocities = sorted((draw(st.floats(-2.0, 2.0)) for _ in range(n)), reverse=True)
-    if velocities[0] - velocities[-1] < 0.1:
+    velocities = sorted((0.01 * draw(st.integers(-200, 200)) for _ in range(n)), reverse=True)
+    if velocities[0] == velocities[-1]:
         velocities[0] += 1.0
     return hl.Column.cradle(balls, velocities, draw(laws()) if law is None else draw(law), gaps)
