@@ -31,9 +31,8 @@ def main() -> None:
     }
     for name, (call, goal) in cases.items():
         seconds = best(call)
-        print(
-            f"{name:30s} {1e6 * seconds:9.1f} µs   goal {1e6 * goal:6.0f} µs   {'ok' if seconds < goal else 'MISSED'}"
-        )
+        verdict = "ok" if seconds < goal else "MISSED"
+        print(f"{name:30s} {1e6 * seconds:9.1f} µs   goal {1e6 * goal:6.0f} µs   {verdict}")
 
 
 if __name__ == "__main__":

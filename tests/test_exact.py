@@ -240,7 +240,7 @@ def test_any_gap_ratio_and_stiffness_has_an_answer_or_says_why_not(restitution):
     gaps, ratios, stiffnesses = [0.0, 1e-15, 1e-6, 1.0], [0.3, 1.0, 7.0, 30.0, 300.0], [1e3, 1e7, 1e11, 1e15]
     for gap, ratio, stiffness in itertools.product(gaps, ratios, stiffnesses):
         if restitution == 1e-3 and ratio > 10.0:
-            continue  # above 100 a crawl of 1e5 relaxation times: given up, after a second each, as not resolved
+            continue  # above 100 a crawl of 1e5 relaxation times, given up after a second each
         column = hl.Column.paper(restitution, gap, ratio, stiffness=stiffness, height=4.0)
         result = hl.newton(column)
         check_outcome(result)
