@@ -11,6 +11,11 @@
 #define HL_FN inline
 #endif
 
+#if defined(__clang__) && !defined(__CUDACC__)
+// Masks are combined with & and |, which for a single double are bools.
+#pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
+#endif
+
 // Before a loop with a constant number of turns: unroll it.
 #if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
 #define HL_UNROLL _Pragma("GCC unroll 64")
