@@ -1,6 +1,6 @@
-"""Type stubs: _core.pyi, written by nanobind from the compiled module, and laws.pyi, from the laws' records.
+"""Type stubs: _core.pyi, written by nanobind from the compiled module; laws.pyi, from the laws' records.
 
-Both are committed so that type checkers work from the source tree. After a change of the bindings or the laws:
+Both are committed so that type checkers work from the source tree. After a change of bindings or laws:
 
     pip install . && python tools/stubs.py
 

@@ -1,4 +1,4 @@
-"""How far can you trust an event-driven simulation? Hard-sphere collisions and Newton's equations, side by side."""
+"""How far can you trust an event-driven simulation? Collisions and Newton's equations, side by side."""
 
 from typing import Final
 

@@ -63,7 +63,7 @@ class Column:
         v = self.velocities[0]
         if not self.impact_speed > 0.0:
             raise ValueError(
-                f"height: got {self.height:.16g} with nothing moving, must be > {lowest:.16g} or velocities not 0"
+                f"height: got {self.height:.16g}, nothing moves: must be > {lowest:.16g} or velocities not 0"
             )
         if math.isnan(_core.fall_time(self.drop_height, v, self.gravity)):
             raise ValueError(
@@ -113,8 +113,9 @@ class Column:
     ) -> Column:
         """The drop of Fig. 2: R1 = 10 cm, R2 = 1 cm, Δh = 0.1 mm, z1(0) = 0.6 m, k = 5e7 N/m, ε = 0.7.
 
-        ``density`` is 840 kg/m³: inferred from the paper's stated facts, which prints none. ``radius_ratio`` R1/R2
-        changes the lower radius. ``law`` replaces the linear dashpot with ``stiffness`` and ``restitution``.
+        ``density`` is 840 kg/m³: inferred from the paper's stated facts, since it prints none. ``radius_ratio``
+        R1/R2 changes the lower radius. ``law`` replaces the linear dashpot with ``stiffness`` and
+        ``restitution``.
         """
         if radius_1 is not None and radius_ratio is not None:
             raise ValueError("radius_ratio | radius_1: got both, must be at most one of them")
@@ -184,7 +185,7 @@ class Column:
 
     @property
     def impact_speed(self) -> float:
-        """V [m/s]: speed of the lowest ball at the floor, √(v1² + 2 g H) (cradle: largest speed at release)."""
+        """V [m/s]: speed of the lowest ball at the floor, √(v1² + 2 g H); of a cradle, the largest speed."""
         if not self.floor:
             return max(abs(v) for v in self.velocities)
         return _core.impact_speed(self.drop_height, self.velocities[0], self.gravity)

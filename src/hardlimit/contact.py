@@ -1,7 +1,7 @@
 """Bodies, contact laws and one contact between two bodies.
 
-The laws themselves are C++ headers (``core/contact``); this module turns their records into Python classes and
-hands the physics back to the core.
+The laws themselves are C++ headers (``core/contact``); this module turns their records into Python classes
+and hands the physics back to the core.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ class Contact:
         return self.core.effective_radius
 
     def restitution(self, speed: ArrayLike = 1.0) -> Any:
-        """Coefficient of restitution of one isolated collision at ``speed`` [m/s] (Eqs. 13, B3), same shape."""
+        """Coefficient of restitution of an isolated collision at ``speed`` [m/s], same shape (Eqs. 13, B3)."""
         return _over_speeds(self.core.restitution, speed)
 
     def duration(self, speed: ArrayLike = 1.0) -> Any:
@@ -128,7 +128,7 @@ class Contact:
         return _over_speeds(self.core.duration, speed)
 
     def force(self, compression: ArrayLike, rate: ArrayLike = 0.0) -> Any:
-        """Repulsive force [N], never below zero, at ``compression`` ξ [m] and its ``rate`` dξ/dt [m/s] (Eqs. 7, B1)."""
+        """Repulsive force [N], never below zero, at ``compression`` ξ [m] and ``rate`` dξ/dt [m/s] (Eqs. 7, B1)."""
         xi, speed = np.broadcast_arrays(_finite("compression", compression), _finite("rate", rate))
         flat = self.core.force(np.ascontiguousarray(xi.ravel()), np.ascontiguousarray(speed.ravel()))
         return _as_given(flat, xi.shape)
@@ -158,7 +158,7 @@ def _over_speeds(function: Any, speed: ArrayLike) -> Any:
 
 
 class Law:
-    """A contact law with the user's parameters. Subclasses are made from the core's records (see ``laws``)."""
+    """A contact law with the user's parameters. ``laws`` makes one subclass for each record of the core."""
 
     record: ClassVar[dict[str, Any]]
     parameters: dict[str, float]  #: as given, in the record's order

@@ -1,4 +1,4 @@
-"""The contact laws, one class for each line of ``core/contact/registry.hpp``; typed by the generated ``laws.pyi``."""
+"""The contact laws, one class for each line of ``core/contact/registry.hpp``; types are in ``laws.pyi``."""
 
 from . import _core
 from .contact import Law, make_law

@@ -1,4 +1,4 @@
-"""What a solver found about one column: contacts, velocities, trajectories. Definitions: docs/definitions.md."""
+"""What a solver found about one column: contacts, velocities, trajectories (see docs/definitions.md)."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ class Result:
 
     def __repr__(self) -> str:
         v = f"{self.relative_velocity:.6g} m/s" if not math.isnan(self.relative_velocity) else "undefined"
-        return f"<Result of {self.model} ({self.method}): {self.n_contacts} ball–ball contacts, v'_r {v}, {self.outcome}>"
+        found = f"{self.n_contacts} ball–ball contacts, v'_r {v}, {self.outcome}"
+        return f"<Result of {self.model} ({self.method}): {found}>"
 
     @property
     def n_contacts(self) -> int:
@@ -62,7 +63,7 @@ class Result:
 
     @property
     def relative_velocity(self) -> float:
-        """The paper's v'_r = v2 − v1 at ``t_end`` [m/s]; the floor may still push then. Two balls only, else NaN."""
+        """The paper's v'_r = v2 − v1 at ``t_end`` [m/s], when the floor may still push. Two balls, else NaN."""
         return self._core.relative_velocity
 
     @property
@@ -107,12 +108,12 @@ class Result:
 
     @property
     def energy_error(self) -> float:
-        """Largest error of the energy balance, relative to the initial energy. Of the integrating solver; else NaN."""
+        """Largest error of the energy balance relative to the initial energy; NaN unless integrated."""
         return self._core.energy_error
 
     @cached_property
     def contacts(self) -> xr.Dataset:
-        """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin`` and ``end`` [s].
+        """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin``, ``end`` [s].
 
         ``end`` is NaN for a contact that never ends. With ``until``, the contacts that began up to it.
         """

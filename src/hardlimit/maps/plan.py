@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 MODELS: Final = ("newton", "adiabatic", "independent")
 
-#: Parameters of the column in the order of the core's ``Parameters``; those of the law follow, floor and pair.
+#: Parameters of the column in the order of the core's ``Parameters``; the law's follow, floor and pair.
 GEOMETRY: Final = (
     "radius_1",
     "radius_2",
