@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import validation
 from ..column import Column
-from . import cluster
+from . import cluster, cuda
 from .plan import VARIABLES, Chunk, Plan, make_plan
 from .store import Store
 from .tiles import Tiles
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ENGINES", "VARIABLES", "sweep"]
 
-ENGINES = ("cpu", "dask")
+ENGINES = ("cpu", "cuda", "dask")
 
 Report = Callable[[int], object]
 
@@ -46,8 +46,9 @@ def sweep(
     column : Column
         Two balls on a floor; gives every parameter that is not swept.
     model : {"newton", "adiabatic", "independent"}
-    engine : {"cpu", "dask"}
-        ``"dask"`` computes on a cluster (extra ``hardlimit[cluster]``). The bits are the same.
+    engine : {"cpu", "cuda", "dask"}
+        ``"cuda"`` computes on a GPU (extra ``hardlimit[cuda]``; linear law, models newton and adiabatic),
+        ``"dask"`` on a cluster (extra ``hardlimit[cluster]``). The bits are the same.
     threads : int, optional
         Defaults to the number of processors, with ``"dask"`` to one for each task. The result does not depend
         on it.
@@ -74,7 +75,10 @@ def sweep(
     Raises
     ------
     ValueError
-        For unknown names, values outside their range, and a store that holds something else.
+        For unknown names, values outside their range, a store that holds something else, and with ``"cuda"``
+        if there is no driver or device.
+    ImportError
+        If the engine needs a package that is not installed.
     OSError
         If the store cannot be written. It stays valid and keeps what is finished.
     """
@@ -87,7 +91,7 @@ def sweep(
         raise ValueError(f"progress: got {progress!r}, must be callable with (done, total)")
     workers = _threads(1 if threads is None and engine == "dask" else threads)
     started = time.perf_counter()
-    tiles = Tiles.whole(plan) if store is None and engine == "cpu" else Tiles.of(plan)
+    tiles = Tiles.whole(plan) if store is None and engine != "dask" else Tiles.of(plan)
     with nullcontext(Memory(plan, tiles)) if store is None else Store(store, plan, tiles) as results:
         missing = results.missing()
         done = plan.size - sum(tiles.span(tile)[1] for tile in missing)
@@ -99,6 +103,8 @@ def sweep(
         report(0)
         if engine == "dask" and missing:
             computed = cluster.compute(plan, tiles, missing, workers, scheduler)
+        elif engine == "cuda" and missing:
+            computed = cuda.compute(plan, tiles, missing, workers, report)
         else:
             computed = _on_cpu(plan, tiles, missing, workers, report)
         with closing(computed):

@@ -35,7 +35,12 @@ class Tiles:
     def of(cls, plan: Plan) -> Tiles:
         """The tiles of a sweep. They depend on what is computed only, never on where."""
         integrated = plan.model != MODELS[2] and plan.law != "linear"
-        return cls(plan.shape, _block(plan.shape, POINTS_INTEGRATED if integrated else POINTS))
+        return cls.within(plan.shape, POINTS_INTEGRATED if integrated else POINTS)
+
+    @classmethod
+    def within(cls, shape: tuple[int, ...], most: int) -> Tiles:
+        """Tiles of at most ``most`` points."""
+        return cls(shape, _block(shape, most))
 
     @classmethod
     def whole(cls, plan: Plan) -> Tiles:
