@@ -27,10 +27,11 @@ def measured_order(column: hl.Column, until: float) -> float:
 @every_law
 @pytest.mark.parametrize("restitution", [0.98, 0.9])
 def test_order_is_eight(name, restitution):
-    """Three balls that swing on the floor for long: many steps and switches, and the start of every contact.
+    """Three balls that swing on the floor for long: many steps and switches.
 
-    A start of a Hertz contact that is not resolved would show as an order near 2.5, a switch that is not
-    located as an order of 1. Orders above 8 come from the steps that switches cost whatever the tolerance.
+    A switch that is not located would show as an order of 1. What the start of a Hertz contact costs is seen in
+    the next test, for steps that grow from zero hide it here. Orders above 8 come from the steps that switches
+    cost whatever the tolerance.
     """
     law = law_of(name, restitution, speed=0.01)
     balls = [hl.Ball(r, density=2000.0) for r in (0.03, 0.02, 0.012)]
@@ -42,19 +43,25 @@ def test_order_is_eight(name, restitution):
 @every_law
 @pytest.mark.parametrize("restitution", [1.0, 0.7, 0.3, 0.05])
 def test_one_collision_is_that_of_the_law(name, restitution):
-    """Two balls meet once: restitution and duration of the contact itself, in few steps."""
+    """Two balls meet once: restitution and duration of the contact itself.
+
+    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many, and the
+    sharpest tolerance does not reach rounding.
+    """
     law = law_of(name, restitution, speed=1.5)
     balls = [hl.Ball(0.02, mass=0.1), hl.Ball(0.01, mass=0.03)]
     column = hl.Column.cradle(balls, [1.0, -0.5], law, gaps=[1e-3])
     result = hl.newton(column)
     assert result.n_contacts == 1
-    assert result.velocities[1] - result.velocities[0] == pytest.approx(1.5 * restitution, rel=1e-11)
+    assert result.velocities[1] - result.velocities[0] == pytest.approx(1.5 * restitution, rel=2e-12)
     contact = result.contacts.isel(contact=0)
     assert float(contact.begin) == pytest.approx(1e-3 / 1.5, rel=1e-14)
     assert float(contact.end - contact.begin) == pytest.approx(column.contacts[0].duration(1.5), rel=1e-9)
     momentum = 0.1 * result.velocities[0] + 0.03 * result.velocities[1]
     assert momentum == pytest.approx(0.1 - 0.015, rel=1e-12)
-    assert result._core.steps < 150
+    assert result._core.steps < 70
+    sharp = hl.newton(column, tolerance=1e-15)
+    assert sharp.velocities[1] - sharp.velocities[0] == pytest.approx(1.5 * restitution, rel=1e-14)
 
 
 @every_law
