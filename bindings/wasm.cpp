@@ -51,7 +51,8 @@ col::Column<Law> make_column() {
     for (int j = 0; j < n; ++j) {
         const double below_mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
         const double below_radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
-        const hl::PairGeometry pair{hl::effective(below_mass, c.mass[j]), hl::effective(below_radius, c.radius[j])};
+        const hl::PairGeometry pair{hl::effective(below_mass, c.mass[j]),
+                                    hl::effective(below_radius, c.radius[j])};
         c.contacts.push_back(Law::from_parameters(static_cast<int>(request[1]), request + 2, pair));
     }
     return c;
@@ -244,12 +245,13 @@ struct ContactsOnly {
 
 // Sequence of one point of a scan, and with a `contacts` what closed and when.
 template <class Law>
-col::Sequence run_point(const col::Column<Law>& c, col::Coupling coupling, std::vector<col::Contact>* contacts) {
+col::Sequence run_point(const col::Column<Law>& c, col::Coupling coupling,
+                        std::vector<col::Contact>* contacts) {
     if constexpr (std::is_same_v<Law, LinearDashpot>) {
         if (c.balls == 2 && c.floor) {
-            const col::Start s = col::start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                                                     {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
-                                                     coupling);
+            const col::Start s = col::start_two_ball(
+                c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
             col::Sequence q;
             q.outcome = s.outcome;
             if (s.outcome != hl::Outcome::ok) return q;
@@ -296,8 +298,9 @@ void set_contacts(col::Column<Law>& c, double restitution) {
     for (int j = 0; j < c.balls; ++j) {
         const double mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
         const double radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
-        c.contacts[j] = Law::from_parameters(static_cast<int>(request[1]), parameters,
-                                             {hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])});
+        c.contacts[j] =
+            Law::from_parameters(static_cast<int>(request[1]), parameters,
+                                 {hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])});
     }
 }
 
@@ -330,7 +333,8 @@ struct Points {
         return c.gaps[0] > 0.0 || !c.floor;
     }
     void write(long i, const col::Sequence& q, double* out) const {
-        const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity), restitution = points[2 * i];
+        const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity),
+                     restitution = points[2 * i];
         out[3 * i] = q.outcome == hl::Outcome::invalid ? hl::math::nan : q.n_contacts;
         out[3 * i + 1] = col::effective_restitution(q.relative_velocity, speed) / restitution;
         out[3 * i + 2] = col::effective_restitution(q.separation_velocity, speed) / restitution;
@@ -364,17 +368,17 @@ void scan_block(int axis, long n, const double* points, double* out) {
         for (int i = 0; i < count; ++i) {
             const bool lands = p.move_to(first + i);
             const col::Column<LinearDashpot>& c = p.c;
-            const col::Start s =
-                col::start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                                    {lands ? c.gaps[0] : 1.0, c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
-                                    col::Coupling::full);
+            const col::Start s = col::start_two_ball(
+                c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                {lands ? c.gaps[0] : 1.0, c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
+                col::Coupling::full);
             const double values[] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
                                      s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
             for (int k = 0; k < 10; ++k) in[k][i] = values[k];
             units[i] = s.units;
         }
-        hl::sweep::solve_block<Pair>({count, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8], in[9], back[0],
-                                      back[1], back[2], back[3], back[4], back[5], status});
+        hl::sweep::solve_block<Pair>({count, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8],
+                                      in[9], back[0], back[1], back[2], back[3], back[4], back[5], status});
         for (int i = 0; i < count; ++i) {
             const bool lands = again.move_to(first + i);
             col::Sequence q = refused();

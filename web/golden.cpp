@@ -23,7 +23,9 @@ struct Case {
 
 double sphere(double density, double radius) { return density * (4.0 / 3.0) * pi * radius * radius * radius; }
 
-std::vector<double> linear(double stiffness, double restitution) { return {0, 0, stiffness, restitution, 0, 0}; }
+std::vector<double> linear(double stiffness, double restitution) {
+    return {0, 0, stiffness, restitution, 0, 0};
+}
 std::vector<double> viscous(double young, double poisson, double restitution, double speed) {
     return {1, 1, young, poisson, restitution, speed};
 }
@@ -42,8 +44,10 @@ std::vector<Case> cases() {
     const auto two = [](double lower, double upper, double gap) {
         return std::vector<std::array<double, 4>>{{lower, 840.0, 0.6 - lower, 0.0}, {upper, 840.0, gap, 0.0}};
     };
-    std::vector<std::array<double, 4>> stack = {
-        {0.027, 950.0, 0.473, 0.0}, {0.019, 950.0, 5e-5, 0.0}, {0.0135, 950.0, 5e-5, 0.0}, {0.009, 950.0, 5e-5, 0.0}};
+    std::vector<std::array<double, 4>> stack = {{0.027, 950.0, 0.473, 0.0},
+                                                {0.019, 950.0, 5e-5, 0.0},
+                                                {0.0135, 950.0, 5e-5, 0.0},
+                                                {0.009, 950.0, 5e-5, 0.0}};
     std::vector<std::array<double, 4>> cradle(5, {0.01, 7850.0, 0.0, 0.0});
     cradle[0][3] = 1.0;
     cradle[1][2] = 0.05;
@@ -96,7 +100,8 @@ struct Hash {
     void add(double x) {
         std::uint64_t v = 0x7ff8000000000000ull;
         if (x == x) std::memcpy(&v, &x, 8);
-        for (const std::uint32_t word : {static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v >> 32)}) {
+        for (const std::uint32_t word :
+             {static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v >> 32)}) {
             a = (a ^ word) * 16777619u;
             b = ((b ^ word) * 0x85ebca6bu) ^ (b >> 13);
         }
@@ -117,7 +122,8 @@ void print_map(const char* name, const Case& c, int axis, int side, const char* 
     for (const double x : out) hash.add(x);
     std::printf("  {\"name\": \"%s\", \"axis\": %d, \"side\": %d, ", name, axis, side);
     print("column", c.column.data(), static_cast<long>(c.column.size()), ", ");
-    std::printf("\"hash\": \"%08x%08x\"}%s\n", static_cast<unsigned>(hash.a), static_cast<unsigned>(hash.b), after);
+    std::printf("\"hash\": \"%08x%08x\"}%s\n", static_cast<unsigned>(hash.a), static_cast<unsigned>(hash.b),
+                after);
 }
 
 }  // namespace
@@ -133,7 +139,8 @@ int main() {
         bool first = true;
         for (int model = 0; model < 3; ++model)
             for (const double until : {nan, c.until}) {
-                std::printf("%s\n    {\"model\": %d, \"until\": %s, \"run\": ", first ? "" : ",", model, bits(until).c_str());
+                std::printf("%s\n    {\"model\": %d, \"until\": %s, \"run\": ", first ? "" : ",", model,
+                            bits(until).c_str());
                 print_run(model, until);
                 std::printf("}");
                 first = false;

@@ -4,7 +4,8 @@ import {
   clampTo, densityFor, lowestHeight, massOf, MOST_BALLS, ranges, setBallCount, settle, type Law, type Range, type Scenario,
 } from "./scenario";
 
-const steps = 1000;
+// Places of a slider: even steps on a linear scale, a thousand on a logarithmic one.
+const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
 
 interface Control {
   element: HTMLElement;
@@ -116,7 +117,7 @@ export class Controls {
     slider.type = "range";
     slider.id = id;
     slider.min = "0";
-    slider.max = String(steps);
+    slider.max = String(steps(r));
     const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
     slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value)))));
     field.addEventListener("change", () => {
@@ -200,7 +201,7 @@ export class Controls {
 // Sliders are logarithmic where the range is; values are rounded to what a reader would write.
 export function fromSlider(r: Range, at: number): number {
   if (r.zero && at === 0) return 0;
-  const share = at / steps;
+  const share = at / steps(r);
   const x = r.log ? r.low * (r.high / r.low) ** share : r.low + (r.high - r.low) * share;
   return clampTo(r, Number(r.log ? x.toPrecision(3) : x.toFixed(3)));
 }
@@ -208,5 +209,5 @@ export function fromSlider(r: Range, at: number): number {
 export function toSlider(r: Range, x: number): number {
   if (r.zero && x === 0) return 0;
   const share = r.log ? Math.log(x / r.low) / Math.log(r.high / r.low) : (x - r.low) / (r.high - r.low);
-  return Math.round(steps * Math.min(Math.max(share, 0), 1));
+  return Math.round(steps(r) * Math.min(Math.max(share, 0), 1));
 }

@@ -84,7 +84,11 @@ export function niceTicks(low: number, high: number, wanted: number): number[] {
 export function logTicks(low: number, high: number): number[] {
   const ticks: number[] = [];
   for (let e = Math.ceil(Math.log10(low) - 1e-9); e <= Math.log10(high) + 1e-9; e++) ticks.push(10 ** e);
-  if (ticks.length >= 2) return ticks;
+  if (ticks.length >= 3) return ticks;
+  const halves: number[] = [];
+  for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e++)
+    for (const m of [1, 2, 5]) if (m * 10 ** e >= low * 0.999999 && m * 10 ** e <= high * 1.000001) halves.push(Number((m * 10 ** e).toPrecision(3)));
+  if (halves.length >= 3) return halves;
   const linear = niceTicks(low, high, 5);
   return linear.length > 1 ? linear : ticks;
 }

@@ -153,7 +153,7 @@ class Page {
     const box = find("notes");
     box.hidden = notes.length === 0;
     box.querySelector("ul")!.replaceChildren(
-      ...notes.slice(0, 8).map((text) => {
+      ...notes.slice(0, 15).map((text) => {
         const li = document.createElement("li");
         li.textContent = text;
         return li;
@@ -215,7 +215,9 @@ class Page {
     }
     this.drop = result;
     if (this.view.time !== null) {
-      this.seek(this.view.time);
+      const kept = Math.min(Math.max(this.view.time, result.start), result.stop);
+      if (Math.abs(kept - this.view.time) > 1e-6) this.note([`t = ${this.view.time} s is outside the film: ${digits(kept)} s used`]);
+      this.seek(kept);
       this.view.time = null;
     } else this.screen = Math.min(share, 1) * this.clock().length;
     this.controls.set(this.scenario, this.about);
@@ -541,7 +543,9 @@ class Page {
 
   private setZoom(box: Box | null): void {
     if (box && (box.x[1] - box.x[0] < 1e-6 || box.y[1] / box.y[0] < 1 + 1e-6)) return;
-    this.view.map.zoom = box;
+    // As many digits as the link keeps, so that the link shows the same.
+    const keep = ([a, b]: [number, number]): [number, number] => [Number(a.toPrecision(6)), Number(b.toPrecision(6))];
+    this.view.map.zoom = box && { x: keep(box.x), y: keep(box.y) };
     this.refreshMap();
     this.writeLink();
   }

@@ -45,6 +45,7 @@ export class ContactMap {
   private labels: { x: number; y: number; n: number }[] = [];
   elapsed: number | null = null; // ms for the whole map
   computing = 0; // ms of all workers together
+  private computed = 0; // points
   resolution = 0; // points each way that are complete
   greatest = 0; // count in view
   fresh = false; // begun anew: draw at once
@@ -81,7 +82,7 @@ export class ContactMap {
     this.fresh = true;
     this.next = strides[0];
     this.resolution = 0;
-    this.computing = 0;
+    this.computing = this.computed = 0;
     this.began = performance.now();
     for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column });
     const column: WorkerColumn = { kind: "column", job: this.job, column: columnOf(scenario), axis: axis === "gap" ? 0 : 1 };
@@ -124,6 +125,7 @@ export class ContactMap {
     if (batch && result.job === this.job) {
       const n = batch.at.length;
       this.computing += result.ms;
+      this.computed += n;
       this.perPoint = 0.5 * this.perPoint + 0.5 * Math.max(result.ms / n, 1e-4);
       for (let k = 0; k < n; k++) {
         const place = batch.at[k];
@@ -137,7 +139,7 @@ export class ContactMap {
         // A level is complete; the next is left out where it would take too long.
         this.resolution = Math.floor(SIDE / this.next);
         const points = (SIDE / Math.max(next, 1)) ** 2 * 0.75;
-        if ((points * this.perPoint) / this.workers.length > patience) this.queue = [];
+        if ((points * this.computing) / this.computed / this.workers.length > patience) this.queue = [];
         this.next = next;
       }
       const over = this.queue.length === 0 && ![...this.sent.values()].some((b) => b.job === this.job);

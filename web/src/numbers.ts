@@ -166,7 +166,7 @@ export function verdict(d: Drop, core: Core): [string, string] {
   const [rise, risen] = lengths(newton.peaks[n - 1], icm.peaks[n - 1]);
   const ratio = newton.run.effective / scenario.restitution;
   const where = `${capital(contacts)}, and the top ball rises to ${rise}.`;
-  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say the same: ${risen}.`];
+  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say ${rise === risen ? "the same" : "nearly the same"}: ${risen}.`];
   const times = icm.peaks[n - 1] / newton.peaks[n - 1];
   const factor = times > 1.15 ? `, ${digits(times, 2)} times as high` : "";
   return [where, `Independent collisions: ${spell(icm.run.nContacts)}, and up to ${risen}${factor}.`];

@@ -28,6 +28,7 @@ export interface Range {
   high: number;
   log: boolean;
   unit: string;
+  step?: number; // of a linear slider
   zero?: boolean; // 0 is allowed below `low`
 }
 
@@ -41,7 +42,7 @@ export const ranges = {
   radius: { low: 1e-3, high: 0.5, log: true, unit: "m" },
   mass: { low: 1e-6, high: 1e3, log: true, unit: "kg" },
   gap: { low: 1e-8, high: 1, log: true, unit: "m", zero: true },
-  velocity: { low: -5, high: 5, log: false, unit: "m/s" },
+  velocity: { low: -5, high: 5, log: false, step: 0.01, unit: "m/s" },
   density: { low: 0.1, high: 1e6, log: true, unit: "kg/m³" },
 } satisfies Record<string, Range>;
 

@@ -1,4 +1,4 @@
-"""Serves the explorer page on this machine: static files of the package, nothing computed, nothing fetched."""
+"""Serves the explorer page on this machine: static files, nothing computed, nothing fetched."""
 
 import contextlib
 import webbrowser
@@ -12,7 +12,8 @@ HOST = "127.0.0.1"
 # The page's own <meta> says the same, for copies served by others; frame-ancestors only works as a header.
 CONTENT_SECURITY_POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; "
-    "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
 )
 
 TYPES = {

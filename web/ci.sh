@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Checks of the explorer: the committed page is what its sources give, the WebAssembly core returns the native bits, and
+# the page does in Chromium what it should. Needs clang-19, the packages named in build.sh, chromium, node 20 or newer,
+# and PYTHON, an interpreter that has hardlimit installed. SHOTS=FOLDER keeps screenshots; TIMES=off ignores the limits
+# on times, for a busy machine.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+npm ci
+./build.sh "$work/page"
+diff -r "$work/page" ../src/hardlimit/explorer/page || {
+    echo "src/hardlimit/explorer/page is not what web/ and core/ give: run web/build.sh" >&2
+    exit 1
+}
+./golden.sh "$work/golden.json"
+cmp "$work/golden.json" ../tests/data/golden_wasm.json || {
+    echo "tests/data/golden_wasm.json is not what the core gives: run web/golden.sh" >&2
+    exit 1
+}
+node --test tests/
