@@ -140,18 +140,20 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
     assert told == [45]
 
 
-def test_lost_and_torn_files_are_replaced(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["n_contacts", "t_end", "outcome"])
+@pytest.mark.parametrize("torn", [False, True], ids=["lost", "empty"])
+def test_lost_and_empty_files_are_replaced(tmp_path: Path, name: str, torn: bool) -> None:
     path = tmp_path / "map.zarr"
     hl.sweep(PAPER, store=path, **GRID)
     whole = files(path)
-    chunks = sorted(f for f in path.rglob("*") if f.is_file() and "c" in f.relative_to(path).parts)
-    for chunk in chunks:
-        if "outcome" in chunk.parts or "t_end" in chunk.parts:
-            chunk.unlink()
-            break
-    chunks[-1].write_bytes(b"")
-    (path / "t_end" / "c" / "0" / "0.abc.partial").write_bytes(b"half")
-    hl.sweep(PAPER, store=path, **GRID)
+    chunk = path / name / "c" / "4" / "0"
+    chunk.unlink()
+    if torn:
+        chunk.touch()
+    (chunk.parent / "0.abc.partial").write_bytes(b"half")
+    told: list[int] = []
+    hl.sweep(PAPER, store=path, progress=lambda done, _: told.append(done), **GRID)
+    assert told == [40, 45]
     assert files(path) == whole
 
 
@@ -365,6 +367,8 @@ def test_a_write_that_fails_is_one_error(
     assert failed.value.errno == code
     with Store(path, *plan_and_tiles(GRID)) as store:
         assert store.missing() == [3, 4]
+    outcome = xr.open_zarr(path).outcome
+    assert bool((outcome[:6] == 0).all() and (outcome[6:] == 255).all())
     hl.sweep(PAPER, store=path, **GRID)
     assert files(path) == files(tmp_path / "whole.zarr")
 
