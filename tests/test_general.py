@@ -29,9 +29,9 @@ def measured_order(column: hl.Column, until: float) -> float:
 def test_order_is_eight(name, restitution):
     """Three balls that swing on the floor for long: many steps and switches.
 
-    A switch that is not located would show as an order of 1. What the start of a Hertz contact costs is seen in
-    the next test, for steps that grow from zero hide it here. Orders above 8 come from the steps that switches
-    cost whatever the tolerance.
+    A switch that is not located would show as an order of 1. What the start of a Hertz contact costs is seen
+    in the next test, for steps that grow from zero hide it here. Orders above 8 come from the steps that
+    switches cost whatever the tolerance.
     """
     law = law_of(name, restitution, speed=0.01)
     balls = [hl.Ball(r, density=2000.0) for r in (0.03, 0.02, 0.012)]
@@ -45,8 +45,8 @@ def test_order_is_eight(name, restitution):
 def test_one_collision_is_that_of_the_law(name, restitution):
     """Two balls meet once: restitution and duration of the contact itself.
 
-    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many, and the
-    sharpest tolerance does not reach rounding.
+    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many, and
+    the sharpest tolerance does not reach rounding.
     """
     law = law_of(name, restitution, speed=1.5)
     balls = [hl.Ball(0.02, mass=0.1), hl.Ball(0.01, mass=0.03)]

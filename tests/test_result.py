@@ -307,7 +307,7 @@ BAD_COLUMNS = {
         ("height", "0.049", "radius"),
     ),
     "NaN height": (lambda: hl.Column(BALLS, [0.0], math.nan, LINEAR), ("height", "nan", "finite")),
-    "nothing moves": (lambda: hl.Column(BALLS, [0.0], 0.05, LINEAR), ("height", "0.05", "nothing moving")),
+    "nothing moves": (lambda: hl.Column(BALLS, [0.0], 0.05, LINEAR), ("height", "0.05", "nothing mov")),
     "negative gravity": (
         lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, gravity=-1.0),
         ("gravity", ">= 0"),
