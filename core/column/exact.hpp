@@ -309,6 +309,49 @@ HL_FN double closing_on_rest(const TwoBall& s, const Gaps& x) {
     return math::max(t, 0.0);
 }
 
+// Motion C over any time: exp(M t) about the static equilibrium, its factor for one piece raised to a power by squaring.
+struct Propagator {
+    double m[4][4];
+
+    HL_FN static Propagator of(const TwoBall& s, double h) {
+        TwoBall weightless = s;
+        weightless.gravity = 0.0;
+        Propagator p;
+        for (int j = 0; j < 4; ++j) {
+            Piece piece;
+            expand(weightless, Gaps{j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0, j == 3 ? 1.0 : 0.0}, true,
+                   true, h, piece);
+            const Gaps x = evaluate(piece, 1.0);
+            const double column[4] = {x.u, x.du, x.w, x.dw};
+            for (int i = 0; i < 4; ++i) p.m[i][j] = column[i];
+        }
+        return p;
+    }
+    HL_FN Propagator squared() const {
+        Propagator p;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) {
+                p.m[i][j] = 0.0;
+                for (int k = 0; k < 4; ++k) p.m[i][j] += m[i][k] * m[k][j];
+            }
+        return p;
+    }
+    HL_FN Gaps times(const Gaps& x) const {
+        const auto row = [&](int i) { return m[i][0] * x.u + m[i][1] * x.du + m[i][2] * x.w + m[i][3] * x.dw; };
+        return {row(0), row(1), row(2), row(3)};
+    }
+};
+
+HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
+    const double w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
+    double pieces = 1.0;
+    while (t / pieces > piece_length(s, true, true)) pieces *= 2.0;
+    Propagator p = Propagator::of(s, t / pieces);
+    for (; pieces > 1.0; pieces *= 0.5) p = p.squared();
+    const Gaps y = p.times({x.u - u0, x.du, x.w - w0, x.dw});
+    return {y.u + u0, y.du, y.w + w0, y.dw};
+}
+
 // One run: finds the next switch, moves there, throws it, until the sequence is over.
 template <class Observer>
 class Run {
@@ -337,7 +380,7 @@ public:
     }
 
 private:
-    enum class Motion { flight, rest, series };
+    enum class Motion { flight, floor_rest, rest, series };
 
     const TwoBall& s;
     Gaps x;
@@ -357,11 +400,13 @@ private:
     HL_FN void find_next() {
         next = Next{};
         const bool alone = phase.floor && !phase.pair && phase.pair_open && !on.w;
-        motion = !phase.floor && !phase.pair ? Motion::flight
-                 : alone && rests_on_floor(s, x) ? Motion::rest
-                                                 : Motion::series;
+        motion = !phase.floor && !phase.pair                         ? Motion::flight
+                 : alone && rests_on_floor(s, x)                      ? Motion::floor_rest
+                 : phase.floor && phase.pair && rests_on_both(s, x) ? Motion::rest
+                                                                      : Motion::series;
         if (motion == Motion::flight) find_in_flight();
-        else if (motion == Motion::rest) next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
+        else if (motion == Motion::floor_rest) next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
+        else if (motion == Motion::rest) rest();
         else find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
         if (t < until && t + dt >= until) {  // the state asked for comes first
@@ -381,8 +426,13 @@ private:
         }
     }
 
+    HL_FN void rest() {
+        if (!sequence.finished) sequence.comes_to_rest(true);
+        dt = never;
+        if (!(t < until)) stopped = true;
+    }
+
     HL_FN void find_in_piece() {
-        if (!sequence.finished && phase.floor && phase.pair && rests_on_both(s, x)) sequence.comes_to_rest(true);
         const double whole = piece_length(s, phase.floor, phase.pair);
         const double h = t < until ? math::min(whole, until - t) : whole;
         expand(s, x, phase.floor, phase.pair, h, piece);
@@ -393,8 +443,9 @@ private:
     HL_FN void move() {
         if (!(dt > 0.0)) return;  // what lies on an event surface stays there
         x = motion == Motion::flight ? fly<double>(s, x, dt)
-            : motion == Motion::rest ? lie_on_floor(s, x, dt)
-                                     : evaluate(piece, dt / piece.h);
+            : motion == Motion::floor_rest ? lie_on_floor(s, x, dt)
+            : motion == Motion::rest       ? lie_together(s, x, dt)
+                                           : evaluate(piece, dt / piece.h);
         t += dt;
         on = OnSurface{};
     }
