@@ -4,12 +4,10 @@ something is missing.
 Where a GPU is, its results are compared with the processor's bit by bit.
 """
 
-import ctypes
 import hashlib
 import io
 import re
 import shutil
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from importlib import resources, util
@@ -21,6 +19,7 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
+from emulated_gpu import Emulated, build
 from hardlimit.maps import VARIABLES, cuda, device
 from hardlimit.maps.plan import Plan, make_plan
 
@@ -129,70 +128,13 @@ def test_the_package_has_the_headers() -> None:
 # --- the kernel in an emulated warp -------------------------------------------------------------------------
 
 
-class Emulated:
-    """One warp on a processor, and memory that the device and the host share."""
-
-    name = "emulated"
-
-    def __init__(self, library: Path, room: int = 1 << 40) -> None:
-        self.library = ctypes.CDLL(str(library))
-        self.free = room
-
-    def room(self) -> int:
-        return self.free
-
-    def stream(self) -> list[device.Memory]:
-        return []
-
-    def memory(self, size: int, stream: list[device.Memory]) -> device.Memory:
-        on_device = np.zeros(-(-size // 8), np.uint64)
-        return device.Memory(on_device.ctypes.data, np.zeros(size, np.uint8), on_device)
-
-    def to_device(self, stream: list[device.Memory], memory: device.Memory) -> None:
-        memory.on_device.view(np.uint8)[:] = memory.host
-
-    def to_host(self, stream: list[device.Memory], memory: device.Memory) -> None:
-        stream.append(memory)  # not before it is waited for
-
-    def launch(self, stream: list[device.Memory], kernel: str, task: int) -> None:
-        assert self.library[f"emulate_{kernel}"](ctypes.c_void_p(task)) == 0
-
-    def wait(self, stream: list[device.Memory]) -> None:
-        for memory in stream:
-            memory.host[:] = memory.on_device.view(np.uint8)
-        stream.clear()
-
-
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    compiler = shutil.which("g++")
-    if compiler is None:
+    if shutil.which("g++") is None:
         pytest.skip("g++ is not installed")
-    out = tmp_path_factory.mktemp("warp") / "kernel.so"
-    headers = Path(str(resources.files("hardlimit") / "core"))
-    flags = [
-        "-std=c++20",
-        "-O2",
-        "-ffp-contract=off",
-        "-fno-math-errno",
-        "-Wall",
-        "-Werror",
-        "-Wno-unknown-pragmas",
-    ]
-    source = ["-include", str(HERE / "warp.hpp"), "-x", "c++", str(HERE / "warp.cpp")]
-    command = [
-        compiler,
-        *flags,
-        "-fPIC",
-        "-shared",
-        f"-I{headers}",
-        f"-I{headers}/sweep",
-        *source,
-        "-o",
-        str(out),
-    ]
-    subprocess.run(command, check=True)
-    return out
+    return build(
+        HERE / "warp.cpp", tmp_path_factory.mktemp("warp") / "kernel.so", "-Wall", "-Wextra", "-Werror"
+    )
 
 
 def emulated(library: Path, plan: Plan, room: int = 1 << 40) -> dict[str, Any]:

@@ -1,7 +1,7 @@
-// A map on a GPU, compiled at run time by src/hardlimit/maps/cuda.py. A thread is one lane of the kernel of lanes.hpp and
-// a warp is its vector: each round is spent on the step that most threads of the warp wait for, where to take a new
-// drop is a step too. Warps draw their drops from one queue until it is empty. A result depends on its point alone,
-// so it has the bits of a processor's.
+// A map on a GPU, compiled at run time by src/hardlimit/maps/device.py. A warp keeps a pool of drops under way in shared
+// memory. Each round its threads take drops that wait for the same step of the kernel of lanes.hpp, the step that most
+// of the pool wait for, so that they do the same work. A drop that is done makes room for the next one of a queue
+// that all warps share. A result depends on its point alone, so it has the bits of a processor's.
 #include "lanes.hpp"
 #include "parameters.hpp"
 
@@ -27,6 +27,8 @@ inline constexpr unsigned char left_to_host = 255;
 inline constexpr int largest_count = 255;  // of n_contacts in a byte
 
 inline constexpr int warp = 32;
+inline constexpr int block = 64;      // threads, as in device.py
+inline constexpr int pool_size = 96;  // drops of a warp, a multiple of its threads
 inline constexpr unsigned everyone = 0xffffffffu;
 
 HL_FN unsigned place(const Task& task, int i, unsigned point) {
@@ -68,22 +70,20 @@ HL_FN void put(const Task& task, unsigned point, const PointResult& r) {
     if (task.t_floor_end) task.t_floor_end[point] = r.t_floor_end;
 }
 
-// A drop on its way through one thread.
-struct Thread {
-    lanes::State<double> q{};
-    lanes::Waiting<bool> wait{};
-    column::Units units{};
-    unsigned point = 0;
-    bool busy = false;
+enum Step : unsigned char { lying, pressed, lasting, stuck, vacant, none };
 
-    // Starts at `point`; a point that is not one for this kernel leaves the thread idle.
-    HL_FN void take(const Task& task) {
+// A drop under way.
+struct Drop {
+    lanes::State<double> q;
+    lanes::Waiting<bool> wait;
+    column::Units units;
+    unsigned point;
+
+    // Starts at `point`; false if it is not one for this kernel.
+    HL_FN bool take(const Task& task) {
         Parameters p = parameters_of(task, point);
         column::Start s;
-        if (!enter(setting_of(task), p, ratio_of(task, 0, point), ratio_of(task, 1, point), s)) {
-            task.outcome[point] = left_to_host;
-            return;
-        }
+        if (!enter(setting_of(task), p, ratio_of(task, 0, point), ratio_of(task, 1, point), s)) return false;
         units = s.units;
         const hardlimit_abi::Block one = {
             1,          &s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity,
@@ -91,11 +91,10 @@ struct Thread {
             nullptr,    nullptr,      nullptr,      nullptr,      nullptr,      nullptr};
         wait.drop(0);
         lanes::load(q, 0, one, 0);
-        busy = true;
+        return true;
     }
 
-    HL_FN void give(const Task& task) {
-        busy = false;
+    HL_FN void give(const Task& task) const {
         if (q.left) {
             task.outcome[point] = left_to_host;
             return;
@@ -103,32 +102,60 @@ struct Thread {
         const Found found = {q.contacts, q.t_first, q.t_end, q.t_floor_end, q.relative, q.separation};
         put(task, point, leave(setting_of(task), parameters_of(task, point), units, found));
     }
+
+    HL_FN Step next() const {
+        return wait.lying ? lying : wait.pressed ? pressed : wait.lasting ? lasting : stuck;
+    }
+
+    // Takes the step it waits for, or its first if it has just started; returns what it waits for then.
+    HL_FN Step advance(const Task& task, bool started) {
+        const bool moved = started || lanes::step<double>(q, wait);
+        if (moved) lanes::sort<double>(q, wait, true);
+        if (q.active) return next();
+        give(task);
+        return vacant;
+    }
 };
 
-enum Step : int { lying, pressed, lasting, stuck, idle, none };
+// The drops of a warp.
+struct Pool {
+    Drop drop[pool_size];
+    Step waits_for[pool_size];
+    unsigned char chosen[warp];
+};
 
-HL_FN Step next_step(const Thread& t, bool empty) {
-    if (!t.busy) return empty ? none : idle;
-    return t.wait.lying ? lying : t.wait.pressed ? pressed : t.wait.lasting ? lasting : stuck;
-}
-
-// The step that most threads of the warp wait for; `none` when all are done.
-__device__ inline Step most_wanted(Step mine) {
+// The step that most of the pool wait for; `none` when all is done.
+__device__ inline Step most_wanted(const Pool& pool, unsigned lane) {
+    int waiting[none] = {};
+    for (unsigned i = lane; i < pool_size; i += warp)
+        for (int k = 0; k < none; ++k) waiting[k] += __popc(__ballot_sync(everyone, pool.waits_for[i] == k));
     Step wanted = none;
     int most = 0;
-    for (int i = 0; i < none; ++i) {
-        const int n = __popc(__ballot_sync(everyone, mine == i));
-        if (n > most) {
-            most = n;
-            wanted = static_cast<Step>(i);
-        }
+    for (int k = 0; k < none; ++k) {
+        if (waiting[k] <= most) continue;
+        most = waiting[k];
+        wanted = static_cast<Step>(k);
     }
     return wanted;
 }
 
+// A drop that waits for this step for each thread, as far as there are any; −1: none.
+__device__ inline int choose(Pool& pool, Step step, unsigned lane) {
+    int before = 0;
+    for (unsigned i = lane; i < pool_size; i += warp) {
+        const bool waits = pool.waits_for[i] == step;
+        const unsigned who = __ballot_sync(everyone, waits);
+        const int at = before + __popc(who & ((1u << lane) - 1u));
+        if (waits && at < warp) pool.chosen[at] = static_cast<unsigned char>(i);
+        before += __popc(who);
+    }
+    __syncwarp();
+    return static_cast<int>(lane) < before ? pool.chosen[lane] : -1;
+}
+
 // A place in the queue for each thread that draws.
-__device__ inline u64 draw(Task& task, bool draws) {
-    const unsigned who = __ballot_sync(everyone, draws), lane = threadIdx.x % warp;
+__device__ inline u64 draw(Task& task, bool draws, unsigned lane) {
+    const unsigned who = __ballot_sync(everyone, draws);
     u64 first = 0;
     if (lane == 0) first = atomicAdd(&task.next, static_cast<u64>(__popc(who)));
     return __shfl_sync(everyone, first, 0) + static_cast<u64>(__popc(who & ((1u << lane) - 1u)));
@@ -138,26 +165,31 @@ __device__ inline u64 draw(Task& task, bool draws) {
 
 using hardlimit::sweep::Task;
 
-extern "C" __global__ void __launch_bounds__(128) solve(Task* task) {
+extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block) solve(Task* task) {
     using namespace hardlimit::sweep;
-    Thread t;
-    bool empty = false;
+    __shared__ unsigned long long room[sizeof(Pool) * (block / warp) / 8 + 1];  // without constructors
+    const unsigned lane = threadIdx.x % warp;
+    Pool& pool = reinterpret_cast<Pool*>(room)[threadIdx.x / warp];
+    for (unsigned i = lane; i < pool_size; i += warp) pool.waits_for[i] = vacant;
     for (;;) {
-        const Step mine = next_step(t, empty), now = most_wanted(mine);
+        __syncwarp();
+        const Step now = most_wanted(pool, lane);
         if (now == none) break;
-        bool moved = mine == now;
-        if (now == idle) {
-            const hardlimit::u64 point = draw(*task, moved);
-            if (moved) {
-                empty = point >= task->count;
-                t.point = static_cast<unsigned>(point);
-                if (!empty) t.take(*task);
-            }
-        } else if (moved) {
-            moved = lanes::step<double>(t.q, t.wait);
+        const int mine = choose(pool, now, lane);
+        const hardlimit::u64 point = now == vacant ? draw(*task, mine >= 0, lane) : 0;
+        if (mine < 0) continue;
+        Drop drop = pool.drop[mine];
+        Step next = none;  // the queue is empty
+        if (now != vacant) {
+            next = drop.advance(*task, false);
+        } else if (point < task->count) {
+            drop.point = static_cast<unsigned>(point);
+            const bool one = drop.take(*task);
+            if (!one) task->outcome[point] = left_to_host;
+            next = one ? drop.advance(*task, true) : vacant;
         }
-        if (t.busy && moved) lanes::sort<double>(t.q, t.wait, true);
-        if (t.busy && !t.q.active) t.give(*task);
+        pool.drop[mine] = drop;
+        pool.waits_for[mine] = next;
     }
 }
 

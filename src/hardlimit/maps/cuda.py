@@ -120,7 +120,7 @@ class Slot:
         self.results = gpu.memory(sum(_bytes(name, points) for name in self.kept), self.stream)
         self.count = 0
 
-    def start(self, plan: Plan) -> None:
+    def start(self, plan: Plan, copy_out: bool = True) -> None:
         """Send a chunk on its way."""
         self.count = plan.size
         words, places = self.inputs.host.view(np.uint64), self._places(self.results.address)
@@ -129,7 +129,8 @@ class Slot:
         if plan.restitution_at >= 0:
             self.gpu.launch(self.stream, "damping_ratios", self.inputs.address)
         self.gpu.launch(self.stream, "solve", self.inputs.address)
-        self.gpu.to_host(self.stream, self.results)
+        if copy_out:
+            self.gpu.to_host(self.stream, self.results)
 
     def finish(self) -> Chunk:
         """Its results, valid until the next start."""

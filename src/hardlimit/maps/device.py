@@ -17,7 +17,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-THREADS_PER_BLOCK: Final = 128  # as in __launch_bounds__ of the kernel
+THREADS_PER_BLOCK: Final = 64  # as in the kernel
 
 #: As on a processor: no contraction to fused multiply-add, divisions and roots correctly rounded.
 SAME_BITS: Final = {"fma": False, "prec_div": True, "prec_sqrt": True, "ftz": False}

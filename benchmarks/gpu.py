@@ -1,0 +1,124 @@
+"""Speed of engine="cuda" on the counts-and-velocities map, beside the floor: operations over the FP64 rate.
+
+python benchmarks/gpu.py [points along each axis]
+
+The operations of a point are counted on a processor (operations.cpp), so the floor needs no GPU.
+Goal: 1e9 points/s on an H200.
+"""
+
+import ctypes
+import statistics
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+import hardlimit as hl
+from hardlimit.maps import cuda, device
+from hardlimit.maps.plan import Plan, make_plan
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE.parent / "tests"))
+from emulated_gpu import Emulated, build  # noqa: E402
+
+VARIABLES = ["n_contacts", "relative_velocity", "separation_velocity"]
+
+#: FP64 instructions of a correctly rounded division and root on their usual path, about.
+DIVISION, ROOT = 10, 10
+
+#: FP64 instructions per second without the tensor cores: multiprocessors · lanes · clock.
+RATES = {"H200": 132 * 64 * 1.98e9, "H100": 132 * 64 * 1.98e9, "A100": 108 * 32 * 1.41e9}
+
+
+def fig4(side: int) -> Plan:
+    """Fig. 4 (top) of the paper."""
+    axes = {"restitution": np.linspace(0.4, 1.0, side), "gap": np.geomspace(1e-6, 1e-2, side)}
+    return make_plan(hl.Column.paper(), "newton", VARIABLES, axes)
+
+
+def scattered(points: int) -> Plan:
+    """The same ranges as a list of points in no order: the worst for threads that run in step."""
+    import xarray as xr
+
+    rng = np.random.default_rng(1)
+    axes = {"restitution": rng.uniform(0.4, 1.0, points), "gap": 10.0 ** rng.uniform(-6, -2, points)}
+    lists = {name: xr.DataArray(v, dims="point") for name, v in axes.items()}
+    return make_plan(hl.Column.paper(), "newton", VARIABLES, lists)
+
+
+def count_operations(plan: Plan) -> tuple[float, float]:
+    """FP64 instructions per point, and the part of the warp's that are of use."""
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as pool:
+        library = build(HERE / "operations.cpp", Path(folder) / "operations.so")
+        gpu = Emulated(library)
+        cuda.compute_on(gpu, plan, 1, pool, lambda _: None)
+        counts = (ctypes.c_long * 6)()
+        gpu.library.operations(counts)
+    useful, issued = (n[0] + DIVISION * n[1] + ROOT * n[2] for n in (counts[:3], counts[3:]))
+    print(
+        f"  per point: {counts[0] / plan.size:.0f} + − × and comparisons, "
+        f"{counts[1] / plan.size:.1f} divisions, {counts[2] / plan.size:.1f} roots"
+    )
+    return useful / plan.size, useful / issued
+
+
+def floor() -> None:
+    """What the arithmetic alone would take."""
+    for name, plan in {"grid": fig4(64), "list in no order": scattered(4096)}.items():
+        print(f"{name}, {plan.size} points")
+        each, busy = count_operations(plan)
+        print(
+            f"  {each:.0f} FP64 instructions per point, {100 * busy:.0f} % of the threads of a warp at work"
+        )
+        for model, rate in RATES.items():
+            print(
+                f"  {model}: at most {rate / each:.2e} points/s, {busy * rate / each:.2e} with idle threads"
+            )
+
+
+def measure(gpu: device.Gpu, side: int) -> None:
+    """Points per second of a whole sweep, results in the host's memory."""
+    for name, plan in {"grid": fig4(side), "list in no order": scattered(side * side)}.items():
+        seconds = []
+        with ThreadPoolExecutor(4) as pool:
+            for _ in range(6):
+                start = time.perf_counter()
+                cuda.compute_on(gpu, plan, 4, pool, lambda _: None)
+                seconds.append(time.perf_counter() - start)
+        rate = plan.size / statistics.median(seconds[1:])  # the first one warms up
+        print(f"{gpu.name}: {name}, {plan.size:.1e} points, {rate:.2e} points/s")
+
+
+def kernel_alone(gpu: device.Gpu, side: int) -> None:
+    """Points per second of the kernel, results left on the device."""
+    plan = fig4(side)
+    slot = cuda.Slot(gpu, plan, plan.size)
+    seconds = []
+    for _ in range(6):
+        slot.start(plan, copy_out=False)
+        gpu.wait(slot.stream)
+        start = time.perf_counter()
+        slot.start(plan, copy_out=False)
+        gpu.wait(slot.stream)
+        seconds.append(time.perf_counter() - start)
+    rate = plan.size / statistics.median(seconds)
+    print(f"{gpu.name}: kernel alone, {plan.size:.1e} points, {rate:.2e} points/s")
+
+
+def main() -> None:
+    side = int(sys.argv[1]) if len(sys.argv) > 1 else 8192
+    floor()
+    try:
+        gpu = device.open_gpu()
+    except (ImportError, ValueError) as missing:
+        print(missing)
+        return
+    kernel_alone(gpu, min(side, 4096))
+    measure(gpu, side)
+
+
+if __name__ == "__main__":
+    main()

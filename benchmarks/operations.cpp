@@ -1,0 +1,113 @@
+// How many operations a point of a map costs on a GPU: core/sweep/kernel.cu in the emulated warp of tests/warp.hpp,
+// with every double counting but those of the set-up. Read by gpu.py.
+#include <memory>
+#include <type_traits>
+
+#include "warp.hpp"
+
+namespace counting {
+
+enum Kind { simple, division, root, kinds };  // simple: + − × and comparisons
+inline long done[emulated::Warp::size][kinds];
+
+struct Counted {
+    double x;
+    constexpr Counted() = default;
+    template <class T>
+        requires std::is_arithmetic_v<T>
+    constexpr Counted(T value) : x(value) {}
+    constexpr operator double() const { return x; }
+};
+
+constexpr void count(Kind kind) {
+    if (!std::is_constant_evaluated()) ++done[emulated::w.lane][kind];
+}
+
+// Mixed operands have operators of their own, or a conversion to double would do as well.
+#define BOTH_WAYS(Result, op, kind)                      \
+    constexpr Result operator op(Counted a, Counted b) { \
+        count(kind);                                     \
+        return a.x op b.x;                               \
+    }                                                    \
+    template <class T>                                   \
+        requires std::is_arithmetic_v<T>                 \
+    constexpr Result operator op(Counted a, T b) {       \
+        return a op Counted(b);                          \
+    }                                                    \
+    template <class T>                                   \
+        requires std::is_arithmetic_v<T>                 \
+    constexpr Result operator op(T a, Counted b) {       \
+        return Counted(a) op b;                          \
+    }
+BOTH_WAYS(Counted, +, simple)
+BOTH_WAYS(Counted, -, simple)
+BOTH_WAYS(Counted, *, simple)
+BOTH_WAYS(Counted, /, division)
+BOTH_WAYS(bool, <, simple)
+BOTH_WAYS(bool, >, simple)
+BOTH_WAYS(bool, <=, simple)
+BOTH_WAYS(bool, >=, simple)
+BOTH_WAYS(bool, ==, simple)
+BOTH_WAYS(bool, !=, simple)
+#undef BOTH_WAYS
+constexpr Counted operator-(Counted a) { return -a.x; }
+inline double square_root(double a) { return __builtin_sqrt(a); }
+inline Counted square_root(Counted a) {
+    count(root);
+    return __builtin_sqrt(a.x);
+}
+
+// Per round: what all threads did, and 32 times what the one with most to do did.
+inline long useful[kinds], issued[kinds];
+inline void end_of_round() {
+    int most = 0;
+    for (int i = 1; i < emulated::Warp::size; ++i)
+        if (done[i][simple] > done[most][simple]) most = i;
+    for (int k = 0; k < kinds; ++k) {
+        issued[k] += emulated::Warp::size * done[most][k];
+        for (auto& lane : done) useful[k] += lane[k];
+    }
+    for (auto& lane : done)
+        for (long& n : lane) n = 0;
+}
+
+}  // namespace counting
+
+using counting::square_root;
+#define __builtin_sqrt square_root
+#include "lanes.hpp"
+#include "parameters.hpp"
+#define double counting::Counted
+#include "kernel.cu"
+#undef double
+
+namespace {
+struct Call {
+    void (*kernel)(Task*);
+    Task* task;
+};
+void emulate(void (*kernel)(Task*), Task* task) {
+    Call call{kernel, task};
+    emulated::run([](void* c) { static_cast<Call*>(c)->kernel(static_cast<Call*>(c)->task); }, &call);
+}
+}  // namespace
+
+extern "C" int emulate_solve(Task* task) {
+    emulated::at_exchange = counting::end_of_round;
+    emulate(solve, task);
+    return 0;
+}
+extern "C" int emulate_damping_ratios(Task* task) {
+    emulate(damping_ratios, task);
+    for (auto& lane : counting::done)
+        for (long& n : lane) n = 0;
+    return 0;
+}
+// Useful and issued since the last call: + − × and comparisons, divisions, roots.
+extern "C" void operations(long* out) {
+    for (int k = 0; k < counting::kinds; ++k) {
+        out[k] = counting::useful[k];
+        out[counting::kinds + k] = counting::issued[k];
+        counting::useful[k] = counting::issued[k] = 0;
+    }
+}

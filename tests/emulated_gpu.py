@@ -1,0 +1,56 @@
+"""A GPU of one warp, emulated on a processor (warp.hpp): runs core/sweep/kernel.cu where there is no GPU."""
+
+import ctypes
+import subprocess
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+
+from hardlimit.maps import device
+
+HERE = Path(__file__).parent
+
+
+def build(source: Path, library: Path, *flags: str) -> Path:
+    """Compile the kernel, as included by ``source``, with g++."""
+    headers = Path(str(resources.files("hardlimit") / "core"))
+    flags = ("-std=c++20", "-O2", "-ffp-contract=off", "-fPIC", "-shared", *flags)
+    folders = [f"-I{headers}", f"-I{headers}/sweep", f"-I{HERE}"]
+    before = ["-include", str(HERE / "warp.hpp")]
+    subprocess.run(["g++", *flags, *folders, *before, str(source), "-o", str(library)], check=True)
+    return library
+
+
+class Emulated:
+    """One warp on a processor, and memory that the device and the host share."""
+
+    name = "emulated"
+
+    def __init__(self, library: Path, room: int = 1 << 40) -> None:
+        self.library = ctypes.CDLL(str(library))
+        self.free = room
+
+    def room(self) -> int:
+        return self.free
+
+    def stream(self) -> list[device.Memory]:
+        return []
+
+    def memory(self, size: int, stream: list[device.Memory]) -> device.Memory:
+        on_device = np.zeros(-(-size // 8), np.uint64)
+        return device.Memory(on_device.ctypes.data, np.zeros(size, np.uint8), on_device)
+
+    def to_device(self, stream: list[device.Memory], memory: device.Memory) -> None:
+        memory.on_device.view(np.uint8)[:] = memory.host
+
+    def to_host(self, stream: list[device.Memory], memory: device.Memory) -> None:
+        stream.append(memory)  # not before it is waited for
+
+    def launch(self, stream: list[device.Memory], kernel: str, task: int) -> None:
+        assert self.library[f"emulate_{kernel}"](ctypes.c_void_p(task)) == 0
+
+    def wait(self, stream: list[device.Memory]) -> None:
+        for memory in stream:
+            memory.host[:] = memory.on_device.view(np.uint8)
+        stream.clear()
