@@ -164,7 +164,7 @@ class Page {
   private link(): string {
     const q = new URLSearchParams();
     toQuery(this.scenario, q);
-    viewToQuery({ ...this.view, time: this.playing ? null : this.time() }, q);
+    viewToQuery({ ...this.view, time: this.playing || this.screen === 0 ? null : this.time() }, q);
     const text = q.toString().replaceAll("%2C", ",");
     return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;
   }
@@ -661,13 +661,21 @@ class Page {
     find("csv").addEventListener("click", () => {
       if (this.drop) save("drop.csv", new Blob([csv(this.core, this.drop)], { type: "text/csv" }));
     });
-    find("png").addEventListener("click", () => this.picture().toBlob((blob) => blob && save("drop.png", blob), "image/png"));
+    find("png").addEventListener("click", () => {
+      const asked = performance.now();
+      const attempt = (): void => {
+        // The map is worth a short wait.
+        if (this.map.elapsed === null && performance.now() - asked < 3000) setTimeout(attempt, 50);
+        else if (this.drop) this.picture().toBlob((blob) => blob && save("drop.png", blob), "image/png");
+      };
+      attempt();
+    });
   }
 
   // All pictures on one sheet, at twice the screen's resolution, with the parameters below.
   private picture(): HTMLCanvasElement {
     const canvas = document.createElement("canvas");
-    const [width, height] = [1600, 1180];
+    const [width, height] = [1600, 1200];
     canvas.width = 2 * width;
     canvas.height = 2 * height;
     const g = canvas.getContext("2d")!;
@@ -688,26 +696,25 @@ class Page {
     const [newton] = this.core.sample(Model.newton, [time]);
     const [icm] = this.core.sample(Model.independent, [time]);
     const rate = this.view.slow ? d.clock.rate(time) : 1;
-    part(20, 80, 770, 540, (own) => drawStage(own, 770, 540, d, { time, rate, newton, icm }, this.theme));
-    part(820, 80, 760, 540, (own) => void drawForces(own, 760, 540, d, this.theme));
-    part(20, 640, 770, 460, (own) => void this.timeline.draw(own, 770, 460, d, this.theme));
-    part(820, 640, 760, 460, (own) => void this.map.draw(own, 760, 460, this.view.map.axis, this.marked(), this.theme));
+    part(20, 96, 770, 540, (own) => drawStage(own, 770, 540, d, { time, rate, newton, icm }, this.theme));
+    part(820, 96, 760, 540, (own) => void drawForces(own, 760, 540, d, this.theme));
+    part(20, 656, 770, 460, (own) => void this.timeline.draw(own, 770, 460, d, this.theme));
+    part(820, 656, 760, 460, (own) => void this.map.draw(own, 760, 460, this.view.map.axis, this.marked(), this.theme));
     g.textBaseline = "alphabetic";
     g.font = `600 26px ${this.theme.font}`;
-    let x = 20;
-    for (const [text, color] of [[verdict(d, this.core)[0], this.theme.newton], [verdict(d, this.core)[1], this.theme.icm]] as const) {
-      g.fillStyle = color;
-      g.fillText(text, x, 46);
-      x += g.measureText(text + " ").width;
-    }
+    const [said, saidByIcm] = verdict(d, this.core);
+    g.fillStyle = this.theme.newton;
+    g.fillText(said, 20, 36);
+    g.fillStyle = this.theme.icm;
+    g.fillText(saidByIcm, 20, 70);
     g.font = `400 17px ${this.theme.font}`;
     g.fillStyle = this.theme.muted;
     const s = this.scenario;
     const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
     const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
     const law = s.law === "linear" ? `k = ${digits(s.stiffness)} N/m` : `Y = ${withUnit(s.youngs, "Pa")}, ν = ${s.poisson}`;
-    g.fillText(`ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}; pictured at t = ${clockText(time, d)}`, 20, 1130);
-    g.fillText("hardlimit, after Müller & Pöschel, Phys. Rev. E 83, 041304 (2011)", 20, 1158);
+    g.fillText(`ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}; pictured at t = ${clockText(time, d)}`, 20, 1150);
+    g.fillText("hardlimit, after Müller & Pöschel, Phys. Rev. E 83, 041304 (2011)", 20, 1178);
     return canvas;
   }
 }
@@ -718,7 +725,8 @@ function clockText(time: number, d: Drop): string {
   const near = time > d.from - 2 * span && time < d.to + 2 * span;
   if (!near) return `${(time - d.origin).toFixed(3).replace("-", "−")} s`;
   const [factor, unit] = span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
-  return `${((time - d.origin) * factor).toFixed(1).replace("-", "−")} ${unit}`;
+  const places = span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
+  return `${((time - d.origin) * factor).toFixed(places).replace("-", "−")} ${unit}`;
 }
 
 async function begin(): Promise<void> {

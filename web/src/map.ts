@@ -213,9 +213,9 @@ export class ContactMap {
   }
 
   read(restitution: number, y: number): Reading | null {
-    const i = Math.floor(this.scaleX(0, SIDE).at(restitution));
-    const j = Math.floor(this.scaleY(0, SIDE).at(y));
-    if (i < 0 || j < 0 || i >= SIDE || j >= SIDE) return null;
+    const i = Math.min(Math.floor(this.scaleX(0, SIDE).at(restitution)), SIDE - 1);
+    const j = Math.min(Math.floor(this.scaleY(0, SIDE).at(y)), SIDE - 1);
+    if (i < 0 || j < 0 || restitution > this.box.x[1] || y > this.box.y[1]) return null;
     for (const stride of [...strides].reverse()) {
       const place = i - (i % stride) + SIDE * (j - (j % stride));
       if (this.known[place] === 0) continue;
@@ -230,7 +230,7 @@ export class ContactMap {
     const size = fontSize(w);
     const left = 4.6 * size;
     const legend = 1.9 * size;
-    const f: Frame = { left, top: 1.8 * size, width: w - left - 0.8 * size, height: h - 5.2 * size - legend };
+    const f: Frame = { left, top: 2.2 * size, width: w - left - 0.8 * size, height: h - 5.6 * size - legend };
     const x = this.scaleX(f.left, f.left + f.width);
     const y = this.scaleY(f.top + f.height, f.top);
     this.sheet.getContext("2d")!.putImageData(this.image, 0, 0);
@@ -294,7 +294,7 @@ export class ContactMap {
     if (this.show === "count") {
       const last = Math.min(MOST_COUNTED, Math.max(this.greatest, 4));
       const width = Math.min(2.4 * size, f.width / (last + 1));
-      setFont(g, theme, 0.95 * size, 600);
+      setFont(g, theme, Math.min(0.95 * size, 0.6 * width), 600);
       g.textAlign = "center";
       for (let n = 0; n <= last; n++) {
         g.fillStyle = css(countColor(n));

@@ -19,7 +19,7 @@ function rows(d: Drop): Row[] {
   const row = (id: string, name: string, title: string, values: [string, string], lead = false): void =>
     void list.push({ id, name, title, values, lead });
   row("contacts", "Ball–ball contacts", "contacts of the sequence", both((t) => String(t.run.nContacts)), true);
-  const v = (t: Track, i: number): string => withUnit(t.final.velocity[i], "m/s");
+  const v = (t: Track, i: number): string => withUnit(t.final.velocity[i], "m/s", 3, true);
   if (scenario.cradle) {
     for (let i = n - 1; i >= 0; i--) row(`v${i}`, `Ball ${i + 1} leaves with`, "velocity after the last contact", both((t) => v(t, i)), i === n - 1);
     return list;
@@ -30,8 +30,8 @@ function rows(d: Drop): Row[] {
     row("vtop", "Top ball leaves with", "velocity when the sequence is over", both((t) => v(t, n - 1)));
     return list;
   }
-  row("vr", "Relative velocity v′_r", "upper minus lower velocity when the last contact of the sequence ends", both((t) => withUnit(t.run.relativeVelocity, "m/s")));
-  row("vs", "Separation velocity", "the same once no force acts", both((t) => withUnit(t.run.separationVelocity, "m/s")));
+  row("vr", "Relative velocity v′_r", "upper minus lower velocity when the last contact of the sequence ends", both((t) => withUnit(t.run.relativeVelocity, "m/s", 3, true)));
+  row("vs", "Separation velocity", "the same once no force acts", both((t) => withUnit(t.run.separationVelocity, "m/s", 3, true)));
   row("eff", "ε_eff", "restitution that would give v′ᵣ with independent collisions", both((t) => digits(t.run.effective)));
   row("ratio", "ε_eff/ε", "1: independent collisions are right", both((t) => digits(t.run.effective / scenario.restitution)));
   row("sep", "ε_eff/ε at separation", "the same from the separation velocity", both((t) => digits(t.run.effectiveSeparation / scenario.restitution)));
@@ -159,7 +159,7 @@ export function verdict(d: Drop, core: Core): [string, string] {
   const k = newton.run.nContacts;
   const contacts = k === 1 ? "one contact" : `${spell(k)} contacts`;
   if (scenario.cradle) {
-    const v = (t: Track): string => withUnit(t.final.velocity[n - 1], "m/s");
+    const v = (t: Track): string => withUnit(t.final.velocity[n - 1], "m/s", 3, true);
     return [`${capital(contacts)}; the last ball leaves with ${v(newton)}.`, `Independent collisions: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
   }
   if (newton.run.outcome !== 0) return [`${capital(core.message(newton.run.outcome))}.`, ""];

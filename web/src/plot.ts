@@ -81,7 +81,8 @@ export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Sca
   g.textBaseline = "bottom";
   g.textAlign = "left";
   g.fillStyle = theme.ink;
-  g.fillText(yText.title, Math.max(f.left - 2.6 * size, 2), f.top - 6);
+  const crowded = yText.ticks.some((tick) => Math.abs(y.at(tick) - f.top) < 0.9 * size);
+  g.fillText(yText.title, Math.max(f.left - 2.6 * size, 2), f.top - (crowded ? 0.75 * size : 6));
   g.strokeStyle = theme.muted;
   g.strokeRect(Math.round(f.left) + 0.5, Math.round(f.top) + 0.5, Math.round(f.width), Math.round(f.height));
 }

@@ -107,7 +107,7 @@ export const presets: Preset[] = [
         { radius: 0.0015, density: 7850 },
       ],
     }),
-    map: { axis: "gap", show: "count" },
+    map: { axis: "gap", show: "effective" },
   },
   {
     id: "glass",
@@ -126,7 +126,7 @@ export const presets: Preset[] = [
         { radius: 0.001, density: 2500 },
       ],
     }),
-    map: { axis: "gap", show: "count" },
+    map: { axis: "gap", show: "effective" },
   },
   {
     id: "cradle",

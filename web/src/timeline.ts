@@ -78,7 +78,7 @@ export class Timeline {
   draw(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, theme: Theme): TimelineLayout {
     g.clearRect(0, 0, w, h);
     const size = fontSize(w);
-    const f: Frame = { left: 3.2 * size, top: 1.8 * size, width: w - 3.2 * size - 1.4 * size, height: h - 5 * size };
+    const f: Frame = { left: 3.2 * size, top: 2.2 * size, width: w - 3.2 * size - 1.4 * size, height: h - 5.4 * size };
     const begin = d.scenario.cradle ? d.from - 0.02 * (d.to - d.from) : Math.min(0, d.from);
     const span = this.span();
     const x = new Scale(begin, d.scenario.cradle ? Math.max(d.from + 1.15 * (span / 1.15 - d.from), begin + 1.1 * (d.to - begin)) : span, f.left, f.left + f.width);
