@@ -1,7 +1,8 @@
-// The kernel of core/sweep/lanes.hpp for one instruction set: compiled once for each, with `hardlimit` renamed and
+// The kernels of core/sweep/ for one instruction set: compiled once for each, with `hardlimit` renamed and
 // HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
 // CMakeLists.txt). The number of lanes changes the speed, never the result.
 #include "sweep/lanes.hpp"
+#include "sweep/viscoelastic_lanes.hpp"
 
 namespace {
 using Real = hardlimit::Vector<HARDLIMIT_LANES>::Real;
@@ -9,4 +10,5 @@ using Real = hardlimit::Vector<HARDLIMIT_LANES>::Real;
 
 extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;
 const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_block<Real>,
-                                                &hardlimit::sweep::damping_ratios<Real>};
+                                                &hardlimit::sweep::damping_ratios<Real>,
+                                                &hardlimit::sweep::solve_viscoelastic_block<Real>};

@@ -17,6 +17,8 @@ from hardlimit.maps.tiles import Tiles
 
 PAPER = hl.Column.paper()
 SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
+#: Comes to rest after a long time: the slowest kind of point, some 0.1 ms.
+SLOW = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-2))
 GRID = {"restitution": np.linspace(0.3, 1.0, 7), "gap": np.geomspace(1e-6, 1e-2, 5)}
 
 
@@ -45,8 +47,9 @@ def test_viscoelastic_points_are_those_of_one_column(model: str) -> None:
     for gap in gaps:
         for height in heights:
             point = ds.sel(gap=gap, height=height)
+            tolerance = 1e-9 if model == "newton" else 0.0  # a kernel of its own
             for name, value in scalar(hl.Column(BALLS, gap, height, SOFT.laws[0]), model).items():
-                np.testing.assert_array_equal(point[name], value, err_msg=name)
+                np.testing.assert_allclose(point[name], value, rtol=tolerance, err_msg=name)
 
 
 @pytest.mark.parametrize("model", ["adiabatic", "independent"])
@@ -223,7 +226,7 @@ def test_a_range_of_points_is_part_of_the_map(first: int, count: int) -> None:
 def test_progress_ends_with_all_points() -> None:
     told: list[tuple[int, int]] = []
     hl.sweep(
-        SOFT, progress=lambda done, total: told.append((done, total)), gap=np.geomspace(1e-6, 1e-2, 3000)
+        SLOW, progress=lambda done, total: told.append((done, total)), gap=np.geomspace(1e-6, 1e-2, 3000)
     )
     assert told[-1] == (3000, 3000)
     assert len(told) > 2 and told == sorted(told)
@@ -236,7 +239,7 @@ def test_an_error_in_progress_ends_the_sweep() -> None:
             raise KeyError("mine")
 
     with pytest.raises(KeyError, match="mine"):
-        hl.sweep(SOFT, progress=fail, gap=np.geomspace(1e-6, 1e-2, 3000))
+        hl.sweep(SLOW, progress=fail, gap=np.geomspace(1e-6, 1e-2, 3000))
 
 
 # --- tiles --------------------------------------------------------------------------------------------------

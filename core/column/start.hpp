@@ -11,22 +11,20 @@ enum class Coupling { full, adiabatic };
 struct Start {
     TwoBall groups;
     Units units;
-    Gaps released, first;     // at release, and where the solver starts (the touch, unless the pair meets first)
-    double fall;              // time from release to the touch, in scaled time
-    double t;                 // of `first`
+    Gaps released, first;  // at release, and where the solver starts (the touch, unless the pair meets first)
+    double fall;           // time from release to the touch, in scaled time
+    double t;              // of `first`
     Outcome outcome;
 };
 
-HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1, double m2,
-                           double gravity, Gaps released, Coupling coupling) {
+// Whatever the law: its groups and units are given, the speed of the units being that at the floor.
+HL_FN Start start_scaled(const TwoBall& groups, const Units& units, double gravity, Gaps released) {
     Start s{};
-    const double speed = impact_speed(released.u, released.du, gravity);
+    const double speed = units.speed;
     const double fall = fall_time(released.u, released.du, gravity);
-    s.groups = coupling == Coupling::full ? coupled_groups(floor, pair, m1, m2, gravity, speed, s.units)
-                                          : adiabatic_groups(floor, pair, m1, m2, gravity, speed, s.units);
-    s.outcome = !(speed > 0.0)           ? Outcome::invalid
-                : math::is_nan(fall) ? Outcome::never_lands
-                                     : Outcome::ok;
+    s.groups = groups;
+    s.units = units;
+    s.outcome = !(speed > 0.0) ? Outcome::invalid : math::is_nan(fall) ? Outcome::never_lands : Outcome::ok;
     const double length = s.units.rate / speed;
     s.released = {released.u * length, released.du / speed, released.w * length, released.dw / speed};
     s.fall = fall * s.units.rate;
@@ -35,6 +33,16 @@ HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::L
     s.first = pair_first ? s.released : Gaps{0.0, -1.0, w_touch, s.released.dw};
     s.t = pair_first ? -s.fall : 0.0;
     return s;
+}
+
+HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
+                           double m2, double gravity, Gaps released, Coupling coupling) {
+    const double speed = impact_speed(released.u, released.du, gravity);
+    Units units;
+    const TwoBall groups = coupling == Coupling::full
+                               ? coupled_groups(floor, pair, m1, m2, gravity, speed, units)
+                               : adiabatic_groups(floor, pair, m1, m2, gravity, speed, units);
+    return start_scaled(groups, units, gravity, released);
 }
 
 // Scaled sequence to SI units; times from the first floor touch.

@@ -4,7 +4,7 @@
 
 namespace hardlimit_abi {
 
-enum class Status : int { running = 0, done = 1, left = 2 };  // left: for the scalar solver
+enum class Status : int { running = 0, done = 1, left = 2, rests = 3 };  // left: for the scalar solver
 
 // Drops of a block, one array each: groups and start in, sequence out (scaled units, times on the clock of t).
 struct Block {
@@ -18,6 +18,7 @@ struct Kernel {
     const char* name;
     void (*solve)(const Block&);
     void (*damping_ratios)(double*, int);  // b from −ln ε, in place
+    void (*solve_viscoelastic)(const Block&);
 };
 
 }  // namespace hardlimit_abi

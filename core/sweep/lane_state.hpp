@@ -28,10 +28,14 @@ struct State {
 };
 
 template <class R>
-HL_FN R constant(double x) { return broadcast<R>(x); }
+HL_FN R constant(double x) {
+    return broadcast<R>(x);
+}
 
 template <class R>
-HL_FN void assign(Mask<R> m, R& to, R value) { to = select<R>(m, value, to); }
+HL_FN void assign(Mask<R> m, R& to, R value) {
+    to = select<R>(m, value, to);
+}
 template <class R>
 HL_FN void assign(Mask<R> m, GapState<R>& to, const GapState<R>& value) {
     assign<R>(m, to.u, value.u);
@@ -41,16 +45,24 @@ HL_FN void assign(Mask<R> m, GapState<R>& to, const GapState<R>& value) {
 }
 
 template <class M>
-HL_FN void set(M& flag, Same<M> where, Same<M> value) { flag = (flag & negation(where)) | (value & where); }
+HL_FN void set(M& flag, Same<M> where, Same<M> value) {
+    flag = (flag & negation(where)) | (value & where);
+}
 template <class M>
-HL_FN void raise(M& flag, Same<M> where) { flag = flag | where; }
+HL_FN void raise(M& flag, Same<M> where) {
+    flag = flag | where;
+}
 template <class M>
-HL_FN void clear(M& flag, Same<M> where) { flag = flag & negation(where); }
+HL_FN void clear(M& flag, Same<M> where) {
+    flag = flag & negation(where);
+}
 
 // ---- switches: the definitions of column/sequence.hpp, lane by lane -------------------------------------------
 
 template <class R>
-HL_FN void finish(State<R>& q, Mask<R> m) { clear(q.active, m); }
+HL_FN void finish(State<R>& q, Mask<R> m) {
+    clear(q.active, m);
+}
 
 template <class R>
 HL_FN void floor_begins(State<R>& q, Mask<R> m) {
@@ -199,23 +211,31 @@ HL_FN void fly(State<R>& q, Mask<R> m) {
 
 template <class R>
 HL_FN void put(R& to, int lane, double value) {
-    if constexpr (Lanes<R>::count == 1) to = value;
-    else to[lane] = value;
+    if constexpr (Lanes<R>::count == 1)
+        to = value;
+    else
+        to[lane] = value;
 }
 template <class R>
 HL_FN double get(const R& from, int lane) {
-    if constexpr (Lanes<R>::count == 1) return from;
-    else return from[lane];
+    if constexpr (Lanes<R>::count == 1)
+        return from;
+    else
+        return from[lane];
 }
 template <class M>
 HL_FN void put_flag(M& to, int lane, bool value) {
-    if constexpr (sizeof(M) == sizeof(bool)) to = value;
-    else to[lane] = value ? -1 : 0;
+    if constexpr (sizeof(M) == sizeof(bool))
+        to = value;
+    else
+        to[lane] = value ? -1 : 0;
 }
 template <class M>
 HL_FN bool get_flag(const M& from, int lane) {
-    if constexpr (sizeof(M) == sizeof(bool)) return from;
-    else return from[lane] != 0;
+    if constexpr (sizeof(M) == sizeof(bool))
+        return from;
+    else
+        return from[lane] != 0;
 }
 
 template <class M>
@@ -243,7 +263,8 @@ HL_FN void load(State<R>& q, int lane, const Block& b, int i) {
     put(q.contacts, lane, 0.0);
     put(q.pieces, lane, 0.0);
     using M = Mask<R>;
-    M* const no[] = {&q.floor, &q.pair, &q.on_l1, &q.on_l2, &q.opened, &q.met, &q.counted, &q.left, &q.glided};
+    M* const no[] = {&q.floor, &q.pair,    &q.on_l1, &q.on_l2, &q.opened,
+                     &q.met,   &q.counted, &q.left,  &q.glided};
     for (M* flag : no) put_flag(*flag, lane, false);
     M* const yes[] = {&q.floor_open, &q.pair_open, &q.active};
     for (M* flag : yes) put_flag(*flag, lane, true);

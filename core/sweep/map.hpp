@@ -10,6 +10,7 @@
 
 #include "block.hpp"
 #include "point.hpp"
+#include "viscoelastic.hpp"
 
 namespace hardlimit::sweep {
 
@@ -99,8 +100,46 @@ struct Job {
     }
 };
 
+// How a law gets through its vector kernel; a law without one is solved point by point.
+template <class Law>
+struct Vectorised {
+    static bool covers(Model) { return false; }
+};
+
+template <>
+struct Vectorised<contact::LinearDashpot> {
+    using Block = hardlimit_abi::Block;
+    using Kernel = hardlimit_abi::Kernel;
+    static bool covers(Model model) { return model != Model::independent; }
+    static void solve(const Kernel& kernel, const Block& b) { kernel.solve(b); }
+    // What the law needs to know of each −ln ε, in place: β/ω0.
+    static void invert(const Kernel& kernel, double* exponents, int n) {
+        kernel.damping_ratios(exponents, n);
+    }
+    static bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
+        return sweep::enter(setting, p, floor, pair, s);
+    }
+};
+
+template <>
+struct Vectorised<contact::Viscoelastic> {
+    using Block = hardlimit_abi::Block;
+    using Kernel = hardlimit_abi::Kernel;
+    static bool covers(Model model) { return model == Model::newton; }
+    static void solve(const Kernel& kernel, const Block& b) { kernel.solve_viscoelastic(b); }
+    static void invert(const Kernel&, double* exponents, int n) {
+        for (int i = 0; i < n; ++i) exponents[i] = LossTable::shared().argument(exponents[i]);
+    }
+    static bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
+        return enter_viscoelastic(setting, p, floor, pair, s);
+    }
+};
+
 // Points of one block on their way through the vector kernel.
+template <class Law>
 class VectorBlock {
+    using Via = Vectorised<Law>;
+
 public:
     static constexpr int most = 1024;
 
@@ -114,29 +153,32 @@ public:
         }
         const hardlimit_abi::Block b = {n,     in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
                                         in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
-        job.kernel->solve(b);
-        for (int i = 0; i < count; ++i) {
+        Via::solve(*job.kernel, b);
+        for (int i = 0; i < count && !job.stop; ++i) {
+            using hardlimit_abi::Status;
             PointResult r;
             const int k = slot[i];
-            if (k >= 0 && status[k] == static_cast<int>(hardlimit_abi::Status::done))
-                r = leave(job.setting, p[i], units[k],
-                          {out[0][k], out[1][k], out[2][k], out[3][k], out[4][k], out[5][k]});
+            const Status end = k >= 0 ? static_cast<Status>(status[k]) : Status::left;
+            if (end == Status::left)
+                r = solve_point<Law>(job.setting, p[i]);
             else
-                r = solve_point<contact::LinearDashpot>(job.setting, p[i]);
+                r = leave(job.setting, p[i], units[k],
+                          {out[0][k], out[1][k], out[2][k], out[3][k], out[4][k], out[5][k]},
+                          end == Status::rests ? Outcome::at_rest : Outcome::ok);
             job.put(first + static_cast<u64>(i), r);
         }
     }
 
 private:
     Parameters p[most];
-    double ratio[2][most];  // β/ω0 of floor and pair, when given by ε
+    double ratio[2][most] = {};  // what Via::invert makes of floor's and pair's ε, when given by it
     double listed[2 * most];
     int list_of[2][most];
     double in[10][most], out[6][most];
     int status[most], slot[most];
     column::Units units[most];
 
-    // β/ω0 from ε, once for each run of equal values.
+    // Once for each run of equal values.
     void damping(const Job& job, int count) {
         if (job.setting.restitution_at < 0) return;
         int n = 0;
@@ -149,7 +191,7 @@ private:
                 list_of[side][i] = n - 1;
             }
         }
-        job.kernel->damping_ratios(listed, n);
+        Via::invert(*job.kernel, listed, n);
         for (int side = 0; side < 2; ++side)
             for (int i = 0; i < count; ++i) ratio[side][i] = listed[list_of[side][i]];
     }
@@ -157,7 +199,7 @@ private:
     // Groups and start of point i into place k; false if it is not one for the kernel.
     bool enter_block(const Setting& setting, int i, int k) {
         column::Start s;
-        if (!enter(setting, p[i], ratio[0][i], ratio[1][i], s)) return false;
+        if (!Via::enter(setting, p[i], ratio[0][i], ratio[1][i], s)) return false;
         const double values[10] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
                                    s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
         for (int j = 0; j < 10; ++j) in[j][k] = values[j];
@@ -170,23 +212,31 @@ private:
 // order matters.
 template <class Law>
 void work(Job& job, u64 block) {
-    constexpr bool linear = std::is_same_v<Law, contact::LinearDashpot>;
-    const bool vector = linear && job.kernel && job.setting.model != Model::independent;
-    const auto lanes = std::make_unique<VectorBlock>();
-    for (;;) {
-        const u64 begin = job.next.fetch_add(block);
-        if (begin >= job.count || job.stop) break;
-        const u64 end = begin + block < job.count ? begin + block : job.count;
-        if (vector) {
-            for (u64 i = begin; i < end && !job.stop; i += VectorBlock::most)
-                lanes->solve(job, i,
-                             static_cast<int>(end - i < VectorBlock::most ? end - i : VectorBlock::most));
-        } else {
-            Cursor at(job.axes, job.first + begin);
-            for (u64 i = begin; i < end && !job.stop; ++i, at.next())
-                job.put(i, solve_point<Law>(job.setting, at.parameters()));
+    const auto each_block = [&](const auto& solve) {
+        for (;;) {
+            const u64 begin = job.next.fetch_add(block);
+            if (begin >= job.count || job.stop) break;
+            const u64 end = begin + block < job.count ? begin + block : job.count;
+            solve(begin, end);
+            job.done += end - begin;
         }
-        job.done += end - begin;
+    };
+    const auto by_point = [&](u64 begin, u64 end) {
+        Cursor at(job.axes, job.first + begin);
+        for (u64 i = begin; i < end && !job.stop; ++i, at.next())
+            job.put(i, solve_point<Law>(job.setting, at.parameters()));
+    };
+    if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
+        if constexpr (requires { typename Vectorised<Law>::Kernel; }) {
+            constexpr int most = VectorBlock<Law>::most;
+            const auto lanes = std::make_unique<VectorBlock<Law>>();
+            each_block([&](u64 begin, u64 end) {
+                for (u64 i = begin; i < end && !job.stop; i += most)
+                    lanes->solve(job, i, static_cast<int>(end - i < most ? end - i : most));
+            });
+        }
+    } else {
+        each_block(by_point);
     }
     --job.running;
 }

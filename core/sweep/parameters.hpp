@@ -53,16 +53,27 @@ HL_FN void finish(const column::Sequence& q, const Setting& s, const Parameters&
         r.restitution_ratio = one_nan(r.effective_restitution / p.floor_law[s.restitution_at]);
 }
 
+struct Bodies {
+    double height, m1, m2;  // height of the lower ball above the floor
+};
+
+// Masses and height from the parameters, in which a radius ratio becomes the lower radius; false if that ball does not
+// fit above the floor.
+HL_FN bool measure(const Setting& setting, Parameters& q, Bodies& b) {
+    if (!math::is_nan(q.radius_ratio)) q.radius_1 = q.radius_ratio * q.radius_2;
+    q.radius_ratio = math::nan;
+    b = {q.height - q.radius_1, ball_mass(q.matter_1, setting.density_1, q.radius_1),
+         ball_mass(q.matter_2, setting.density_2, q.radius_2)};
+    return b.height >= 0.0;
+}
+
 // A drop for the kernel of lanes.hpp under the linear law; false if the point is not one for it. The damping ratios
 // β/ω0 of floor and pair count when the law is given by ε.
 HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, double pair_ratio,
                  column::Start& s) {
-    if (!math::is_nan(q.radius_ratio)) q.radius_1 = q.radius_ratio * q.radius_2;
-    q.radius_ratio = math::nan;
-    const double height = q.height - q.radius_1;
-    if (!(height >= 0.0)) return false;
-    const double m1 = ball_mass(q.matter_1, setting.density_1, q.radius_1);
-    const double m2 = ball_mass(q.matter_2, setting.density_2, q.radius_2);
+    Bodies b;
+    if (!measure(setting, q, b)) return false;
+    const double m1 = b.m1, m2 = b.m2;
     using contact::LinearDashpot;
     const bool given = setting.restitution_at >= 0;
     const LinearDashpot floor = given ? LinearDashpot::from_damping_ratio(q.floor_law[0], floor_ratio, m1)
@@ -71,7 +82,7 @@ HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, doub
         given ? LinearDashpot::from_damping_ratio(q.pair_law[0], pair_ratio, effective(m1, m2))
               : LinearDashpot{q.pair_law[0], q.pair_law[1]};
     s = column::start_two_ball(
-        floor, pair, m1, m2, q.gravity, {height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
+        floor, pair, m1, m2, q.gravity, {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
         setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
     return s.outcome == Outcome::ok && math::is_finite(s.groups.gravity + s.first.w);
 }
@@ -82,8 +93,9 @@ struct Found {
 };
 
 HL_FN PointResult leave(const Setting& setting, const Parameters& p, const column::Units& units,
-                        const Found& found) {
+                        const Found& found, Outcome outcome = Outcome::ok) {
     column::Sequence q;
+    q.outcome = outcome;
     q.n_contacts = static_cast<int>(found.contacts);
     q.t_first_touch = found.t_first;
     q.t_end = found.t_end;
