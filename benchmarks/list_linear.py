@@ -1,0 +1,42 @@
+"""A list of points that share no restitution and no mass ratio, ours against the peers of map_linear.py.
+
+    python benchmarks/list_linear.py [--size 1000000] [--write]
+
+ε ∈ [0.3, 1] and R1/R2 ∈ [1, 25] uniform, Δh ∈ [1 µm, 1 cm] and k ∈ [1e6, 1e9] N/m log-uniform. The peers
+compute the first points of the list.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from harness import Method, arguments, publish
+from map_linear import DRAWN, compare
+from peers import scaled
+
+import hardlimit as hl
+
+
+def main() -> None:
+    a = arguments(__doc__, 1_000_000)
+    n = max(a.size, DRAWN)
+    rng = np.random.default_rng(7)
+    restitution, ratio = rng.uniform(0.3, 1.0, n), rng.uniform(1.0, 25.0, n)
+    gap, stiffness = 10.0 ** rng.uniform(-6.0, -2.0, n), 10.0 ** rng.uniform(6.0, 9.0, n)
+    points = scaled.Points(restitution, gap, 0.01 * ratio, np.full(n, 0.01), stiffness).first(DRAWN)
+    swept = {"restitution": restitution, "gap": gap, "radius_ratio": ratio, "stiffness": stiffness}
+    arrays = {name: xr.DataArray(values, dims="point") for name, values in swept.items()}
+    kept = {}
+
+    def run() -> None:
+        kept["ds"] = hl.sweep(hl.Column.paper(), threads=1, **arrays)
+
+    def at_drawn():
+        return kept["ds"].n_contacts.values[:DRAWN], kept["ds"].relative_velocity.values[:DRAWN]
+
+    ours = Method("hardlimit", "exact", run, n)
+    publish("list_linear", compare(ours, at_drawn, points, a.repetitions), a.write)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""Viscoelastic two-ball map, ours against heyoka.py and numba at matched error 1e-8·V.
+
+    python benchmarks/map_viscoelastic.py [--size 100] [--write]
+
+Fig. 7's spheres (R2 = 0.25 cm, Y = 5e7 N/m², ν = 0.45, restitution at 3 m/s): ε ∈ [0.4, 1) × Δh ∈ [1 µm, 1
+cm]. The peers are handed ρ and A of each contact, ours computes A from the restitution. Errors are against
+hl.newton.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from harness import Method, accuracy, arguments, comparison, interleave, publish
+from peers import scaled, viscoelastic_heyoka, viscoelastic_numba
+
+import hardlimit as hl
+
+DRAWN = 1000
+#: Steps and tolerances with which the p95 error is just below 1e-8·V; found by trying.
+PEERS = [
+    ("numba RK4, events", "step 0.025", lambda p: viscoelastic_numba.run(p, "RK4", 0.025), 200),
+    ("numba DOP853, events", "step 0.38", lambda p: viscoelastic_numba.run(p, "DOP853", 0.38), 1000),
+    ("heyoka.py scalar, events", "tol 1e-8", lambda p: viscoelastic_heyoka.run(p, "scalar", 1e-8), 1000),
+    ("heyoka.py batch, events", "tol 1e-8", lambda p: viscoelastic_heyoka.run(p, "batch", 1e-8), 1000),
+]
+
+
+def column(restitution: float, gap: float) -> hl.Column:
+    law = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=restitution, impact_speed=3.0)
+    return hl.Column.paper(gap=gap, radius_2=0.0025, law=law)
+
+
+def main() -> None:
+    a = arguments(__doc__, 100, 3)
+    restitution, gap = np.linspace(0.4, 0.999, a.size), np.geomspace(1e-6, 1e-2, a.size)
+    rng = np.random.default_rng(8)
+    i, j = rng.integers(0, a.size, (2, DRAWN))
+    columns = [column(e, h) for e, h in zip(restitution[i], gap[j], strict=True)]
+    points = scaled.Points(
+        restitution[i],
+        gap[j],
+        np.full(DRAWN, 0.1),
+        np.full(DRAWN, 0.0025),
+        elastic=np.array([[c.elastic_prefactor for c in col.contacts] for col in columns]),
+        dissipative_time=np.array([[c.dissipative_time for c in col.contacts] for col in columns]),
+    )
+    exact = [hl.newton(c) for c in columns]
+    n = np.array([r.n_contacts for r in exact])
+    v = np.array([r.relative_velocity for r in exact])
+    speed = scaled.impact_speed(points)
+    kept = {}
+
+    def run() -> None:
+        kept["ds"] = hl.sweep(column(0.7, 1e-4), threads=1, restitution=restitution, gap=gap)
+
+    methods = [Method("hardlimit", "as shipped", run, a.size**2)]
+    for name, setting, solve, count in PEERS:
+        some = points.first(count)
+        methods.append(Method(name, setting, lambda solve=solve, some=some: solve(some), count))
+    interleave(methods, a.repetitions)
+    ds = kept["ds"]
+    found = [accuracy(ds.n_contacts.values[i, j], ds.relative_velocity.values[i, j], n, v, speed)]
+    for m in methods[1:]:
+        r = m.run()
+        found.append(accuracy(r.n_contacts, r.relative_velocity, n, v, speed))
+    publish("map_viscoelastic", comparison(methods, found), a.write)
+
+
+if __name__ == "__main__":
+    main()
