@@ -14,7 +14,8 @@ from peers import linear_heyoka, linear_numba, linear_scipy, scaled
 import hardlimit as hl
 
 DRAWN = 4000
-#: Steps and tolerances with which the p95 error is below 1e-7·V, found by trying; heyoka's goes in jumps with its order.
+#: Steps and tolerances with which the p95 error is below 1e-7·V, found by trying;
+#: heyoka's goes in jumps with its order.
 PEERS = [
     ("numba RK4, events", "step 0.042/ω", lambda p: linear_numba.run(p, "RK4", 0.042), 4000),
     ("numba DOP853, events", "step 0.85/ω", lambda p: linear_numba.run(p, "DOP853", 0.85), 4000),

@@ -19,8 +19,8 @@ from .sequence import Sequence
 KAPPA, G, D1, D2, FLOOR, PAIR, SIGN_U, C_U, SIGN_W, C_W = range(10)
 FAR = 1e9
 
-# Its root finder warns now and then ("too many iterations"). At tol 1e-7, 13 of 2000 random points warned, all with
-# the right count; the one wrong count came without a warning.
+# Its root finder warns now and then ("too many iterations"). At tol 1e-7, 13 of 2000 random points warned,
+# all with the right count; the one wrong count came without a warning.
 hy.set_logger_level_error()
 
 
