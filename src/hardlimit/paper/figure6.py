@@ -43,7 +43,7 @@ def meaning(data: xr.Dataset) -> str:
     """What the figure means for an event-driven simulation."""
     good = np.abs(data["restitution_ratio"].values - 1.0) <= 0.01
     first_bad = int(np.argmin(good)) if not good.all() else good.size - 1
-    at_ten = float(data["restitution_ratio"].interp(radius_ratio=RADIUS_RATIO))
+    at_ten = float(np.interp(RADIUS_RATIO, data["radius_ratio"], data["restitution_ratio"]))
     return (
         f"Event-driven simulations of unequal balls go wrong first: at this gap they are right to one per "
         f"cent only up to R1/R2 = {float(data.radius_ratio[first_bad]):.2f}, and at R1/R2 = "
