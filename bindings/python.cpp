@@ -50,8 +50,8 @@ void for_each_law(F&& f) {
 #undef HL_VISIT
 }
 
-Contact make_contact(const std::string& name, int alternative, const std::vector<double>& parameters, double mass,
-                     double radius) {
+Contact make_contact(const std::string& name, int alternative, const std::vector<double>& parameters,
+                     double mass, double radius) {
     Contact made{};
     bool found = false;
     for_each_law([&]<class Law>() {
@@ -89,7 +89,8 @@ Out force(const Contact& c, In compression, In rate) {
             using Law = std::decay_t<decltype(law)>;
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const double xi = compression.data()[i];
-                f[i] = xi > 0.0 ? hl::math::max(0.0, law.force(root_coordinate<Law>(xi), rate.data()[i])) : 0.0;
+                f[i] =
+                    xi > 0.0 ? hl::math::max(0.0, law.force(root_coordinate<Law>(xi), rate.data()[i])) : 0.0;
             }
         },
         c.law);
@@ -143,12 +144,14 @@ struct PyColumn {
 };
 
 PyColumn make_column(bool floor, double gravity, std::vector<double> mass, std::vector<double> radius,
-                     const std::vector<Contact>& contacts, std::vector<double> gaps, std::vector<double> velocity) {
+                     const std::vector<Contact>& contacts, std::vector<double> gaps,
+                     std::vector<double> velocity) {
     PyColumn made;
     const bool same = std::visit(
         [&](const auto& first) {
             using Law = std::decay_t<decltype(first)>;
-            col::Column<Law> c{static_cast<int>(mass.size()), floor, gravity, mass, radius, {}, gaps, velocity};
+            col::Column<Law> c{
+                static_cast<int>(mass.size()), floor, gravity, mass, radius, {}, gaps, velocity};
             for (const Contact& k : contacts) {
                 const Law* law = std::get_if<Law>(&k.law);
                 if (!law) return false;
@@ -167,8 +170,15 @@ struct Samples {
     std::size_t n, balls;
     std::vector<double> position, velocity, force, kinetic, potential, stored, dissipated;
     Samples(std::size_t n_, std::size_t balls_)
-        : n(n_), balls(balls_), position(n_ * balls_), velocity(n_ * balls_), force(n_ * balls_), kinetic(n_),
-          potential(n_), stored(n_), dissipated(n_) {}
+        : n(n_),
+          balls(balls_),
+          position(n_ * balls_),
+          velocity(n_ * balls_),
+          force(n_ * balls_),
+          kinetic(n_),
+          potential(n_),
+          stored(n_),
+          dissipated(n_) {}
 };
 
 // What every solver returns.
@@ -307,7 +317,8 @@ std::unique_ptr<Solution> newton(const PyColumn& c, double until, bool general, 
 std::unique_ptr<Solution> adiabatic(const PyColumn& c, double until) {
     const auto* linear = std::get_if<col::LinearColumn>(&c.value);
     if (!linear || !linear->floor || linear->balls != 2)
-        throw nb::value_error("column: the adiabatic solution is that of two balls on a floor under the linear law");
+        throw nb::value_error(
+            "column: the adiabatic solution is that of two balls on a floor under the linear law");
     nb::gil_scoped_release unlocked;
     return std::make_unique<ExactSolution>(*linear, col::Coupling::adiabatic, until);
 }
@@ -342,7 +353,8 @@ auto sample(Solution& s, In times, std::size_t balls) {
         s.sample(times.data(), out);
     }
     const std::size_t n = out.n;
-    return std::tuple(make_array(std::move(out.position), {n, balls}), make_array(std::move(out.velocity), {n, balls}),
+    return std::tuple(make_array(std::move(out.position), {n, balls}),
+                      make_array(std::move(out.velocity), {n, balls}),
                       make_array(std::move(out.force), {n, balls}), make_array(std::move(out.kinetic), {n}),
                       make_array(std::move(out.potential), {n}), make_array(std::move(out.stored), {n}),
                       make_array(std::move(out.dissipated), {n}));
@@ -356,64 +368,102 @@ void bind_contacts(nb::module_& m) {
         .def("values",
              [](const Contact& c) {
                  std::vector<double> v(hl::max_parameters);
-                 std::visit([&](const auto& law) { law.values(v.data()); v.resize(law.record.n_contact); }, c.law);
+                 std::visit(
+                     [&](const auto& law) {
+                         law.values(v.data());
+                         v.resize(law.record.n_contact);
+                     },
+                     c.law);
                  return v;
              })
         .def("force", &force, "compression"_a, "rate"_a)
-        .def("restitution",
-             [](const Contact& c, In speed) {
-                 return std::visit([&](const auto& law) {
-                     return map(speed, [&](double v) { return law.restitution(v, c.pair.effective_mass); });
-                 }, c.law);
-             }, "speed"_a)
-        .def("duration",
-             [](const Contact& c, In speed) {
-                 return std::visit([&](const auto& law) {
-                     return map(speed, [&](double v) { return law.duration(v, c.pair.effective_mass); });
-                 }, c.law);
-             }, "speed"_a)
-        .def("energy",
-             [](const Contact& c, In compression) {
-                 return std::visit([&](const auto& law) {
-                     using Law = std::decay_t<decltype(law)>;
-                     return map(compression, [&](double xi) {
-                         return xi > 0.0 ? law.energy(root_coordinate<Law>(xi)) : 0.0;
-                     });
-                 }, c.law);
-             }, "compression"_a);
+        .def(
+            "restitution",
+            [](const Contact& c, In speed) {
+                return std::visit(
+                    [&](const auto& law) {
+                        return map(speed,
+                                   [&](double v) { return law.restitution(v, c.pair.effective_mass); });
+                    },
+                    c.law);
+            },
+            "speed"_a)
+        .def(
+            "duration",
+            [](const Contact& c, In speed) {
+                return std::visit(
+                    [&](const auto& law) {
+                        return map(speed, [&](double v) { return law.duration(v, c.pair.effective_mass); });
+                    },
+                    c.law);
+            },
+            "speed"_a)
+        .def(
+            "energy",
+            [](const Contact& c, In compression) {
+                return std::visit(
+                    [&](const auto& law) {
+                        using Law = std::decay_t<decltype(law)>;
+                        return map(compression, [&](double xi) {
+                            return xi > 0.0 ? law.energy(root_coordinate<Law>(xi)) : 0.0;
+                        });
+                    },
+                    c.law);
+            },
+            "compression"_a);
     m.def("make_contact", &make_contact, "law"_a, "alternative"_a, "parameters"_a, "effective_mass"_a,
           "effective_radius"_a);
     m.def("effective", &hl::effective, "a"_a, "b"_a, "a b/(a + b), also for an infinite partner.");
-    m.def("viscoelastic_restitution",
-          [](In x) { return map(x, [](double v) { return hl::contact::viscoelastic_collision(v).restitution; }); }, "x"_a);
-    m.def("viscoelastic_duration",
-          [](In x) { return map(x, [](double v) { return hl::contact::viscoelastic_collision(v).duration; }); }, "x"_a);
-    m.def("viscoelastic_series",
-          [](In x, int terms) { return map(x, [=](double v) { return hl::contact::viscoelastic_series(v, terms); }); },
-          "x"_a, "terms"_a = hl::contact::series_terms);
-    m.def("viscoelastic_pade",
-          [](In x, int p, int q) {
-              if (p < 0 || q < 0 || q > 6 || p + q >= hl::contact::series_terms)
-                  throw nb::value_error("orders: need numerator + denominator <= 9, denominator <= 6");
-              return map(x, [=](double v) { return hl::contact::viscoelastic_pade(v, p, q); });
-          }, "x"_a, "numerator"_a, "denominator"_a);
-    m.def("linear_restitution",
-          [](In b) { return map(b, [](double v) { return hl::math::exp(-hl::contact::linear_loss_exponent(v)); }); },
-          "damping_ratio"_a);
-    m.def("linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration<double>); }, "damping_ratio"_a);
+    m.def(
+        "viscoelastic_restitution",
+        [](In x) {
+            return map(x, [](double v) { return hl::contact::viscoelastic_collision(v).restitution; });
+        },
+        "x"_a);
+    m.def(
+        "viscoelastic_duration",
+        [](In x) { return map(x, [](double v) { return hl::contact::viscoelastic_collision(v).duration; }); },
+        "x"_a);
+    m.def(
+        "viscoelastic_series",
+        [](In x, int terms) {
+            return map(x, [=](double v) { return hl::contact::viscoelastic_series(v, terms); });
+        },
+        "x"_a, "terms"_a = hl::contact::series_terms);
+    m.def(
+        "viscoelastic_pade",
+        [](In x, int p, int q) {
+            if (p < 0 || q < 0 || q > 6 || p + q >= hl::contact::series_terms)
+                throw nb::value_error("orders: need numerator + denominator <= 9, denominator <= 6");
+            return map(x, [=](double v) { return hl::contact::viscoelastic_pade(v, p, q); });
+        },
+        "x"_a, "numerator"_a, "denominator"_a);
+    m.def(
+        "linear_restitution",
+        [](In b) {
+            return map(b, [](double v) { return hl::math::exp(-hl::contact::linear_loss_exponent(v)); });
+        },
+        "damping_ratio"_a);
+    m.def(
+        "linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration<double>); },
+        "damping_ratio"_a);
 }
 
 void bind_math(nb::module_& m) {
-    m.def("math",
-          [](const std::string& name, In x) {
-              namespace hm = hl::math;
-              const std::pair<const char*, double (*)(double)> functions[] = {
-                  {"exp", &hm::exp<double>}, {"log", &hm::log<double>}, {"log1p", &hm::log1p<double>},
-                  {"sin", &hm::sin<double>}, {"cos", &hm::cos<double>}};
-              for (const auto& [known, f] : functions)
-                  if (name == known) return map(x, f);
-              throw nb::value_error("name: exp, log, log1p, sin or cos");
-          }, "name"_a, "x"_a, "The core's own elementary functions, for their tests.");
+    m.def(
+        "math",
+        [](const std::string& name, In x) {
+            namespace hm = hl::math;
+            const std::pair<const char*, double (*)(double)> functions[] = {{"exp", &hm::exp<double>},
+                                                                            {"log", &hm::log<double>},
+                                                                            {"log1p", &hm::log1p<double>},
+                                                                            {"sin", &hm::sin<double>},
+                                                                            {"cos", &hm::cos<double>}};
+            for (const auto& [known, f] : functions)
+                if (name == known) return map(x, f);
+            throw nb::value_error("name: exp, log, log1p, sin or cos");
+        },
+        "name"_a, "x"_a, "The core's own elementary functions, for their tests.");
     m.def("atan2_upper", &hl::math::atan2_upper<double>, "y"_a, "x"_a);
 }
 

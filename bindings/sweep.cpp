@@ -34,8 +34,8 @@ std::uint8_t* bytes(const nb::dict& out, const char* name) {
 std::vector<const hardlimit_abi::Kernel*> kernels() {
     std::vector<const hardlimit_abi::Kernel*> found;
 #if defined(HARDLIMIT_X86)
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512bw"))
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
         found.push_back(&hardlimit_kernel_avx512);
     if (__builtin_cpu_supports("avx2")) found.push_back(&hardlimit_kernel_avx2);
 #endif
@@ -61,9 +61,10 @@ Worker worker_for(const std::string& law) {
 }
 
 // Points first … first + count − 1 of the map. Returns the contact counts above 255 as (point, count).
-nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2, int restitution_at,
-                 const std::vector<Values>& values, const std::vector<hl::u64>& strides, hl::u64 first, hl::u64 count,
-                 int threads, const nb::dict& out, nb::object progress, const std::string& instruction_set) {
+nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2,
+                 int restitution_at, const std::vector<Values>& values, const std::vector<hl::u64>& strides,
+                 hl::u64 first, hl::u64 count, int threads, const nb::dict& out, nb::object progress,
+                 const std::string& instruction_set) {
     if (values.size() != sw::parameter_count || strides.size() != sw::parameter_count)
         throw nb::value_error("values: wrong number of parameters");
     sw::Job job{};
@@ -73,9 +74,14 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
     job.kernel = kernel_named(instruction_set);
     job.first = first;
     job.count = count;
-    job.out = {bytes(out, "n_contacts"), bytes(out, "outcome"), doubles(out, "relative_velocity"),
-               doubles(out, "separation_velocity"), doubles(out, "effective_restitution"),
-               doubles(out, "restitution_ratio"), doubles(out, "t_end"), doubles(out, "t_floor_end")};
+    job.out = {bytes(out, "n_contacts"),
+               bytes(out, "outcome"),
+               doubles(out, "relative_velocity"),
+               doubles(out, "separation_velocity"),
+               doubles(out, "effective_restitution"),
+               doubles(out, "restitution_ratio"),
+               doubles(out, "t_end"),
+               doubles(out, "t_floor_end")};
     const Worker worker = worker_for(law);
     const hl::u64 block = std::max<hl::u64>(1, std::min<hl::u64>(4096, count / (8 * threads) + 1));
     bool interrupted = false;
@@ -118,8 +124,9 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
 void bind_sweep(nb::module_& m) {
     m.attr("sweep_parameters") = sw::parameter_count;
     m.attr("max_law_parameters") = hl::max_parameters;
-    m.def("run_map", &run_map, "law"_a, "model"_a, "alternative"_a, "density_1"_a, "density_2"_a, "restitution_at"_a,
-          "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "out"_a, "progress"_a.none(), "instruction_set"_a = "auto");
+    m.def("run_map", &run_map, "law"_a, "model"_a, "alternative"_a, "density_1"_a, "density_2"_a,
+          "restitution_at"_a, "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "out"_a,
+          "progress"_a.none(), "instruction_set"_a = "auto");
     m.def("instruction_sets", [] {
         std::vector<std::string> names;
         for (const hardlimit_abi::Kernel* k : kernels()) names.emplace_back(k->name);

@@ -15,17 +15,29 @@ inline constexpr double nan = __builtin_nan("");
 inline constexpr double epsilon = 2.220446049250313e-16;  // spacing of doubles at 1
 
 template <class R>
-HL_FN R sqrt(R x) { return sqrt_of(x); }
+HL_FN R sqrt(R x) {
+    return sqrt_of(x);
+}
 template <class R>
-HL_FN R abs(R x) { return select<R>(x < 0.0, -x, x); }
+HL_FN R abs(R x) {
+    return select<R>(x < 0.0, -x, x);
+}
 template <class R>
-HL_FN R min(R a, R b) { return select<R>(b < a, b, a); }
+HL_FN R min(R a, R b) {
+    return select<R>(b < a, b, a);
+}
 template <class R>
-HL_FN R max(R a, R b) { return select<R>(a < b, b, a); }
+HL_FN R max(R a, R b) {
+    return select<R>(a < b, b, a);
+}
 template <class R>
-HL_FN R clamp(R x, double lo, double hi) { return min(max(x, broadcast<R>(lo)), broadcast<R>(hi)); }
+HL_FN R clamp(R x, double lo, double hi) {
+    return min(max(x, broadcast<R>(lo)), broadcast<R>(hi));
+}
 template <class R>
-HL_FN Mask<R> is_nan(R x) { return x != x; }
+HL_FN Mask<R> is_nan(R x) {
+    return x != x;
+}
 HL_FN bool is_finite(double x) { return x - x == 0.0; }
 
 // Nearest integer for |x| < 2^51: adding 1.5·2^52 pushes the fraction out of the significand.
@@ -154,9 +166,13 @@ HL_FN SinCos<R> sincos(R x) {
     return {select<R>((quarter == -1.0) | half_turn, -u, u), select<R>((quarter == 1.0) | half_turn, -v, v)};
 }
 template <class R>
-HL_FN R sin(R x) { return sincos(x).sin; }
+HL_FN R sin(R x) {
+    return sincos(x).sin;
+}
 template <class R>
-HL_FN R cos(R x) { return sincos(x).cos; }
+HL_FN R cos(R x) {
+    return sincos(x).cos;
+}
 
 // Angle of (x, y) for y >= 0, in [0, pi]. Three half-angle steps tan(a/2) = t/(1 + sqrt(1 + t^2)) bring the
 // argument below tan(pi/16) for x >= 0; the left half plane is the mirror image.
@@ -187,6 +203,8 @@ HL_FN R atan2_upper(R y, R x) {
 
 // x^y for x > 0.
 template <class R>
-HL_FN R pow(R x, R y) { return exp<R>(y * log(x)); }
+HL_FN R pow(R x, R y) {
+    return exp<R>(y * log(x));
+}
 
 }  // namespace hardlimit::math

@@ -25,7 +25,8 @@ inline constexpr OutcomeRecord outcome_records[outcome_count] = {
     {"no_contact", "no ball–ball contact before the floor is met again"},
     {"at_rest", "at rest: a contact never ends because gravity holds it closed"},
     {"invalid", "invalid parameters: outside the range of the model"},
-    {"collapse", "inelastic collapse: the collisions of the independent-collisions model accumulate in a finite time"},
+    {"collapse",
+     "inelastic collapse: the collisions of the independent-collisions model accumulate in a finite time"},
     {"unresolved", "not resolved: the limit on the number of steps or events was reached"},
     {"never_lands", "the lowest ball never reaches the floor"},
 };

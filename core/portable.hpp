@@ -69,13 +69,17 @@ struct Lanes<Real> {
 // All lanes the same.
 template <class Real>
 HL_FN Real broadcast(double x) {
-    if constexpr (Lanes<Real>::count == 1) return x;
-    else return Real{} + x;
+    if constexpr (Lanes<Real>::count == 1)
+        return x;
+    else
+        return Real{} + x;
 }
 
 // Lane by lane. Real may itself be a Mask.
 template <class Real>
-HL_FN Real select(Mask<Real> m, Real yes, Real no) { return m ? yes : no; }
+HL_FN Real select(Mask<Real> m, Real yes, Real no) {
+    return m ? yes : no;
+}
 
 template <class M>
 HL_FN bool any(M m) {
@@ -91,8 +95,10 @@ HL_FN bool any(int m) { return m != 0; }
 HL_FN bool negation(int m) { return m == 0; }
 template <class M>
 HL_FN M negation(M m) {
-    if constexpr (sizeof(M) == sizeof(bool)) return !m;
-    else return ~m;
+    if constexpr (sizeof(M) == sizeof(bool))
+        return !m;
+    else
+        return ~m;
 }
 
 // The eight bytes of a double as an integer and back. A library call on the host would drag std headers into

@@ -43,7 +43,14 @@ def test_normal_turns(row: dict[str, str]) -> None:
     apart.terminal, apart.direction = True, 1.0
     start = [1.0, 0.0, -np.cos(angle), np.sin(angle)]
     run = solve_ivp(
-        motion, (0, 5 * duration), start, "DOP853", events=apart, rtol=1e-12, atol=1e-15, max_step=duration / 50
+        motion,
+        (0, 5 * duration),
+        start,
+        "DOP853",
+        events=apart,
+        rtol=1e-12,
+        atol=1e-15,
+        max_step=duration / 50,
     )
     end = run.y_events[0][-1]
     np.testing.assert_allclose(np.degrees(np.arctan2(end[1], end[0])), float(rotation), rtol=1e-8)

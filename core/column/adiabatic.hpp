@@ -11,8 +11,8 @@
 
 namespace hardlimit::column {
 
-HL_FN TwoBall adiabatic_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
-                               double m2, double gravity, double speed, Units& units) {
+HL_FN TwoBall adiabatic_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
+                               double m1, double m2, double gravity, double speed, Units& units) {
     const double rate = math::sqrt(pair.stiffness / m2);
     units = {speed, rate};
     return {(floor.stiffness / pair.stiffness) * (m2 / m1), 0.0, floor.relaxation_time() * rate,

@@ -24,16 +24,16 @@ struct Recorder {
 
 struct Drop {
     Start start;
-    Sequence sequence;                  // SI
-    std::vector<Contact> contacts;      // SI
-    std::vector<Node> nodes;            // scaled, times from the first floor touch
-    std::vector<double> dissipated;     // [J] up to each node
+    Sequence sequence;               // SI
+    std::vector<Contact> contacts;   // SI
+    std::vector<Node> nodes;         // scaled, times from the first floor touch
+    std::vector<double> dissipated;  // [J] up to each node
 };
 
 // One state on the way, in SI units.
 struct DropSample {
-    double u, w, du, dw;                         // gaps [m] and their rates [m/s]
-    double force_floor, force_pair;              // [N]
+    double u, w, du, dw;                            // gaps [m] and their rates [m/s]
+    double force_floor, force_pair;                 // [N]
     double kinetic, potential, stored, dissipated;  // [J]; potential is zero when both gaps are
 };
 
@@ -64,7 +64,8 @@ inline Mechanical mechanical_energy(const LinearColumn& c, const Units& units, c
     const double length = units.speed / units.rate, m1 = c.mass[0], m2 = c.mass[1];
     const double v1 = x.du * units.speed, v2 = v1 + x.dw * units.speed;
     return {0.5 * (m1 * v1 * v1 + m2 * v2 * v2), c.gravity * length * ((m1 + m2) * x.u + m2 * x.w),
-            c.contacts[0].energy(math::max(0.0, -x.u * length)) + c.contacts[1].energy(math::max(0.0, -x.w * length))};
+            c.contacts[0].energy(math::max(0.0, -x.u * length)) +
+                c.contacts[1].energy(math::max(0.0, -x.w * length))};
 }
 
 // Work done by the dashpots, and energy that a contact still stores when its clipped force vanishes, from the node
@@ -73,12 +74,13 @@ inline Mechanical mechanical_energy(const LinearColumn& c, const Units& units, c
 inline double dissipated_over(const LinearColumn& c, const Start& s, const Node& n, double dt) {
     static constexpr double at[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959,
                                      0.96028985649753623168};
-    static constexpr double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054,
-                                         0.10122853629037625915};
+    static constexpr double weight[4] = {0.36268378337836198297, 0.31370664587788728734,
+                                         0.22238103445337447054, 0.10122853629037625915};
     const double speed2 = s.units.speed * s.units.speed;
     const auto power = [&](const Gaps& x) {
         return ((n.floor ? c.contacts[0].damping * x.du * x.du : 0.0) +
-                (n.pair ? c.contacts[1].damping * x.dw * x.dw : 0.0)) * speed2 / s.units.rate;
+                (n.pair ? c.contacts[1].damping * x.dw * x.dw : 0.0)) *
+               speed2 / s.units.rate;
     };
     double work = 0.0;
     if (n.floor || n.pair) {
@@ -91,8 +93,9 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
         const double half = 0.5 * dt / pieces;
         for (int i = 0; i < pieces; ++i)
             for (int j = 0; j < 4; ++j)
-                work += half * weight[j] * (power(state_at(s.groups, n, half * (2 * i + 1 - at[j]))) +
-                                            power(state_at(s.groups, n, half * (2 * i + 1 + at[j]))));
+                work += half * weight[j] *
+                        (power(state_at(s.groups, n, half * (2 * i + 1 - at[j]))) +
+                         power(state_at(s.groups, n, half * (2 * i + 1 + at[j]))));
     }
     const double length = s.units.speed / s.units.rate;
     const Gaps end = state_at(s.groups, n, dt);
@@ -133,8 +136,8 @@ inline DropSample sample_drop(const LinearColumn& c, Drop& d, double t) {
     if (d.dissipated.empty()) {
         d.dissipated.push_back(0.0);
         for (std::size_t i = 0; i + 1 < d.nodes.size(); ++i)
-            d.dissipated.push_back(d.dissipated[i] +
-                                   drop::dissipated_over(c, d.start, d.nodes[i], d.nodes[i + 1].t - d.nodes[i].t));
+            d.dissipated.push_back(d.dissipated[i] + drop::dissipated_over(c, d.start, d.nodes[i],
+                                                                           d.nodes[i + 1].t - d.nodes[i].t));
     }
     const double at = t * units.rate;
     std::size_t lo = 0, hi = d.nodes.size();
@@ -146,8 +149,8 @@ inline DropSample sample_drop(const LinearColumn& c, Drop& d, double t) {
     const Gaps x = drop::state_at(s, n, at - n.t);
     const double length = units.speed / units.rate;
     const drop::Mechanical energy = drop::mechanical_energy(c, units, x);
-    DropSample r{x.u * length, x.w * length, x.du * units.speed, x.dw * units.speed, 0.0, 0.0,
-                 energy.kinetic, energy.potential, energy.stored, 0.0};
+    DropSample r{x.u * length, x.w * length,   x.du * units.speed, x.dw * units.speed, 0.0,
+                 0.0,          energy.kinetic, energy.potential,   energy.stored,      0.0};
     if (n.floor) r.force_floor = math::max(0.0, c.contacts[0].force(-r.u, -r.du));
     if (n.pair) r.force_pair = math::max(0.0, c.contacts[1].force(-r.w, -r.dw));
     r.dissipated = d.dissipated[lo] + drop::dissipated_over(c, d.start, n, at - n.t);

@@ -76,12 +76,15 @@ HL_FN R rate_bound(const Groups<R>& s, Mask<R> floor, Mask<R> pair) {
 }
 
 inline constexpr double reach = 1.5;  // length of a piece times the bound on the rates
-HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) { return reach / rate_bound(s, floor, pair); }
+HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) {
+    return reach / rate_bound(s, floor, pair);
+}
 
 // The recurrence runs on derivatives (n! times the coefficients), where its factors do not depend on n:
 // u⁽ⁿ⁺²⁾ = reaction·L2⁽ⁿ⁾ − k1·L1⁽ⁿ⁾, with L⁽ⁿ⁾ multiplied out so that few operations depend on the last one.
 template <class R, int N>
-HL_FN void expand(const Groups<R>& s, const GapState<R>& x, Mask<R> floor, Mask<R> pair, R h, Series<R, N>& p) {
+HL_FN void expand(const Groups<R>& s, const GapState<R>& x, Mask<R> floor, Mask<R> pair, R h,
+                  Series<R, N>& p) {
     constexpr InverseFactorials<N> inverse;
     const R square = h * h, d1 = s.c1 / h, d2 = s.c2 / h;
     const R k1 = select<R>(floor, s.a1, R{}) * square, k2 = select<R>(pair, square, R{});
@@ -206,7 +209,8 @@ HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
         next.consider(first_fall(x.u, x.du, s.gravity), Switch::floor_begins);
     } else {
         next.consider(first_rise(x.u, x.du, s.gravity), Switch::floor_opens);
-        next.consider(first_fall(x.u + s.c1 * x.du, x.du - s.c1 * s.gravity, s.gravity), Switch::floor_begins);
+        next.consider(first_fall(x.u + s.c1 * x.du, x.du - s.c1 * s.gravity, s.gravity),
+                      Switch::floor_begins);
     }
     if (p.pair_open)
         next.consider(first_fall(x.w, x.dw, 0.0), Switch::pair_begins);
@@ -242,11 +246,13 @@ template <class R>
 HL_FN Mask<R> rests_on_both(const Groups<R>& s, const GapState<R>& x) {
     const R w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
     const R y = x.u - u0, v = x.w - w0, sum = x.du + x.dw;
-    const R floor = x.du * x.du + s.a1 * y * y, pair = x.dw * x.dw + v * v;  // twice the energies over the masses
+    const R floor = x.du * x.du + s.a1 * y * y,
+            pair = x.dw * x.dw + v * v;  // twice the energies over the masses
     const R floor_reach = 1.0 / math::sqrt<R>(s.a1) + s.c1, pair_reach = 1.0 + s.c2;
     // Coupled: twice the energy in units of m_eff V² bounds both amplitudes.
     const R amplitude = math::sqrt<R>(floor / s.a2 + sum * sum / (1.0 - s.a2) + v * v);
-    const Mask<R> coupled = (amplitude * math::sqrt<R>(s.a2) * floor_reach < -u0) & (amplitude * pair_reach < -w0);
+    const Mask<R> coupled =
+        (amplitude * math::sqrt<R>(s.a2) * floor_reach < -u0) & (amplitude * pair_reach < -w0);
     const R damping = math::min<R>(broadcast<R>(1.0), s.a1 * s.c1 + s.c2);
     const Mask<R> adiabatic = (math::sqrt<R>(floor) * floor_reach < -1e-3 * u0 * damping) &
                               (math::sqrt<R>(pair) * pair_reach < -0.5 * w0);
@@ -273,7 +279,8 @@ HL_FN void oscillate(double kappa, double lambda, double t, double& y, double& d
         dy = decay * (slope * a.cos - y * omega * a.sin) - lambda * now;
         y = now;
     } else {
-        const double omega = math::sqrt(-square), slow = kappa / (lambda + omega);  // λ − Ω without cancellation
+        const double omega = math::sqrt(-square),
+                     slow = kappa / (lambda + omega);  // λ − Ω without cancellation
         const double decay = math::exp(-slow * t), fast = math::exp(-2.0 * omega * t);
         const double cosh = 0.5 * (1.0 + fast);
         const double sinh = omega * t > 1e-8 ? 0.5 * (1.0 - fast) / omega : t;
@@ -319,7 +326,8 @@ struct Propagator {
         Propagator p;
         for (int j = 0; j < 4; ++j) {
             Piece piece;
-            expand(weightless, Gaps{j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0, j == 3 ? 1.0 : 0.0}, true,
+            expand(weightless,
+                   Gaps{j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0, j == 3 ? 1.0 : 0.0}, true,
                    true, h, piece);
             const Gaps x = evaluate(piece, 1.0);
             const double column[4] = {x.u, x.du, x.w, x.dw};
@@ -337,7 +345,9 @@ struct Propagator {
         return p;
     }
     HL_FN Gaps times(const Gaps& x) const {
-        const auto row = [&](int i) { return m[i][0] * x.u + m[i][1] * x.du + m[i][2] * x.w + m[i][3] * x.dw; };
+        const auto row = [&](int i) {
+            return m[i][0] * x.u + m[i][1] * x.du + m[i][2] * x.w + m[i][3] * x.dw;
+        };
         return {row(0), row(1), row(2), row(3)};
     }
 };
@@ -400,14 +410,18 @@ private:
     HL_FN void find_next() {
         next = Next{};
         const bool alone = phase.floor && !phase.pair && phase.pair_open && !on.w;
-        motion = !phase.floor && !phase.pair                         ? Motion::flight
-                 : alone && rests_on_floor(s, x)                      ? Motion::floor_rest
+        motion = !phase.floor && !phase.pair                        ? Motion::flight
+                 : alone && rests_on_floor(s, x)                    ? Motion::floor_rest
                  : phase.floor && phase.pair && rests_on_both(s, x) ? Motion::rest
-                                                                      : Motion::series;
-        if (motion == Motion::flight) find_in_flight();
-        else if (motion == Motion::floor_rest) next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
-        else if (motion == Motion::rest) rest();
-        else find_in_piece();
+                                                                    : Motion::series;
+        if (motion == Motion::flight)
+            find_in_flight();
+        else if (motion == Motion::floor_rest)
+            next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
+        else if (motion == Motion::rest)
+            rest();
+        else
+            find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
         if (t < until && t + dt >= until) {  // the state asked for comes first
             if (next.at != never && dt > until - t) next = Next{};
@@ -442,7 +456,7 @@ private:
 
     HL_FN void move() {
         if (!(dt > 0.0)) return;  // what lies on an event surface stays there
-        x = motion == Motion::flight ? fly<double>(s, x, dt)
+        x = motion == Motion::flight       ? fly<double>(s, x, dt)
             : motion == Motion::floor_rest ? lie_on_floor(s, x, dt)
             : motion == Motion::rest       ? lie_together(s, x, dt)
                                            : evaluate(piece, dt / piece.h);
@@ -452,13 +466,26 @@ private:
 
     HL_FN void throw_switch() {
         switch (next.what) {
-            case Switch::none: break;
-            case Switch::floor_begins: floor_begins(); break;
-            case Switch::floor_ends: floor_ends(); break;
-            case Switch::floor_opens: floor_opens(); break;
-            case Switch::pair_begins: pair_begins(); break;
-            case Switch::pair_ends: pair_ends(); break;
-            case Switch::pair_opens: pair_opens(); break;
+            case Switch::none:
+                break;
+            case Switch::floor_begins:
+                floor_begins();
+                break;
+            case Switch::floor_ends:
+                floor_ends();
+                break;
+            case Switch::floor_opens:
+                floor_opens();
+                break;
+            case Switch::pair_begins:
+                pair_begins();
+                break;
+            case Switch::pair_ends:
+                pair_ends();
+                break;
+            case Switch::pair_opens:
+                pair_opens();
+                break;
         }
     }
 

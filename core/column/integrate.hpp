@@ -74,13 +74,13 @@ struct Interval {
 
 template <class Law>
 struct Integration {
-    Sequence sequence;               // times relative to the first floor touch (cradle: release)
-    std::vector<Contact> contacts;   // by begin, then pair; with `until`, those that begin up to it
-    double t_stop = math::nan;       // [s] time of the state below
-    std::vector<double> gaps;        // [N] [m] at `until`, else t_end (two balls), else where the run stopped
-    std::vector<double> velocity;    // [N] [m/s]
-    long steps = 0;                  // integration steps, rejected ones included, and switches
-    double energy_error = 0.0;       // largest error of the energy balance relative to the initial energy
+    Sequence sequence;              // times relative to the first floor touch (cradle: release)
+    std::vector<Contact> contacts;  // by begin, then pair; with `until`, those that begin up to it
+    double t_stop = math::nan;      // [s] time of the state below
+    std::vector<double> gaps;       // [N] [m] at `until`, else t_end (two balls), else where the run stopped
+    std::vector<double> velocity;   // [N] [m/s]
+    long steps = 0;                 // integration steps, rejected ones included, and switches
+    double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
     std::vector<newton::Interval> intervals;  // with `record`; the last has length 0
 };
 
@@ -157,8 +157,13 @@ struct Motion {
     mutable std::vector<double> force, factor, stages;
 
     explicit Motion(const Column<Law>& c)
-        : column(&c), scales(c), pair(c.balls, Pair::open), rooted(c.balls, 0), force(c.balls + 1, 0.0),
-          factor(c.balls, 0.0), stages(DormandPrince::stages * dimension()) {}
+        : column(&c),
+          scales(c),
+          pair(c.balls, Pair::open),
+          rooted(c.balls, 0),
+          force(c.balls + 1, 0.0),
+          factor(c.balls, 0.0),
+          stages(DormandPrince::stages * dimension()) {}
 
     int balls() const { return column->balls; }
     int dimension() const { return 2 * balls() + 2; }
@@ -343,8 +348,19 @@ template <class Law>
 class Run {
 public:
     Run(const Column<Law>& c, const IntegrateOptions& o)
-        : column(c), options(o), motion(c), y(motion.dimension(), 0.0), k(y), end(y), k_end(y), trial(y),
-          k_trial(y), tolerance(y), contact_of(c.balls, -1), counted(c.balls, 0), fresh(c.balls, 0),
+        : column(c),
+          options(o),
+          motion(c),
+          y(motion.dimension(), 0.0),
+          k(y),
+          end(y),
+          k_end(y),
+          trial(y),
+          k_trial(y),
+          tolerance(y),
+          contact_of(c.balls, -1),
+          counted(c.balls, 0),
+          fresh(c.balls, 0),
           touch_time(c.balls, 0.0) {
         std::copy(c.gaps.begin(), c.gaps.end(), y.begin());
         std::copy(c.velocity.begin(), c.velocity.end(), y.begin() + c.balls);
@@ -378,10 +394,10 @@ private:
     Integration<Law> result;
     Motion<Law> motion;
     std::vector<double> y, k, end, k_end, trial, k_trial, tolerance;  // states and derivatives
-    std::vector<int> contact_of;                 // [N] index of the open contact
-    std::vector<unsigned char> counted, fresh;   // [N] contact of the sequence; just put on a surface
-    std::vector<double> touch_time;              // [N]
-    std::vector<Equilibrium<Law>> equilibrium;   // made when first needed
+    std::vector<int> contact_of;                                      // [N] index of the open contact
+    std::vector<unsigned char> counted, fresh;  // [N] contact of the sequence; just put on a surface
+    std::vector<double> touch_time;             // [N]
+    std::vector<Equilibrium<Law>> equilibrium;  // made when first needed
     bool timed = !math::is_nan(options.until), stopped = false, kept = false;
     double initial_energy = 0.0, h = 0.0;
 
@@ -404,7 +420,8 @@ private:
         record(length);
         if (timed && !kept && clock_started() && end[motion.clock()] >= options.until) {
             motion.reach(y.data(), k.data(), length, options.until, trial.data());
-            trial[motion.clock()] = options.until;  // reached to rounding: below it, sample() would not know this state
+            trial[motion.clock()] =
+                options.until;  // reached to rounding: below it, sample() would not know this state
             keep(trial);
             if (complete()) {
                 y = trial;
@@ -575,10 +592,14 @@ private:
     std::array<Switch, 2> switches_of(int j) const {
         if (j == 0 && !column.floor) return {Switch::none, Switch::none};
         switch (motion.pair[j]) {
-            case Pair::open: return {Switch::begins, Switch::none};
-            case Pair::touching: return {Switch::parts, Switch::none};
-            case Pair::slack: return {Switch::opens, Switch::engages};
-            case Pair::closed: break;
+            case Pair::open:
+                return {Switch::begins, Switch::none};
+            case Pair::touching:
+                return {Switch::parts, Switch::none};
+            case Pair::slack:
+                return {Switch::opens, Switch::engages};
+            case Pair::closed:
+                break;
         }
         return {Switch::ends, Switch::none};
     }
@@ -698,7 +719,8 @@ private:
         const double balanced = column.contacts[j].relaxation_time() * rate;  // gap of zero force
         fresh[j] = 1;
         switch (what) {
-            case Switch::none: break;
+            case Switch::none:
+                break;
             case Switch::begins:
                 y[j] = 0.0;
                 begin(j, now());
@@ -814,9 +836,9 @@ Integration<Law> integrate(const Column<Law>& column, const IntegrateOptions& op
 
 // Where sample() writes; a null pointer asks for nothing.
 struct Samples {
-    double* gaps;       // [n × N] [m]
-    double* velocity;   // [n × N] [m/s]
-    double* force;      // [n × N] [N], pair 0 (floor) first
+    double* gaps;        // [n × N] [m]
+    double* velocity;    // [n × N] [m/s]
+    double* force;       // [n × N] [N], pair 0 (floor) first
     Energies* energies;  // [n] [J]
 };
 

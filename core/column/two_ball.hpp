@@ -19,8 +19,8 @@ struct Units {
 };
 
 // Fully coupled balls: time in units of the pair's own 1/ω12.
-HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
-                             double m2, double gravity, double speed, Units& units) {
+HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
+                             double m1, double m2, double gravity, double speed, Units& units) {
     const double reduced = effective(m1, m2);
     const double rate = math::sqrt(pair.stiffness / reduced);
     units = {speed, rate};

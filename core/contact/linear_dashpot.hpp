@@ -38,7 +38,8 @@ HL_FN R linear_damping_ratio(R loss_exponent) {
     for (int i = 0; i < 20 && any(active); ++i) {
         const R tau = linear_scaled_duration<R>(b);
         // (1 − b²) → 0 at critical damping; the derivative there is 4/3 − (8/15)(b − 1).
-        const R regular = (tau - 2.0 * b) / ((1.0 - b) * (1.0 + b)), near = 4.0 / 3.0 - (8.0 / 15.0) * (b - 1.0);
+        const R regular = (tau - 2.0 * b) / ((1.0 - b) * (1.0 + b)),
+                near = 4.0 / 3.0 - (8.0 / 15.0) * (b - 1.0);
         const R slope = select<R>(math::abs<R>(b - 1.0) < 1e-3, near, select<R>(b < 1e8, regular, 2.0 / b));
         const R step = (L - b * tau) / (b * slope);
         b = select<R>(active, b * math::exp<R>(math::clamp<R>(step, -1.0, 1.0)), b);
@@ -63,7 +64,8 @@ struct LinearDashpot {
         {1, 1},
         {{{"restitution", "1", 0.0, 1.0, false, true,
            "coefficient of restitution ε; every contact gets the damping that yields it"}},
-         {{"damping", "N s/m", 0.0, math::infinity, true, false, "dashpot constant γ, the same for every contact"}}},
+         {{"damping", "N s/m", 0.0, math::infinity, true, false,
+           "dashpot constant γ, the same for every contact"}}},
         2,
         {"stiffness", "damping"}};
 
@@ -82,16 +84,26 @@ struct LinearDashpot {
     }
 
     template <class T>
-    T force(T s, T rate) const { return stiffness * s + damping * rate; }
+    T force(T s, T rate) const {
+        return stiffness * s + damping * rate;
+    }
     template <class T>
-    T elastic_force(T s) const { return stiffness * s; }
+    T elastic_force(T s) const {
+        return stiffness * s;
+    }
     template <class T>
-    T energy(T s) const { return 0.5 * stiffness * s * s; }
+    T energy(T s) const {
+        return 0.5 * stiffness * s * s;
+    }
     template <class T>
-    T drive(T s, T rate) const { return s + relaxation_time() * rate; }
+    T drive(T s, T rate) const {
+        return s + relaxation_time() * rate;
+    }
     double relaxation_time() const { return damping / stiffness; }
 
-    double damping_ratio(double mass) const { return 0.5 * damping / (math::sqrt(stiffness) * math::sqrt(mass)); }
+    double damping_ratio(double mass) const {
+        return 0.5 * damping / (math::sqrt(stiffness) * math::sqrt(mass));
+    }
     double restitution(double /*speed*/, double mass) const {
         return math::exp(-linear_loss_exponent(damping_ratio(mass)));
     }

@@ -164,9 +164,16 @@ HL_FN double viscoelastic_argument(double loss_exponent) {
 // Coefficients h_k of ε = Σ h_k x^{k/2} (Eq. B3), k = 0 … 9: Schwager & Pöschel, Phys. Rev. E 78, 051304 (2008),
 // to more digits. The series is asymptotic in practice: useless beyond x ≈ 0.6.
 inline constexpr int series_terms = 10;
-inline constexpr double series_coefficients[series_terms] = {
-    1.0, 0.0, -1.153448858095289, 0.0, 0.798266560944795, 4.0 / 15.0, -0.522882568088415, -0.461379543238116,
-    0.348742675260386, 0.45235105120205};
+inline constexpr double series_coefficients[series_terms] = {1.0,
+                                                             0.0,
+                                                             -1.153448858095289,
+                                                             0.0,
+                                                             0.798266560944795,
+                                                             4.0 / 15.0,
+                                                             -0.522882568088415,
+                                                             -0.461379543238116,
+                                                             0.348742675260386,
+                                                             0.45235105120205};
 
 // Eq. B3 cut after the term x^{(terms−1)/2}; for comparison only.
 HL_FN double viscoelastic_series(double x, int terms) {
@@ -233,7 +240,8 @@ struct Viscoelastic {
            "material constant A, the same for every contact (Appendix C)"}},
          {{"restitution", "1", 0.0, 1.0, false, true,
            "coefficient of restitution ε at impact_speed; every contact gets the A that yields it"},
-          {"impact_speed", "m/s", 0.0, math::infinity, false, false, "speed of approach at which ε is given"}}},
+          {"impact_speed", "m/s", 0.0, math::infinity, false, false,
+           "speed of approach at which ε is given"}}},
         2,
         {"elastic_prefactor", "dissipative_time"}};
 
@@ -256,13 +264,21 @@ struct Viscoelastic {
     }
 
     template <class T>
-    T force(T s, T rate) const { return elastic_prefactor * (s * (s * s + 1.5 * dissipative_time * rate)); }
+    T force(T s, T rate) const {
+        return elastic_prefactor * (s * (s * s + 1.5 * dissipative_time * rate));
+    }
     template <class T>
-    T elastic_force(T s) const { return elastic_prefactor * (s * s * s); }
+    T elastic_force(T s) const {
+        return elastic_prefactor * (s * s * s);
+    }
     template <class T>
-    T energy(T s) const { return 0.4 * elastic_prefactor * (s * s) * (s * s) * s; }
+    T energy(T s) const {
+        return 0.4 * elastic_prefactor * (s * s) * (s * s) * s;
+    }
     template <class T>
-    T drive(T s, T rate) const { return s * s + relaxation_time() * rate; }
+    T drive(T s, T rate) const {
+        return s * s + relaxation_time() * rate;
+    }
     double relaxation_time() const { return 1.5 * dissipative_time; }
 
     UniversalCollision collision(double speed, double mass) const {

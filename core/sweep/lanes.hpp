@@ -40,24 +40,29 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
     const R h = reach / rate_bound<R>(q.s, q.floor, q.pair);
     expand<R>(q.s, q.x, q.floor, q.pair, h, p);
     const R up = constant<R>(1.0), down = constant<R>(-1.0), none = constant<R>(never);
-    const Mask<R> floor_slack = m & negation(q.floor | q.floor_open), pair_slack = m & negation(q.pair | q.pair_open);
+    const Mask<R> floor_slack = m & negation(q.floor | q.floor_open),
+                  pair_slack = m & negation(q.pair | q.pair_open);
     // Where the contact is closed its force ends, where it is open its gap closes, where it is slack the gap opens.
     R f[order + 1];
     for (int n = 0; n < order; ++n) f[n] = select<R>(q.floor, p.l1[n], p.u[n]);
     f[order] = select<R>(q.floor, R{}, p.u[order]);
     const R at1 = first_crossing<order>(f, select<R>(negation(q.floor) & q.floor_open, down, up),
-                                    select<Mask<R>>(q.floor, q.on_l1, q.on_u));
+                                        select<Mask<R>>(q.floor, q.on_l1, q.on_u));
     for (int n = 0; n < order; ++n) f[n] = select<R>(q.pair, p.l2[n], p.w[n]);
     f[order] = select<R>(q.pair, R{}, p.w[order]);
     const R at2 = first_crossing<order>(f, select<R>(negation(q.pair) & q.pair_open, down, up),
-                                    select<Mask<R>>(q.pair, q.on_l2, q.on_w));
-    const R press1 = any(floor_slack) ? select<R>(floor_slack, first_crossing<order - 1>(p.l1, down, q.on_l1), none) : none;
-    const R press2 = any(pair_slack) ? select<R>(pair_slack, first_crossing<order - 1>(p.l2, down, q.on_l2), none) : none;
+                                        select<Mask<R>>(q.pair, q.on_l2, q.on_w));
+    const R press1 = any(floor_slack)
+                         ? select<R>(floor_slack, first_crossing<order - 1>(p.l1, down, q.on_l1), none)
+                         : none;
+    const R press2 =
+        any(pair_slack) ? select<R>(pair_slack, first_crossing<order - 1>(p.l2, down, q.on_l2), none) : none;
     const R first = math::min<R>(math::min<R>(at1, at2), math::min<R>(press1, press2));
     const Mask<R> hit = m & (first != never);
     const R theta = select<R>(hit, first, up);
     const Mask<R> one = hit & (at1 == first), again1 = hit & negation(one) & (press1 == first);
-    const Mask<R> two = hit & negation(one | again1) & (at2 == first), again2 = hit & negation(one | again1 | two);
+    const Mask<R> two = hit & negation(one | again1) & (at2 == first),
+                  again2 = hit & negation(one | again1 | two);
     advance<R>(q, m, theta * h, evaluate<R>(p, theta));
     assign<R>(m, q.pieces, q.pieces + 1.0);
     const Mask<R> was_floor = q.floor, was_open1 = q.floor_open, was_pair = q.pair, was_open2 = q.pair_open;
@@ -187,8 +192,9 @@ HL_FN Mask<R> quick_floor(State<R>& q, Mask<R> m) {
         R last = -y.w / y.dw;
         y = swing.on(x, t, step + last);
         const R when = t + (step + last);
-        const Mask<R> good = closes & near & (math::abs<R>(last) * rate < 1e-6) & (y.dw < 0.0) & (swing.pull(y) < 0.0) &
-                             (when > 0.0) & (when < release) & (math::abs<R>(y.w) < 1e-13);
+        const Mask<R> good = closes & near & (math::abs<R>(last) * rate < 1e-6) & (y.dw < 0.0) &
+                             (swing.pull(y) < 0.0) & (when > 0.0) & (when < release) &
+                             (math::abs<R>(y.w) < 1e-13);
         advance<R>(q, good, when, y);
         raise(q.pair_open, good);
         pair_begins<R>(q, good);
@@ -245,20 +251,26 @@ struct Complex {
     R re, im;
 };
 template <class R>
-HL_FN Complex<R> operator+(Complex<R> a, Complex<R> b) { return {a.re + b.re, a.im + b.im}; }
+HL_FN Complex<R> operator+(Complex<R> a, Complex<R> b) {
+    return {a.re + b.re, a.im + b.im};
+}
 template <class R>
 HL_FN Complex<R> operator*(Complex<R> a, Complex<R> b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 template <class R>
-HL_FN Complex<R> operator*(R a, Complex<R> b) { return {a * b.re, a * b.im}; }
+HL_FN Complex<R> operator*(R a, Complex<R> b) {
+    return {a * b.re, a * b.im};
+}
 template <class R>
 HL_FN Complex<R> operator/(Complex<R> a, Complex<R> b) {
     const R size = b.re * b.re + b.im * b.im;
     return {(a.re * b.re + a.im * b.im) / size, (a.im * b.re - a.re * b.im) / size};
 }
 template <class R>
-HL_FN R magnitude(Complex<R> a) { return math::sqrt<R>(a.re * a.re + a.im * a.im); }
+HL_FN R magnitude(Complex<R> a) {
+    return math::sqrt<R>(a.re * a.re + a.im * a.im);
+}
 
 // One pair of conjugate modes of motion C: e^(λt) (r, 1) in the gaps, and its share in the present state.
 template <class R>
@@ -314,7 +326,8 @@ HL_FN Mask<R> find_modes(const State<R>& q, Mode<R>& fast, Mode<R>& slow) {
         const Complex<R> top = {mr.re * q.x.du + mw.re * q.x.dw + d1 * r.re * y + s.c2 * v,
                                 mr.im * q.x.du + mw.im * q.x.dw + d1 * r.im * y};
         const Complex<R> mx = {mr.re * y + mw.re * v, mr.im * y + mw.im * v};
-        const Complex<R> rr = r * r, mass = {m12 * rr.re + 2.0 * m2 * r.re + m2, m12 * rr.im + 2.0 * m2 * r.im};
+        const Complex<R> rr = r * r,
+                         mass = {m12 * rr.re + 2.0 * m2 * r.re + m2, m12 * rr.im + 2.0 * m2 * r.im};
         Complex<R> bottom = constant<R>(2.0) * (l * mass);
         bottom = {bottom.re + d1 * rr.re + s.c2, bottom.im + d1 * rr.im};
         mode.share = (top + l * mx) / bottom;
@@ -331,7 +344,8 @@ struct Envelope {
     HL_FN R at(R t, R& slope) const {
         const math::SinCos<R> a = math::sincos<R>(rate.im * t);
         const R size = 2.0 * math::exp<R>(rate.re * t);
-        const R cosine = size * (slow.re * a.cos - slow.im * a.sin), sine = size * (slow.re * a.sin + slow.im * a.cos);
+        const R cosine = size * (slow.re * a.cos - slow.im * a.sin),
+                sine = size * (slow.re * a.sin + slow.im * a.cos);
         const R ringing = ring * math::exp<R>(decay * t);
         slope = rate.re * cosine - rate.im * sine + decay * ringing;
         return level + cosine + ringing;
@@ -421,7 +435,8 @@ template <class R>
 HL_FN Mask<R> may_glide(const State<R>& q) {
     const R slow = q.s.a1 * (q.x.u + q.s.c1 * q.x.du), off = (q.x.w + q.s.c2 * q.x.dw) - slow;
     const R bound = (1.0 + q.s.c2) * slow;
-    return q.floor & q.pair & negation(q.glided) & (slow < 0.0) & (off * off + q.x.dw * q.x.dw < bound * bound);
+    return q.floor & q.pair & negation(q.glided) & (slow < 0.0) &
+           (off * off + q.x.dw * q.x.dw < bound * bound);
 }
 
 // Sorts the lanes of m, whose last step is over, by their next one. Flights are flown here.
