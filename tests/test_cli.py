@@ -287,7 +287,7 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["drop", *HERTZ], "dissipative_time | restitution + impact_speed: got neither"),
         (["drop", "--law", "linear", "--poisson-ratio", 0.3], "poisson_ratio: unknown"),
         (["drop", "--height", 0.05], "height: got 0.05, must be >= 0.1"),
-        (["drop", "--height", 0.1], "height: got 0.1 with nothing moving"),
+        (["drop", "--height", 0.1], "height: got 0.1, nothing moves"),
         (["drop", "--radius", 0.1], "balls: got 1, must be two or more"),
         (["drop", "--radius", 0.1, "--radius-1", 0.1], "got both"),
         (["drop", "--radius-1", 0.1, "--radius-ratio", 3], "radius_ratio | radius_1: got both"),
