@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import signal
 from pathlib import Path
 
 from hypothesis import settings
@@ -15,6 +16,10 @@ DATA = Path(__file__).parent / "data"
 # The same examples on every machine; a slow shared one is no failure.
 settings.register_profile("hardlimit", deadline=None, derandomize=True, database=None)
 settings.load_profile("hardlimit")
+
+# A shell starts what it puts in the background with Ctrl-C ignored, and children inherit that: undo it for the
+# tests that interrupt one.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TWO_BALL_TABLES = ["two_ball_paper", "two_ball_ratio", "two_ball_wide"]
 
