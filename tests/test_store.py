@@ -178,8 +178,8 @@ KILLED_AT_EVERY_STEP = """
 
     def count(event, args):
         global steps
-        names = [a for a in args if isinstance(a, (str, Path))]
-        if limit is not None and event.startswith({events!r}) and any(str(n).startswith(str(folder)) for n in names):
+        inside = [a for a in args if isinstance(a, (str, Path)) and str(a).startswith(str(folder))]
+        if limit is not None and inside and event.startswith({events!r}):
             steps += 1
             if steps == limit:
                 os.kill(os.getpid(), signal.SIGKILL)
