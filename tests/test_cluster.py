@@ -25,7 +25,7 @@ from test_sweep import same_bits
 
 PAPER = hl.Column.paper()
 #: Comes to rest after a long time: the slowest kind of point, some 0.1 ms.
-SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-2))
+SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
 GRID = {"restitution": np.linspace(0.3, 1.0, 40), "gap": np.geomspace(1e-6, 1e-2, 50)}
 SLOW = {"gap": np.geomspace(1e-6, 1e-2, 8_000)}  # seconds
 
@@ -252,7 +252,7 @@ INTERRUPTED = """
     from hardlimit.maps import tiles
 
     tiles.POINTS_INTEGRATED = {tile}
-    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-2))
+    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
     hl.sweep(soft, store=sys.argv[1], engine="dask", gap=np.geomspace(1e-6, 1e-2, {points}),
              progress=lambda done, _: print(done, flush=True))
 """

@@ -228,7 +228,7 @@ SLOW_SWEEP = """
     from hardlimit.maps import tiles
 
     tiles.POINTS_INTEGRATED = {tile}
-    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-2))
+    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
     print("ready", flush=True)
     hl.sweep(soft, store=sys.argv[1], gap=np.geomspace(1e-6, 1e-2, {points}),
              progress=lambda done, _: print(done, flush=True))

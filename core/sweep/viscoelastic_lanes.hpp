@@ -22,50 +22,72 @@ namespace viscoelastic {
 
 using namespace lanes;
 
-inline constexpr int order = 18;
-inline constexpr double tolerance =
-    1e-12;  // of a step, in units of the impact speed and of the pair's compression
+inline constexpr int order = 15;
+// Of a step (6e-11), in units of the impact speed and of the pair's compression.
+inline constexpr double log2_tolerance = -34.0;
 inline constexpr double most_steps = 3000.0;
 inline constexpr double elastic = 1e-12;     // damping time below which the force ends with the compression
 inline constexpr double first_touch = 0.02;  // τ in which a pair that only touches feels less than rounding
 
-// First θ in [0, 1] at which a polynomial rises to zero from below; `never` if it does not. Where the last switch put
-// its zero at θ = 0, it is divided by θ first. Each step goes to the zero of a parabola above it (its second
-// derivative, bounded from above on [0, 1]), so no zero can be passed.
+// Divides a polynomial that the last switch put on zero at τ = 0 by τ; again if it touches without approach.
 template <int D, class R>
-HL_FN R rises(const R* f, Mask<R> at_zero, Mask<R> wanted) {
-    R g[D + 1];
-    for (int n = 0; n < D; ++n) g[n] = select<R>(at_zero, f[n + 1], f[n]);
-    g[D] = select<R>(at_zero, R{}, f[D]);
-    for (int i = 0; i < D; ++i) {  // touching without approach: zero of higher order
-        const Mask<R> again = wanted & at_zero & (g[0] == 0.0);
-        if (!any(again)) break;
-        for (int n = 0; n < D; ++n) g[n] = select<R>(again, g[n + 1], g[n]);
-        g[D] = select<R>(again, R{}, g[D]);
+HL_FN void leave_zero(R* f, Mask<R> at_zero) {
+    for (int i = 0; i < D && any(at_zero); ++i) {
+        for (int n = 0; n < D; ++n) f[n] = select<R>(at_zero, f[n + 1], f[n]);
+        f[D] = select<R>(at_zero, R{}, f[D]);
+        at_zero = at_zero & (f[0] == 0.0);
     }
-    R highest = g[0];
-    for (int n = 1; n <= D; ++n) highest = highest + math::max<R>(g[n], R{});
-    R found = select<R>(g[0] >= 0.0, R{}, constant<R>(never));
-    Mask<R> active = wanted & (g[0] < 0.0) & (highest >= 0.0);
-    if (!any(active)) return found;
-    R bound = 2.0 * g[2];
-    for (int n = 3; n <= D; ++n) bound = bound + (n * (n - 1.0)) * math::max<R>(g[n], R{});
-    R theta = R{};
+}
+
+// Whether a positive polynomial may fall to zero in [0, h]: not if a parabola and the falling ones among its other
+// terms leave it positive.
+template <int D, class R>
+HL_FN Mask<R> may_fall(const R* f, R h) {
+    R rest = R{};
+    HL_UNROLL
+    for (int n = D; n >= 3; --n) rest = (rest + math::min<R>(f[n], R{})) * h;
+    rest = rest * (h * h);
+    const R drop = f[1] * f[1] / (4.0 * f[2]), end = f[0] + h * (f[1] + h * f[2]);
+    const Mask<R> vertex = (f[1] < 0.0) & (f[1] + 2.0 * (f[2] * h) > 0.0);
+    const R least = select<R>(vertex, f[0] - drop, math::min<R>(f[0], end));
+    return (f[0] > 0.0) & (least + rest <= 0.0);
+}
+
+// First τ in [0, h] at which a positive polynomial falls to zero; `never` if it does not. Each step goes to the zero of
+// a parabola below it (its second derivative, bounded from below on [0, h]), so no zero can be passed.
+template <int D, class R>
+HL_FN R falls(const R* f, R h, Mask<R> active) {
+    R bound = R{};
+    HL_UNROLL
+    for (int n = D; n >= 3; --n) bound = (bound + (n * (n - 1.0)) * math::min<R>(f[n], R{})) * h;
+    bound = bound + 2.0 * f[2];
+    R tau = R{}, found = constant<R>(never);
     for (int i = 0; i < 200 && any(active); ++i) {
-        const R value = column::exact::value_at<D>(g, theta), slope = column::exact::slope_at<D>(g, theta);
-        const Mask<R> there = active & (value >= 0.0);
+        const R value = column::exact::value_at<D>(f, tau), slope = column::exact::slope_at<D>(f, tau);
+        const Mask<R> there = active & (value <= 0.0);
         const R square = slope * slope - 2.0 * bound * value;
-        const R speed = slope + math::sqrt<R>(math::max<R>(square, R{}));
-        const R step = -2.0 * value / speed;
-        const R moved = theta + step;
-        found = select<R>(there, theta, found);
-        active = active & negation(there) & (square >= 0.0) & (speed > 0.0) & (moved <= 1.0);
-        theta = select<R>(active, moved, theta);
-        const Mask<R> converged = active & (step <= math::epsilon * moved);
-        found = select<R>(converged, theta, found);
+        const R speed = math::sqrt<R>(math::max<R>(square, R{})) - slope;
+        const R step = 2.0 * value / speed;
+        const R moved = tau + step;
+        found = select<R>(there, tau, found);
+        active = active & negation(there) & (square >= 0.0) & (speed > 0.0) & (moved <= h);
+        tau = select<R>(active, moved, tau);
+        const Mask<R> converged = active & (step <= (4.0 * math::epsilon) * moved);
+        found = select<R>(converged, tau, found);
         active = active & negation(converged);
     }
-    return select<R>(active, theta, found);
+    return select<R>(active, tau, found);
+}
+
+// Binary logarithm and power by the bits of the exponent and a straight line in between, to 0.09 and 6 %.
+template <class R>
+HL_FN R rough_log2(R x) {
+    return (real_of<R>((bits_of<R>(x) >> 32) | 0x4330000000000000ULL) - 4503599627370496.0) * 0x1p-20 -
+           1023.0;
+}
+template <class R>
+HL_FN R rough_exp2(R y) {
+    return real_of<R>(bits_of<R>((y + 1023.0) * 0x1p20 + 4503599627370496.0) << 32);
 }
 
 // Σ x_i y_{n−i}, the two products with a newest factor last: all others need not wait for it.
@@ -152,14 +174,14 @@ HL_FN void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p) {
 // Length for which the last terms stay below the tolerance.
 template <class R>
 HL_FN R length(const Expansion<R>& p) {
-    R log_h = constant<R>(30.0);
+    R log_h = constant<R>(40.0);
     for (int n = order - 2; n <= order; ++n) {
         const R speeds = math::max<R>(math::abs<R>(p.va[n]), math::abs<R>(p.vb[n]));
         const R lengths = math::max<R>(math::abs<R>(p.s[n]), math::abs<R>(p.xb[n]));
         const R largest = math::max<R>(math::max<R>(speeds, lengths), constant<R>(1e-300));
-        log_h = math::min<R>(log_h, math::log<R>(tolerance / largest) * (1.0 / n));
+        log_h = math::min<R>(log_h, (log2_tolerance - rough_log2<R>(largest)) * (1.0 / n));
     }
-    return math::exp<R>(log_h);
+    return rough_exp2<R>(math::max<R>(log_h, constant<R>(-1000.0)));
 }
 
 // Gravity holds both contacts closed for good (the energy argument of column/integrate.hpp, in units of m_eff V²). A
@@ -174,7 +196,8 @@ HL_FN Mask<R> rests(const State<R>& q, Mask<R> m) {
     const R x[2] = {-q.x.u, -q.x.w}, v[2] = {-q.x.du, -q.x.dw}, c[2] = {q.s.c1, q.s.c2},
             mass[2] = {lower, constant<R>(1.0)};
     R s[2];
-    m = m & q.floor & q.pair & (q.s.gravity > 0.0);
+    m = m & q.floor & q.pair & (q.s.gravity > 0.0) & (q.pieces > 20.0);
+    if (!any(m)) return m;
     for (int j = 0; j < 2; ++j) {
         s[j] = math::sqrt<R>(math::max<R>(x[j], R{}));
         m = m & (math::abs<R>(K[j] * (s[j] * (x[j] + c[j] * v[j])) - W[j]) < 0.3 * W[j]);
@@ -218,33 +241,45 @@ HL_FN void step(State<R>& q, Mask<R>& resting, Mask<R> m) {
     R h = length<R>(p);
     h = select<R>(touching, math::min<R>(h, constant<R>(first_touch)), h);
 
-    // Each switch as a polynomial of θ = τ/h that rises to zero.
-    R scale[N + 1];
-    scale[0] = constant<R>(1.0);
-    for (int n = 1; n <= N; ++n) scale[n] = scale[n - 1] * h;
+    // Each switch as a polynomial that falls to zero. A contact without damping ends with its compression.
     const M on_a = select<M>(first, q.on_u, q.on_w), on_b = select<M>(first, q.on_w, q.on_u);
     const M on_la = select<M>(first, q.on_l1, q.on_l2), on_lb = select<M>(first, q.on_l2, q.on_l1);
     const M root_a = k.ca < elastic, root_b = k.cb < elastic;
-    R f[N + 1];
-    for (int n = 0; n <= N; ++n) f[n] = -(select<R>(root_a, p.s[n], p.xa[n] + k.ca * p.va[n]) * scale[n]);
-    const R end_a = rises<N, R>(f, select<M>(root_a, on_a, on_la), m);
+    const M forced = b_closed & negation(root_b);
+    const R sign = select<R>(b_open, constant<R>(-1.0), constant<R>(1.0)),
+            damped = select<R>(forced, k.cb, R{});
+    const R none = constant<R>(never);
+    R fa[N + 1], fb[N + 1];
+    HL_UNROLL
     for (int n = 0; n <= N; ++n) {
-        const R gone = select<R>(b_closed & negation(root_b), p.xb[n] + k.cb * p.vb[n], p.xb[n]);
-        f[n] = select<R>(b_open, gone, -gone) * scale[n];
+        fa[n] = select<R>(root_a, p.s[n], p.xa[n] + k.ca * p.va[n]);
+        fb[n] = sign * (p.xb[n] + damped * p.vb[n]);
     }
-    const R main_b = select<R>(
-        touching, constant<R>(never),
-        rises<N, R>(f, select<M>(b_closed & negation(root_b), on_lb, on_b), m & negation(touching)));
-    R press_b = constant<R>(never);
+    leave_zero<N, R>(fa, m & select<M>(root_a, on_a, on_la));
+    leave_zero<N, R>(fb, m & select<M>(forced, on_lb, on_b));
+    R end_a = select<R>(fa[0] <= 0.0, R{}, none), main_b = select<R>(fb[0] <= 0.0, R{}, none), press_b = none;
+    const M may_a = m & may_fall<N, R>(fa, h), may_b = m & negation(touching) & may_fall<N, R>(fb, h);
+    if (any(may_a | may_b)) {  // both in one search, but where both are due
+        R f[N + 1];
+        HL_UNROLL
+        for (int n = 0; n <= N; ++n) f[n] = select<R>(may_a, fa[n], fb[n]);
+        const R zero = falls<N, R>(f, h, may_a | may_b);
+        end_a = select<R>(may_a, zero, end_a);
+        main_b = select<R>(may_b, zero, main_b);
+        if (any(may_a & may_b)) main_b = select<R>(may_a & may_b, falls<N, R>(fb, h, may_a & may_b), main_b);
+    }
+    main_b = select<R>(touching, none, main_b);
     if (any(m & b_slack)) {
-        for (int n = 0; n <= N; ++n) f[n] = (p.xb[n] + k.cb * p.vb[n]) * scale[n];
-        press_b = select<R>(b_slack, rises<N, R>(f, on_lb, m & b_slack), press_b);
+        for (int n = 0; n <= N; ++n) fb[n] = -(p.xb[n] + k.cb * p.vb[n]);
+        leave_zero<N, R>(fb, m & b_slack & on_lb);
+        press_b = select<R>(fb[0] <= 0.0, R{}, falls<N, R>(fb, h, m & b_slack & may_fall<N, R>(fb, h)));
+        press_b = select<R>(b_slack, press_b, none);
     }
     const R now = math::min<R>(math::min<R>(end_a, main_b), press_b);
     const M hit = m & (now != never);
     const M hit_a = hit & (end_a == now), again = hit & negation(hit_a) & (press_b == now);
     const M hit_b = hit & negation(hit_a | again);
-    const R tau = select<R>(hit, now, constant<R>(1.0)) * h;
+    const R tau = select<R>(hit, now, h);
 
     const R s = value_at<N>(p.s, tau), xa = s * s, va = value_at<N>(p.va, tau);
     const R xb = value_at<N>(p.xb, tau), vb = value_at<N>(p.vb, tau), dt = value_at<N>(p.t, tau);
