@@ -42,6 +42,7 @@ def compute(
 def _stream(
     client: Client, plan: Plan, tiles: Tiles, waiting: Iterator[int], threads: int
 ) -> Generator[tuple[int, Chunk], None, None]:
+    import dask
     from distributed import as_completed
 
     finished = as_completed(loop=client.loop)
@@ -50,7 +51,8 @@ def _stream(
     def submit() -> None:
         most = 2 * sum(client.nthreads().values()) + 2
         while len(under_way) < most and (tile := next(waiting, None)) is not None:
-            future = client.submit(_run, tiles.cut(plan, tile), threads, _core.version, pure=False)
+            with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
+                future = client.submit(_run, tiles.cut(plan, tile), threads, _core.version, pure=False)
             under_way[future.key] = future, tile
             finished.add(future)
 
