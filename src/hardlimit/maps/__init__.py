@@ -83,12 +83,7 @@ def sweep(
         If the store cannot be written. It stays valid and keeps what is finished.
     """
     plan = make_plan(column, model, variables, swept)
-    if engine not in ENGINES:
-        raise ValueError(f"engine: got {engine!r}, must be one of {', '.join(ENGINES)}")
-    if scheduler is not None and engine != "dask":
-        raise ValueError(f"scheduler: got {scheduler!r}, must not be given unless engine is 'dask'")
-    if progress is not None and not callable(progress):
-        raise ValueError(f"progress: got {progress!r}, must be callable with (done, total)")
+    _check(engine, scheduler, progress)
     workers = _threads(1 if threads is None and engine == "dask" else threads)
     started = time.perf_counter()
     tiles = Tiles.whole(plan) if store is None and engine != "dask" else Tiles.of(plan)
@@ -114,6 +109,15 @@ def sweep(
                 report(0)
         ds = results.dataset()
     return ds.assign_attrs(engine=engine, wall_time_s=time.perf_counter() - started)
+
+
+def _check(engine: str, scheduler: Any, progress: Any) -> None:
+    if engine not in ENGINES:
+        raise ValueError(f"engine: got {engine!r}, must be one of {', '.join(ENGINES)}")
+    if scheduler is not None and engine != "dask":
+        raise ValueError(f"scheduler: got {scheduler!r}, must not be given unless engine is 'dask'")
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress: got {progress!r}, must be callable with (done, total)")
 
 
 def _on_cpu(
