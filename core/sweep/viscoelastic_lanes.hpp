@@ -101,9 +101,9 @@ HL_FN R product(const R* x, const R* y, int n) {
     for (int i = 2; i < n; ++i) inner = inner + x[i] * y[n - i];
     return inner + sum;
 }
-// Σ x_i x_{n−i}, from i = first.
+// Σ x_i x_{n−i} without the terms of x_0.
 template <class R>
-HL_FN R inner_square(const R* x, int n) {  // without the terms of x_0
+HL_FN R inner_square(const R* x, int n) {
     R sum = R{};
     HL_UNROLL
     for (int i = 1; 2 * i < n; ++i) sum = sum + x[i] * x[n - i];
@@ -129,7 +129,7 @@ struct Couplings {
         cb = select<R>(floor_first, s.c2, s.c1);
         Ga = select<R>(floor_first, s.gravity, R{});
         Gb = select<R>(floor_first, R{}, s.gravity);
-        Kaa = Kba = select<R>(floor_first, s.a1, one);
+        Kaa = select<R>(floor_first, s.a1, one);
         Kba = select<R>(floor_first, s.a1, s.a2);
         Kab = select<R>(floor_first, s.a2, s.a1);
         Kbb = select<R>(floor_first, one, s.a1);
