@@ -23,9 +23,10 @@ struct PairGeometry {
     double effective_radius;  // R_i R_j/(R_i + R_j) [m]; the floor has infinite radius
 };
 
+// Symmetric to the last bit.
 HL_FN double effective(double a, double b) {
     if (b == math::infinity) return a;
-    return a == math::infinity ? b : (a / (a + b)) * b;
+    return a == math::infinity ? b : a * b / (a + b);
 }
 
 struct Parameter {
