@@ -26,7 +26,7 @@ TITLES = {"statement": "What the paper states", "density": "Density", "misprint"
 def paper(
     figures: str | None, out: str, density: float, picture: str, infer_density: bool, as_json: bool
 ) -> None:
-    """Compute Figs. 2–8 of the paper and check what its text states.
+    """Compute Figures 2–8 of the paper and check what its text states.
 
     Müller and Pöschel, Phys. Rev. E 83, 041304 (2011). Writes every figure as a picture and as data (NetCDF),
     and prints each statement with what comes out.
