@@ -26,7 +26,7 @@ class Ball:
     ----------
     radius : float [m]
     density : float [kg/m³]
-        Mass is then (4/3) π ``density`` ``radius``³.
+        The mass is then (4/3) π density radius³.
     mass : float [kg]
         Give exactly one of ``density`` and ``mass``.
 
