@@ -1,0 +1,81 @@
+"""The vector kernel of the linear law: the same bits for every instruction set, and the scalar solver's results."""
+
+import hashlib
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from hardlimit import _core
+from hardlimit.maps.plan import MODELS, VARIABLES, make_plan
+
+Results = dict[str, np.ndarray]
+
+
+def random_list(n: int, seed: int) -> dict[str, xr.DataArray]:
+    """Points that share nothing: from overdamped to nearly elastic, R1/R2 from 0.3 to 30, k over four decades."""
+    random = np.random.default_rng(seed)
+    values = {
+        "restitution": random.uniform(0.05, 1.0, n),
+        "radius_ratio": 0.3 * 100.0 ** random.random(n),
+        "gap": 1e-8 * 1e7 ** random.random(n),
+        "stiffness": 5e5 * 1e4 ** random.random(n),
+    }
+    return {name: xr.DataArray(value, dims="point") for name, value in values.items()}
+
+
+def compute(
+    swept: dict[str, xr.DataArray], instruction_set: str, threads: int = 1, model: str = "newton"
+) -> Results:
+    plan = make_plan(hl.Column.paper(), model, list(VARIABLES), swept)
+    out: Results = {name: np.empty(plan.size, VARIABLES[name][0]) for name in plan.variables}
+    where = (plan.density_1, plan.density_2, plan.restitution_at, list(plan.values), list(plan.strides))
+    _core.run_map(
+        plan.law,
+        MODELS.index(model),
+        plan.alternative,
+        *where,
+        0,
+        plan.size,
+        threads,
+        out,
+        None,
+        instruction_set,
+    )
+    return out
+
+
+def digest(results: Results) -> str:
+    return hashlib.sha256(b"".join(results[name].tobytes() for name in VARIABLES)).hexdigest()
+
+
+@pytest.mark.parametrize("model", ["newton", "adiabatic"])
+def test_same_bits_for_every_instruction_set_and_number_of_threads(model: str) -> None:
+    swept = random_list(100_000 if model == "newton" else 10_000, 1)
+    sets = _core.instruction_sets()
+    expected = digest(compute(swept, sets[0], model=model))
+    for instruction_set in sets[1:]:
+        assert digest(compute(swept, instruction_set, model=model)) == expected, instruction_set
+    for threads in (2, 3):
+        assert digest(compute(swept, sets[0], threads, model)) == expected, threads
+
+
+def check_against_scalar(swept: dict[str, xr.DataArray]) -> None:
+    kernel, scalar = compute(swept, "auto", 2), compute(swept, "scalar", 2)
+    np.testing.assert_array_equal(kernel["n_contacts"], scalar["n_contacts"])
+    np.testing.assert_array_equal(kernel["outcome"], scalar["outcome"])
+    speed = np.sqrt(2 * 9.81 * (0.6 - 0.01 * swept["radius_ratio"].values))
+    for name in ("relative_velocity", "separation_velocity"):
+        assert (np.isnan(kernel[name]) == np.isnan(scalar[name])).all(), name
+        assert np.nanmax(np.abs(kernel[name] - scalar[name]) / speed) < 1e-10, name
+    np.testing.assert_allclose(kernel["t_end"], scalar["t_end"], rtol=1e-6)
+
+
+def test_results_are_those_of_the_scalar_solver() -> None:
+    check_against_scalar(random_list(20_000, 2))
+
+
+@pytest.mark.slow
+def test_a_million_results_are_those_of_the_scalar_solver() -> None:
+    check_against_scalar(random_list(1_000_000, 3))
