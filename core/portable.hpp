@@ -120,18 +120,6 @@ HL_FN Real real_of(typename Lanes<Real>::Bits b) {
 #endif
 }
 
-// An integer of small absolute value, in two's complement, as a Real.
-template <class Real>
-HL_FN Real signed_value(typename Lanes<Real>::Bits b) {
-    if constexpr (Lanes<Real>::count == 1) {
-        return static_cast<double>(static_cast<i64>(b));
-    } else {
-        Real r{};
-        for (int i = 0; i < Lanes<Real>::count; ++i) r[i] = static_cast<double>(static_cast<i64>(b[i]));
-        return r;
-    }
-}
-
 // Correctly rounded on every platform, so it cannot differ between them.
 template <class Real>
 HL_FN Real sqrt_of(Real x) {

@@ -15,7 +15,6 @@ namespace hardlimit::sweep {
 
 namespace lanes {
 
-inline constexpr int careful_order = column::exact::order;
 inline constexpr double most_pieces = 3000.0;
 
 // ---- careful step ----------------------------------------------------------------------------------------------
