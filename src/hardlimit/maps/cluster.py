@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
@@ -112,10 +113,16 @@ def _client(scheduler: Any) -> Iterator[Client]:
         ):
             yield client
     else:
+        fault = None
         try:
             client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
+            fault = str(error)
+        if fault is not None:
+            # A client that could not connect closes itself when it is collected. Let that be now: in a thread that
+            # is just being started it would wait for ever.
+            gc.collect()
             need = f"scheduler: got {scheduler!r}, must be the address of a scheduler that answers"
-            raise ValueError(f"{need} ({error})") from None
+            raise ValueError(f"{need} ({fault})")
         with client:
             yield client
