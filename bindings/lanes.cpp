@@ -2,13 +2,15 @@
 // HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
 // CMakeLists.txt). The number of lanes changes the speed, never the result.
 #include "sweep/lanes.hpp"
+#include "sweep/leave.hpp"
 #include "sweep/viscoelastic_lanes.hpp"
 
 namespace {
 using Real = hardlimit::Vector<HARDLIMIT_LANES>::Real;
-}
+using Wide = hardlimit::Pair<Real>;  // for the kernel whose arithmetic waits for itself, not for its operands
+}  // namespace
 
 extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;
-const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_block<Real>,
-                                                &hardlimit::sweep::damping_ratios<Real>,
-                                                &hardlimit::sweep::solve_viscoelastic_block<Real>};
+const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {
+    HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_block<Wide>, &hardlimit::sweep::damping_ratios<Real>,
+    &hardlimit::sweep::solve_viscoelastic_block<Real>, &hardlimit::sweep::leave_block<Real>};

@@ -489,7 +489,8 @@ void bind_columns(nb::module_& m) {
     m.def("independent", &independent, "column"_a, "until"_a);
     m.def("fall_time", &col::fall_time, "gap"_a, "velocity"_a, "gravity"_a);
     m.def("impact_speed", &col::impact_speed, "gap"_a, "velocity"_a, "gravity"_a);
-    m.def("effective_restitution", &col::effective_restitution, "relative_velocity"_a, "impact_speed"_a);
+    m.def("effective_restitution", &col::effective_restitution<double>, "relative_velocity"_a,
+          "impact_speed"_a);
 }
 
 }  // namespace

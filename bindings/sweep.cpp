@@ -90,14 +90,12 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
         std::vector<std::thread> pool;
         job.running = threads;
         for (int i = 0; i < threads; ++i) pool.emplace_back(worker, std::ref(job), block);
-        auto told = std::chrono::steady_clock::now();
-        int pause_us = 50;
-        while (job.running > 0) {
-            std::this_thread::sleep_for(std::chrono::microseconds(pause_us));
-            pause_us = std::min(2 * pause_us, 20000);
-            const auto now = std::chrono::steady_clock::now();
-            if (now - told < std::chrono::milliseconds(100)) continue;
-            told = now;
+        const auto finished = [&job] {
+            std::unique_lock lock(job.guard);
+            return job.finished.wait_for(lock, std::chrono::milliseconds(100),
+                                         [&job] { return job.running == 0; });
+        };
+        while (!finished()) {
             nb::gil_scoped_acquire locked;
             if (PyErr_CheckSignals() != 0) interrupted = true;
             if (!interrupted && !progress.is_none()) {

@@ -24,11 +24,11 @@ HL_FN R abs(R x) {
 }
 template <class R>
 HL_FN R min(R a, R b) {
-    return select<R>(b < a, b, a);
+    return min_of(a, b);
 }
 template <class R>
 HL_FN R max(R a, R b) {
-    return select<R>(a < b, b, a);
+    return max_of(a, b);
 }
 template <class R>
 HL_FN R clamp(R x, double lo, double hi) {
@@ -54,29 +54,39 @@ HL_FN R exp2_integer(R k) {
     return real_of<R>((bits_of<R>(k + shift) + 1023) << 52);
 }
 
-// e^x: x = k ln2 + r, |r| <= ln2/2, Taylor polynomial of degree 13 (remainder 4e-18). 2^k is applied in two
-// halves so that results below the normal range are rounded, not lost.
+// e^x = 2^k value for |x| < 750: x = k ln2 + r, |r| <= ln2/2, Taylor polynomial of degree 13 (remainder 4e-18).
+template <class R>
+struct Power {
+    R k, value;
+};
+template <class R>
+HL_FN Power<R> power_of_e(R x) {
+    constexpr double ln2_hi = 6.93147180369123816490e-01, ln2_lo = 1.90821492927058770002e-10;
+    const R k = round_small<R>(x * 1.44269504088896338700);
+    const R r = (x - k * ln2_hi) - k * ln2_lo;
+    // Two terms at a time, then two pairs: a short chain of dependent operations.
+    const R r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
+    const R a = (0.5 + r * (1.0 / 6.0)) + r2 * (1.0 / 24.0 + r * (1.0 / 120.0));
+    const R b = (1.0 / 720.0 + r * (1.0 / 5040.0)) + r2 * (1.0 / 40320.0 + r * (1.0 / 362880.0));
+    const R c =
+        (1.0 / 3628800.0 + r * (1.0 / 39916800.0)) + r2 * (1.0 / 479001600.0 + r * (1.0 / 6227020800.0));
+    const R p = (a + r4 * b) + r8 * c;
+    return {k, 1.0 + (r + r2 * p)};
+}
+
+// e^x. 2^k is applied in two halves so that results below the normal range are rounded, not lost.
 template <class R>
 HL_FN R exp(R x) {
-    constexpr double ln2_hi = 6.93147180369123816490e-01, ln2_lo = 1.90821492927058770002e-10;
-    const R clipped = clamp(x, -746.0, 710.0);
-    const R k = round_small<R>(clipped * 1.44269504088896338700);
-    const R r = (clipped - k * ln2_hi) - k * ln2_lo;
-    R p = r * (1.0 / 6227020800.0) + 1.0 / 479001600.0;
-    p = p * r + 1.0 / 39916800.0;
-    p = p * r + 1.0 / 3628800.0;
-    p = p * r + 1.0 / 362880.0;
-    p = p * r + 1.0 / 40320.0;
-    p = p * r + 1.0 / 5040.0;
-    p = p * r + 1.0 / 720.0;
-    p = p * r + 1.0 / 120.0;
-    p = p * r + 1.0 / 24.0;
-    p = p * r + 1.0 / 6.0;
-    p = p * r + 0.5;
-    const R value = 1.0 + (r + (r * r) * p);
-    const R half = round_small<R>(0.5 * k);
-    const R scaled = (value * exp2_integer<R>(half)) * exp2_integer<R>(k - half);
+    const Power<R> p = power_of_e<R>(clamp(x, -746.0, 710.0));
+    const R half = round_small<R>(0.5 * p.k);
+    const R scaled = (p.value * exp2_integer<R>(half)) * exp2_integer<R>(p.k - half);
     return select<R>(is_nan(x), x, scaled);
+}
+// The same for x < 700, nonsense beyond; never below 1e-304.
+template <class R>
+HL_FN R exp_inside(R x) {
+    const Power<R> p = power_of_e<R>(max(x, broadcast<R>(-700.0)));
+    return p.value * exp2_integer<R>(p.k);
 }
 
 // ln(m) for m in [1/sqrt2, sqrt2] given f = m - 1 exactly: with s = f/(2+f), ln m = 2 artanh s
@@ -133,6 +143,16 @@ struct SinCos {
     R sin, cos;
 };
 
+// Sine and cosine of k pi/2 + r from those of r, by the last two bits of k.
+template <class R>
+HL_FN SinCos<R> in_quadrant(R k, R sine, R cosine) {
+    const auto bits = bits_of<R>(k + 6755399441055744.0);  // as in round_small
+    const Mask<R> swap = (bits & 1) != 0;
+    const R u = select<R>(swap, cosine, sine), v = select<R>(swap, sine, cosine);
+    return {real_of<R>(bits_of<R>(u) ^ ((bits & 2) << 62)),
+            real_of<R>(bits_of<R>(v) ^ (((bits + 1) & 2) << 62))};
+}
+
 // Sine and cosine: x = k pi/2 + r, pi/2 in three parts (exact products for |k| < 2^20), Taylor polynomials
 // on |r| <= pi/4 (remainders 5e-18).
 template <class R>
@@ -143,27 +163,17 @@ HL_FN SinCos<R> sincos(R x) {
     const R head = x - k * a;
     const R r = (head - k * b) - k * c;
     const R z = r * r;
-    R s = z * (1.0 / 355687428096000.0) - 1.0 / 1307674368000.0;
-    s = s * z + 1.0 / 6227020800.0;
-    s = s * z - 1.0 / 39916800.0;
-    s = s * z + 1.0 / 362880.0;
-    s = s * z - 1.0 / 5040.0;
-    s = s * z + 1.0 / 120.0;
-    s = s * z - 1.0 / 6.0;
+    const R z2 = z * z, z4 = z2 * z2;
+    const R s = ((-1.0 / 6.0 + z * (1.0 / 120.0)) + z2 * (-1.0 / 5040.0 + z * (1.0 / 362880.0))) +
+                z4 * ((-1.0 / 39916800.0 + z * (1.0 / 6227020800.0)) +
+                      z2 * (-1.0 / 1307674368000.0 + z * (1.0 / 355687428096000.0)));
     const R sine = r + r * (z * s);
-    R q = z * (1.0 / 20922789888000.0) - 1.0 / 87178291200.0;
-    q = q * z + 1.0 / 479001600.0;
-    q = q * z - 1.0 / 3628800.0;
-    q = q * z + 1.0 / 40320.0;
-    q = q * z - 1.0 / 720.0;
-    q = q * z + 1.0 / 24.0;
+    const R q = ((1.0 / 24.0 - z * (1.0 / 720.0)) + z2 * (1.0 / 40320.0 - z * (1.0 / 3628800.0))) +
+                z4 * ((1.0 / 479001600.0 - z * (1.0 / 87178291200.0)) + z2 * (1.0 / 20922789888000.0));
     const R half = 0.5 * z;
     const R lead = 1.0 - half;
-    const R cosine = lead + (((1.0 - lead) - half) + (z * z) * q);
-    const R quarter = k - 4.0 * round_small<R>(0.25 * k);  // in {-2, -1, 0, 1, 2}
-    const Mask<R> swap = abs(quarter) == 1.0, half_turn = abs(quarter) == 2.0;
-    const R u = select<R>(swap, cosine, sine), v = select<R>(swap, sine, cosine);
-    return {select<R>((quarter == -1.0) | half_turn, -u, u), select<R>((quarter == 1.0) | half_turn, -v, v)};
+    const R cosine = lead + (((1.0 - lead) - half) + z2 * q);
+    return in_quadrant<R>(k, sine, cosine);
 }
 template <class R>
 HL_FN R sin(R x) {

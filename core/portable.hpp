@@ -16,11 +16,20 @@
 #pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
 #endif
 
-// Before a loop with a constant number of turns: unroll it.
+// Before a loop with a constant number of turns: unroll it, or do not.
 #if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
 #define HL_UNROLL _Pragma("GCC unroll 64")
+#define HL_ROLL _Pragma("GCC unroll 1")
 #else
 #define HL_UNROLL _Pragma("unroll")
+#define HL_ROLL _Pragma("unroll 1")
+#endif
+
+// A function that is not copied into its callers: a loop that does not fit the instruction cache runs at half the speed.
+#if defined(__CUDACC__) || defined(__CUDACC_RTC__)
+#define HL_FN_APART HL_FN
+#else
+#define HL_FN_APART __attribute__((noinline)) inline
 #endif
 
 #if defined(__CUDACC_RTC__)  // lacks these two constants
@@ -57,6 +66,7 @@ template <int W>
 struct Vector {
     typedef double Real __attribute__((vector_size(8 * W)));
     typedef u64 Bits __attribute__((vector_size(8 * W)));
+    typedef i64 Integers __attribute__((vector_size(8 * W)));
 };
 template <class Real>
     requires(sizeof(Real) > sizeof(double))
@@ -64,7 +74,85 @@ struct Lanes<Real> {
     static constexpr int count = sizeof(Real) / sizeof(double);
     using Bits = typename Vector<count>::Bits;
 };
+
+// Two vectors as one: what the arithmetic of one must wait for, the other one does not. A vector type of that width
+// would serve, but gcc takes it through memory.
+template <class V>
+struct Pair {
+    V lo, hi;
+};
+template <class V>
+struct Lanes<Pair<V>> {
+    static constexpr int count = 2 * Lanes<V>::count;
+    using Bits = Pair<typename Lanes<V>::Bits>;
+};
+#define HL_PAIRWISE(op)                                                  \
+    template <class V>                                                   \
+    HL_FN auto operator op(const Pair<V>& a, const Pair<V>& b) {         \
+        return Pair<decltype(a.lo op b.lo)>{a.lo op b.lo, a.hi op b.hi}; \
+    }                                                                    \
+    template <class V, class Number>                                     \
+        requires(sizeof(Number) <= sizeof(double))                       \
+    HL_FN auto operator op(const Pair<V>& a, Number b) {                 \
+        return Pair<decltype(a.lo op b)>{a.lo op b, a.hi op b};          \
+    }                                                                    \
+    template <class V, class Number>                                     \
+        requires(sizeof(Number) <= sizeof(double))                       \
+    HL_FN auto operator op(Number a, const Pair<V>& b) {                 \
+        return Pair<decltype(a op b.lo)>{a op b.lo, a op b.hi};          \
+    }
+HL_PAIRWISE(+)
+HL_PAIRWISE(-)
+HL_PAIRWISE(*)
+HL_PAIRWISE(/)
+HL_PAIRWISE(<)
+HL_PAIRWISE(>)
+HL_PAIRWISE(<=)
+HL_PAIRWISE(>=)
+HL_PAIRWISE(==)
+HL_PAIRWISE(!=)
+HL_PAIRWISE(&)
+HL_PAIRWISE(|)
+HL_PAIRWISE(^)
+HL_PAIRWISE(<<)
+HL_PAIRWISE(>>)
+#undef HL_PAIRWISE
+template <class V>
+HL_FN Pair<V> operator-(const Pair<V>& a) {
+    return {-a.lo, -a.hi};
+}
+template <class V>
+HL_FN Pair<V> operator~(const Pair<V>& a) {
+    return {~a.lo, ~a.hi};
+}
 #endif
+
+template <class T>
+inline constexpr bool is_pair = false;
+#if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+template <class V>
+inline constexpr bool is_pair<Pair<V>> = true;
+#endif
+
+// One lane of a Real or of a Mask.
+template <class T>
+HL_FN auto lane_of(const T& x, int lane) {
+    if constexpr (is_pair<T>) {
+        constexpr int half = sizeof(T) / 16;
+        return lane < half ? lane_of(x.lo, lane) : lane_of(x.hi, lane - half);
+    } else {
+        return x[lane];
+    }
+}
+template <class T, class Value>
+HL_FN void set_lane(T& x, int lane, Value value) {
+    if constexpr (is_pair<T>) {
+        constexpr int half = sizeof(T) / 16;
+        set_lane(lane < half ? x.lo : x.hi, lane % half, value);
+    } else {
+        x[lane] = value;
+    }
+}
 
 // All lanes the same.
 template <class Real>
@@ -78,18 +166,80 @@ HL_FN Real broadcast(double x) {
 // Lane by lane. Real may itself be a Mask.
 template <class Real>
 HL_FN Real select(Mask<Real> m, Real yes, Real no) {
-    return m ? yes : no;
+    if constexpr (is_pair<Real>)
+        return {select<decltype(yes.lo)>(m.lo, yes.lo, no.lo), select<decltype(yes.lo)>(m.hi, yes.hi, no.hi)};
+    else
+        return m ? yes : no;
 }
 
+// b < a ? b : a and a < b ? b : a, lane by lane. gcc makes two instructions of a vector's minimum; x86 has just this one.
+template <class Real>
+HL_FN Real min_of(Real a, Real b) {
+#if defined(__AVX512F__) && !defined(__clang__)
+    if constexpr (Lanes<Real>::count == 8 && !is_pair<Real>)
+        return __builtin_ia32_minpd512_mask(b, a, Real{}, 0xff, 4);
+    else
+#endif
+        if constexpr (is_pair<Real>)
+        return {min_of(a.lo, b.lo), min_of(a.hi, b.hi)};
+    else
+        return select<Real>(b < a, b, a);
+}
+template <class Real>
+HL_FN Real max_of(Real a, Real b) {
+#if defined(__AVX512F__) && !defined(__clang__)
+    if constexpr (Lanes<Real>::count == 8 && !is_pair<Real>)
+        return __builtin_ia32_maxpd512_mask(b, a, Real{}, 0xff, 4);
+    else
+#endif
+        if constexpr (is_pair<Real>)
+        return {max_of(a.lo, b.lo), max_of(a.hi, b.hi)};
+    else
+        return select<Real>(a < b, b, a);
+}
+
+// The lanes of a Mask as bits of a number. x86 has an instruction for it; a loop over the lanes is a chain of
+// shuffles.
 template <class M>
-HL_FN bool any(M m) {
+HL_FN unsigned lane_bits(const M& m) {
+    constexpr int count = static_cast<int>(sizeof(M) / 8);
     if constexpr (sizeof(M) == sizeof(bool)) {
         return m;
+    } else if constexpr (is_pair<M>) {
+        return lane_bits(m.lo) | lane_bits(m.hi) << (count / 2);
+#if defined(__AVX512DQ__)
+    } else if constexpr (count == 8) {
+        return static_cast<unsigned char>(
+            __builtin_ia32_cvtq2mask512(__builtin_bit_cast(Vector<8>::Integers, m)));
+#endif
+#if defined(__AVX__)
+    } else if constexpr (count == 4) {
+        return static_cast<unsigned>(__builtin_ia32_movmskpd256(__builtin_bit_cast(Vector<4>::Real, m)));
+#endif
+#if defined(__SSE2__)
+    } else if constexpr (count == 2) {
+        return static_cast<unsigned>(__builtin_ia32_movmskpd(__builtin_bit_cast(Vector<2>::Real, m)));
+#endif
     } else {
-        i64 found = 0;
-        for (int i = 0; i < static_cast<int>(sizeof(M) / 8); ++i) found |= m[i];
-        return found != 0;
+        unsigned bits = 0;
+        for (int i = 0; i < count; ++i) bits |= static_cast<unsigned>(m[i] & 1) << i;
+        return bits;
     }
+}
+HL_FN int bit_count(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+    return __popc(bits);
+#else
+    return __builtin_popcount(bits);
+#endif
+}
+HL_FN int first_bit(unsigned bits) { return bit_count((bits & -bits) - 1); }
+template <class M>
+HL_FN bool any(const M& m) {
+    if constexpr (is_pair<M>)
+        return any(m.lo | m.hi);
+    else
+        return lane_bits(m) != 0;
 }
 HL_FN bool any(int m) { return m != 0; }
 HL_FN bool negation(int m) { return m == 0; }
@@ -128,6 +278,8 @@ HL_FN Real sqrt_of(Real x) {
 #else
     if constexpr (Lanes<Real>::count == 1) {
         return __builtin_sqrt(x);
+    } else if constexpr (is_pair<Real>) {
+        return {sqrt_of(x.lo), sqrt_of(x.hi)};
     } else {
         Real r{};
         for (int i = 0; i < Lanes<Real>::count; ++i) r[i] = __builtin_sqrt(x[i]);

@@ -5,9 +5,11 @@
 namespace hardlimit::column {
 
 // ε that gives the relative velocity v_r in the ICM, v_r = ε (1 + ε) V (Eq. 4 inverted, in the stable form).
-HL_FN double effective_restitution(double relative_velocity, double impact_speed) {
-    const double ratio = relative_velocity / impact_speed;
-    return ratio >= -0.25 ? 2.0 * ratio / (1.0 + math::sqrt(1.0 + 4.0 * ratio)) : math::nan;
+template <class R>
+HL_FN R effective_restitution(R relative_velocity, R impact_speed) {
+    const R ratio = relative_velocity / impact_speed;
+    return select<R>(ratio >= -0.25, 2.0 * ratio / (1.0 + math::sqrt<R>(1.0 + 4.0 * ratio)),
+                     broadcast<R>(math::nan));
 }
 
 }  // namespace hardlimit::column

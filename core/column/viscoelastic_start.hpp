@@ -9,14 +9,19 @@
 
 namespace hardlimit::column {
 
+// 1/(unit of time): (ρ/m)^{2/5} V^{1/5}.
+HL_FN double viscoelastic_rate(double elastic_prefactor, double mass, double speed) {
+    return math::pow(elastic_prefactor / mass, 0.4) * math::pow(speed, 0.2);
+}
+
+// With the units' speed V and rate known.
 HL_FN Start start_two_ball(const contact::Viscoelastic& floor, const contact::Viscoelastic& pair, double m1,
-                           double m2, double gravity, Gaps released) {
-    const double speed = impact_speed(released.u, released.du, gravity), reduced = effective(m1, m2);
-    const double rate = math::pow(pair.elastic_prefactor / reduced, 0.4) * math::pow(speed, 0.2);
+                           double m2, double gravity, Gaps released, const Units& units) {
+    const double reduced = effective(m1, m2);
     const TwoBall groups = {(floor.elastic_prefactor / pair.elastic_prefactor) * (reduced / m1), reduced / m1,
-                            1.5 * floor.dissipative_time * rate, 1.5 * pair.dissipative_time * rate,
-                            gravity / (speed * rate)};
-    return start_scaled(groups, {speed, rate}, gravity, released);
+                            1.5 * floor.dissipative_time * units.rate,
+                            1.5 * pair.dissipative_time * units.rate, gravity / (units.speed * units.rate)};
+    return start_scaled(groups, units, gravity, released);
 }
 
 }  // namespace hardlimit::column

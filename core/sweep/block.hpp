@@ -14,11 +14,22 @@ struct Block {
     int* status;
 };
 
+// Sequences of a block on the way out, one array each, of room for a whole number of vectors: scaled units become SI
+// units in place, and the coefficients of restitution are filled in.
+struct Ends {
+    int count;
+    const double *speed, *rate;  // the units
+    const double* restitution;   // of both contacts, NaN: none or not given
+    const double* t_first;
+    double *t_end, *t_floor_end, *relative, *separation, *effective_restitution, *restitution_ratio;
+};
+
 struct Kernel {
     const char* name;
     void (*solve)(const Block&);
     void (*damping_ratios)(double*, int);  // b from −ln ε, in place
     void (*solve_viscoelastic)(const Block&);
+    void (*leave)(const Ends&);
 };
 
 }  // namespace hardlimit_abi

@@ -70,7 +70,7 @@ HL_FN void put(const Task& task, unsigned point, const PointResult& r) {
     if (task.t_floor_end) task.t_floor_end[point] = r.t_floor_end;
 }
 
-enum Step : unsigned char { lying, pressed, lasting, stuck, vacant, none };
+enum Step : unsigned char { flying, lying, pressed, lasting, stuck, vacant, none };
 
 // A drop under way.
 struct Drop {
@@ -89,8 +89,8 @@ struct Drop {
             1,          &s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity,
             &s.first.u, &s.first.du,  &s.first.w,   &s.first.dw,  &s.t,         nullptr,
             nullptr,    nullptr,      nullptr,      nullptr,      nullptr,      nullptr};
-        wait.drop(0);
         lanes::load(q, 0, one, 0);
+        lanes::start<double>(q, true);
         return true;
     }
 
@@ -104,12 +104,22 @@ struct Drop {
     }
 
     HL_FN Step next() const {
-        return wait.lying ? lying : wait.pressed ? pressed : wait.lasting ? lasting : stuck;
+        return wait.flying    ? flying
+               : wait.lying   ? lying
+               : wait.pressed ? pressed
+               : wait.lasting ? lasting
+                              : stuck;
     }
 
-    // Takes the step it waits for, or its first if it has just started; returns what it waits for then.
+    // Takes the step it waits for unless it has just started; returns what it waits for then.
     HL_FN Step advance(const Task& task, bool started) {
-        const bool moved = started || lanes::step<double>(q, wait);
+        bool moved = started;
+        if (!started) {
+            lanes::Modes<double> k;  // found anew each time: room for them would be taken from other drops
+            if (wait.lying) lanes::find_floor_mode<double>(q.s, k);
+            if (wait.pressed || wait.lasting) lanes::find_pair_modes<double>(q.s, k);
+            moved = lanes::step<double>(q, k, wait);
+        }
         if (moved) lanes::sort<double>(q, wait, true);
         if (q.active) return next();
         give(task);

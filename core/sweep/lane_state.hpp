@@ -24,7 +24,9 @@ struct State {
     // Closed contacts; whether a contact that is not closed is open (gap >= 0); functions exactly on zero.
     M floor, pair, floor_open, pair_open, on_u, on_w, on_l1, on_l2;
     M opened, met, counted, active, left;
-    M glided;  // the present pair contact has been glided over
+    M glided;   // the present pair contact has been glided over
+    M lifts;    // the floor may let go before the pair does, whose first zero of L2 is at
+    R parting;  // this time from now
 };
 
 template <class R>
@@ -157,6 +159,7 @@ HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
     const Mask<R> moved = m & (dt > 0.0);
     assign<R>(moved, q.x, y);
     assign<R>(moved, q.t, q.t + dt);
+    clear(q.lifts, m);
     clear(q.on_u, moved);
     clear(q.on_w, moved);
     clear(q.on_l1, moved);
@@ -214,38 +217,51 @@ HL_FN void put(R& to, int lane, double value) {
     if constexpr (Lanes<R>::count == 1)
         to = value;
     else
-        to[lane] = value;
+        set_lane(to, lane, value);
 }
 template <class R>
 HL_FN double get(const R& from, int lane) {
     if constexpr (Lanes<R>::count == 1)
         return from;
     else
-        return from[lane];
+        return lane_of(from, lane);
 }
 template <class M>
 HL_FN void put_flag(M& to, int lane, bool value) {
     if constexpr (sizeof(M) == sizeof(bool))
         to = value;
     else
-        to[lane] = value ? -1 : 0;
+        set_lane(to, lane, value ? -1 : 0);
 }
 template <class M>
 HL_FN bool get_flag(const M& from, int lane) {
     if constexpr (sizeof(M) == sizeof(bool))
         return from;
     else
-        return from[lane] != 0;
+        return lane_of(from, lane) != 0;
 }
 
 template <class M>
 HL_FN int count(const M& m) {
-    int n = 0;
-    for (int lane = 0; lane < static_cast<int>(sizeof(M) == sizeof(bool) ? 1 : sizeof(M) / 8); ++lane)
-        n += get_flag(m, lane);
-    return n;
+    return bit_count(lane_bits(m));
 }
 
+// Whether the groups of drop i are those of the one before, to a relative difference of `tolerance`.
+HL_FN bool alike(const Block& b, int i, double tolerance) {
+    const auto near = [&](const double* of) {
+        return math::abs(of[i] - of[i - 1]) <= tolerance * math::abs(of[i]);
+    };
+    return i > 0 && near(b.a1) && near(b.a2) && near(b.c1) && near(b.c2) && near(b.gravity);
+}
+
+// Lanes that must be idle for drops from the next one on to be loaded: a few, or `most` where drops are much alike, as
+// neighbours in a map are. Such drops go the same way, and loaded together they keep in step.
+template <class R>
+HL_FN int due(const Block& b, int next, int most) {
+    return next < b.count && alike(b, next, 0.1) ? most : (Lanes<R>::count + 7) / 8;
+}
+
+// Drop i of the block into a lane; `start` completes it.
 template <class R>
 HL_FN void load(State<R>& q, int lane, const Block& b, int i) {
     put(q.s.a1, lane, b.a1[i]);
@@ -258,18 +274,23 @@ HL_FN void load(State<R>& q, int lane, const Block& b, int i) {
     put(q.x.w, lane, b.w[i]);
     put(q.x.dw, lane, b.dw[i]);
     put(q.t, lane, b.t[i]);
+}
+
+// The drops just loaded into the lanes of m begin: in flight, or with the floor contact if it begins at once.
+template <class R>
+HL_FN void start(State<R>& q, Mask<R> m) {
     R* const unknown[] = {&q.t_first, &q.t_end, &q.t_floor_end, &q.relative, &q.separation};
-    for (R* value : unknown) put(*value, lane, math::nan);
-    put(q.contacts, lane, 0.0);
-    put(q.pieces, lane, 0.0);
-    using M = Mask<R>;
-    M* const no[] = {&q.floor, &q.pair,    &q.on_l1, &q.on_l2, &q.opened,
-                     &q.met,   &q.counted, &q.left,  &q.glided};
-    for (M* flag : no) put_flag(*flag, lane, false);
-    M* const yes[] = {&q.floor_open, &q.pair_open, &q.active};
-    for (M* flag : yes) put_flag(*flag, lane, true);
-    put_flag(q.on_u, lane, b.u[i] == 0.0);
-    put_flag(q.on_w, lane, b.w[i] == 0.0);
+    for (R* value : unknown) assign<R>(m, *value, constant<R>(math::nan));
+    assign<R>(m, q.contacts, R{});
+    assign<R>(m, q.pieces, R{});
+    Mask<R>* const no[] = {&q.floor, &q.pair,    &q.on_l1, &q.on_l2,  &q.opened,
+                           &q.met,   &q.counted, &q.left,  &q.glided, &q.lifts};
+    for (Mask<R>* flag : no) clear(*flag, m);
+    Mask<R>* const yes[] = {&q.floor_open, &q.pair_open, &q.active};
+    for (Mask<R>* flag : yes) raise(*flag, m);
+    set(q.on_u, m, q.x.u == 0.0);
+    set(q.on_w, m, q.x.w == 0.0);
+    floor_begins<R>(q, m & (q.x.u == 0.0) & (q.x.du < 0.0));
 }
 
 template <class R>

@@ -1,15 +1,15 @@
-// Many two-ball drops at once: the exact solver of column/exact.hpp with one drop in each lane of a vector.
+// Many two-ball drops at once under the linear law, one drop in each lane of a vector.
 //
-// Lanes run in step. A round takes every lane through one stage of floor contact (motion B) and one of pair contact
-// (C and D), so that lanes at the same point of their sequence do the same work; a lane that is done takes the next
-// drop of the block. Two kinds of step:
-//   quick    one closed form (B) or one long Taylor series (C, D) to the next switch, taken only when bounds show
-//            that nothing else can happen before it;
-//   careful  one piece exactly as in column/exact.hpp, for whatever the bounds cannot exclude.
+// A step takes lanes to their next switch, by the modes of their motion (modes.hpp): a guess, one step of a method of
+// third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where bounds show
+// that this is the next switch; else a careful step takes one piece exactly as column/exact.hpp does. Each round is
+// spent on the step that most lanes wait for, and lanes that are done take the next drops of the block.
+//
 // Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
 // not depend on its neighbours, hence neither on the width of the vector nor on the order of the drops.
 #pragma once
 #include "lane_state.hpp"
+#include "modes.hpp"
 
 namespace hardlimit::sweep {
 
@@ -76,356 +76,340 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
     finish<R>(q, long_run);
 }
 
-// ---- quick step, floor only (motion B) -------------------------------------------------------------------------
+// ---- quick steps ------------------------------------------------------------------------------------------------
 
-// The lower ball swings, u = u* + e^(−λt) (A cos ωt + B sin ωt), the upper one falls freely.
+// Step from near a zero of f to it, by its first derivatives (Householder's method of third order).
 template <class R>
-struct Swing {
-    R rest, lambda, omega, A, B;  // of u
-    R P, Q;                       // the same of u̇: e^(−λt) (P cos ωt + Q sin ωt)
-    R height, climb, gravity;     // u + w = height + climb t − gravity t²/2
-    R a1, c1;
-
-    HL_FN explicit Swing(const Groups<R>& s, const GapState<R>& x) {
-        a1 = s.a1;
-        c1 = s.c1;
-        gravity = s.gravity;
-        rest = -s.gravity / s.a1;
-        lambda = 0.5 * s.a1 * s.c1;
-        omega = math::sqrt<R>(math::max<R>(s.a1 - lambda * lambda, constant<R>(1e-300)));
-        A = x.u - rest;
-        B = (x.du + lambda * A) / omega;
-        P = omega * B - lambda * A;
-        Q = -(omega * A + lambda * B);
-        height = x.u + x.w;
-        climb = x.du + x.dw;
-    }
-    HL_FN GapState<R> at(R t, R decay, R cosine, R sine) const {
-        const R u = rest + decay * (A * cosine + B * sine), du = decay * (P * cosine + Q * sine);
-        return {u, du, (height + t * (climb - 0.5 * gravity * t)) - u, (climb - gravity * t) - du};
-    }
-    HL_FN GapState<R> at(R t) const {
-        const math::SinCos<R> a = math::sincos<R>(omega * t);
-        return at(t, math::exp<R>(-lambda * t), a.cos, a.sin);
-    }
-    // A short way on from the state x at t: Taylor series of u about t.
-    HL_FN GapState<R> on(const GapState<R>& x, R t, R dt) const {
-        constexpr int N = 10;
-        R c[N + 1] = {x.u - rest, x.du};
-        for (int n = 0; n + 2 <= N; ++n)
-            c[n + 2] = -(a1 * (c[n] + c1 * ((n + 1.0) * c[n + 1]))) * (1.0 / ((n + 1.0) * (n + 2.0)));
-        R u = c[N], du = R{};
-        for (int n = N - 1; n >= 0; --n) {
-            du = du * dt + u;
-            u = u * dt + c[n];
-        }
-        u = u + rest;
-        const R now = t + dt;
-        return {u, du, (height + now * (climb - 0.5 * gravity * now)) - u, (climb - gravity * now) - du};
-    }
-    HL_FN R pull(const GapState<R>& x) const { return x.u + c1 * x.du; }  // L1
-};
-
-// A slack pair opens without its force switching on again. The floor's pull on the gap is at most M, so it opens at
-// the latest at the first zero t of w + ẇ t − M t²/2, and until then L2 >= ẇ t − M (t²/2 + c2 t).
+HL_FN R to_zero(const R* f) {
+    const R inverse = 1.0 / f[1];
+    const R h = -f[0] * inverse, bend = (0.5 * h) * (f[2] * inverse),
+            twist = ((1.0 / 6.0) * (h * h)) * (f[3] * inverse);
+    return h * (1.0 + bend) / (1.0 + 2.0 * bend + twist);
+}
+// The same for a short step.
 template <class R>
-HL_FN Mask<R> opens_quietly(const State<R>& q, const Swing<R>& swing) {
-    const R amplitude = math::sqrt<R>(swing.A * swing.A + swing.B * swing.B) +
-                        swing.c1 * math::sqrt<R>(swing.P * swing.P + swing.Q * swing.Q);
-    const R pull = q.s.a1 * amplitude + q.s.gravity;
-    const R square = q.x.dw * q.x.dw + 2.0 * pull * q.x.w;
-    const R opens = -2.0 * q.x.w / (q.x.dw + math::sqrt<R>(math::max<R>(square, R{})));
-    return (q.x.dw > 0.0) & (square > 0.0) & (q.x.dw > 1.01 * pull * (0.5 * opens + q.s.c2));
+HL_FN R to_near_zero(const R* f) {
+    const R inverse = 1.0 / f[1];
+    const R h = -f[0] * inverse, bend = (0.5 * h) * (f[2] * inverse),
+            twist = ((1.0 / 6.0) * (h * h)) * (f[3] * inverse);
+    return h * (1.0 - (bend - (2.0 * (bend * bend) - twist)));
 }
 
-// Lanes of m whose next switch was found: the pair closes, or the floor lets go.
+// The last step (Halley's method).
 template <class R>
-HL_FN Mask<R> quick_floor(State<R>& q, Mask<R> m) {
-    const Swing<R> swing(q.s, q.x);
-    const R w0 = q.x.w, dw0 = q.x.dw;
-    const Mask<R> slack = negation(q.pair_open);
-    m = m & (swing.lambda * swing.lambda < 0.99 * q.s.a1) & (negation(slack) | opens_quietly<R>(q, swing));
-    // Release without gravity: phase and state without trigonometry.
-    const R cosine_part = swing.A + swing.c1 * swing.P, sine_part = swing.B + swing.c1 * swing.Q;
-    const R down = math::max<R>(-cosine_part, R{});
-    const R release = math::atan2_upper<R>(down, sine_part) / swing.omega;
-    const R radius = math::sqrt<R>(down * down + sine_part * sine_part);
-    const R decay = math::exp<R>(-swing.lambda * release);
-    const GapState<R> r = swing.at(release, decay, sine_part / radius, down / radius);
-    const R pull = swing.pull(r), pull_rate = r.du - q.s.c1 * (q.s.a1 * pull + q.s.gravity);
-    const R later = -pull / pull_rate;  // what gravity adds
-    const R rate = math::sqrt<R>(q.s.a1);
-    m = m & (pull_rate > 0.0) & (math::abs<R>(later) * rate < 0.02) & (release > 0.0);
-    const R doubt = 4.0 * math::abs<R>(r.dw * later) + 1e-9 * (math::abs<R>(r.u) + math::abs<R>(w0));
-    const Mask<R> lets_go = m & (r.w > doubt), closes = m & (r.w < -doubt) & (r.dw < 0.0);
-    Mask<R> handled = lets_go & negation(lets_go);
-    if (any(lets_go)) {
-        R dt = later;
-        GapState<R> x = swing.on(r, release, dt);
-        for (int i = 0; i < 3; ++i) {
-            const R l1 = swing.pull(x), slope = x.du - q.s.c1 * (q.s.a1 * l1 + q.s.gravity);
-            dt = dt - l1 / slope;
-            x = swing.on(r, release, dt);
-        }
-        const Mask<R> good = lets_go & (math::abs<R>(dt) * rate < 0.05) & (x.w > 0.0);
-        advance<R>(q, good, release + dt, x);
-        raise(q.pair_open, good);
-        floor_ends<R>(q, good);
-        handled = handled | good;
-    }
-    if (any(closes)) {
-        // Parabola through w, ẇ now and w at release, then Halley's method with ẅ = a1 L1.
-        const R bend = (r.w - w0 - dw0 * release) / (release * release);
-        const R root = math::sqrt<R>(math::max<R>(dw0 * dw0 - 4.0 * bend * w0, R{}));
-        R t = select<R>(dw0 < 0.0, 2.0 * w0 / (root - dw0), (dw0 + root) / (-2.0 * bend));
-        R step = R{};
-        GapState<R> x;
-        for (int i = 0; i < 3; ++i) {
-            t = t + step;
-            x = swing.at(t);
-            const R bent = q.s.a1 * swing.pull(x);
-            step = -2.0 * x.w * x.dw / (2.0 * x.dw * x.dw - x.w * bent);
-        }
-        const Mask<R> near = math::abs<R>(step) * rate < 0.02;
-        GapState<R> y = swing.on(x, t, step);
-        R last = -y.w / y.dw;
-        y = swing.on(x, t, step + last);
-        const R when = t + (step + last);
-        const Mask<R> good = closes & near & (math::abs<R>(last) * rate < 1e-6) & (y.dw < 0.0) &
-                             (swing.pull(y) < 0.0) & (when > 0.0) & (when < release) &
-                             (math::abs<R>(y.w) < 1e-13);
-        advance<R>(q, good, when, y);
-        raise(q.pair_open, good);
-        pair_begins<R>(q, good);
-        handled = handled | good;
-    }
-    return handled;
+HL_FN R polish(R f, R f1, R f2) {
+    const R inverse = 1.0 / f1, h = -f * inverse;
+    return h * (1.0 - (0.5 * h) * (f2 * inverse));
 }
 
-// ---- quick step, pair closed (motions C and D) -----------------------------------------------------------------
+// How far the short step and the last one may go, in units of 1/ω.
+inline constexpr double nearby = 0.02, polished = 1e-6;
 
-inline constexpr int long_order = 38;
-inline constexpr double long_reach = 5.2;  // 5.2³⁸/38! = 3e-18
-
-// Lanes of m, with a pair contact that begins now, whose next switch is the end of that contact. L2 falls from the
-// touch on, and rises once within the reach of the series (less than a period), so it has one zero there.
+// The next switch of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the floor
+// lets go. w is concave while the floor pushes, so it has a zero before the release exactly if it is negative then.
 template <class R>
-HL_FN Mask<R> quick_pair(State<R>& q, Mask<R> m) {
+HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
-    m = m & q.on_w & (q.x.dw < 0.0) & (s.c2 < 1.6) & (s.a1 * s.c1 * s.c1 < 2.5) & (q.floor | q.floor_open);
-    if (!any(m)) return m;
-    column::exact::Series<R, long_order> p;
-    const R h = constant<R>(long_reach) / math::sqrt<R>(1.0 + s.a1);
-    column::exact::expand<R>(s, q.x, q.floor, q.pair, h, p);
-    // Isolated contact as the guess: t_c = 2 atan2(ω, β)/ω, β = c2/2.
-    const R beta = 0.5 * s.c2, omega = math::sqrt<R>(math::max<R>(1.0 - beta * beta, constant<R>(0.1)));
-    R theta = math::min<R>(2.0 * math::atan2_upper<R>(omega, beta) / (omega * h), constant<R>(0.97));
-    using column::exact::slope_at, column::exact::value_at;
-    constexpr int rough = 24, full = long_order - 1;
-    R slope = R{}, step = R{};
-    for (int i = 0; i < 6; ++i) {
-        slope = i < 3 ? slope_at<rough>(p.l2, theta) : slope_at<full>(p.l2, theta);
-        step = -(i < 3 ? value_at<rough>(p.l2, theta) : value_at<full>(p.l2, theta)) / slope;
-        theta = math::clamp<R>(theta + step, 0.05, 1.0);
-    }
-    m = m & (slope > 0.0) & (math::abs<R>(step) < 1e-11) & (theta < 1.0);
-    // Nothing else before: L1 stays below zero by its values at both ends and a bound on its curvature; an open floor
-    // gap is concave while the pair pushes.
-    R curvature[full - 1];
-    for (int n = 2; n <= full; ++n) curvature[n - 2] = (n * (n - 1.0)) * math::abs<R>(p.l1[n]);
-    const R bound = value_at<full - 2>(curvature, theta);
-    const GapState<R> x = column::exact::evaluate<R>(p, theta);
-    const R worst = math::max<R>(p.l1[0], x.u + s.c1 * x.du);
-    const Mask<R> stays = (worst + 0.125 * bound * theta * theta < 0.0) & negation(q.on_l1);
-    const Mask<R> good = m & select<Mask<R>>(q.floor, stays, x.u > 0.0);
-    advance<R>(q, good, theta * h, x);
-    pair_ends<R>(q, good);
+    const R rest = k.floor_rest, omega = k.floor_rate;
+    const Complex<R> rate = {-0.5 * (s.a1 * s.c1), omega};
+    const R y = q.x.u - rest, w0 = q.x.w, dw0 = q.x.dw;
+    const Complex<R> swing = {y, (rate.re * y - q.x.du) * k.floor_period};  // u = rest + Re(swing e^(λt))
+    const Complex<R> force = pull<R>(s.c1, rate) * swing;
+    const R height = q.x.u + w0, climb = q.x.du + dw0;  // of the upper ball, which falls freely
+    const R l1 = q.x.u + s.c1 * q.x.du, l1_rate = q.x.du - s.c1 * (s.a1 * l1 + s.gravity), now = -s.a1 * l1;
+    m = m & (omega > 0.0) & (l1 <= 0.0);
+    // About where the floor lets go, at phase 3π/2 and a little for gravity.
+    const R strength = magnitude(force), late = -rest / strength;
+    const R release = (1.5 * math::pi + late - rough_angle(force)) * k.floor_period;
+    const R left_over = strength * rough_exp(rate.re * release);
+    const Complex<R> swing_then = Complex<R>{late * left_over, -left_over} * k.from_pull;
+    const R u_then = rest + swing_then.re, du_then = rate.re * swing_then.re - rate.im * swing_then.im;
+    const R w_then = (height + release * (climb - 0.5 * s.gravity * release)) - u_then,
+            dw_then = (climb - s.gravity * release) - du_then;
+    const R doubt =
+        1e-4 * (math::abs<R>(u_then) + math::abs<R>(w0) + (release + k.floor_period) * math::abs<R>(dw_then));
+    // A slack pair opens by the zero of w + ẇ t − worst t²/2, where worst bounds −ẅ until then; as L2 = w + c2 ẇ >= 0, that
+    // is before 2 c2. Its force does not switch on before if L2 only rises, or if L2 is concave, for it is positive at
+    // both ends. Nor does it before the floor lets go if L2' > 0 until then. Else it does, at about the second zero of a
+    // parabola of L2.
+    const Mask<R> slack = negation(q.pair_open);
+    const R steepest = strength * omega, rise = select<R>(l1_rate >= 0.0, R{}, s.a1 * steepest);
+    const R worst = now + rise * (2.0 * s.c2), square = dw0 * dw0 + 2.0 * (worst * w0),
+            then = math::sqrt<R>(math::max<R>(square, R{}));
+    const R by = -2.0 * w0 / (dw0 + then);
+    const Mask<R> concave = l1 + (by + s.c2) * (math::max<R>(l1_rate, R{}) + (by * omega) * steepest) < 0.0;
+    const Mask<R> opens =
+        slack & (dw0 > 0.0) & (square > 0.0) & (concave | (then > worst * s.c2)) & (by < 0.9 * release);
+    const Mask<R> parts =
+        slack & negation(opens) & (dw_then > 1.01 * (s.c2 * (now + rise * release)) + 1e-4 * steepest);
+    const Mask<R> presses = slack & negation(opens | parts) & q.on_l2;
+    m = m & (negation(slack) | opens | parts | presses) & (release > 0.0) & (late < 0.02);
+    const Mask<R> lets_go = parts | (negation(presses) & (w_then > -doubt));  // to be confirmed
+    // Else the zero of a parabola: through w, ẇ now and w then, or with the present ẅ for a short time.
+    const R soon = math::sqrt<R>(math::max<R>(dw0 * dw0 + 2.0 * (now * w0), R{}));
+    const Mask<R> shortly = (dw0 + soon) * omega < 0.3 * now;
+    const R bend = (w_then - w0 - dw0 * release) / (release * release),
+            later = math::sqrt<R>(math::max<R>(dw0 * dw0 - 4.0 * bend * w0, R{}));
+    const R root = select<R>(shortly, soon, later), doubled = select<R>(shortly, now, -2.0 * bend);
+    const Mask<R> falls = dw0 < 0.0;
+    const R top = select<R>(presses, 2.0 * (dw0 - s.c2 * now), select<R>(falls, 2.0 * w0, dw0 + root)),
+            bottom = select<R>(presses, now - (s.a1 * s.c2) * l1_rate, select<R>(falls, root - dw0, doubled));
+    R t = select<R>(lets_go, release, top / bottom);
+    const R level = select<R>(lets_go, rest, height - rest), speed = select<R>(lets_go, R{}, climb),
+            fall = select<R>(lets_go, R{}, s.gravity),
+            sign = select<R>(lets_go, constant<R>(1.0), constant<R>(-1.0)),
+            lag = select<R>(lets_go, s.c1, select<R>(presses, s.c2, R{}));
+    // f = x + lag ẋ, where x is u or w.
+    const auto derivatives = [&](Complex<R> z, R at, R* f) {
+        const Complex<R> x0 = swing * z, x1 = rate * x0, x2 = rate * x1, x3 = rate * x2;
+        const R x4 = rate.re * x3.re - rate.im * x3.im;
+        const R y1 = (speed - fall * at) + sign * x1.re, y2 = sign * x2.re - fall, y3 = sign * x3.re;
+        f[0] = (level + at * (speed - 0.5 * fall * at)) + sign * x0.re + lag * y1;
+        f[1] = y1 + lag * y2;
+        f[2] = y2 + lag * y3;
+        f[3] = y3 + lag * (sign * x4);
+    };
+    R f[4];
+    derivatives(rough_evolution(rate, t), t, f);
+    t = t + to_zero<R>(f);
+    Complex<R> z = evolution(rate, t);
+    derivatives(z, t, f);
+    const R dt = to_near_zero<R>(f);
+    z = z * nudge(scaled<R>(dt, rate));
+    t = t + dt;
+    const Complex<R> x0 = swing * z, x1 = rate * x0;
+    const R x2 = rate.re * x1.re - rate.im * x1.im, x3 = -s.a1 * (x1.re + s.c1 * x2);
+    const R u = rest + x0.re, du = x1.re, ddw = -s.gravity - x2;
+    const R w = ((height - rest) + t * (climb - 0.5 * s.gravity * t)) - x0.re,
+            dw = (climb - s.gravity * t) - du;
+    const R slope = select<R>(lets_go, du + s.c1 * x2, dw + lag * ddw);
+    const R turn = select<R>(lets_go, x2 + s.c1 * x3, ddw - lag * x3);
+    const R last = polish<R>(select<R>(lets_go, u + s.c1 * du, w + lag * dw), slope, turn);
+    const GapState<R> at = {u + last * (du + 0.5 * (last * x2)), du + last * x2,
+                            w + last * (dw + 0.5 * (last * ddw)), dw + last * ddw};
+    const R when = t + last, pushing = at.u + s.c1 * at.du;
+    m = m & (math::abs<R>(dt) * omega < nearby) & (math::abs<R>(last) * omega < polished) & (when > 0.0);
+    const Mask<R> ends =
+        m & lets_go & (parts | (at.w > 0.0)) & (slope > 0.0) & (math::abs<R>(when - release) * omega < 0.02);
+    const Mask<R> ends_before = m & negation(lets_go) & (when < release) & (slope < 0.0) & (pushing < 0.0);
+    const Mask<R> closes = ends_before & negation(presses);
+    // L2 is concave before, and w rises.
+    const Mask<R> pressed = ends_before & presses & (at.w < 0.0) & (at.dw > 0.0) &
+                            (l1 + s.c2 * l1_rate < 0.0) & (pushing + s.c2 * (at.du + s.c1 * x2) < 0.0) &
+                            (when * omega < 1.0);
+    const Mask<R> good = ends | closes | pressed;
+    advance<R>(q, good, when, at);
+    raise(q.pair_open, closes | (ends & (at.w > 0.0)));
+    floor_ends<R>(q, ends);
+    pair_begins<R>(q, closes | pressed);
+    return good;
+}
+
+// The end of a pair contact (motions C and D) that is the next switch. L2 = slow part S + ring; the first zero is where
+// the ring rises, if it then outweighs S. Where the floor may let go before, that zero is kept, and the next such step
+// looks for the zero of L1.
+template <class R>
+HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
+    const Groups<R>& s = q.s;
+    const Mask<R> both = q.floor;
+    const R rest2 = select<R>(both, k.rest2, R{}), rest1 = select<R>(both, k.rest1, R{}), beta = 0.5 * s.c2;
+    const GapState<R> x = {q.x.u - rest1, q.x.du, q.x.w - rest2, q.x.dw};
+    const Complex<R> none = {R{}, R{}};
+    const Complex<R> rate = choose<R>(both, k.fast.rate, {-beta, k.pair_rate}),
+                     fast = choose<R>(both, k.fast.share(x), {x.w, -(x.dw + beta * x.w) * k.pair_period}),
+                     slow_rate = choose<R>(both, k.slow.rate, none),
+                     slow = choose<R>(both, k.slow.share(x), none),
+                     shape = choose<R>(both, k.fast.shape, {-s.a2, R{}}),
+                     slow_shape = choose<R>(both, k.slow.shape, none);
+    m = m & (select<R>(both, k.can_ring, k.pair_rate) > 0.0);
+    // f = S + ring is L2, or L1 where the floor may let go first.
+    const Mask<R> lifts = both & q.lifts;
+    const Complex<R> at_floor = shape * fast, at_floor_slow = slow_shape * slow;
+    const R c = select<R>(lifts, s.c1, s.c2), rest = select<R>(lifts, rest1, rest2);
+    const Complex<R> ring = pull<R>(c, rate) * choose<R>(lifts, at_floor, fast),
+                     drift = pull<R>(c, slow_rate) * choose<R>(lifts, at_floor_slow, slow);
+    const Complex<R> drift1 = slow_rate * drift;
+    const R ring1 = rate.re * ring.re - rate.im * ring.im,
+            drift2 = slow_rate.re * drift1.re - slow_rate.im * drift1.im;
+    const R size2 = ring.re * ring.re + ring.im * ring.im, size = math::sqrt<R>(size2),
+            period = select<R>(both, k.period, k.pair_period);
+    // Where the ring rises through −S, which is taken from its parabola; or where S does, if that is faster than the
+    // ring. A crest that is past does not count.
+    const R ring_slope = size * select<R>(both, k.size, constant<R>(1.0));
+    const Mask<R> drifts = drift1.re > ring_slope;
+    R phase = rough_angle(ring);
+    phase = select<R>(both & (phase > k.crest_phase + 1.5 * math::pi), phase - 2.0 * math::pi, phase);
+    const R middle = (1.5 * math::pi - phase) * period, ahead = math::max<R>(middle, R{});
+    const R start = rest + drift.re, level = start + ahead * (drift1.re + 0.5 * (ahead * drift2));
+    const R ratio =
+        select<R>(drifts, start, level) / select<R>(drifts, drift1.re, size * rough_exp(rate.re * middle));
+    const R share = math::clamp<R>(-ratio, -1.0, 1.0),
+            of_crest = math::min<R>(share * k.crest_inverse, constant<R>(1.0));
+    const Mask<R> high = both & (of_crest > 0.55);
+    const R angle = rough_arcsine<R>(select<R>(high, of_crest, share));
+    const R lean = select<R>(high, angle * (k.crest_phase * (2.0 / math::pi)), angle);
+    R t = math::max<R>(select<R>(drifts, -ratio, middle + lean * period), R{});
+    const auto derivatives = [&](Complex<R> z, Complex<R> zs, R* f) {
+        const Complex<R> r0 = ring * z, r1 = rate * r0, r2 = rate * r1, d0 = drift * zs, d1 = slow_rate * d0,
+                         d2 = slow_rate * d1;
+        f[0] = rest + (r0.re + d0.re);
+        f[1] = r1.re + d1.re;
+        f[2] = r2.re + d2.re;
+        f[3] = (rate.re * r2.re - rate.im * r2.im) + (slow_rate.re * d2.re - slow_rate.im * d2.im);
+    };
+    R f[4];
+    derivatives(rough_evolution(rate, t), rough_evolution(slow_rate, t), f);
+    t = t + to_zero<R>(f);
+    Complex<R> z = evolution(rate, t), zs = evolution(slow_rate, t);
+    derivatives(z, zs, f);
+    const R dt = to_near_zero<R>(f);
+    z = z * nudge(scaled<R>(dt, rate));
+    zs = zs * nudge(scaled<R>(dt, slow_rate));
+    t = t + dt;
+    const Complex<R> w0 = fast * z, v0 = slow * zs, u0 = at_floor * z, y0 = at_floor_slow * zs;
+    const auto real = [](Complex<R> a, Complex<R> b) { return a.re * b.re - a.im * b.im; };
+    const R climb = select<R>(both, R{}, q.x.du + s.a2 * q.x.dw), fall = select<R>(both, R{}, s.gravity);
+    const R base = select<R>(both, rest1, q.x.u + s.a2 * q.x.w);
+    const GapState<R> at = {(base + t * (climb - 0.5 * fall * t)) + (u0.re + y0.re),
+                            (climb - fall * t) + (real(rate, u0) + real(slow_rate, y0)),
+                            rest2 + (w0.re + v0.re), real(rate, w0) + real(slow_rate, v0)};
+    const R l1 = at.u + s.c1 * at.du, l2 = at.w + s.c2 * at.dw, press = select<R>(both, s.a1 * l1, R{});
+    const R ddw = press - l2, ddu = (s.a2 * l2 - s.gravity) - press;
+    const R rate1 = at.du + s.c1 * ddu, rate2 = at.dw + s.c2 * ddw;  // L1', L2'
+    const R press1 = select<R>(both, s.a1 * rate1, R{});
+    const R slope = select<R>(lifts, rate1, rate2);
+    const R bend = select<R>(lifts, ddu + s.c1 * (s.a2 * rate2 - press1), ddw + s.c2 * (press1 - rate2));
+    const R last = polish<R>(select<R>(lifts, l1, l2), slope, bend);
+    const GapState<R> end = {at.u + last * (at.du + 0.5 * (last * ddu)), at.du + last * ddu,
+                             at.w + last * (at.dw + 0.5 * (last * ddw)), at.dw + last * ddw};
+    const R when = t + last;
+    const Mask<R> found =
+        (slope > 0.0) & (math::abs<R>(dt) < nearby) & (math::abs<R>(last) < polished) & (when > 0.0);
+    // It is the first zero: before it L2 has turned at most once, from falling to rising. So it is where the slope of
+    // the ring outweighs that of S until its peak (phase 2π), where S always rises faster than the ring may fall, and
+    // where S rises and the ring has no peak in between.
+    const Complex<R> drift_then = drift1 * zs;
+    const R drift2_then = real(slow_rate, drift_then), least = math::min<R>(drift1.re, drift_then.re);
+    const R omega = rate.im, left = (size2 * (omega * omega)) * (z.re * z.re + z.im * z.im),
+            steep = drift1.re * drift1.re + drift1.im * drift1.im;
+    const Mask<R> no_peak = phase + omega * when < 2.0 * math::pi,
+                  no_dip = (drift2 >= 0.0) | (drift2_then <= 0.0);
+    const Mask<R> ringing =
+        no_peak & (steep < 0.25 * left) & ((phase > math::pi) | (ring1 + drift1.re < 0.0));
+    const Mask<R> drifting = no_dip & (least > ring_slope);
+    const Mask<R> rising = no_peak & no_dip & (least > 0.0) & (phase > 2.0 / 3.0 * math::pi) &
+                           (steep * (slow_rate.im * slow_rate.im) < 0.16 * (left * (omega * omega)));
+    // Nothing else before: the floor's own slow part stays below zero by more than the ring reaches.
+    const Complex<R> floor_drift = pull<R>(s.c1, slow_rate) * at_floor_slow, then = floor_drift * zs;
+    const R bends = real(slow_rate, floor_drift), bends_then = real(slow_rate, then);
+    const Mask<R> stays = (rest1 + math::max<R>(floor_drift.re, then.re) + size * k.floor_share < 0.0) &
+                          ((bends <= 0.0) | (bends_then >= 0.0)) & (slow_rate.im * when < math::pi);
+    // An open floor gap is concave while the pair pushes. A slack floor contact stays so if L1' > 0; it has then opened or
+    // not, as u says at the end.
+    const Mask<R> slack = negation(both | q.floor_open);
+    const Mask<R> clear_of_floor = select<Mask<R>>(
+        slack, (end.du > s.c1 * (s.gravity + s.a2 * size)) & (math::abs<R>(end.u) > 1e-12 * end.du),
+        end.u > 0.0);
+    const Mask<R> first = m & found & (ringing | drifting | rising);
+    const Mask<R> good =
+        first & select<Mask<R>>(lifts, when < q.parting, select<Mask<R>>(both, stays, clear_of_floor));
+    const Mask<R> unsure = first & both & negation(lifts | stays);
+    advance<R>(q, good, when, end);
+    set(q.lifts, m, unsure);
+    assign<R>(unsure, q.parting, when);
+    const Mask<R> opened = good & slack & (end.u > 0.0);
+    raise(q.floor_open, opened);
+    raise(q.opened, opened);
+    floor_ends<R>(q, good & lifts);
+    pair_ends<R>(q, good & negation(lifts));
     return good;
 }
 
 // ---- glide over a lasting contact (motion C) -------------------------------------------------------------------
 
-template <class R>
-struct Complex {
-    R re, im;
-};
-template <class R>
-HL_FN Complex<R> operator+(Complex<R> a, Complex<R> b) {
-    return {a.re + b.re, a.im + b.im};
-}
-template <class R>
-HL_FN Complex<R> operator*(Complex<R> a, Complex<R> b) {
-    return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-template <class R>
-HL_FN Complex<R> operator*(R a, Complex<R> b) {
-    return {a * b.re, a * b.im};
-}
-template <class R>
-HL_FN Complex<R> operator/(Complex<R> a, Complex<R> b) {
-    const R size = b.re * b.re + b.im * b.im;
-    return {(a.re * b.re + a.im * b.im) / size, (a.im * b.re - a.re * b.im) / size};
-}
-template <class R>
-HL_FN R magnitude(Complex<R> a) {
-    return math::sqrt<R>(a.re * a.re + a.im * a.im);
-}
-
-// One pair of conjugate modes of motion C: e^(λt) (r, 1) in the gaps, and its share in the present state.
-template <class R>
-struct Mode {
-    Complex<R> rate, shape, share;
-};
-
-// λ from a guess by Newton's method on λ⁴ + λ² (p2 + a1 p1) + a1 (1 − a2) p1 p2 = 0, p = 1 + c λ.
-template <class R>
-HL_FN Complex<R> eigenvalue(const Groups<R>& s, Complex<R> l, R& last) {
-    const R kappa = s.a1 * (1.0 - s.a2);
-    const R b3 = s.c2 + s.a1 * s.c1, b2 = (1.0 + s.a1) + kappa * (s.c1 * s.c2), b1 = kappa * (s.c1 + s.c2);
-    for (int i = 0; i < 7; ++i) {
-        Complex<R> value = {constant<R>(1.0), R{}}, slope = {R{}, R{}};
-        const R coefficients[4] = {b3, b2, b1, kappa};
-        for (const R& coefficient : coefficients) {
-            slope = slope * l + value;
-            value = value * l;
-            value.re = value.re + coefficient;
-        }
-        const Complex<R> step = value / slope;
-        l = {l.re - step.re, l.im - step.im};
-        last = magnitude(step) / magnitude(l);
-    }
-    return l;
-}
-
-// Modes of the symmetric problem M ẍ + C ẋ + K x = 0 in the gaps about the static equilibrium, in units of m_eff:
-// M = ((m1 + m2, m2), (m2, m2)), m1 = 1/a2, m2 = 1/(1 − a2), C = diag(a1 c1/a2, c2), K = diag(a1/a2, 1). A mode's
-// share is φᵀ(M ẋ + (λM + C) x)/φᵀ(2λM + C)φ. Returns the lanes where both modes ring.
-template <class R>
-HL_FN Mask<R> find_modes(const State<R>& q, Mode<R>& fast, Mode<R>& slow) {
-    const Groups<R>& s = q.s;
-    const R m2 = 1.0 / (1.0 - s.a2), m12 = 1.0 / s.a2 + m2, d1 = s.a1 * s.c1 / s.a2;
-    const R trace = 1.0 + s.a1, kappa = s.a1 * (1.0 - s.a2);
-    const R fast2 = 0.5 * (trace + math::sqrt<R>(trace * trace - 4.0 * kappa)), slow2 = kappa / fast2;
-    const R y = q.x.u + s.gravity * m2 / s.a1, v = q.x.w + s.gravity * m2;
-    Mask<R> good = s.a2 > 0.0;
-    for (int i = 0; i < 2; ++i) {
-        Mode<R>& mode = i == 0 ? fast : slow;
-        const R square = i == 0 ? fast2 : slow2;
-        // Undamped shape, its damping, and Newton from there.
-        const R r0 = i == 0 ? s.a2 / (s.a1 - square) : (1.0 - square) / s.a1;
-        const R half = 0.5 * (d1 * r0 * r0 + s.c2) / (m12 * r0 * r0 + 2.0 * m2 * r0 + m2);
-        R last;
-        const R swing2 = square - half * half;
-        mode.rate = eigenvalue<R>(s, {-half, math::sqrt<R>(math::max<R>(swing2, 0.01 * square))}, last);
-        const Complex<R> l = mode.rate, l2 = l * l;
-        const Complex<R> p1 = {1.0 + s.c1 * l.re, s.c1 * l.im}, p2 = {1.0 + s.c2 * l.re, s.c2 * l.im};
-        mode.shape = i == 0 ? (s.a2 * p2) / (l2 + s.a1 * p1) : (l2 + p2) / (s.a1 * p1);
-        const Complex<R> r = mode.shape;
-        const Complex<R> mr = {m12 * r.re + m2, m12 * r.im}, mw = {m2 * r.re + m2, m2 * r.im};  // φᵀM
-        const Complex<R> top = {mr.re * q.x.du + mw.re * q.x.dw + d1 * r.re * y + s.c2 * v,
-                                mr.im * q.x.du + mw.im * q.x.dw + d1 * r.im * y};
-        const Complex<R> mx = {mr.re * y + mw.re * v, mr.im * y + mw.im * v};
-        const Complex<R> rr = r * r,
-                         mass = {m12 * rr.re + 2.0 * m2 * r.re + m2, m12 * rr.im + 2.0 * m2 * r.im};
-        Complex<R> bottom = constant<R>(2.0) * (l * mass);
-        bottom = {bottom.re + d1 * rr.re + s.c2, bottom.im + d1 * rr.im};
-        mode.share = (top + l * mx) / bottom;
-        good = good & (last < 1e-9) & (l.im > 0.05 * magnitude(l)) & (l.re <= 0.0);
-    }
-    return good & (fast.rate.im > 1.2 * slow.rate.im);
-}
-
-// f(t) = level + 2 Re(slow e^(λ_s t)) + 2 |fast| e^(Re λ_f t): above L1 or L2 at all times.
+// S and the amplitude of the ring, in L1 or L2.
 template <class R>
 struct Envelope {
     R level, ring, decay;
     Complex<R> slow, rate;
-    HL_FN R at(R t, R& slope) const {
-        const math::SinCos<R> a = math::sincos<R>(rate.im * t);
-        const R size = 2.0 * math::exp<R>(rate.re * t);
-        const R cosine = size * (slow.re * a.cos - slow.im * a.sin),
-                sine = size * (slow.re * a.sin + slow.im * a.cos);
-        const R ringing = ring * math::exp<R>(decay * t);
-        slope = rate.re * cosine - rate.im * sine + decay * ringing;
-        return level + cosine + ringing;
+    HL_FN R at(Complex<R> z, R fading, R& slope) const {
+        const Complex<R> now = slow * z;
+        const R ringing = ring * fading;
+        slope = (rate.re * now.re - rate.im * now.im) + decay * ringing;
+        return level + now.re + ringing;
     }
 };
 
-// Phase in (−π, π].
-template <class R>
-HL_FN R phase(Complex<R> z) {
-    const R upper = math::atan2_upper<R>(math::abs<R>(z.im), z.re);
-    return select<R>(z.im < 0.0, -upper, upper);
-}
-
 // A lasting contact is a slow part S that follows the floor, and a decaying ring. From the time on at which the ring
 // first pushes towards separation, nothing happens while S + its amplitude < 0 in L1 and L2: go close to the end of
-// that time in one step of the closed form.
+// that time in one step.
 template <class R>
-HL_FN Mask<R> glide(State<R>& q, Mask<R> m) {
+HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
-    Mode<R> fast, slow;
-    m = m & negation(q.glided) & (s.gravity * s.gravity * 400.0 < s.a1) & find_modes<R>(q, fast, slow);
-    if (!any(m)) return m;
-    const R rest2 = -s.gravity / (1.0 - s.a2), rest1 = rest2 / s.a1;
-    const auto pull = [&](const Mode<R>& mode, R c) {
-        return Complex<R>{1.0 + c * mode.rate.re, c * mode.rate.im} * mode.share;
-    };
-    const Complex<R> slow2 = pull(slow, s.c2), fast2 = pull(fast, s.c2);
-    const Complex<R> slow1 = pull(slow, s.c1) * slow.shape, fast1 = pull(fast, s.c1) * fast.shape;
-    const Envelope<R> one = {rest1, 2.0 * magnitude(fast1), fast.rate.re, slow1, slow.rate};
-    const Envelope<R> two = {rest2, 2.0 * magnitude(fast2), fast.rate.re, slow2, slow.rate};
-    // The ring in L2 is negative until its phase reaches 3π/2.
-    const R start = phase<R>(fast2);
-    const R turned = select<R>(start < 0.0, start + 2.0 * math::pi, start);
-    const R quiet = select<R>(fast2.re < 0.0, (1.5 * math::pi - turned) / fast.rate.im, R{});
+    const GapState<R> x = {q.x.u - k.rest1, q.x.du, q.x.w - k.rest2, q.x.dw};
+    const Complex<R> rate = k.fast.rate, slow_rate = k.slow.rate;
+    const Complex<R> fast = k.fast.share(x), slow = k.slow.share(x);
+    const Complex<R> fast2 = pull<R>(s.c2, rate) * fast, slow2 = pull<R>(s.c2, slow_rate) * slow,
+                     slow1 = pull<R>(s.c1, slow_rate) * (k.slow.shape * slow);
+    m = m & negation(q.glided) & (k.can_ring > 0.0) & (s.gravity * s.gravity * 400.0 < s.a1);
+    const R ring = magnitude(fast2);
+    const Envelope<R> one = {k.rest1, ring * k.floor_share, rate.re, slow1, slow_rate};
+    const Envelope<R> two = {k.rest2, ring, rate.re, slow2, slow_rate};
+    // The ring in L2 is negative, or falls faster than S rises, up to phase 3π/2, and up to 2π at most its next crest;
+    // after that its amplitude counts.
+    R phase = rough_angle(fast2);
+    phase = select<R>(phase > k.crest_phase + 1.5 * math::pi, phase - 2.0 * math::pi, phase);
+    const R peak = (2.0 * math::pi - phase) * k.period, middle = peak - (0.5 * math::pi) * k.period;
+    const Complex<R> z1 = rough_evolution(slow_rate, peak),
+                     z0 = rough_evolution(slow_rate, math::max<R>(middle, R{}));
+    const R fading = rough_exp(rate.re * peak), loudest = ring * rough_exp(rate.re * middle) * k.crest;
+    const Complex<R> drift1 = slow_rate * slow2, drift_then = drift1 * z1;
+    const R ring1 = rate.re * fast2.re - rate.im * fast2.im;
     R ignored, slope;
-    const R now1 = one.at(R{}, ignored), then1 = one.at(quiet, ignored), then2 = two.at(quiet, ignored);
-    const R slow_now = rest2 + 2.0 * slow2.re;
-    m = m & (now1 < 0.0) & (then1 < 0.0) & (then2 < 0.0) & (slow_now < 0.0);
+    const R now2 = k.rest2 + slow2.re, middle2 = k.rest2 + (slow2 * z0).re, then2 = k.rest2 + (slow2 * z1).re;
+    m = m & (one.level + one.slow.re + one.ring < 0.0) & (one.at(z1, fading, ignored) < 0.0) & (now2 < 0.0) &
+        (math::max<R>(middle2, then2) + 1.0001 * loudest < 0.0) &
+        ((phase > 0.5 * math::pi) | (ring1 + math::max<R>(drift1.re, drift_then.re) < 0.0)) &
+        ((drift1.re <= 0.0) | (drift_then.re >= 0.0));
     // The slow parts rise through zero at phase 3π/2; Newton from there on the envelopes.
+    const R inverse = 1.0 / slow_rate.im;
     R until = constant<R>(1e300);
     const Envelope<R>* const envelopes[2] = {&one, &two};
     for (const Envelope<R>* e : envelopes) {
-        const R angle = phase<R>(e->slow);
-        const R turn = select<R>(angle < 0.0, angle + 2.0 * math::pi, angle);
+        const R turn = rough_angle(e->slow);
         m = m & (turn > 0.25 * math::pi) & (turn < 1.5 * math::pi);
-        R t = (1.5 * math::pi - turn) / slow.rate.im;
-        for (int i = 0; i < 4; ++i) {
-            const R value = e->at(t, slope);
+        R t = (1.5 * math::pi - turn) * inverse;
+        for (int i = 0; i < 3; ++i) {
+            const R value =
+                e->at(rough_evolution(slow_rate, t), rough_exp(math::min<R>(rate.re * t, R{})), slope);
             t = t - math::clamp<R>(value / slope, -1e3, 1e3);
         }
         m = m & (slope > 0.0);
         until = math::min<R>(until, t);
     }
     until = until - (0.05 + 1e-3 * until);
-    m = m & (until > quiet) & (until > 3.0) & (until * slow.rate.im < 1.5 * math::pi);
-    m = m & (one.at(until, ignored) < 0.0) & (two.at(until, ignored) < 0.0);
+    m = m & (until > peak) & (until > 1.0) & (until * slow_rate.im < 1.5 * math::pi);
     if (!any(m)) return m;
-    GapState<R> x = {rest1, R{}, rest2, R{}};
-    const Mode<R>* const modes[2] = {&fast, &slow};
-    for (const Mode<R>* mode : modes) {
-        const math::SinCos<R> a = math::sincos<R>(mode->rate.im * until);
-        const R size = 2.0 * math::exp<R>(mode->rate.re * until);
-        const Complex<R> w = Complex<R>{size * a.cos, size * a.sin} * mode->share, u = w * mode->shape;
-        const Complex<R> dw = w * mode->rate, du = u * mode->rate;
-        x = {x.u + u.re, x.du + du.re, x.w + w.re, x.dw + dw.re};
-    }
-    advance<R>(q, m, until, x);
-    raise(q.glided, m);
+    until = select<R>(m, until, R{});
+    const Complex<R> zs = evolution(slow_rate, until), z = evolution(rate, until);
+    const R left = magnitude(z);
+    m = m & (one.at(zs, left, ignored) < 0.0) & (two.at(zs, left, ignored) < 0.0);
+    const Complex<R> w0 = fast * z, w1 = rate * w0, v0 = slow * zs, v1 = slow_rate * v0;
+    const Complex<R> u0 = k.fast.shape * w0, u1 = rate * u0, y0 = k.slow.shape * v0, y1 = slow_rate * y0;
+    advance<R>(q, m, until,
+               {k.rest1 + (u0.re + y0.re), u1.re + y1.re, k.rest2 + (w0.re + v0.re), w1.re + v1.re});
     return m;
 }
 
 // Which step each lane needs next, so that a round can be spent on the step most lanes wait for.
 template <class M>
 struct Waiting {
-    M lying{}, pressed{}, lasting{}, stuck{};  // quick_floor, quick_pair, glide, careful
+    M flying{}, lying{}, pressed{}, lasting{}, stuck{};  // fly, quick_floor, quick_pair, glide, careful
+    M refused{};                                         // by quick_pair
 
-    HL_FN void drop(int lane) {
-        put_flag(lying, lane, false);
-        put_flag(pressed, lane, false);
-        put_flag(lasting, lane, false);
-        put_flag(stuck, lane, false);
+    HL_FN void forget(M m) {
+        M* const all[] = {&flying, &lying, &pressed, &lasting, &stuck, &refused};
+        for (M* kind : all) clear(*kind, m);
     }
 };
 
@@ -438,54 +422,101 @@ HL_FN Mask<R> may_glide(const State<R>& q) {
            (off * off + q.x.dw * q.x.dw < bound * bound);
 }
 
-// Sorts the lanes of m, whose last step is over, by their next one. Flights are flown here.
+// Sorts the lanes of m, whose last step is over, by their next one.
 template <class R>
-HL_FN void sort(State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
-    for (;;) {
-        const Mask<R> free = m & q.active & negation(q.floor | q.pair);
-        if (!any(free)) break;
-        fly<R>(q, free);
-    }
+HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
+    wait.forget(m);
     m = m & q.active;
-    const Mask<R> lying = m & q.floor & negation(q.pair), lasting = m & may_glide<R>(q);
-    const Mask<R> fresh = m & q.pair & q.on_w & negation(lasting);
-    set(wait.lying, m, lying);
-    set(wait.pressed, m, fresh);
-    set(wait.lasting, m, lasting);
-    set(wait.stuck, m, negation(fresh | lying | lasting));
+    const Mask<R> lasting = m & may_glide<R>(q);
+    raise(wait.flying, m & negation(q.floor | q.pair));
+    raise(wait.lying, m & q.floor & negation(q.pair));
+    raise(wait.pressed, m & q.pair & negation(lasting));
+    raise(wait.lasting, lasting);
 }
 
-// One round: the step that most lanes wait for.
+// One round: the step that most lanes wait for, but short flights as soon as some wait. Returns the lanes whose step is
+// over.
 template <class R>
-HL_FN Mask<R> step(State<R>& q, Waiting<Mask<R>>& wait) {
+HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
+    constexpr int few = (Lanes<R>::count + 3) / 4;
     const int n[4] = {count(wait.lying), count(wait.pressed), count(wait.lasting), count(wait.stuck)};
     int most = 0;
     for (int i = 1; i < 4; ++i)
         if (n[i] > n[most]) most = i;
+    const int flights = count(wait.flying);
+    if (flights >= few || flights > n[most]) {
+        const Mask<R> m = wait.flying;
+        fly<R>(q, m);
+        return m;
+    }
     if (most == 0) {
-        const Mask<R> m = wait.lying, done = quick_floor<R>(q, m);
+        const Mask<R> m = wait.lying, done = quick_floor<R>(q, k, m);
         clear(wait.lying, m);
         raise(wait.stuck, m & negation(done));
         return done;
     }
     if (most == 1) {
-        const Mask<R> m = wait.pressed, done = quick_pair<R>(q, m);
-        clear(wait.pressed, m);
-        raise(wait.stuck, m & negation(done));
+        const Mask<R> m = wait.pressed, done = quick_pair<R>(q, k, m);
+        const Mask<R> again = m & q.lifts, lasting = m & q.floor & negation(done | q.glided | again);
+        clear(wait.pressed, m & negation(again));
+        raise(wait.lasting, lasting);
+        raise(wait.refused, lasting);
+        raise(wait.stuck, m & negation(done | lasting | again));
         return done;
     }
     if (most == 2) {
-        const Mask<R> m = wait.lasting, fresh = q.on_w, done = glide<R>(q, m);
+        const Mask<R> m = wait.lasting, done = glide<R>(q, k, m);
+        const Mask<R> refused = m & wait.refused & negation(done);
         clear(wait.lasting, m);
-        raise(wait.pressed, m & fresh & negation(done));
-        raise(wait.stuck, m & (done | negation(fresh)));
+        raise(q.glided, done);
+        clear(wait.refused, m);
+        raise(wait.stuck, refused);
+        raise(wait.pressed, m & negation(refused));
         return m & negation(m);
     }
     const Mask<R> m = wait.stuck;
     careful<R>(q, m);
-    clear(wait.stuck, m);
     return m;
 }
+
+// The modes of the next drops of a block. Neighbours in a map often share them; then they are found once.
+template <class R>
+class ModesAhead {
+    static constexpr int W = Lanes<R>::count;
+    Modes<R> modes{};
+    int first = 0, end = 0, source = 0, row = -1;
+
+public:
+    // Of drop i, the one after the last asked for, into a lane that holds those of row `held`.
+    HL_FN void put_into(Modes<R>& k, int lane, int& held, const Block& b, int i) {
+        if (!alike(b, i, 0.0)) {
+            if (i >= end) find(b, i);
+            source = i - first;
+            ++row;
+        }
+        if (held == row) return;
+        held = row;
+        const R* from = reinterpret_cast<const R*>(&modes);
+        R* const to = reinterpret_cast<R*>(&k);
+        for (unsigned j = 0; j < sizeof(Modes<R>) / sizeof(R); ++j) put(to[j], lane, get(from[j], source));
+    }
+
+private:
+    HL_FN void find(const Block& b, int i) {
+        first = i;
+        end = i + W;
+        Groups<R> s{};
+        for (int lane = 0; lane < W; ++lane) {
+            const int j = i + lane < b.count ? i + lane : b.count - 1;
+            put(s.a1, lane, b.a1[j]);
+            put(s.a2, lane, b.a2[j]);
+            put(s.c1, lane, b.c1[j]);
+            put(s.c2, lane, b.c2[j]);
+            put(s.gravity, lane, b.gravity[j]);
+        }
+        modes = find_modes<R>(s);
+    }
+};
 
 }  // namespace lanes
 
@@ -507,30 +538,33 @@ HL_FN void solve_block(const Block& b) {
     using namespace lanes;
     constexpr int W = Lanes<R>::count;
     State<R> q{};
+    Modes<R> k{};
+    ModesAhead<R> ahead;
     Waiting<Mask<R>> wait;
-    int drop[W];
+    int drop[W], row[W];
     for (int& none : drop) none = -1;
+    for (int& none : row) none = -1;
     int next = 0;
-    Mask<R> moved = negation(q.active);
     for (;;) {
+        const int running = count(q.active);
+        if (running == 0 || (W - running >= due<R>(b, next, (3 * W + 3) / 4) && next < b.count)) {
+            Mask<R> loaded = negation(q.active) & q.active;
+            for (unsigned idle = lane_bits(negation(q.active)); idle != 0; idle &= idle - 1) {
+                const int lane = first_bit(idle);
+                if (drop[lane] >= 0) store(q, lane, b, drop[lane]);
+                drop[lane] = -1;
+                if (next == b.count) continue;
+                load(q, lane, b, next);
+                ahead.put_into(k, lane, row[lane], b, next);
+                put_flag(loaded, lane, true);
+                drop[lane] = next++;
+            }
+            if (running == 0 && !any(loaded)) break;
+            start<R>(q, loaded);
+            sort<R>(q, wait, loaded);
+        }
+        const Mask<R> moved = step<R>(q, k, wait);
         sort<R>(q, wait, moved);
-        Mask<R> loaded{};
-        for (int lane = 0; lane < W; ++lane) {
-            if (get_flag(q.active, lane)) continue;
-            if (drop[lane] >= 0) store(q, lane, b, drop[lane]);
-            drop[lane] = -1;
-            wait.drop(lane);
-            if (next == b.count) continue;
-            load(q, lane, b, next);
-            put_flag(loaded, lane, true);
-            drop[lane] = next++;
-        }
-        if (any(loaded)) {
-            moved = loaded;
-            continue;
-        }
-        if (!any(q.active)) break;
-        moved = step<R>(q, wait);
     }
 }
 

@@ -26,10 +26,15 @@ struct Setting {
     int restitution_at;         // place of ε among the law's parameters; -1: the law was not given by ε
 };
 
-struct PointResult {
+// What a sweep keeps of a sequence, in SI units.
+template <class R>
+struct Quantities {
+    R relative_velocity = broadcast<R>(math::nan), separation_velocity = relative_velocity,
+      effective_restitution = relative_velocity, restitution_ratio = relative_velocity,
+      t_end = relative_velocity, t_floor_end = relative_velocity;
+};
+struct PointResult : Quantities<double> {
     int n_contacts = 0;
-    double relative_velocity = math::nan, separation_velocity = math::nan, effective_restitution = math::nan,
-           restitution_ratio = math::nan, t_end = math::nan, t_floor_end = math::nan;
     Outcome outcome = Outcome::invalid;
 };
 
@@ -38,19 +43,33 @@ HL_FN double ball_mass(double matter, bool density, double radius) {
 }
 
 // Processors differ in the sign and the bits of a NaN that went through an operation.
-HL_FN double one_nan(double x) { return math::is_nan(x) ? math::nan : x; }
+template <class R>
+HL_FN R one_nan(R x) {
+    return select<R>(math::is_nan(x), broadcast<R>(math::nan), x);
+}
+
+// ε of both contacts; NaN if they differ or were given otherwise.
+HL_FN double restitution_of(const Setting& s, const Parameters& p) {
+    const int at = s.restitution_at;
+    return at >= 0 && p.floor_law[at] == p.pair_law[at] ? p.floor_law[at] : math::nan;
+}
+
+// From a sequence in SI units.
+template <class Q, class R>
+HL_FN void keep(const Q& q, R restitution, R speed, Quantities<R>& r) {
+    r.relative_velocity = one_nan<R>(q.relative_velocity);
+    r.separation_velocity = one_nan<R>(q.separation_velocity);
+    r.t_end = one_nan<R>(q.t_end);
+    r.t_floor_end = one_nan<R>(q.t_floor_end);
+    r.effective_restitution = one_nan<R>(column::effective_restitution<R>(q.relative_velocity, speed));
+    r.restitution_ratio = one_nan<R>(r.effective_restitution / restitution);
+}
 
 HL_FN void finish(const column::Sequence& q, const Setting& s, const Parameters& p, double speed,
                   PointResult& r) {
     r.n_contacts = q.n_contacts;
-    r.relative_velocity = one_nan(q.relative_velocity);
-    r.separation_velocity = one_nan(q.separation_velocity);
-    r.t_end = one_nan(q.t_end);
-    r.t_floor_end = one_nan(q.t_floor_end);
     r.outcome = q.outcome;
-    r.effective_restitution = one_nan(column::effective_restitution(q.relative_velocity, speed));
-    if (s.restitution_at >= 0 && p.floor_law[s.restitution_at] == p.pair_law[s.restitution_at])
-        r.restitution_ratio = one_nan(r.effective_restitution / p.floor_law[s.restitution_at]);
+    keep<column::Sequence, double>(q, restitution_of(s, p), speed, r);
 }
 
 struct Bodies {

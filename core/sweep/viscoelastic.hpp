@@ -95,10 +95,30 @@ private:
     }
 };
 
+// What the last point raised to a power, in case the next one asks for the same: in a map, the balls often stay as they
+// are, and six powers cost as much as the rest of the way into the kernel.
+class Rates {
+    struct Entry {
+        double prefactor = math::nan, mass = math::nan, speed = math::nan, rate;
+    };
+    Entry entries[4];
+    int next = 0;
+
+public:
+    // column::viscoelastic_rate
+    double operator()(double prefactor, double mass, double speed) {
+        for (const Entry& e : entries)
+            if (e.prefactor == prefactor && e.mass == mass && e.speed == speed) return e.rate;
+        next = (next + 1) % 4;
+        entries[next] = {prefactor, mass, speed, column::viscoelastic_rate(prefactor, mass, speed)};
+        return entries[next].rate;
+    }
+};
+
 // A drop for the kernel; false if the point is not one for it. The arguments of the universal collision at impact speed
 // count when the law is given by ε.
 inline bool enter_viscoelastic(const Setting& setting, Parameters& q, double floor_argument,
-                               double pair_argument, column::Start& s) {
+                               double pair_argument, Rates& rate, column::Start& s) {
     using contact::Viscoelastic;
     Bodies b;
     if (!measure(setting, q, b)) return false;
@@ -106,15 +126,16 @@ inline bool enter_viscoelastic(const Setting& setting, Parameters& q, double flo
         const double elastic[3] = {p[0], p[1], p[2]};
         Viscoelastic v = Viscoelastic::from_parameters(0, elastic, pair);
         if (setting.restitution_at >= 0)
-            v.dissipative_time =
-                argument / Viscoelastic::argument_per_time(v.elastic_prefactor, pair.effective_mass, p[3]);
+            v.dissipative_time = argument / (1.5 * rate(v.elastic_prefactor, pair.effective_mass, p[3]));
         return v;
     };
+    const double reduced = effective(b.m1, b.m2);
     const Viscoelastic floor = law(q.floor_law, floor_argument, {b.m1, q.radius_1});
-    const Viscoelastic pair =
-        law(q.pair_law, pair_argument, {effective(b.m1, b.m2), effective(q.radius_1, q.radius_2)});
+    const Viscoelastic pair = law(q.pair_law, pair_argument, {reduced, effective(q.radius_1, q.radius_2)});
+    const double speed = column::impact_speed(b.height, q.velocity_1, q.gravity);
     s = column::start_two_ball(floor, pair, b.m1, b.m2, q.gravity,
-                               {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1});
+                               {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
+                               {speed, rate(pair.elastic_prefactor, reduced, speed)});
     const column::TwoBall& g = s.groups;
     return s.outcome == Outcome::ok &&
            math::is_finite((g.a1 + g.a2) + (g.c1 + g.c2) + (g.gravity + s.first.w));
