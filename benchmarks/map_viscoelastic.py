@@ -1,6 +1,6 @@
 """Viscoelastic two-ball map, ours against heyoka.py and numba at matched error 1e-8·V.
 
-    python benchmarks/map_viscoelastic.py [--size 100] [--write]
+    python benchmarks/map_viscoelastic.py [--size 1000] [--write]
 
 Fig. 7's spheres (R2 = 0.25 cm, Y = 5e7 N/m², ν = 0.45, restitution at 3 m/s): ε ∈ [0.4, 1) × Δh ∈ [1 µm, 1
 cm]. The peers are handed ρ and A of each contact, ours computes A from the restitution. Errors are against
@@ -31,7 +31,7 @@ def column(restitution: float, gap: float) -> hl.Column:
 
 
 def main() -> None:
-    a = arguments(__doc__, 100, 3)
+    a = arguments(__doc__, 1000, 3)
     restitution, gap = np.linspace(0.4, 0.999, a.size), np.geomspace(1e-6, 1e-2, a.size)
     rng = np.random.default_rng(8)
     i, j = rng.integers(0, a.size, (2, DRAWN))
