@@ -28,11 +28,11 @@ class Method:
 
 
 def interleave(methods: Sequence[Method], repetitions: int) -> None:
-    """Fill in seconds per point; one call each beforehand compiles what needs compiling."""
-    for m in methods:
-        m.run()
+    """Fill in seconds per point: of the second of two calls, so that a method finds caches, memory and, the first
+    time, compiled code as it left them itself and not as another one did."""
     for _ in range(repetitions):
         for m in methods:
+            m.run()
             cpu, wall = time.process_time(), time.perf_counter()
             m.run()
             m.wall.append((time.perf_counter() - wall) / m.count)

@@ -29,7 +29,7 @@ def main() -> None:
     kept = {}
 
     def run() -> None:
-        kept["ds"] = hl.sweep(hl.Column.paper(), threads=1, **arrays)
+        kept["ds"] = hl.sweep(hl.Column.paper(), threads=1, variables=scaled.RESULTS, **arrays)
 
     def at_drawn():
         return kept["ds"].n_contacts.values[:DRAWN], kept["ds"].relative_velocity.values[:DRAWN]

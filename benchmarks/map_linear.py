@@ -53,7 +53,9 @@ def main() -> None:
     kept = {}
 
     def run() -> None:
-        kept["ds"] = hl.sweep(hl.Column.paper(), threads=1, restitution=restitution, gap=gap)
+        kept["ds"] = hl.sweep(
+            hl.Column.paper(), threads=1, variables=scaled.RESULTS, restitution=restitution, gap=gap
+        )
 
     def at_drawn():
         ds = kept["ds"]

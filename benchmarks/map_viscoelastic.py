@@ -51,7 +51,9 @@ def main() -> None:
     kept = {}
 
     def run() -> None:
-        kept["ds"] = hl.sweep(column(0.7, 1e-4), threads=1, restitution=restitution, gap=gap)
+        kept["ds"] = hl.sweep(
+            column(0.7, 1e-4), threads=1, variables=scaled.RESULTS, restitution=restitution, gap=gap
+        )
 
     methods = [Method("hardlimit", "as shipped", run, a.size**2)]
     for name, setting, solve, count in PEERS:

@@ -56,6 +56,10 @@ class Results:
         return Results(n.astype(int), vr * speed, separation * speed, t_end / rate)
 
 
+#: What all methods are asked for: the variables of hl.sweep that the peers have, too.
+RESULTS = [f.name for f in fields(Results)]
+
+
 def masses(points: Points) -> tuple[np.ndarray, np.ndarray]:
     return tuple(4.0 / 3.0 * np.pi * DENSITY * r**3 for r in (points.radius_1, points.radius_2))
 
