@@ -20,7 +20,7 @@ HL_FN R sqrt(R x) {
 }
 template <class R>
 HL_FN R abs(R x) {
-    return select<R>(x < 0.0, -x, x);
+    return real_of<R>(bits_of<R>(x) & 0x7fffffffffffffffULL);
 }
 template <class R>
 HL_FN R min(R a, R b) {

@@ -53,7 +53,7 @@ HL_FN R value_at(const R* f, R x) {
     const R x2 = x * x, x4 = x2 * x2;
     R part[4] = {};
     HL_UNROLL
-    for (int n = D; n >= 0; --n) part[n % 4] = part[n % 4] * x4 + f[n];
+    for (int n = D; n >= 0; --n) part[n % 4] = n > D - 4 ? f[n] : part[n % 4] * x4 + f[n];
     return (part[0] + x * part[1]) + x2 * (part[2] + x * part[3]);
 }
 template <int D, class R>
@@ -61,7 +61,10 @@ HL_FN R slope_at(const R* f, R x) {
     const R x2 = x * x, x4 = x2 * x2;
     R part[4] = {};
     HL_UNROLL
-    for (int n = D; n >= 1; --n) part[(n - 1) % 4] = part[(n - 1) % 4] * x4 + static_cast<double>(n) * f[n];
+    for (int n = D; n >= 1; --n) {
+        const R term = static_cast<double>(n) * f[n];
+        part[(n - 1) % 4] = n > D - 4 ? term : part[(n - 1) % 4] * x4 + term;
+    }
     return (part[0] + x * part[1]) + x2 * (part[2] + x * part[3]);
 }
 
