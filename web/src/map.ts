@@ -3,7 +3,7 @@ import { MAP_VALUES } from "./core";
 import { logTicks, niceTicks, withUnit } from "./format";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
 import { columnOf, type Scenario } from "./scenario";
-import { countColor, css, inkOn, invalidColor, MOST_COUNTED, ratioColor, type Theme } from "./theme";
+import { countColor, css, inkOn, invalidColor, MOST_COUNTED, ratioColor, type Rgb, type Theme } from "./theme";
 import type { Box, MapAxis, MapShow } from "./view";
 import type { WorkerBatch, WorkerColumn, WorkerResult, WorkerStart } from "./worker";
 
@@ -31,7 +31,7 @@ export class ContactMap {
   private readonly workers: Worker[] = [];
   private readonly idle: Worker[] = [];
   private readonly values = new Float32Array(SIDE * SIDE * MAP_VALUES);
-  private readonly known = new Uint8Array(SIDE * SIDE); // stride of the block a value fills
+  private readonly filled = new Uint8Array(SIDE * SIDE); // stride of the block that fills this place, 0: none yet
   private readonly image: ImageData;
   private readonly sheet: HTMLCanvasElement;
   private queue: { stride: number; column: number }[] = [];
@@ -73,7 +73,7 @@ export class ContactMap {
   start(scenario: Scenario, axis: MapAxis, box: Box): void {
     this.job++;
     this.box = box;
-    this.known.fill(0);
+    this.filled.fill(0);
     this.values.fill(NaN);
     this.labels = [];
     this.queue = [];
@@ -130,9 +130,8 @@ export class ContactMap {
       for (let k = 0; k < n; k++) {
         const place = batch.at[k];
         for (let v = 0; v < MAP_VALUES; v++) this.values[MAP_VALUES * place + v] = result.values[MAP_VALUES * k + v];
-        this.known[place] = batch.stride;
         this.greatest = Math.max(this.greatest, result.values[MAP_VALUES * k] || 0);
-        this.paint(place, batch.stride);
+        this.fill(place, batch.stride);
       }
       const next = this.queue[0]?.stride ?? 0;
       if (next < this.next) {
@@ -152,28 +151,48 @@ export class ContactMap {
 
   setShow(show: MapShow): void {
     this.show = show;
-    for (const stride of strides)
-      for (let j = 0; j < SIDE; j += stride)
-        for (let i = 0; i < SIDE; i += stride) if (this.known[i + SIDE * j] === stride) this.paint(i + SIDE * j, stride);
+    for (let place = 0; place < SIDE * SIDE; place++) if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
   }
 
-  private paint(place: number, stride: number): void {
+  // Workers may answer out of turn: a coarse block leaves what finer ones have filled.
+  private fill(place: number, stride: number): void {
+    const color = this.color(place);
+    const i0 = place % SIDE;
+    const j0 = Math.floor(place / SIDE);
+    for (let j = j0; j < Math.min(j0 + stride, SIDE); j++) {
+      for (let i = i0; i < Math.min(i0 + stride, SIDE); i++) {
+        const at = i + SIDE * j;
+        if (this.filled[at] !== 0 && this.filled[at] < stride) continue;
+        this.filled[at] = stride;
+        this.paint(at, color);
+      }
+    }
+  }
+
+  // The computed point whose block fills this place.
+  private blockOf(place: number): number {
+    const stride = this.filled[place];
+    const i = place % SIDE;
+    const j = Math.floor(place / SIDE);
+    return i - (i % stride) + SIDE * (j - (j % stride));
+  }
+
+  private color(place: number): Rgb {
     const index = this.show === "count" ? 0 : this.show === "effective" ? 1 : 2;
     const value = this.values[MAP_VALUES * place + index];
     const count = this.values[MAP_VALUES * place];
-    const color = Number.isNaN(count) ? invalidColor : index === 0 ? countColor(value) : Number.isNaN(value) ? countColor(0) : ratioColor(value);
-    const i0 = place % SIDE;
-    const j0 = Math.floor(place / SIDE);
+    if (Number.isNaN(count)) return invalidColor;
+    if (index === 0) return countColor(value);
+    return Number.isNaN(value) ? countColor(0) : ratioColor(value);
+  }
+
+  private paint(place: number, color: Rgb): void {
     const { data } = this.image;
-    for (let j = j0; j < Math.min(j0 + stride, SIDE); j++) {
-      for (let i = i0; i < Math.min(i0 + stride, SIDE); i++) {
-        const at = 4 * (i + SIDE * (SIDE - 1 - j));
-        data[at] = color[0];
-        data[at + 1] = color[1];
-        data[at + 2] = color[2];
-        data[at + 3] = 255;
-      }
-    }
+    const at = 4 * ((place % SIDE) + SIDE * (SIDE - 1 - Math.floor(place / SIDE)));
+    data[at] = color[0];
+    data[at + 1] = color[1];
+    data[at + 2] = color[2];
+    data[at + 3] = 255;
   }
 
   // Each count is written where its region is widest.
@@ -216,13 +235,10 @@ export class ContactMap {
     const i = Math.min(Math.floor(this.scaleX(0, SIDE).at(restitution)), SIDE - 1);
     const j = Math.min(Math.floor(this.scaleY(0, SIDE).at(y)), SIDE - 1);
     if (i < 0 || j < 0 || restitution > this.box.x[1] || y > this.box.y[1]) return null;
-    for (const stride of [...strides].reverse()) {
-      const place = i - (i % stride) + SIDE * (j - (j % stride));
-      if (this.known[place] === 0) continue;
-      const [count, effective, separation] = this.values.subarray(MAP_VALUES * place, MAP_VALUES * place + 3);
-      return { restitution, y, count, effective, separation };
-    }
-    return null;
+    if (this.filled[i + SIDE * j] === 0) return null;
+    const place = this.blockOf(i + SIDE * j);
+    const [count, effective, separation] = this.values.subarray(MAP_VALUES * place, MAP_VALUES * place + 3);
+    return { restitution, y, count, effective, separation };
   }
 
   draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme): MapLayout {

@@ -31,7 +31,7 @@ export function themeOf(root: HTMLElement): Theme {
   };
 }
 
-type Rgb = [number, number, number];
+export type Rgb = [number, number, number];
 
 // OKLCH → sRGB; lightness alone orders the colours, so they can be told apart without colour vision.
 function oklch(l: number, c: number, hue: number): Rgb {

@@ -61,6 +61,7 @@ async function open(t, query = "", options = {}) {
 
 const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
 const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
+const picture = (page) => page.evaluate(() => document.getElementById("map").toDataURL());
 const mapDone = (page) => page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 60_000 });
 
 function close(a, b, what, tolerance = 1e-9) {
@@ -187,10 +188,35 @@ test("a link reproduces the view", async (t) => {
   assert.deepEqual(await look(other), await look(page));
   await mapDone(page);
   await mapDone(other);
-  const picture = (p) => p.evaluate(() => document.getElementById("map").toDataURL());
   assert.ok((await picture(other)) === (await picture(page)), "the same map");
   await page.selectOption("#preset", "fig2");
   await page.waitForFunction(() => !/[?&](e|r|k|h|gap|t)=/.test(location.search));
+});
+
+test("the map is the same whichever worker answers first", async (t) => {
+  const pictures = [];
+  for (const late of [-1, 0, 1]) {
+    const page = await open(t);
+    await page.addInitScript((late) => {
+      let made = 0;
+      globalThis.Worker = class extends Worker {
+        constructor(...options) {
+          super(...options);
+          if (made++ !== late) return;
+          this.addEventListener("message", (event) => {
+            if (!event.isTrusted) return;
+            event.stopImmediatePropagation();
+            setTimeout(() => this.dispatchEvent(new MessageEvent("message", { data: event.data })), 150);
+          });
+        }
+      };
+      Object.defineProperty(navigator, "hardwareConcurrency", { value: 2 });
+    }, late);
+    await page.goto(base + "?example=basketball");
+    await mapDone(page);
+    pictures.push(await picture(page));
+  }
+  assert.ok(pictures[1] === pictures[0] && pictures[2] === pictures[0]);
 });
 
 test("bad parameters are clamped and said", async (t) => {
