@@ -280,13 +280,14 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
     p.xa[N] = twice * p.s[N] + s_s.inner_square(p.s, N);
 }
 
-// Length for which the last terms stay below the tolerance.
+// Length for which the last terms stay below the tolerance. An error of a length counts by the velocity it turns into,
+// which is less: of s by about 2s √(1.5s), of ξ_b by the slower frequency of that contact.
 template <class R>
 HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     R log_h = constant<R>(40.0);
     for (int n = order - 2; n <= order; ++n) {
         const R speeds = math::max<R>(math::abs<R>(p.va[n]), math::abs<R>(p.vb[n]));
-        const R lengths = math::max<R>(math::abs<R>(p.s[n]), math::abs<R>(p.xb[n]));
+        const R lengths = math::max<R>(0.25 * math::abs<R>(p.s[n]), 0.125 * math::abs<R>(p.xb[n]));
         const R largest = math::max<R>(math::max<R>(speeds, lengths), constant<R>(1e-300));
         log_h = math::min<R>(log_h, (log2_of_tolerance - rough_log2<R>(largest)) * (1.0 / n));
     }
