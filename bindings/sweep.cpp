@@ -63,8 +63,8 @@ Worker worker_for(const std::string& law) {
 // Points first … first + count − 1 of the map. Returns the contact counts above 255 as (point, count).
 nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2,
                  int restitution_at, const std::vector<Values>& values, const std::vector<hl::u64>& strides,
-                 hl::u64 first, hl::u64 count, int threads, const nb::dict& out, nb::object progress,
-                 const std::string& instruction_set) {
+                 hl::u64 first, hl::u64 count, int threads, double tolerance, const nb::dict& out,
+                 nb::object progress, const std::string& instruction_set) {
     if (values.size() != sw::parameter_count || strides.size() != sw::parameter_count)
         throw nb::value_error("values: wrong number of parameters");
     sw::Job job{};
@@ -72,6 +72,7 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
         job.axes.axis[i] = {values[i].data(), strides[i], values[i].shape(0)};
     job.setting = {static_cast<sw::Model>(model), alternative, density_1, density_2, restitution_at};
     job.kernel = kernel_named(instruction_set);
+    job.log2_tolerance = hl::math::log(tolerance) / hl::math::log(2.0);
     job.first = first;
     job.count = count;
     job.out = {bytes(out, "n_contacts"),
@@ -123,8 +124,8 @@ void bind_sweep(nb::module_& m) {
     m.attr("sweep_parameters") = sw::parameter_count;
     m.attr("max_law_parameters") = hl::max_parameters;
     m.def("run_map", &run_map, "law"_a, "model"_a, "alternative"_a, "density_1"_a, "density_2"_a,
-          "restitution_at"_a, "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "out"_a,
-          "progress"_a.none(), "instruction_set"_a = "auto");
+          "restitution_at"_a, "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "tolerance"_a,
+          "out"_a, "progress"_a.none(), "instruction_set"_a = "auto");
     m.def("instruction_sets", [] {
         std::vector<std::string> names;
         for (const hardlimit_abi::Kernel* k : kernels()) names.emplace_back(k->name);

@@ -233,6 +233,12 @@ def test_sweep_job_file(tmp_path: Path) -> None:
     assert "sweep.colour: unknown" in refused("sweep", job)
 
 
+def test_sweep_takes_a_tolerance(tmp_path: Path) -> None:
+    options = [*HERTZ, "--dissipative-time", "1e-6:1e-4:5:log", "--out", tmp_path / "map.nc"]
+    printed("sweep", *options, "--tolerance", "1e-7")
+    assert xr.open_dataset(tmp_path / "map.nc").attrs["tolerance"] == 1e-7
+
+
 def test_sweep_of_another_law() -> None:
     options = [*HERTZ, "--dissipative-time", "1e-6:1e-4:5:log", "--model", "independent"]
     assert printed("sweep", *options)["points"] == 5
@@ -320,6 +326,7 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["sweep", *MAP, "--model", "magic"], "model: got 'magic'"),
         (["sweep", *MAP, "--engine", "steam"], "engine: got 'steam'"),
         (["sweep", *MAP, "--threads", 0], "threads: got 0"),
+        (["sweep", *MAP, "--tolerance", 1e-9], "tolerance: got 1e-09, must not be given"),
         (["sweep", *MAP, "--out", "map.csv"], "--out: got 'map.csv', must end in .nc or .zarr"),
         (["sweep", *MAP, "--resume"], "--resume: needs --out"),
         (["sweep", *MAP, "--height", "0.5,0.6", "--plot", "a.png"], "must be one or two"),

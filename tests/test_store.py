@@ -299,6 +299,15 @@ def test_a_store_of_another_sweep_is_refused(tmp_path: Path, message: str) -> No
     assert files(path) == before
 
 
+def test_a_store_of_another_tolerance_is_refused(tmp_path: Path) -> None:
+    law = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.7, impact_speed=3.0)
+    soft = hl.Column.paper(law=law)
+    path = tmp_path / "map.zarr"
+    hl.sweep(soft, store=path, tolerance=1e-9, **GRID)
+    with pytest.raises(ValueError, match=r"was made with tolerance 1e-09, not 2\.3283\d+e-10; repeat"):
+        hl.sweep(soft, store=path, **GRID)
+
+
 def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "map.zarr"
     hl.sweep(PAPER, store=path, **GRID)

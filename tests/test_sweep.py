@@ -301,6 +301,7 @@ BAD = {
         "restitution": xr.DataArray([0.5, 0.6], dims="p"),
         "gap": xr.DataArray([1e-4] * 3, dims="p"),
     },
+    "tolerance: got 1e-09, must not be given unless the law is viscoelastic": {"tolerance": 1e-9},
     "gap: got dimension 'n_contacts'": {"gap": xr.DataArray([1e-4, 1e-3], dims="n_contacts")},
     "restitution: got dimension 'gap'": {
         "restitution": xr.DataArray([0.5, 0.6], dims="gap"),
@@ -323,6 +324,18 @@ def test_bad_input_is_one_clear_line(message: str) -> None:
 def test_only_two_balls_on_a_floor(column: object) -> None:
     with pytest.raises(ValueError, match="column: must be two balls on a floor"):
         hl.sweep(column, gap=[1e-4])
+
+
+@pytest.mark.parametrize("tolerance", [1e-14, 1e-5, math.nan, True, "fine"])
+def test_tolerance_has_a_range(tolerance: object) -> None:
+    with pytest.raises(ValueError, match=r"tolerance: got .*, must be") as refused:
+        hl.sweep(SOFT, tolerance=tolerance, gap=[1e-4])
+    assert "\n" not in str(refused.value)
+
+
+def test_the_independent_model_takes_no_tolerance() -> None:
+    with pytest.raises(ValueError, match="tolerance: got 1e-09, must not be given"):
+        hl.sweep(SOFT, model="independent", tolerance=1e-9, gap=[1e-4])
 
 
 def test_the_adiabatic_model_needs_the_linear_law() -> None:

@@ -28,7 +28,7 @@ struct Kernel {
     const char* name;
     void (*solve)(const Block&);
     void (*damping_ratios)(double*, int);  // b from −ln ε, in place
-    void (*solve_viscoelastic)(const Block&);
+    void (*solve_viscoelastic)(const Block&, double log2_tolerance);
     void (*leave)(const Ends&);
 };
 

@@ -89,6 +89,7 @@ struct Job {
     Axes axes;
     Setting setting;
     const hardlimit_abi::Kernel* kernel;
+    double log2_tolerance;  // of a step of the viscoelastic kernel
     u64 first, count;
     Outputs out;
     std::atomic<u64> next{0}, done{0};
@@ -130,7 +131,7 @@ struct Vectorised<contact::LinearDashpot> {
     using Block = hardlimit_abi::Block;
     using Kernel = hardlimit_abi::Kernel;
     static bool covers(Model model) { return model != Model::independent; }
-    static void solve(const Kernel& kernel, const Block& b) { kernel.solve(b); }
+    static void solve(const Kernel& kernel, const Block& b, double) { kernel.solve(b); }
     // What the law needs to know of each −ln ε, in place: β/ω0.
     static void invert(const Kernel& kernel, double* exponents, int n) {
         kernel.damping_ratios(exponents, n);
@@ -145,7 +146,9 @@ struct Vectorised<contact::Viscoelastic> {
     using Block = hardlimit_abi::Block;
     using Kernel = hardlimit_abi::Kernel;
     static bool covers(Model model) { return model == Model::newton; }
-    static void solve(const Kernel& kernel, const Block& b) { kernel.solve_viscoelastic(b); }
+    static void solve(const Kernel& kernel, const Block& b, double log2_tolerance) {
+        kernel.solve_viscoelastic(b, log2_tolerance);
+    }
     static void invert(const Kernel&, double* exponents, int n) {
         for (int i = 0; i < n; ++i) exponents[i] = LossTable::shared().argument(exponents[i]);
     }
@@ -185,7 +188,7 @@ public:
         enter();
         const hardlimit_abi::Block b = {n,     in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
                                         in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
-        Via::solve(*job.kernel, b);
+        Via::solve(*job.kernel, b, job.log2_tolerance);
         leave();
     }
 

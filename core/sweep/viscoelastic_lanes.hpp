@@ -23,8 +23,6 @@ namespace viscoelastic {
 using namespace lanes;
 
 inline constexpr int order = 15;
-// Of a step (2e-10), in units of the impact speed and of the pair's compression.
-inline constexpr double log2_tolerance = -32.0;
 inline constexpr double most_steps = 3000.0;
 inline constexpr double elastic = 1e-12;     // damping time below which the force ends with the compression
 inline constexpr double first_touch = 0.02;  // τ in which a pair that only touches feels less than rounding
@@ -331,9 +329,10 @@ HL_FN Mask<R> rests(const State<R>& q, Mask<R> m) {
     return any(m) ? at_rest<R>(q, m) : m;
 }
 
-// One step of the lanes of m, in each of which a contact is closed; without `both` it is only one.
+// One step of the lanes of m, in each of which a contact is closed; without `both` it is only one. The tolerance is in
+// units of the impact speed and of the pair's compression.
 template <bool both, class R>
-HL_FN void step(State<R>& q, Mask<R>& resting, Mask<R> m) {
+HL_FN void step(State<R>& q, Mask<R>& resting, Mask<R> m, double log2_tolerance) {
     constexpr int N = order;
     using column::exact::value_at;
     using M = Mask<R>;
@@ -466,7 +465,7 @@ HL_FN void step(State<R>& q, Mask<R>& resting, Mask<R> m) {
 
 // Solves the drops of a block.
 template <class R>
-HL_FN void solve_viscoelastic_block(const Block& b) {
+HL_FN void solve_viscoelastic_block(const Block& b, double log2_tolerance) {
     using namespace lanes;
     constexpr int W = Lanes<R>::count;
     State<R> q{};
@@ -503,9 +502,9 @@ HL_FN void solve_viscoelastic_block(const Block& b) {
         // A step for both kinds of lanes costs about 1.6 times the step for those with a single closed contact.
         const Mask<R> coupled = q.active & q.floor & q.pair, single = q.active & negation(q.floor & q.pair);
         if (3 * count(coupled) >= 2 * count(single))
-            viscoelastic::step<true, R>(q, resting, q.active);
+            viscoelastic::step<true, R>(q, resting, q.active, log2_tolerance);
         else
-            viscoelastic::step<false, R>(q, resting, single);
+            viscoelastic::step<false, R>(q, resting, single, log2_tolerance);
     }
 }
 

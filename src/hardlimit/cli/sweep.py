@@ -33,7 +33,18 @@ from .common import (
 if TYPE_CHECKING:
     import xarray as xr
 
-JOB_KEYS = ("model", "engine", "threads", "scheduler", "variables", "out", "plot", "difference", "axes")
+JOB_KEYS = (
+    "model",
+    "engine",
+    "threads",
+    "scheduler",
+    "tolerance",
+    "variables",
+    "out",
+    "plot",
+    "difference",
+    "axes",
+)
 MOST_POINTS = 10**9
 
 
@@ -101,6 +112,9 @@ def geometry_options(function: Callable[..., None]) -> Callable[..., None]:
 @click.option("--threads", type=int, help="[default: all processors]")
 @click.option("--scheduler", help="Address of the scheduler for the engine dask.  [default: this machine]")
 @click.option(
+    "--tolerance", type=float, help="Of a step, viscoelastic law, 1e-13 to 1e-6.  [default: 2.3e-10]"
+)
+@click.option(
     "--variable", "variables", multiple=True, help=f"To keep, repeated: {', '.join(maps.VARIABLES)}."
 )
 @click.option(
@@ -115,7 +129,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
 
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors. What is not
     given is that of FILE.toml or of Fig. 2 of the paper. A job file is that of `hardlimit drop` with a table
-    [sweep] (model, engine, threads, scheduler, variables, out, plot, difference) and [sweep.axes].
+    [sweep] (model, engine, threads, scheduler, tolerance, variables, out, plot, difference) and [sweep.axes].
     """
     base, job = read_job(file)
     given = {name: options.pop(name) for name in JOB_KEYS if name != "axes"}
@@ -131,6 +145,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
         "engine": settings["engine"] or "cpu",
         "threads": settings["threads"],
         "scheduler": settings["scheduler"],
+        "tolerance": settings["tolerance"],
         "variables": wanted_variables(settings["variables"], pictures),
     }
     import xarray  # noqa: F401  # here, so that loading it does not count as time of the sweep

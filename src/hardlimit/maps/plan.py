@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 MODELS: Final = ("newton", "adiabatic", "independent")
 
+#: Local error of a step of the viscoelastic law's vector kernel, in units of the impact.
+TOLERANCE: Final = 2.0**-32
+
 #: Parameters of the column in the order of the core's ``Parameters``; the law's follow, floor and pair.
 GEOMETRY: Final = (
     "radius_1",
@@ -95,6 +98,8 @@ class Plan:
     coordinates: tuple[tuple[str, str | None, NDArray[np.float64], str, str], ...]
     variables: tuple[str, ...]
     column: str
+    #: None where every result is exact
+    tolerance: float | None = None
 
     @property
     def size(self) -> int:
@@ -124,6 +129,7 @@ class Plan:
             first,
             count,
             threads,
+            math.nan if self.tolerance is None else self.tolerance,
             out,
             progress,
         )
@@ -152,7 +158,8 @@ class Plan:
 
     def attributes(self) -> dict[str, Any]:
         """What was computed, for the attributes of a Dataset."""
-        return {"model": self.model, "column": self.column, "hardlimit_version": _core.version}
+        how = {} if self.tolerance is None else {"tolerance": self.tolerance}
+        return {"model": self.model, "column": self.column, **how, "hardlimit_version": _core.version}
 
 
 def variable_attributes(name: str) -> dict[str, Any]:
@@ -166,7 +173,13 @@ def variable_attributes(name: str) -> dict[str, Any]:
     return attributes
 
 
-def make_plan(column: Column, model: str, variables: Sequence[str] | None, swept: Mapping[str, Any]) -> Plan:
+def make_plan(
+    column: Column,
+    model: str,
+    variables: Sequence[str] | None,
+    swept: Mapping[str, Any],
+    tolerance: float | None = None,
+) -> Plan:
     """Check a sweep and lay it out.
 
     Raises
@@ -187,7 +200,17 @@ def make_plan(column: Column, model: str, variables: Sequence[str] | None, swept
     laws = tuple(_with_alternative(law, swept) for law in column.laws)
     if model == "adiabatic" and laws[0][0].record["name"] != "linear":
         raise ValueError("model: got 'adiabatic', must be newton or independent unless the law is linear")
-    return _lay_out(column, model, kept, laws, swept)
+    integrated = model == "newton" and laws[0][0].record["name"] != "linear"
+    return _lay_out(column, model, kept, laws, swept, _tolerance(tolerance, integrated))
+
+
+def _tolerance(tolerance: float | None, integrated: bool) -> float | None:
+    if tolerance is None:
+        return TOLERANCE if integrated else None
+    if not integrated:
+        need = "must not be given unless the law is viscoelastic and the model newton: the others are exact"
+        raise ValueError(f"tolerance: got {tolerance!r}, {need}")
+    return validation.number("tolerance", tolerance, 1e-13, 1e-6, lowest_allowed=True, highest_allowed=True)
 
 
 def _with_alternative(law: Law, swept: Mapping[str, Any]) -> tuple[Law, int]:
@@ -209,6 +232,7 @@ def _lay_out(
     variables: tuple[str, ...],
     laws: Sequence[tuple[Law, int]],
     swept: Mapping[str, Any],
+    tolerance: float | None,
 ) -> Plan:
     record = laws[0][0].record
     if len({alternative for _, alternative in laws}) > 1:
@@ -282,6 +306,7 @@ def _lay_out(
         coordinates=tuple(coordinates),
         variables=variables,
         column=repr(column),
+        tolerance=tolerance,
     )
 
 

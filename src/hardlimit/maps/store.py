@@ -139,9 +139,9 @@ def _insist_on_the_same(path: Path, plan: Plan, tiles: Tiles) -> None:
     if wanted["fingerprint"] == attributes["fingerprint"]:
         return
     made = "other values of what is swept"
-    for name in ("hardlimit_version", "model", "column"):
-        if attributes.get(name) != wanted[name]:
-            made = f"{name.replace('hardlimit_', '')} {attributes.get(name)}, not {wanted[name]}"
+    for name in ("hardlimit_version", "model", "column", "tolerance"):
+        if attributes.get(name) != wanted.get(name):
+            made = f"{name.replace('hardlimit_', '')} {attributes.get(name)}, not {wanted.get(name)}"
             break
     else:
         if names != set(plan.variables):
