@@ -202,9 +202,10 @@ struct Couplings {
     }
 };
 
-// From p's coefficients of order 0. `both`: in some lanes contact b is closed, too. Everything that does not wait for
-// the newest velocities is summed first, so that only a short chain of operations leads from one order to the next.
-template <bool both, class R>
+// From p's coefficients of order 0. Everything that does not wait for the newest velocities is summed first, so that
+// only a short chain of operations leads from one order to the next. (For lanes with a single closed contact half the
+// work would do; but code of its own for them costs as much again, in the instruction cache.)
+template <class R>
 HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p) {
     constexpr int N = order;
     R fa[N], fb[N], root[N], force[N];
@@ -212,16 +213,11 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
     const R s0 = p.s[0], xa0 = s0 * s0;
     p.xa[0] = xa0;
     fa[0] = xa0 + k.ca * p.va[0];
-    const R Kab = both ? select<R>(b_closed, k.Kab, R{}) : R{},
-            Kbb = both ? select<R>(b_closed, k.Kbb, R{}) : R{};
-    R half{}, brake{};
-    if constexpr (both) {
-        root[0] = math::sqrt<R>(select<R>(b_closed, p.xb[0], constant<R>(1.0)));
-        half = 0.5 / root[0];
-        fb[0] = p.xb[0] + k.cb * p.vb[0];
-        force[0] = root[0] * fb[0];
-        brake = (s0 * root[0]) * k.cb;
-    }
+    const R Kab = select<R>(b_closed, k.Kab, R{}), Kbb = select<R>(b_closed, k.Kbb, R{});
+    root[0] = math::sqrt<R>(select<R>(b_closed, p.xb[0], constant<R>(1.0)));
+    fb[0] = p.xb[0] + k.cb * p.vb[0];
+    force[0] = root[0] * fb[0];
+    const R half = 0.5 / root[0], brake = (s0 * root[0]) * k.cb;
     const R twice = s0 + s0, lead = xa0 + fa[0], drag = xa0 * k.ca;
     HL_UNROLL
     for (int n = 0; n < N; ++n) {
@@ -230,13 +226,11 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
             s_s.gather_square(p.s, n);
             xa_fa.gather(p.xa, fa, n);
             s_vb.gather(p.s, p.vb, n);
-            if constexpr (both) {
-                root_root.gather_square(root, n);
-                root_fb.gather(root, fb, n);
-                s_force.gather(p.s, force, n);
-            }
+            root_root.gather_square(root, n);
+            root_fb.gather(root, fb, n);
+            s_force.gather(p.s, force, n);
         }
-        R push = xa0 * xa0, other{}, cross = s0 * p.vb[0];
+        R push = xa0 * xa0, cross = s0 * p.vb[0];
         if (n > 0) {
             p.xa[n] = twice * p.s[n];
             if (n > 1) p.xa[n] = p.xa[n] + s_s.inner_square(p.s, n);
@@ -248,26 +242,22 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
             }
             fa[n] = p.xa[n] + k.ca * p.va[n];
         }
-        if constexpr (both) {
-            R free = root[0] * p.xb[0];  // of the force, without the newest velocity
-            if (n > 0) {
-                const R xb = select<R>(b_closed, p.xb[n], R{});
-                root[n] = (n > 1 ? xb - root_root.inner_square(root, n) : xb) * half;
-                free = root[0] * p.xb[n] + root[n] * fb[0];
-                if (n > 1) free = free + root_fb.inner(root, fb, n);
-                other = p.s[n] * force[0];
-                if (n > 1) other = other + s_force.inner(p.s, force, n);
-                fb[n] = p.xb[n] + k.cb * p.vb[n];
-                force[n] = free + (root[0] * k.cb) * p.vb[n];
-            }
-            other = (n > 0 ? other + s0 * free : s0 * free) + brake * p.vb[n];
+        R free = root[0] * p.xb[0], other = s0 * free;  // of the force, without the newest velocity
+        if (n > 0) {
+            const R xb = select<R>(b_closed, p.xb[n], R{});
+            root[n] = (n > 1 ? xb - root_root.inner_square(root, n) : xb) * half;
+            free = root[0] * p.xb[n] + root[n] * fb[0];
+            if (n > 1) free = free + root_fb.inner(root, fb, n);
+            other = p.s[n] * force[0];
+            if (n > 1) other = other + s_force.inner(p.s, force, n);
+            other = other + s0 * free;
+            fb[n] = p.xb[n] + k.cb * p.vb[n];
+            force[n] = free + (root[0] * k.cb) * p.vb[n];
         }
+        other = other + brake * p.vb[n];
         push = push + drag * p.va[n];
-        R a = p.s[n] * k.Ga - k.Kaa * push, b = p.s[n] * k.Gb + k.Kba * push;
-        if constexpr (both) {
-            a = a + Kab * other;
-            b = b - Kbb * other;
-        }
+        const R a = (p.s[n] * k.Ga - k.Kaa * push) + Kab * other;
+        const R b = (p.s[n] * k.Gb + k.Kba * push) - Kbb * other;
         p.t[n + 1] = p.s[n] * inverse;
         p.s[n + 1] = p.va[n] * (0.5 * inverse);
         p.xb[n + 1] = cross * inverse;
@@ -329,13 +319,14 @@ HL_FN Mask<R> rests(const State<R>& q, Mask<R> m) {
     return any(m) ? at_rest<R>(q, m) : m;
 }
 
-// One step of the lanes of m, in each of which a contact is closed; without `both` it is only one. The tolerance is in
-// units of the impact speed and of the pair's compression.
-template <bool both, class R>
-HL_FN void step(State<R>& q, Mask<R>& resting, Mask<R> m, double log2_tolerance) {
+// One step of all drops, in each of which a contact is closed. The tolerance is in units of the impact speed and of the
+// pair's compression.
+template <class R>
+HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     constexpr int N = order;
     using column::exact::value_at;
     using M = Mask<R>;
+    const M m = q.active;
     const R x1 = -q.x.u, v1 = -q.x.du, x2 = -q.x.w, v2 = -q.x.dw;
     // Nearest to its onset: by the time that has passed or will, or its own period.
     const R near1 = x1 * (math::abs<R>(v2) + x2);
@@ -352,7 +343,7 @@ HL_FN void step(State<R>& q, Mask<R>& resting, Mask<R> m, double log2_tolerance)
     p.va[0] = select<R>(first, v1, v2);
     p.xb[0] = select<R>(first, x2, x1);
     p.vb[0] = select<R>(first, v2, v1);
-    expand<both, R>(k, b_closed, p);
+    expand<R>(k, b_closed, p);
     // Before the first touch of the floor, an error of a velocity still grows by a long fall.
     R h = length<R>(p, select<R>(q.t < 0.0, constant<R>(log2_tolerance - 12.0), constant<R>(log2_tolerance)));
     h = select<R>(touching, math::min<R>(h, constant<R>(first_touch)), h);
@@ -499,12 +490,7 @@ HL_FN void solve_viscoelastic_block(const Block& b, double log2_tolerance) {
             }
             if (running == 0) break;
         }
-        // A step for both kinds of lanes costs about 1.6 times the step for those with a single closed contact.
-        const Mask<R> coupled = q.active & q.floor & q.pair, single = q.active & negation(q.floor & q.pair);
-        if (3 * count(coupled) >= 2 * count(single))
-            viscoelastic::step<true, R>(q, resting, q.active, log2_tolerance);
-        else
-            viscoelastic::step<false, R>(q, resting, single, log2_tolerance);
+        viscoelastic::step<R>(q, resting, log2_tolerance);
     }
 }
 
