@@ -215,6 +215,16 @@ def test_threads_do_not_matter(column: hl.Column, threads: int) -> None:
     assert same_bits(hl.sweep(column, threads=threads, **swept), hl.sweep(column, threads=1, **swept))
 
 
+@pytest.mark.parametrize("column, more", [(PAPER, {}), (SOFT, {"impact_speed": 3.0})])
+def test_the_order_of_the_axes_does_not_matter(column: hl.Column, more: dict[str, float]) -> None:
+    """However the damping comes to a point: of its row, from a table of its axis, or one by one."""
+    restitution, gap = np.linspace(0.3, 1, 61), np.geomspace(1e-6, 1e-2, 41)
+    rows = hl.sweep(column, restitution=restitution, gap=gap, **more)
+    assert same_bits(rows, hl.sweep(column, gap=gap, restitution=restitution, **more).transpose(*rows.dims))
+    for j, h in enumerate(gap):
+        assert same_bits(rows.isel(gap=j), hl.sweep(column, restitution=restitution, gap=h, **more))
+
+
 @pytest.mark.parametrize("first, count", [(0, 35), (1, 34), (17, 3), (34, 1)])
 def test_a_range_of_points_is_part_of_the_map(first: int, count: int) -> None:
     plan = make_plan(PAPER, "newton", None, GRID)

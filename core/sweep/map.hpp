@@ -39,6 +39,11 @@ inline void fill(double* to, const Axis& k, u64 point, int count) {
     }
 }
 
+// Which parameter is ε of floor (0) or pair (1), for a law that is given by it.
+inline int restitution_place(const Setting& setting, int side) {
+    return geometry_count + side * max_parameters + setting.restitution_at;
+}
+
 // Walks through the points of a map in order, without a division for each.
 class Cursor {
     const Axes& axes;
@@ -98,6 +103,9 @@ struct Job {
     int running = 0;  // threads; under the guard
     std::condition_variable finished;
     std::vector<LargeCount> large;
+    std::once_flag begun;
+    std::vector<double>
+        damping[2];  // of floor and pair, for each ε of their axis; empty: found block by block
 
     void put(u64 i, int n_contacts, Outcome outcome) {
         if (out.n_contacts) {
@@ -132,9 +140,10 @@ struct Vectorised<contact::LinearDashpot> {
     using Kernel = hardlimit_abi::Kernel;
     static bool covers(Model model) { return model != Model::independent; }
     static void solve(const Kernel& kernel, const Block& b, double) { kernel.solve(b); }
-    // What the law needs to know of each −ln ε, in place: β/ω0.
-    static void invert(const Kernel& kernel, double* exponents, int n) {
-        kernel.damping_ratios(exponents, n);
+    // What the law needs to know of each ε, in place: β/ω0.
+    static void invert(const Kernel& kernel, double* restitution, int n) {
+        for (int i = 0; i < n; ++i) restitution[i] = -math::log(restitution[i]);
+        kernel.damping_ratios(restitution, n);
     }
     bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
         return sweep::enter(setting, p, floor, pair, s);
@@ -149,8 +158,8 @@ struct Vectorised<contact::Viscoelastic> {
     static void solve(const Kernel& kernel, const Block& b, double log2_tolerance) {
         kernel.solve_viscoelastic(b, log2_tolerance);
     }
-    static void invert(const Kernel&, double* exponents, int n) {
-        for (int i = 0; i < n; ++i) exponents[i] = LossTable::shared().argument(exponents[i]);
+    static void invert(const Kernel&, double* restitution, int n) {
+        for (int i = 0; i < n; ++i) restitution[i] = LossTable::shared().argument(-math::log(restitution[i]));
     }
     bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
         return enter_viscoelastic(setting, p, floor, pair, rates, s);
@@ -184,7 +193,7 @@ public:
         count = size;
         for (int v = 0; v < n_varying; ++v)
             fill(value[varying[v]], job.axes.axis[varying[v]], job.first + first, count);
-        damping();
+        if (job.setting.restitution_at >= 0) damping();
         enter();
         const hardlimit_abi::Block b = {n,     in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
                                         in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
@@ -203,8 +212,6 @@ private:
     int count;
     double value[parameter_count][room];  // the parameters
     double ratio[2][most] = {};           // what Via::invert makes of floor's and pair's ε, when given by it
-    double listed[2 * most];
-    int list_of[2][most];
     // Drops on their way: the point of each, and what goes into the kernel and comes out of it.
     int n, point[most], status[most];
     double in[10][room], out[6][room], speed[room], rate[room], restitution[room], quotient[2][room];
@@ -226,24 +233,20 @@ private:
         return std::bit_cast<Parameters>(p);
     }
 
-    // For the first point of each run; once for equal values in a row.
     void damping() {
-        if (job.setting.restitution_at < 0) return;
-        int listing = 0;
-        double last = math::nan;
-        each_run([&](int i, int) {
-            for (int side = 0; side < 2; ++side) {
-                const double e =
-                    value[geometry_count + side * max_parameters + job.setting.restitution_at][i];
-                if (e != last) listed[listing++] = -math::log(e);
-                last = e;
-                list_of[side][i] = listing - 1;
+        for (int side = 0; side < 2; ++side) {
+            const int at = restitution_place(job.setting, side);
+            const Axis& axis = job.axes.axis[at];
+            const std::vector<double>& known = job.damping[side];
+            if (!known.empty()) {
+                fill(ratio[side], {known.data(), axis.stride, axis.size}, job.first + first, count);
+            } else if (side == 1 && axis.values == job.axes.axis[restitution_place(job.setting, 0)].values) {
+                std::copy_n(ratio[0], count, ratio[1]);
+            } else {
+                std::copy_n(value[at], count, ratio[side]);
+                Via::invert(*job.kernel, ratio[side], count);
             }
-        });
-        Via::invert(*job.kernel, listed, listing);
-        each_run([&](int i, int) {
-            for (int side = 0; side < 2; ++side) ratio[side][i] = listed[list_of[side][i]];
-        });
+        }
     }
 
     // Groups and starts of the points that are for the kernel; the others are solved here.
@@ -317,6 +320,19 @@ private:
     }
 };
 
+// The damping for each ε of an axis that many points share.
+template <class Law>
+void tabulate_damping(Job& job) {
+    constexpr u64 longest = u64{1} << 20;
+    if (job.setting.restitution_at < 0) return;
+    for (int side = 0; side < 2; ++side) {
+        const Axis& axis = job.axes.axis[restitution_place(job.setting, side)];
+        if (axis.size > longest || 2 * axis.size > job.count) continue;
+        job.damping[side].assign(axis.values, axis.values + axis.size);
+        Vectorised<Law>::invert(*job.kernel, job.damping[side].data(), static_cast<int>(axis.size));
+    }
+}
+
 // Takes blocks until none is left; each result depends on its point alone, so neither the number of threads nor the
 // order matters.
 template <class Law>
@@ -338,6 +354,7 @@ void work(Job& job, u64 block) {
     if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
         if constexpr (requires { typename Vectorised<Law>::Kernel; }) {
             constexpr int most = VectorBlock<Law>::most;
+            std::call_once(job.begun, tabulate_damping<Law>, std::ref(job));
             const auto lanes = std::make_unique<VectorBlock<Law>>(job);
             each_block([&](u64 begin, u64 end) {
                 for (u64 i = begin; i < end && !job.stop; i += most)
