@@ -123,7 +123,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R release = (1.5 * math::pi + late - rough_angle(force)) * k.floor_period;
     const R left_over = strength * rough_exp(rate.re * release);
     const Complex<R> swing_then = Complex<R>{late * left_over, -left_over} * k.from_pull;
-    const R u_then = rest + swing_then.re, du_then = rate.re * swing_then.re - rate.im * swing_then.im;
+    const R u_then = rest + swing_then.re, du_then = real_product<R>(rate, swing_then);
     const R w_then = (height + release * (climb - 0.5 * s.gravity * release)) - u_then,
             dw_then = (climb - s.gravity * release) - du_then;
     const R doubt =
@@ -162,7 +162,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     // f = x + lag ẋ, where x is u or w.
     const auto derivatives = [&](Complex<R> z, R at, R* f) {
         const Complex<R> x0 = swing * z, x1 = rate * x0, x2 = rate * x1, x3 = rate * x2;
-        const R x4 = rate.re * x3.re - rate.im * x3.im;
+        const R x4 = real_product<R>(rate, x3);
         const R y1 = (speed - fall * at) + sign * x1.re, y2 = sign * x2.re - fall, y3 = sign * x3.re;
         f[0] = (level + at * (speed - 0.5 * fall * at)) + sign * x0.re + lag * y1;
         f[1] = y1 + lag * y2;
@@ -178,7 +178,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     z = z * nudge(scaled<R>(dt, rate));
     t = t + dt;
     const Complex<R> x0 = swing * z, x1 = rate * x0;
-    const R x2 = rate.re * x1.re - rate.im * x1.im, x3 = -s.a1 * (x1.re + s.c1 * x2);
+    const R x2 = real_product<R>(rate, x1), x3 = -s.a1 * (x1.re + s.c1 * x2);
     const R u = rest + x0.re, du = x1.re, ddw = -s.gravity - x2;
     const R w = ((height - rest) + t * (climb - 0.5 * s.gravity * t)) - x0.re,
             dw = (climb - s.gravity * t) - du;
@@ -229,8 +229,7 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Complex<R> ring = pull<R>(c, rate) * choose<R>(lifts, at_floor, fast),
                      drift = pull<R>(c, slow_rate) * choose<R>(lifts, at_floor_slow, slow);
     const Complex<R> drift1 = slow_rate * drift;
-    const R ring1 = rate.re * ring.re - rate.im * ring.im,
-            drift2 = slow_rate.re * drift1.re - slow_rate.im * drift1.im;
+    const R ring1 = real_product<R>(rate, ring), drift2 = real_product<R>(slow_rate, drift1);
     const R size2 = ring.re * ring.re + ring.im * ring.im, size = math::sqrt<R>(size2),
             period = select<R>(both, k.period, k.pair_period);
     // Where the ring rises through −S, which is taken from its parabola; or where S does, if that is faster than the
@@ -255,7 +254,7 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
         f[0] = rest + (r0.re + d0.re);
         f[1] = r1.re + d1.re;
         f[2] = r2.re + d2.re;
-        f[3] = (rate.re * r2.re - rate.im * r2.im) + (slow_rate.re * d2.re - slow_rate.im * d2.im);
+        f[3] = real_product<R>(rate, r2) + real_product<R>(slow_rate, d2);
     };
     R f[4];
     derivatives(rough_evolution(rate, t), rough_evolution(slow_rate, t), f);
@@ -267,12 +266,12 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     zs = zs * nudge(scaled<R>(dt, slow_rate));
     t = t + dt;
     const Complex<R> w0 = fast * z, v0 = slow * zs, u0 = at_floor * z, y0 = at_floor_slow * zs;
-    const auto real = [](Complex<R> a, Complex<R> b) { return a.re * b.re - a.im * b.im; };
     const R climb = select<R>(both, R{}, q.x.du + s.a2 * q.x.dw), fall = select<R>(both, R{}, s.gravity);
     const R base = select<R>(both, rest1, q.x.u + s.a2 * q.x.w);
     const GapState<R> at = {(base + t * (climb - 0.5 * fall * t)) + (u0.re + y0.re),
-                            (climb - fall * t) + (real(rate, u0) + real(slow_rate, y0)),
-                            rest2 + (w0.re + v0.re), real(rate, w0) + real(slow_rate, v0)};
+                            (climb - fall * t) + (real_product<R>(rate, u0) + real_product<R>(slow_rate, y0)),
+                            rest2 + (w0.re + v0.re),
+                            real_product<R>(rate, w0) + real_product<R>(slow_rate, v0)};
     const R l1 = at.u + s.c1 * at.du, l2 = at.w + s.c2 * at.dw, press = select<R>(both, s.a1 * l1, R{});
     const R ddw = press - l2, ddu = (s.a2 * l2 - s.gravity) - press;
     const R rate1 = at.du + s.c1 * ddu, rate2 = at.dw + s.c2 * ddw;  // L1', L2'
@@ -289,7 +288,8 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     // the ring outweighs that of S until its peak (phase 2π), where S always rises faster than the ring may fall, and
     // where S rises and the ring has no peak in between.
     const Complex<R> drift_then = drift1 * zs;
-    const R drift2_then = real(slow_rate, drift_then), least = math::min<R>(drift1.re, drift_then.re);
+    const R drift2_then = real_product<R>(slow_rate, drift_then),
+            least = math::min<R>(drift1.re, drift_then.re);
     const R omega = rate.im, left = (size2 * (omega * omega)) * (z.re * z.re + z.im * z.im),
             steep = drift1.re * drift1.re + drift1.im * drift1.im;
     const Mask<R> no_peak = phase + omega * when < 2.0 * math::pi,
@@ -301,7 +301,7 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
                            (steep * (slow_rate.im * slow_rate.im) < 0.16 * (left * (omega * omega)));
     // Nothing else before: the floor's own slow part stays below zero by more than the ring reaches.
     const Complex<R> floor_drift = pull<R>(s.c1, slow_rate) * at_floor_slow, then = floor_drift * zs;
-    const R bends = real(slow_rate, floor_drift), bends_then = real(slow_rate, then);
+    const R bends = real_product<R>(slow_rate, floor_drift), bends_then = real_product<R>(slow_rate, then);
     const Mask<R> stays = (rest1 + math::max<R>(floor_drift.re, then.re) + size * k.floor_share < 0.0) &
                           ((bends <= 0.0) | (bends_then >= 0.0)) & (slow_rate.im * when < math::pi);
     // An open floor gap is concave while the pair pushes. A slack floor contact stays so if L1' > 0; it has then opened or
@@ -335,7 +335,7 @@ struct Envelope {
     HL_FN R at(Complex<R> z, R fading, R& slope) const {
         const Complex<R> now = slow * z;
         const R ringing = ring * fading;
-        slope = (rate.re * now.re - rate.im * now.im) + decay * ringing;
+        slope = real_product<R>(rate, now) + decay * ringing;
         return level + now.re + ringing;
     }
 };
@@ -364,7 +364,7 @@ HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
                      z0 = rough_evolution(slow_rate, math::max<R>(middle, R{}));
     const R fading = rough_exp(rate.re * peak), loudest = ring * rough_exp(rate.re * middle) * k.crest;
     const Complex<R> drift1 = slow_rate * slow2, drift_then = drift1 * z1;
-    const R ring1 = rate.re * fast2.re - rate.im * fast2.im;
+    const R ring1 = real_product<R>(rate, fast2);
     R ignored, slope;
     const R now2 = k.rest2 + slow2.re, middle2 = k.rest2 + (slow2 * z0).re, then2 = k.rest2 + (slow2 * z1).re;
     m = m & (one.level + one.slow.re + one.ring < 0.0) & (one.at(z1, fading, ignored) < 0.0) & (now2 < 0.0) &

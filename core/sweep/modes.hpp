@@ -1,6 +1,6 @@
 // The motions of two balls with closed contacts under the linear law as sums of modes e^(λt), found once for each drop.
 //
-// About rest, with the gaps x = (u − u0, w − w0) of lane_state.hpp, motion C is ẍ + C ẋ + K x = 0,
+// About rest, with the gaps x = (u − u0, w − w0), motion C is ẍ + C ẋ + K x = 0,
 //   C = ((a1 c1, −a2 c2), (−a1 c1, c2)),   K = ((a1, −a2), (−a1, 1)).
 // A mode e^(λt) (r, 1) has the left vector ψ with ψᵀ(λ² + λC + K) = 0, and its share in a state is
 //   ψᵀ(ẋ + (λ + C) x)/ψᵀ(2λ + C)(r, 1).
@@ -29,6 +29,11 @@ HL_FN Complex<R> operator-(Complex<R> a, Complex<R> b) {
 template <class R>
 HL_FN Complex<R> operator*(Complex<R> a, Complex<R> b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+// Re(a b)
+template <class R>
+HL_FN R real_product(Complex<R> a, Complex<R> b) {
+    return a.re * b.re - a.im * b.im;
 }
 template <class R>
 HL_FN Complex<R> scaled(R a, Complex<R> b) {
