@@ -10,6 +10,8 @@
 #include "column/integrate.hpp"
 #include "contact/registry.hpp"
 #include "sweep/lanes.hpp"
+#include "sweep/viscoelastic.hpp"
+#include "sweep/viscoelastic_lanes.hpp"
 
 #include <type_traits>
 
@@ -318,9 +320,9 @@ struct Points {
     col::Column<Law> base = make_column<Law>(), c = base;
     double known = hl::math::nan;  // ε that the contacts have now
 
-    // Whether the lowest ball starts above the floor.
+    // Without its contacts; whether the lowest ball starts above the floor.
     bool move_to(long i) {
-        const double restitution = points[2 * i], y = points[2 * i + 1];
+        const double y = points[2 * i + 1];
         if (axis == radius_ratio) {
             c = base;
             set_radius_ratio(c, y);
@@ -328,16 +330,20 @@ struct Points {
         } else {
             for (int j = first_gap(c); j < c.balls; ++j) c.gaps[j] = y;
         }
-        if (restitution != known) set_contacts(c, restitution);
-        known = restitution;
         return c.gaps[0] > 0.0 || !c.floor;
     }
+    double restitution(long i) const { return points[2 * i]; }
+    // With its contacts.
+    const col::Column<Law>& column(long i) {
+        if (restitution(i) != known) set_contacts(c, restitution(i));
+        known = restitution(i);
+        return c;
+    }
     void write(long i, const col::Sequence& q, double* out) const {
-        const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity),
-                     restitution = points[2 * i];
+        const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity);
         out[3 * i] = q.outcome == hl::Outcome::invalid ? hl::math::nan : q.n_contacts;
-        out[3 * i + 1] = col::effective_restitution(q.relative_velocity, speed) / restitution;
-        out[3 * i + 2] = col::effective_restitution(q.separation_velocity, speed) / restitution;
+        out[3 * i + 1] = col::effective_restitution(q.relative_velocity, speed) / restitution(i);
+        out[3 * i + 2] = col::effective_restitution(q.separation_velocity, speed) / restitution(i);
     }
 };
 
@@ -351,48 +357,102 @@ template <class Law>
 void scan(int axis, long n, const double* points, double* out) {
     Points<Law> p{axis, points};
     for (long i = 0; i < n; ++i)
-        p.write(i, p.move_to(i) ? run_point(p.c, col::Coupling::full, nullptr) : refused(), out);
+        p.write(i, p.move_to(i) ? run_point(p.column(i), col::Coupling::full, nullptr) : refused(), out);
 }
 
-// Two balls under the linear law: many drops at once.
+// Two balls on a floor, many drops at once through the kernels of sweep/.
 using Pair = hl::Vector<4>::Real;
+using hl::sweep::Block;
 
+template <class Law>
+struct Way;
+
+template <>
+struct Way<LinearDashpot> {
+    static bool enter(Points<LinearDashpot>& p, long i, col::Start& s) {
+        const col::Column<LinearDashpot>& c = p.column(i);
+        s = col::start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                                {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
+                                col::Coupling::full);
+        return s.outcome == hl::Outcome::ok && hl::math::is_finite(s.groups.gravity + s.first.w);
+    }
+    static void solve(const Block& b) { hl::sweep::solve_block<Pair>(b); }
+};
+
+template <>
+struct Way<Viscoelastic> {
+    hl::sweep::Rates rates;
+    double restitution = hl::math::nan, argument;
+
+    // Without contacts: each would solve some eight collisions for its dissipative time.
+    bool enter(const Points<Viscoelastic>& p, long i, col::Start& s) {
+        if (p.restitution(i) != restitution) {
+            restitution = p.restitution(i);
+            argument = hl::sweep::LossTable::shared().argument(-hl::math::log(restitution));
+        }
+        const col::Column<Viscoelastic>& c = p.c;
+        hl::sweep::Parameters q{c.radius[0],
+                                c.radius[1],
+                                hl::math::nan,
+                                c.mass[0],
+                                c.mass[1],
+                                c.gaps[1],
+                                c.gaps[0] + c.radius[0],
+                                c.velocity[0],
+                                c.velocity[1],
+                                c.gravity,
+                                {},
+                                {}};
+        for (int k = 0; k < hl::max_parameters; ++k) q.floor_law[k] = q.pair_law[k] = request[2 + k];
+        const hl::sweep::Setting setting{hl::sweep::Model::newton, 1, false, false,
+                                         restitution_parameter<Viscoelastic>()};
+        return hl::sweep::enter_viscoelastic(setting, q, argument, argument, rates, s);
+    }
+    static void solve(const Block& b) {
+        hl::sweep::solve_viscoelastic_block<Pair>(b, -24.0);  // a pixel does not show more
+    }
+};
+
+template <class Law>
 void scan_block(int axis, long n, const double* points, double* out) {
     constexpr int most = 512;
     static double in[10][most], back[6][most];
-    static int status[most];
+    static int status[most], lane[most];  // lane: of a point, −1: not for the kernel
     static col::Units units[most];
-    Points<LinearDashpot> p{axis, points}, again{axis, points};
+    Points<Law> p{axis, points}, again{axis, points};
+    Way<Law> way;
     for (long first = 0; first < n; first += most) {
         const int count = static_cast<int>(n - first < most ? n - first : most);
+        int entered = 0;
         for (int i = 0; i < count; ++i) {
-            const bool lands = p.move_to(first + i);
-            const col::Column<LinearDashpot>& c = p.c;
-            const col::Start s = col::start_two_ball(
-                c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                {lands ? c.gaps[0] : 1.0, c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
-                col::Coupling::full);
+            col::Start s;
+            lane[i] = -1;
+            if (!p.move_to(first + i) || !way.enter(p, first + i, s)) continue;
             const double values[] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
                                      s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
-            for (int k = 0; k < 10; ++k) in[k][i] = values[k];
-            units[i] = s.units;
+            for (int k = 0; k < 10; ++k) in[k][entered] = values[k];
+            units[entered] = s.units;
+            lane[i] = entered++;
         }
-        hl::sweep::solve_block<Pair>({count, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8],
-                                      in[9], back[0], back[1], back[2], back[3], back[4], back[5], status});
+        way.solve({entered, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8], in[9], back[0],
+                   back[1], back[2], back[3], back[4], back[5], status});
         for (int i = 0; i < count; ++i) {
             const bool lands = again.move_to(first + i);
+            const int k = lane[i];
             col::Sequence q = refused();
-            if (lands && status[i] == static_cast<int>(hl::sweep::Status::done)) {
-                q.outcome = hl::Outcome::ok;
-                q.n_contacts = static_cast<int>(back[0][i]);
-                q.t_first_touch = back[1][i];
-                q.t_end = back[2][i];
-                q.t_floor_end = back[3][i];
-                q.relative_velocity = back[4][i];
-                q.separation_velocity = back[5][i];
-                col::to_si(q, units[i]);
+            if (k >= 0 && status[k] != static_cast<int>(hl::sweep::Status::left)) {
+                const bool rests = status[k] == static_cast<int>(hl::sweep::Status::rests);
+                q.outcome = rests ? hl::Outcome::at_rest : hl::Outcome::ok;
+                q.n_contacts = static_cast<int>(back[0][k]);
+                q.t_first_touch = back[1][k];
+                q.t_end = back[2][k];
+                q.t_floor_end = back[3][k];
+                q.relative_velocity = back[4][k];
+                q.separation_velocity = back[5][k];
+                q.close();
+                col::to_si(q, units[k]);
             } else if (lands) {
-                q = run_point(again.c, col::Coupling::full, nullptr);
+                q = run_point(again.column(first + i), col::Coupling::full, nullptr);
             }
             again.write(first + i, q, out);
         }
@@ -489,9 +549,12 @@ void sample(int model, long n, const double* times, double* out) {
 
 // n points (ε, gap) or (ε, R1/R2) → number of contacts, ε_eff/ε at the end of the sequence and at separation.
 void scan_points(int axis, long n, const double* points, double* out) {
-    const bool pair = request[0] == 0.0 && balls() == 2 && on_floor();
-    if (pair) return scan_block(axis, n, points, out);
-    with_law([&]<class Law>() { scan<Law>(axis, n, points, out); });
+    with_law([&]<class Law>() {
+        if (balls() == 2 && on_floor())
+            scan_block<Law>(axis, n, points, out);
+        else
+            scan<Law>(axis, n, points, out);
+    });
 }
 
 // Contacts for each ε: contacts of the sequence, t_end, t_floor_end, number k, then k times (pair, begin, end).

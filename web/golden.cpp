@@ -150,6 +150,7 @@ int main() {
     std::printf("],\n\"maps\": [\n");
     print_map("paper, contacts over gap", all[0], 0, 316, ",");
     print_map("paper, contacts over radius ratio", all[0], 1, 100, ",");
-    print_map("viscoelastic", all[5], 0, 8, "");
+    print_map("viscoelastic over gap", all[5], 0, 60, ",");
+    print_map("viscoelastic over radius ratio", all[5], 1, 40, "");
     std::printf("]}\n");
 }

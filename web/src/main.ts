@@ -389,6 +389,7 @@ class Page {
     this.mapLayout = this.map.draw(mapSheet.g, mapSheet.width, mapSheet.height, this.view.map.axis, this.marked(), this.theme);
     this.tellMap();
     mapSheet.canvas.dataset.computing = String(Math.round(this.map.computing));
+    mapSheet.canvas.dataset.resolution = String(this.map.resolution);
     if (this.map.elapsed !== null) mapSheet.canvas.dataset.ms = String(Math.round(this.map.elapsed));
     else delete mapSheet.canvas.dataset.ms;
   }

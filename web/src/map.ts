@@ -133,12 +133,15 @@ export class ContactMap {
         this.greatest = Math.max(this.greatest, result.values[MAP_VALUES * k] || 0);
         this.fill(place, batch.stride);
       }
-      const next = this.queue[0]?.stride ?? 0;
+      let next = this.queue[0]?.stride ?? 0;
       if (next < this.next) {
         // A level is complete; the next is left out where it would take too long.
         this.resolution = Math.floor(SIDE / this.next);
         const points = (SIDE / Math.max(next, 1)) ** 2 * 0.75;
-        if ((points * this.computing) / this.computed / this.workers.length > patience) this.queue = [];
+        if ((points * this.computing) / this.computed / this.workers.length > patience) {
+          this.queue = [];
+          next = 0;
+        }
         this.next = next;
       }
       const over = this.queue.length === 0 && ![...this.sent.values()].some((b) => b.job === this.job);

@@ -356,6 +356,18 @@ test("quick enough: slider and map", async (t) => {
   }
 });
 
+test("the viscoelastic map is complete, and quick too", async (t) => {
+  const page = await open(t, "?example=basketball");
+  await mapDone(page);
+  await page.check("#law-viscoelastic");
+  await page.waitForFunction(() => document.getElementById("map").dataset.ms === undefined);
+  await mapDone(page);
+  const map = await page.evaluate(() => ({ ...document.getElementById("map").dataset }));
+  t.diagnostic(`400 × 400 viscoelastic map: ${map.ms} ms (workers ${map.computing} ms)`);
+  assert.equal(map.resolution, "400");
+  if (strict) assert.ok(Number(map.ms) < 4000);
+});
+
 test("exports", async (t) => {
   const page = await open(t, "?e=0.8&gap=3e-4&t=0.0002");
   const png = readFileSync(await download(page, "#png"));
