@@ -364,6 +364,7 @@ void scan(int axis, long n, const double* points, double* out) {
 using Pair = hl::Vector<4>::Real;
 using hl::sweep::Block;
 
+// A point into the kernel of its law (false: it is not for it), and that kernel.
 template <class Law>
 struct Way;
 
