@@ -7,7 +7,7 @@
 
 namespace {
 using Real = hardlimit::Vector<HARDLIMIT_LANES>::Real;
-using Wide = hardlimit::Pair<Real>;  // for the kernel whose arithmetic waits for itself, not for its operands
+using Wide = hardlimit::Pair<Real>;  // for the kernel that is a long chain of operations
 }  // namespace
 
 extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;

@@ -9,6 +9,7 @@
 #include "column/independent.hpp"
 #include "column/integrate.hpp"
 #include "contact/registry.hpp"
+#include "sweep/drops.hpp"
 #include "sweep/lanes.hpp"
 #include "sweep/viscoelastic.hpp"
 #include "sweep/viscoelastic_lanes.hpp"
@@ -385,7 +386,7 @@ struct Way<Viscoelastic> {
     hl::sweep::Rates rates;
     double restitution = hl::math::nan, argument;
 
-    // Without contacts: each would solve some eight collisions for its dissipative time.
+    // Without contacts, which would solve some eight collisions each for the dissipative time.
     bool enter(const Points<Viscoelastic>& p, long i, col::Start& s) {
         if (p.restitution(i) != restitution) {
             restitution = p.restitution(i);
@@ -417,44 +418,29 @@ struct Way<Viscoelastic> {
 template <class Law>
 void scan_block(int axis, long n, const double* points, double* out) {
     constexpr int most = 512;
-    static double in[10][most], back[6][most];
-    static int status[most], lane[most];  // lane: of a point, −1: not for the kernel
-    static col::Units units[most];
+    static hl::sweep::Drops<most> drops;
+    static int drop_of[most];  // a point; −1: not for the kernel
     Points<Law> p{axis, points}, again{axis, points};
     Way<Law> way;
     for (long first = 0; first < n; first += most) {
         const int count = static_cast<int>(n - first < most ? n - first : most);
-        int entered = 0;
+        drops.count = 0;
         for (int i = 0; i < count; ++i) {
             col::Start s;
-            lane[i] = -1;
+            drop_of[i] = -1;
             if (!p.move_to(first + i) || !way.enter(p, first + i, s)) continue;
-            const double values[] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
-                                     s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
-            for (int k = 0; k < 10; ++k) in[k][entered] = values[k];
-            units[entered] = s.units;
-            lane[i] = entered++;
+            drop_of[i] = drops.count;
+            drops.add(s);
         }
-        way.solve({entered, in[0], in[1], in[2], in[3], in[4], in[5], in[6], in[7], in[8], in[9], back[0],
-                   back[1], back[2], back[3], back[4], back[5], status});
+        way.solve(drops.block());
         for (int i = 0; i < count; ++i) {
             const bool lands = again.move_to(first + i);
-            const int k = lane[i];
+            const int k = drop_of[i];
             col::Sequence q = refused();
-            if (k >= 0 && status[k] != static_cast<int>(hl::sweep::Status::left)) {
-                const bool rests = status[k] == static_cast<int>(hl::sweep::Status::rests);
-                q.outcome = rests ? hl::Outcome::at_rest : hl::Outcome::ok;
-                q.n_contacts = static_cast<int>(back[0][k]);
-                q.t_first_touch = back[1][k];
-                q.t_end = back[2][k];
-                q.t_floor_end = back[3][k];
-                q.relative_velocity = back[4][k];
-                q.separation_velocity = back[5][k];
-                q.close();
-                col::to_si(q, units[k]);
-            } else if (lands) {
+            if (k >= 0 && !drops.left(k))
+                q = drops.sequence(k);
+            else if (lands)
                 q = run_point(again.column(first + i), col::Coupling::full, nullptr);
-            }
             again.write(first + i, q, out);
         }
     }

@@ -472,7 +472,7 @@ HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
         clear(wait.refused, m);
         raise(wait.stuck, refused);
         raise(wait.pressed, m & negation(refused));
-        return m & negation(m);
+        return Mask<R>{};
     }
     const Mask<R> m = wait.stuck;
     careful<R>(q, m);
@@ -548,7 +548,7 @@ HL_FN void solve_block(const Block& b) {
     for (;;) {
         const int running = count(q.active);
         if (running == 0 || (W - running >= due<R>(b, next, (3 * W + 3) / 4) && next < b.count)) {
-            Mask<R> loaded = negation(q.active) & q.active;
+            Mask<R> loaded{};
             for (unsigned idle = lane_bits(negation(q.active)); idle != 0; idle &= idle - 1) {
                 const int lane = first_bit(idle);
                 if (drop[lane] >= 0) store(q, lane, b, drop[lane]);

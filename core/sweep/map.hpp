@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "block.hpp"
+#include "drops.hpp"
 #include "point.hpp"
 #include "viscoelastic.hpp"
 
@@ -37,11 +37,6 @@ inline void fill(double* to, const Axis& k, u64 point, int count) {
         left = k.stride;
         if (++index == k.size) index = 0;
     }
-}
-
-// Which parameter is ε of floor (0) or pair (1), for a law that is given by it.
-inline int restitution_place(const Setting& setting, int side) {
-    return geometry_count + side * max_parameters + setting.restitution_at;
 }
 
 // Walks through the points of a map in order, without a division for each.
@@ -104,8 +99,14 @@ struct Job {
     std::condition_variable finished;
     std::vector<LargeCount> large;
     std::once_flag begun;
-    std::vector<double>
-        damping[2];  // of floor and pair, for each ε of their axis; empty: found block by block
+    // Of floor and pair, for each ε of their axis; empty: found block by block.
+    std::vector<double> damping[2];
+
+    // Of ε of floor (0) or pair (1), for a law that is given by it.
+    const Axis& restitution_axis(int side) const {
+        return axes.axis[geometry_count + side * max_parameters + setting.restitution_at];
+    }
+    bool one_restitution() const { return restitution_axis(0).values == restitution_axis(1).values; }
 
     void put(u64 i, int n_contacts, Outcome outcome) {
         if (out.n_contacts) {
@@ -195,15 +196,13 @@ public:
             fill(value[varying[v]], job.axes.axis[varying[v]], job.first + first, count);
         if (job.setting.restitution_at >= 0) damping();
         enter();
-        const hardlimit_abi::Block b = {n,     in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
-                                        in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
-        Via::solve(*job.kernel, b, job.log2_tolerance);
+        Via::solve(*job.kernel, drops.block(), job.log2_tolerance);
         leave();
     }
 
 private:
     static constexpr int gap_at = offsetof(Parameters, gap) / sizeof(double);
-    static constexpr int room = most + 8;  // so that the same place of all arrays is not one set of the cache
+    static constexpr int room = Drops<most>::room;
     Job& job;
     Via via;
     int varying[parameter_count], n_varying = 0;
@@ -212,9 +211,9 @@ private:
     int count;
     double value[parameter_count][room];  // the parameters
     double ratio[2][most] = {};           // what Via::invert makes of floor's and pair's ε, when given by it
-    // Drops on their way: the point of each, and what goes into the kernel and comes out of it.
-    int n, point[most], status[most];
-    double in[10][room], out[6][room], speed[room], rate[room], restitution[room], quotient[2][room];
+    Drops<most> drops;
+    int point[most];  // of each drop
+    double restitution[room], quotient[2][room];
 
     // f(i, end) for each run of points that differ in the gap alone.
     template <class F>
@@ -235,15 +234,14 @@ private:
 
     void damping() {
         for (int side = 0; side < 2; ++side) {
-            const int at = restitution_place(job.setting, side);
-            const Axis& axis = job.axes.axis[at];
+            const Axis& axis = job.restitution_axis(side);
             const std::vector<double>& known = job.damping[side];
             if (!known.empty()) {
                 fill(ratio[side], {known.data(), axis.stride, axis.size}, job.first + first, count);
-            } else if (side == 1 && axis.values == job.axes.axis[restitution_place(job.setting, 0)].values) {
+            } else if (side == 1 && job.one_restitution()) {
                 std::copy_n(ratio[0], count, ratio[1]);
             } else {
-                std::copy_n(value[at], count, ratio[side]);
+                fill(ratio[side], axis, job.first + first, count);
                 Via::invert(*job.kernel, ratio[side], count);
             }
         }
@@ -251,7 +249,7 @@ private:
 
     // Groups and starts of the points that are for the kernel; the others are solved here.
     void enter() {
-        n = 0;
+        drops.count = 0;
         each_run([&](int i, int end) {
             const double* gap = value[gap_at];
             Parameters p = parameters(i);
@@ -271,22 +269,19 @@ private:
                     solve_alone(at);
                     continue;
                 }
-                const double values[10] = {s.groups.a1,      s.groups.a2, s.groups.c1, s.groups.c2,
-                                           s.groups.gravity, s.first.u,   s.first.du,  s.first.w,
-                                           s.first.dw,       s.t};
-                for (int j = 0; j < 10; ++j) in[j][n] = values[j];
-                speed[n] = s.units.speed;
-                rate[n] = s.units.rate;
-                restitution[n] = e;
-                point[n++] = at;
+                restitution[drops.count] = e;
+                point[drops.count] = at;
+                drops.add(s);
             }
         });
     }
 
     // Also the points that the kernel left.
     void leave() {
-        job.kernel->leave(
-            {n, speed, rate, restitution, out[1], out[2], out[3], out[4], out[5], quotient[0], quotient[1]});
+        const int n = drops.count;
+        auto& out = drops.out;
+        job.kernel->leave({n, drops.speed, drops.rate, restitution, out[1], out[2], out[3], out[4], out[5],
+                           quotient[0], quotient[1]});
         const auto give = [&](double* to, const double* from) {
             if (!to) return;
             if (n == count)
@@ -300,15 +295,14 @@ private:
         give(job.out.restitution_ratio, quotient[1]);
         give(job.out.t_end, out[2]);
         give(job.out.t_floor_end, out[3]);
-        using hardlimit_abi::Status;
         for (int k = 0; k < n && !job.stop; ++k) {
-            if (status[k] == static_cast<int>(Status::left)) {
+            if (drops.left(k)) {
                 solve_alone(point[k]);
                 continue;
             }
             column::Sequence q;
-            q.n_contacts = static_cast<int>(out[0][k]);
-            q.outcome = status[k] == static_cast<int>(Status::rests) ? Outcome::at_rest : Outcome::ok;
+            q.n_contacts = drops.n_contacts(k);
+            q.outcome = drops.outcome(k);
             q.close();
             job.put(first + static_cast<u64>(point[k]), q.n_contacts, q.outcome);
         }
@@ -326,8 +320,12 @@ void tabulate_damping(Job& job) {
     constexpr u64 longest = u64{1} << 20;
     if (job.setting.restitution_at < 0) return;
     for (int side = 0; side < 2; ++side) {
-        const Axis& axis = job.axes.axis[restitution_place(job.setting, side)];
+        const Axis& axis = job.restitution_axis(side);
         if (axis.size > longest || 2 * axis.size > job.count) continue;
+        if (side == 1 && job.one_restitution()) {
+            job.damping[1] = job.damping[0];
+            continue;
+        }
         job.damping[side].assign(axis.values, axis.values + axis.size);
         Vectorised<Law>::invert(*job.kernel, job.damping[side].data(), static_cast<int>(axis.size));
     }

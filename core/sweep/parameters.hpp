@@ -111,8 +111,8 @@ struct Found {
     double contacts, t_first, t_end, t_floor_end, relative, separation;
 };
 
-HL_FN PointResult leave(const Setting& setting, const Parameters& p, const column::Units& units,
-                        const Found& found, Outcome outcome = Outcome::ok) {
+// In SI units.
+HL_FN column::Sequence sequence_of(const Found& found, const column::Units& units, Outcome outcome) {
     column::Sequence q;
     q.outcome = outcome;
     q.n_contacts = static_cast<int>(found.contacts);
@@ -123,8 +123,13 @@ HL_FN PointResult leave(const Setting& setting, const Parameters& p, const colum
     q.separation_velocity = found.separation;
     q.close();
     column::to_si(q, units);
+    return q;
+}
+
+HL_FN PointResult leave(const Setting& setting, const Parameters& p, const column::Units& units,
+                        const Found& found) {
     PointResult r;
-    finish(q, setting, p, units.speed, r);
+    finish(sequence_of(found, units, Outcome::ok), setting, p, units.speed, r);
     return r;
 }
 

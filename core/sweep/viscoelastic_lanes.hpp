@@ -44,7 +44,10 @@ HL_FN R tail(const R* f, R x, Least least) {
     const R x2 = x * x;
     R part[2] = {};
     HL_UNROLL
-    for (int n = D; n >= first; --n) part[(n - first) % 2] = part[(n - first) % 2] * x2 + least(f[n]);
+    for (int n = D; n >= first; --n) {
+        R& sum = part[(n - first) % 2];
+        sum = n > D - 2 ? least(f[n]) : sum * x2 + least(f[n]);
+    }
     return part[0] + part[1] * x;
 }
 
@@ -268,8 +271,8 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
     p.xa[N] = twice * p.s[N] + s_s.inner_square(p.s, N);
 }
 
-// Length for which the last terms stay below the tolerance. An error of a length counts by the velocity it turns into,
-// which is less: of s by about 2s √(1.5s), of ξ_b by the slower frequency of that contact.
+// Length for which the last terms stay below the tolerance. An error of a length turns into one of a velocity, of s times
+// about 2s √(1.5s), which is 0.4 where the balls ring, and of ξ_b times the frequency of that contact; hence the weights.
 template <class R>
 HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     R log_h = constant<R>(40.0);
@@ -366,8 +369,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     leave_zero<N, R>(fa, m & select<M>(root_a, on_a, on_la));
     leave_zero<N, R>(fb, m & select<M>(forced, on_lb, on_b));
     const M watched = m & negation(touching), slack = m & b_slack;
-    M due_a = m & may_fall<N, R>(fa, h), due_b = watched & may_fall<N, R>(fb, h),
-      due_c = negation(m | negation(m));
+    M due_a = m & may_fall<N, R>(fa, h), due_b = watched & may_fall<N, R>(fb, h), due_c{};
     M zero_a = m & (fa[0] <= 0.0), zero_b = watched & (fb[0] <= 0.0), zero_c = due_c;
     if (any(slack)) {
         HL_ROLL
@@ -377,7 +379,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
         zero_c = slack & (fc[0] <= 0.0);
     }
     R tau = h;
-    M hit_a = due_c & negation(due_c), hit_b = hit_a, again = hit_a;
+    M hit_a{}, hit_b{}, again{};
     if (any(due_a | due_b | due_c | zero_a | zero_b | zero_c)) {
         const R none = constant<R>(never);
         R end_a = select<R>(zero_a, R{}, none), main_b = select<R>(zero_b, R{}, none),
@@ -395,7 +397,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
             assign<R>(search_c, press_b, zero);
             clear(due_c, search_c);
             clear(due_b, search_b);
-            due_a = hit_a;
+            due_a = M{};
         }
         const R now = math::min<R>(math::min<R>(end_a, main_b), press_b);
         const M hit = m & (now != never);
@@ -472,7 +474,7 @@ HL_FN void solve_viscoelastic_block(const Block& b, double log2_tolerance) {
         }
         const int running = count(q.active);
         if (running == 0 || (W - running >= due<R>(b, next, W) && next < b.count)) {
-            Mask<R> loaded = negation(q.active) & q.active;
+            Mask<R> loaded{};
             for (int lane = 0; lane < W; ++lane) {
                 if (get_flag(q.active, lane)) continue;
                 if (drop[lane] >= 0) store(q, lane, b, drop[lane]);

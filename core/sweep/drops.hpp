@@ -1,0 +1,41 @@
+// Drops of a block on their way through a vector kernel, an array for each of what goes in and what comes out.
+#pragma once
+#include "block.hpp"
+#include "parameters.hpp"
+
+namespace hardlimit::sweep {
+
+using hardlimit_abi::Status;
+
+template <int most>
+struct Drops {
+    static constexpr int room = most + 8;  // so that the same place of all arrays is not one set of the cache
+    int count, status[most];
+    double in[10][room], out[6][room], speed[room], rate[room];
+
+    void add(const column::Start& s) {
+        const double values[10] = {s.groups.a1, s.groups.a2, s.groups.c1, s.groups.c2, s.groups.gravity,
+                                   s.first.u,   s.first.du,  s.first.w,   s.first.dw,  s.t};
+        for (int j = 0; j < 10; ++j) in[j][count] = values[j];
+        speed[count] = s.units.speed;
+        rate[count] = s.units.rate;
+        ++count;
+    }
+    hardlimit_abi::Block block() {
+        return {count, in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
+                in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
+    }
+
+    // After the kernel.
+    bool left(int k) const { return status[k] == static_cast<int>(Status::left); }
+    Outcome outcome(int k) const {
+        return status[k] == static_cast<int>(Status::rests) ? Outcome::at_rest : Outcome::ok;
+    }
+    int n_contacts(int k) const { return static_cast<int>(out[0][k]); }
+    column::Sequence sequence(int k) const {
+        const Found found = {out[0][k], out[1][k], out[2][k], out[3][k], out[4][k], out[5][k]};
+        return sequence_of(found, {speed[k], rate[k]}, outcome(k));
+    }
+};
+
+}  // namespace hardlimit::sweep
