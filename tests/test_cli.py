@@ -234,8 +234,17 @@ def test_sweep_job_file(tmp_path: Path) -> None:
 
 
 def test_sweep_takes_a_tolerance(tmp_path: Path) -> None:
-    options = [*HERTZ, "--dissipative-time", "1e-6:1e-4:5:log", "--out", tmp_path / "map.nc"]
-    printed("sweep", *options, "--tolerance", "1e-7")
+    options = [
+        *HERTZ,
+        "--dissipative-time",
+        "1e-6:1e-4:5:log",
+        "--gap",
+        "1e-5,1e-4",
+        "--out",
+        tmp_path / "map.nc",
+    ]
+    printed("sweep", *options, "--tolerance", "1e-7", "--difference", tmp_path / "difference.png")
+    assert (tmp_path / "difference.png").stat().st_size > 10_000
     assert xr.open_dataset(tmp_path / "map.nc").attrs["tolerance"] == 1e-7
 
 

@@ -269,7 +269,8 @@ def draw(
         variable = run["variables"][0] if run["variables"] else "n_contacts"
         plots.save(plots.sweep_map(ds, variable), pictures["plot"])
     if pictures["difference"]:
-        needed = {**run, "variables": ("relative_velocity",)}
+        # A tolerance is that of the map there is: the other model takes none.
+        needed = {**run, "tolerance": None, "variables": ("relative_velocity",)}
         models = {
             model: ds if model == run["model"] else maps.sweep(column, **{**needed, "model": model}, **swept)
             for model in ("newton", "independent")
