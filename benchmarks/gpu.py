@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.maps import cuda, device
-from hardlimit.maps.plan import Plan, make_plan
+from hardlimit.sweep.engines import cuda, cuda_device
+from hardlimit.sweep.plan import Plan, make_plan
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -79,7 +79,7 @@ def floor() -> None:
             )
 
 
-def measure(gpu: device.Gpu, side: int) -> None:
+def measure(gpu: cuda_device.Gpu, side: int) -> None:
     """Points per second of a whole sweep, results in the host's memory."""
     for name, plan in {"grid": fig4(side), "list in no order": scattered(side * side)}.items():
         seconds = []
@@ -92,7 +92,7 @@ def measure(gpu: device.Gpu, side: int) -> None:
         print(f"{gpu.name}: {name}, {plan.size:.1e} points, {rate:.2e} points/s")
 
 
-def kernel_alone(gpu: device.Gpu, side: int) -> None:
+def kernel_alone(gpu: cuda_device.Gpu, side: int) -> None:
     """Points per second of the kernel, results left on the device."""
     plan = fig4(side)
     slot = cuda.Slot(gpu, plan, plan.size)
@@ -112,7 +112,7 @@ def main() -> None:
     side = int(sys.argv[1]) if len(sys.argv) > 1 else 8192
     floor()
     try:
-        gpu = device.open_gpu()
+        gpu = cuda_device.open_gpu()
     except (ImportError, ValueError) as missing:
         print(missing)
         return

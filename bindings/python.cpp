@@ -9,9 +9,9 @@
 #include <memory>
 #include <variant>
 
-#include "column/drop.hpp"
+#include "column/exact/drop.hpp"
+#include "column/general/sample.hpp"
 #include "column/independent.hpp"
-#include "column/integrate.hpp"
 #include "contact/registry.hpp"
 
 namespace nb = nanobind;

@@ -5,14 +5,14 @@
 //   [0] law, place in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
 //   [6] number of balls   [7] 1: floor, 0: cradle   [8] gravity [m/s²]
 //   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
-#include "column/drop.hpp"
+#include "column/exact/drop.hpp"
+#include "column/general/sample.hpp"
 #include "column/independent.hpp"
-#include "column/integrate.hpp"
 #include "contact/registry.hpp"
 #include "sweep/drops.hpp"
-#include "sweep/lanes.hpp"
-#include "sweep/viscoelastic.hpp"
-#include "sweep/viscoelastic_lanes.hpp"
+#include "sweep/linear_kernel.hpp"
+#include "sweep/viscoelastic_entry.hpp"
+#include "sweep/viscoelastic_kernel.hpp"
 
 #include <type_traits>
 

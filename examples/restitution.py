@@ -1,7 +1,7 @@
 """The damping that gives the restitution one asks for, and what the formula in common use gives."""
 
 import hardlimit as hl
-from hardlimit.comparison import usual_damping
+from hardlimit.column.comparison import usual_damping
 
 ball = hl.Ball(radius=0.01, density=2500)
 stiffness = 1e5

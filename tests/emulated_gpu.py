@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hardlimit.maps import device
+from hardlimit.sweep.engines import cuda_device
 
 HERE = Path(__file__).parent
 
@@ -34,23 +34,23 @@ class Emulated:
     def room(self) -> int:
         return self.free
 
-    def stream(self) -> list[device.Memory]:
+    def stream(self) -> list[cuda_device.Memory]:
         return []
 
-    def memory(self, size: int, stream: list[device.Memory]) -> device.Memory:
+    def memory(self, size: int, stream: list[cuda_device.Memory]) -> cuda_device.Memory:
         on_device = np.zeros(-(-size // 8), np.uint64)
-        return device.Memory(on_device.ctypes.data, np.zeros(size, np.uint8), on_device)
+        return cuda_device.Memory(on_device.ctypes.data, np.zeros(size, np.uint8), on_device)
 
-    def to_device(self, stream: list[device.Memory], memory: device.Memory) -> None:
+    def to_device(self, stream: list[cuda_device.Memory], memory: cuda_device.Memory) -> None:
         memory.on_device.view(np.uint8)[:] = memory.host
 
-    def to_host(self, stream: list[device.Memory], memory: device.Memory) -> None:
+    def to_host(self, stream: list[cuda_device.Memory], memory: cuda_device.Memory) -> None:
         stream.append(memory)  # not before it is waited for
 
-    def launch(self, stream: list[device.Memory], kernel: str, task: int) -> None:
+    def launch(self, stream: list[cuda_device.Memory], kernel: str, task: int) -> None:
         assert self.library[f"emulate_{kernel}"](ctypes.c_void_p(task)) == 0
 
-    def wait(self, stream: list[device.Memory]) -> None:
+    def wait(self, stream: list[cuda_device.Memory]) -> None:
         for memory in stream:
             memory.host[:] = memory.on_device.view(np.uint8)
         stream.clear()

@@ -15,9 +15,9 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import hardlimit as hl
-from hardlimit import scenario
 from hardlimit.cli import main
 from hardlimit.cli.sweep import axis
+from hardlimit.column import files
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 HERTZ = ["--youngs-modulus", "5e7", "--poisson-ratio", "0.45"]
@@ -67,7 +67,7 @@ def test_version() -> None:
 def test_options_of_laws_follow_the_records() -> None:
     text = run("drop", "--help").stdout
     for law in hl.LAWS.values():
-        for name in scenario.law_parameters(law):
+        for name in files.law_parameters(law):
             assert f"--{name.replace('_', '-')} " in text
 
 
@@ -136,7 +136,7 @@ def test_drop_options_reach_the_column() -> None:
 
 
 def test_options_override_the_file(tmp_path: Path) -> None:
-    path = scenario.write(hl.Column.paper(gap=1e-3), tmp_path / "column.toml")
+    path = files.write(hl.Column.paper(gap=1e-3), tmp_path / "column.toml")
     assert printed("drop", path)["column"]["gaps"] == [1e-3]
     assert printed("drop", path, "--gap", 2e-3)["column"]["gaps"] == [2e-3]
 
@@ -145,7 +145,7 @@ def test_drop_writes_files(tmp_path: Path) -> None:
     names = {"plot": "drop.png", "save": "drop.nc", "toml": "drop.toml"}
     run("drop", *(x for name, file in names.items() for x in (f"--{name}", tmp_path / file)))
     assert (tmp_path / "drop.png").stat().st_size > 10_000
-    assert scenario.read(tmp_path / "drop.toml") == hl.Column.paper()
+    assert files.read(tmp_path / "drop.toml") == hl.Column.paper()
     with xr.open_dataset(tmp_path / "drop.nc", group="newton/contacts", engine="h5netcdf") as contacts:
         assert contacts.sizes["contact"] == 5 and contacts.attrs["outcome"] == "ok"
     with xr.open_dataset(tmp_path / "drop.nc", group="independent/trajectory", engine="h5netcdf") as path:
@@ -221,7 +221,7 @@ def test_sweep_resumes_a_store(tmp_path: Path) -> None:
 def test_sweep_job_file(tmp_path: Path) -> None:
     job = tmp_path / "job.toml"
     out = tmp_path / "difference.png"
-    text = scenario.dumps(hl.Column.paper())
+    text = files.dumps(hl.Column.paper())
     job.write_text(
         f'{text}\n[sweep]\nmodel = "newton"\ndifference = "{out}"\n[sweep.axes]\ngap = [1e-4, 1e-3]\n'
         'restitution = "0.5:0.9:3"\n',

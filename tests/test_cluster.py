@@ -19,9 +19,9 @@ pytest.importorskip("distributed")
 from distributed import Client, LocalCluster
 
 import hardlimit as hl
-from hardlimit.maps import cluster
-from hardlimit.maps import tiles as tiling
-from hardlimit.maps.plan import make_plan
+from hardlimit.sweep import chunks as tiling
+from hardlimit.sweep.engines import dask as cluster
+from hardlimit.sweep.plan import make_plan
 from test_store import files
 from test_sweep import same_bits
 
@@ -267,7 +267,7 @@ INTERRUPTED = """
     import sys
     import numpy as np
     import hardlimit as hl
-    from hardlimit.maps import tiles
+    from hardlimit.sweep import chunks as tiles
 
     tiles.POINTS_INTEGRATED = {tile}
     soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))

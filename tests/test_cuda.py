@@ -20,8 +20,9 @@ import xarray as xr
 
 import hardlimit as hl
 from emulated_gpu import Emulated, build
-from hardlimit.maps import VARIABLES, cuda, device
-from hardlimit.maps.plan import Plan, make_plan
+from hardlimit.sweep import VARIABLES
+from hardlimit.sweep.engines import cuda, cuda_device
+from hardlimit.sweep.plan import Plan, make_plan
 
 HERE = Path(__file__).parent
 PAPER = hl.Column.paper()
@@ -76,7 +77,7 @@ def same_chunks(a: dict[str, Any], b: dict[str, Any]) -> bool:
 def test_the_kernel_compiles_within_its_registers(arch: str) -> None:
     """A thread needs all registers there are; what they do not hold stays within a few hundred bytes."""
     log = io.StringIO()
-    assert device.compile_kernel(arch, log)[:4] == b"\x7fELF"
+    assert cuda_device.compile_kernel(arch, log)[:4] == b"\x7fELF"
     used = {
         name: (int(registers), int(stored), int(loaded))
         for name, stored, loaded, registers in re.findall(
@@ -97,7 +98,7 @@ def ptx_of_the_kernel() -> str:
     """What NVRTC hands to ptxas. NVRTC itself is asked, because cuda-core would need a driver for it."""
     from cuda.bindings import nvrtc
 
-    with device.kernel_source("sm_80") as (source, options):
+    with cuda_device.kernel_source("sm_80") as (source, options):
         _, program = nvrtc.nvrtcCreateProgram(source.encode(), b"kernel.cu", 0, [], [])
         arguments = options.as_bytes("nvrtc")
         assert nvrtc.nvrtcCompileProgram(program, len(arguments), arguments) == (
@@ -174,7 +175,7 @@ def test_a_device_without_memory_is_one_line() -> None:
 
 
 def refused(expected: type[Exception]) -> str:
-    device.open_gpu.cache_clear()
+    cuda_device.open_gpu.cache_clear()
     with pytest.raises(expected) as error:
         hl.sweep(PAPER, engine="cuda", gap=[1e-4])
     assert "\n" not in str(error.value)
@@ -226,7 +227,7 @@ def test_without_a_device(monkeypatch: pytest.MonkeyPatch, answer: str, said: st
 def test_what_this_machine_says() -> None:
     """Not replaced by anything: the real driver, or its absence."""
     try:
-        device.open_gpu()
+        cuda_device.open_gpu()
     except ValueError as error:
         assert re.match("engine: got 'cuda', must (have|be) ", str(error))
 
@@ -244,9 +245,9 @@ def test_other_laws_and_models_are_refused(model: str) -> None:
 
 
 @pytest.fixture
-def gpu() -> device.Gpu:
+def gpu() -> cuda_device.Gpu:
     try:
-        return device.open_gpu()
+        return cuda_device.open_gpu()
     except (ImportError, ValueError) as missing:
         pytest.skip(str(missing))
 
@@ -256,13 +257,13 @@ def digest(ds: xr.Dataset) -> str:
 
 
 @pytest.mark.parametrize("model", ["newton", "adiabatic"])
-def test_a_gpu_returns_the_bits_of_the_processor(gpu: device.Gpu, model: str) -> None:
+def test_a_gpu_returns_the_bits_of_the_processor(gpu: cuda_device.Gpu, model: str) -> None:
     points = random_points(100_000)
     here, there = (hl.sweep(PAPER, model, engine, variables=ALL, **points) for engine in ("cpu", "cuda"))
     assert digest(here) == digest(there), gpu.name
 
 
-def test_a_gpu_streams(gpu: device.Gpu, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_gpu_streams(gpu: cuda_device.Gpu, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cuda, "POINTS", 1000)
     here, there = (hl.sweep(PAPER, engine=engine, variables=ALL, **GRID) for engine in ("cpu", "cuda"))
     assert digest(here) == digest(there), gpu.name

@@ -9,7 +9,7 @@ import xarray as xr
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.maps.plan import MODELS, VARIABLES, make_plan
+from hardlimit.sweep.plan import MODELS, VARIABLES, make_plan
 
 Results = dict[str, np.ndarray]
 

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
-from hardlimit import animation, plots
-from hardlimit.comparison import compare
+from hardlimit.column.comparison import compare
+from hardlimit.pictures import animation, plots
 
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.7, impact_speed=3.0)
 STEEL = hl.Ball(0.02, density=7800.0)

@@ -15,9 +15,10 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
-from hardlimit.maps import store as storing
-from hardlimit.maps import tiles as tiling
-from hardlimit.maps.store import Store
+from hardlimit.sweep import chunks as tiling
+from hardlimit.sweep import store as storing
+from hardlimit.sweep.plan import make_plan
+from hardlimit.sweep.store import Store
 
 PAPER = hl.Column.paper()
 GRID = {"restitution": np.linspace(0.3, 1.0, 9), "gap": np.geomspace(1e-6, 1e-2, 5), "height": 0.7}
@@ -112,7 +113,7 @@ def test_tiles_without_a_result_are_written_too(tmp_path: Path) -> None:
 
 
 def plan_and_tiles(swept: dict[str, object]) -> tuple:
-    plan = hl.maps.plan.make_plan(PAPER, "newton", None, swept)
+    plan = make_plan(PAPER, "newton", None, swept)
     return plan, tiling.Tiles.of(plan)
 
 
@@ -168,7 +169,7 @@ KILLED_AT_EVERY_STEP = """
     from pathlib import Path
     import numpy as np
     import hardlimit as hl, zarr, xarray
-    from hardlimit.maps import tiles
+    from hardlimit.sweep import chunks as tiles
     sys.path.insert(0, {tests!r})
     from test_store import GRID, PAPER, files
 
@@ -225,7 +226,7 @@ SLOW_SWEEP = """
     import sys
     import numpy as np
     import hardlimit as hl
-    from hardlimit.maps import tiles
+    from hardlimit.sweep import chunks as tiles
 
     tiles.POINTS_INTEGRATED = {tile}
     soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
@@ -400,7 +401,7 @@ def test_metadata_that_cannot_be_written_leave_nothing(
 ON_A_FILE_SYSTEM = """
     import numpy as np
     import hardlimit as hl
-    from hardlimit.maps import tiles
+    from hardlimit.sweep import chunks as tiles
 
     tiles.POINTS = 10_000
     try:

@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from hardlimit.maps import VARIABLES
-from hardlimit.maps import tiles as tiling
-from hardlimit.maps.plan import Plan, make_plan
-from hardlimit.maps.tiles import Tiles
+from hardlimit.sweep import VARIABLES
+from hardlimit.sweep import chunks as tiling
+from hardlimit.sweep.chunks import Tiles
+from hardlimit.sweep.plan import Plan, make_plan
 
 PAPER = hl.Column.paper()
 SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))

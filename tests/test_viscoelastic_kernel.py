@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 import hardlimit as hl
 from conftest import number, table
 from hardlimit import _core
-from hardlimit.maps.plan import MODELS, VARIABLES, make_plan
+from hardlimit.sweep.plan import MODELS, VARIABLES, make_plan
 
 Results = dict[str, NDArray]
 

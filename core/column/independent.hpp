@@ -6,7 +6,7 @@
 // v'10 − g (t12 − t10) (the printed v12 = v'10 − g t12 contradicts Eq. 5); its inverse is effective_restitution.
 // The sequence is event-driven for any number of balls: it does not stop after the upward cascade.
 #pragma once
-#include "restitution.hpp"
+#include "effective_restitution.hpp"
 #include "sequence.hpp"
 #include "state.hpp"
 

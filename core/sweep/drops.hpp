@@ -1,6 +1,6 @@
 // Drops of a block on their way through a vector kernel, an array for each of what goes in and what comes out.
 #pragma once
-#include "block.hpp"
+#include "kernel_abi.hpp"
 #include "parameters.hpp"
 
 namespace hardlimit::sweep {

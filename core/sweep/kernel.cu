@@ -2,7 +2,7 @@
 // memory. Each round its threads take drops that wait for the same step of the kernel of lanes.hpp, the step that most
 // of the pool wait for, so that they do the same work. A drop that is done makes room for the next one of a queue
 // that all warps share. A result depends on its point alone, so it has the bits of a processor's.
-#include "lanes.hpp"
+#include "linear_kernel.hpp"
 #include "parameters.hpp"
 
 namespace hardlimit::sweep {

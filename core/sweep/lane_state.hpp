@@ -1,8 +1,8 @@
 // What every kernel over lanes has in common, whatever the contact law: one drop in each lane, the switches of
 // column/sequence.hpp lane by lane, force-free flight, and the way of a drop into a lane and out of it.
 #pragma once
-#include "../column/exact.hpp"
-#include "block.hpp"
+#include "../column/exact/run.hpp"
+#include "kernel_abi.hpp"
 
 namespace hardlimit::sweep {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstring>
 
-#include "block.hpp"
+#include "kernel_abi.hpp"
 #include "parameters.hpp"
 
 namespace hardlimit::sweep {

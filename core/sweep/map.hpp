@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "drops.hpp"
-#include "point.hpp"
-#include "viscoelastic.hpp"
+#include "solve_point.hpp"
+#include "viscoelastic_entry.hpp"
 
 namespace hardlimit::sweep {
 

@@ -1,8 +1,8 @@
 // A point of a map from its physical parameters to a drop in scaled units, and back to the numbers a sweep keeps.
 // Free of containers, so that it also compiles for a GPU.
 #pragma once
-#include "../column/restitution.hpp"
-#include "../column/start.hpp"
+#include "../column/effective_restitution.hpp"
+#include "../column/exact/scaling.hpp"
 
 namespace hardlimit::sweep {
 

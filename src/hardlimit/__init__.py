@@ -3,14 +3,15 @@
 from typing import Final
 
 from . import _core
-from .column import PAPER_DENSITY, Column
-from .contact import FLOOR, Ball, Contact
+from .bodies import FLOOR, Ball
+from .column.result import Result
+from .column.scenario import PAPER_DENSITY, Column
+from .column.solvers import adiabatic, independent, newton
+from .contact import Contact
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
-from .maps import sweep
-from .result import Result
-from .solve import adiabatic, independent, newton
+from .sweep import sweep
 
 __version__: Final = _core.version
 

@@ -74,7 +74,7 @@ function fromPython(file) {
   const program = `
 import json, math, sys
 import hardlimit as hl
-from hardlimit.scenario import read
+from hardlimit.column.files import read
 def tidy(x): return None if x is None or (isinstance(x, float) and math.isnan(x)) else x
 column = read(sys.argv[1])
 out = {}

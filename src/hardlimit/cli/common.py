@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from ..column.files import law_parameters
 from ..contact import Law
 from ..laws import LAWS
-from ..scenario import law_parameters
 
 if TYPE_CHECKING:
     from rich.console import Console

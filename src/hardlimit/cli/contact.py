@@ -8,11 +8,12 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import scenario as scenarios
 from .. import validation
-from ..column import Column
-from ..comparison import usual_damping
-from ..contact import FLOOR, Ball, Contact
+from ..bodies import FLOOR, Ball
+from ..column import files
+from ..column.comparison import usual_damping
+from ..column.scenario import Column
+from ..contact import Contact
 from ..laws import LAWS
 from .common import (
     NUMBER,
@@ -67,9 +68,9 @@ def contact(
     Without options: a ball of radius 1 cm and density 840 kg/m³ meets the floor, linear law with stiffness
     5e7 N/m and restitution 0.7.
     """
-    base = scenarios.of_column(Column.paper())
+    base = files.of_column(Column.paper())
     parameters = given_law_parameters(options)
-    rule = scenarios.with_law(base, law, parameters).laws[0] if law or parameters else base.laws[0]
+    rule = files.with_law(base, law, parameters).laws[0] if law or parameters else base.laws[0]
     ball = make_ball("", radius, density, mass, 0.01, 840.0)
     partner = other_ball(ball, other_radius, other_density, other_mass)
     picture = writable("plot", plot)
@@ -95,7 +96,7 @@ def make_ball(
     size = default_radius if radius is None else radius
     if density is None and mass is None:
         density = default_density
-    return scenarios.prefixed(which, lambda: Ball(size, density, mass))
+    return files.prefixed(which, lambda: Ball(size, density, mass))
 
 
 def other_ball(ball: Ball, radius: float | None, density: float | None, mass: float | None) -> Any:
@@ -184,7 +185,7 @@ def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> di
 
 def draw(made: Contact, path: Any) -> None:
     """Restitution over speed, or, for a linear law, obtained over asked."""
-    from .. import plots
+    from ..pictures import plots
 
     if made.law.record["name"] != "linear":
         middle = made.law.parameters.get("impact_speed", 1.0)

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import scenario as scenarios
-from ..column import Column
-from ..comparison import Comparison, compare, final_velocities, rebound_heights
+from ..column import files
+from ..column.comparison import Comparison, compare, final_velocities, rebound_heights
+from ..column.result import Result
+from ..column.scenario import Column
+from ..column.solvers import newton
 from ..contact import Law
-from ..result import Result
-from ..solve import newton
 from .common import (
     NUMBER,
     Command,
@@ -79,14 +79,14 @@ def column_options(number: Number = NUMBER) -> Callable[[Any], Any]:
     return decorate
 
 
-def column_from(base: scenarios.Scenario, options: dict[str, Any]) -> Column:
+def column_from(base: files.Scenario, options: dict[str, Any]) -> Column:
     """The column of the file or the preset, changed by the options, which are taken out."""
     law = options.pop("law")
     parameters = given_law_parameters(options)
     if law is not None or parameters:
-        base = scenarios.with_law(base, law, parameters)
-    base = scenarios.with_balls(base, **{name: options.pop(name) for name in BALL_OPTIONS})
-    return scenarios.with_motion(base, **{name: options.pop(name) for name in MOTION_OPTIONS}).column()
+        base = files.with_law(base, law, parameters)
+    base = files.with_balls(base, **{name: options.pop(name) for name in BALL_OPTIONS})
+    return files.with_motion(base, **{name: options.pop(name) for name in MOTION_OPTIONS}).column()
 
 
 @click.command(
@@ -118,21 +118,21 @@ def drop(
     Without a file, the column is that of Fig. 2 of the paper: radii 10 cm and 1 cm, density 840 kg/m³, gap
     0.1 mm, height 0.6 m, linear law with stiffness 5e7 N/m and restitution 0.7. Options override the file.
     """
-    base = scenarios.read_with(file)[0] if file else scenarios.of_column(Column.paper())
+    base = files.read_with(file)[0] if file else files.of_column(Column.paper())
     column = column_from(base, options)
     outputs = {name: writable(name, p) for name, p in (("plot", plot), ("save", save), ("toml", toml))}
     film = writable("animate", animate)
     found = compare(column)
     shown = newton(column, until) if until is not None else found.newton
     if toml:
-        scenarios.write(column, toml)
+        files.write(column, toml)
     if outputs["plot"]:
-        from .. import plots
+        from ..pictures import plots
 
         picture = found if until is None else compare(column)
         plots.save(plots.drop(shown, picture.independent, picture.adiabatic), outputs["plot"])
     if film:
-        from ..animation import animate as write_film
+        from ..pictures.animation import animate as write_film
 
         with progress("film") as report:
             write_film(shown, film, ghost=found.independent, progress=report)
@@ -203,7 +203,7 @@ def law_text(law: Law) -> str:
         "poisson_ratio": "ν",
     }
     short |= {"dissipative_time": "A", "impact_speed": "v"}
-    record = scenarios.law_parameters(type(law))
+    record = files.law_parameters(type(law))
     parts = []
     for name, value in law.parameters.items():
         unit = record[name]["unit"]
@@ -280,7 +280,7 @@ def as_mapping(found: Comparison, shown: Result) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
     answer, sentence = found.verdict
     return {
-        "column": tomllib.loads(scenarios.dumps(found.newton.column)),
+        "column": tomllib.loads(files.dumps(found.newton.column)),
         "impact_speed": found.newton.column.impact_speed,
         "models": {r.model: result_mapping(shown if r is found.newton else r, r) for r in found.results},
         "verdict": {"event_driven": answer, "sentence": sentence},
@@ -322,7 +322,7 @@ def save_results(results: tuple[Result, ...], path: Path) -> Path:
 
     column = results[0].column
     try:
-        about = {"title": "hardlimit drop", "column": repr(column), "toml": scenarios.dumps(column)}
+        about = {"title": "hardlimit drop", "column": repr(column), "toml": files.dumps(column)}
         xr.Dataset(attrs=about).to_netcdf(path, mode="w", engine="h5netcdf")
         for result in results:
             facts = {"model": result.model, "method": result.method, "outcome": result.outcome}

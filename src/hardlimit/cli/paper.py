@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..column import PAPER_DENSITY
+from ..column.scenario import PAPER_DENSITY
 from .common import NUMBER, Command, console, fraction_progress, print_json
 
 if TYPE_CHECKING:

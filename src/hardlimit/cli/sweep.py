@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from .. import maps, validation
-from .. import scenario as scenarios
-from ..column import Column
-from ..maps.plan import MODELS, SWEEPABLE
+from .. import validation
+from ..column import files
+from ..column.scenario import Column
+from ..sweep import ENGINES, VARIABLES
+from ..sweep import sweep as compute
+from ..sweep.plan import MODELS, SWEEPABLE
 from .common import (
     Command,
     all_law_parameters,
@@ -108,15 +110,13 @@ def geometry_options(function: Callable[..., None]) -> Callable[..., None]:
 @geometry_options
 @law_options(Axis())
 @click.option("--model", help=f"{' | '.join(MODELS)}  [default: newton]")
-@click.option("--engine", help=f"{' | '.join(maps.ENGINES)}  [default: cpu]")
+@click.option("--engine", help=f"{' | '.join(ENGINES)}  [default: cpu]")
 @click.option("--threads", type=int, help="[default: all processors]")
 @click.option("--scheduler", help="Address of the scheduler for the engine dask.  [default: this machine]")
 @click.option(
     "--tolerance", type=float, help="Of a step, viscoelastic law, 1e-13 to 1e-6.  [default: 2.3e-10]"
 )
-@click.option(
-    "--variable", "variables", multiple=True, help=f"To keep, repeated: {', '.join(maps.VARIABLES)}."
-)
+@click.option("--variable", "variables", multiple=True, help=f"To keep, repeated: {', '.join(VARIABLES)}.")
 @click.option(
     "--out", metavar="FILE", help="NetCDF file (.nc) or Zarr store (.zarr, written chunk by chunk)."
 )
@@ -152,7 +152,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
 
     with progress("sweep", "points") as report:
         store = out if out is not None and out.suffix == ".zarr" else None
-        ds = maps.sweep(column, store=store, progress=report, **run, **swept)
+        ds = compute(column, store=store, progress=report, **run, **swept)
     if out is not None and store is None:
         save(ds, out)
     draw(ds, column, run, swept, pictures)
@@ -166,11 +166,11 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
 # --- the job ------------------------------------------------------------------------------------------------
 
 
-def read_job(file: str | None) -> tuple[scenarios.Scenario, dict[str, Any]]:
+def read_job(file: str | None) -> tuple[files.Scenario, dict[str, Any]]:
     """The column and the [sweep] table of a job file; the preset and nothing without one."""
     if file is None:
-        return scenarios.of_column(Column.paper()), {}
-    base, extra = scenarios.read_with(file, "sweep")
+        return files.of_column(Column.paper()), {}
+    base, extra = files.read_with(file, "sweep")
     job = extra.get("sweep", {})
     if not isinstance(job, dict) or not isinstance(job.get("axes", {}), dict):
         raise ValueError(f"{file}: sweep: must be a [sweep] table with a table [sweep.axes]")
@@ -185,7 +185,7 @@ def read_job(file: str | None) -> tuple[scenarios.Scenario, dict[str, Any]]:
 
 
 def column_and_axes(
-    base: scenarios.Scenario, options: dict[str, Any], axes: dict[str, Any]
+    base: files.Scenario, options: dict[str, Any], axes: dict[str, Any]
 ) -> tuple[Column, dict[str, Any]]:
     """The column, and what of the options and the file's axes is swept, in the order of the options."""
     law = options.pop("law")
@@ -194,7 +194,7 @@ def column_and_axes(
     of_law = given_law_parameters({name: asked.get(name) for name in all_law_parameters()})
     if law is not None or of_law:
         first = {name: float(np.ravel(value)[0]) for name, value in of_law.items()}
-        base = scenarios.with_law(base, law, first)
+        base = files.with_law(base, law, first)
     swept = {name: value for name, value in asked.items() if np.ndim(value) or name not in of_law}
     if not any(np.ndim(value) for value in swept.values()):
         swept = {}
@@ -263,7 +263,7 @@ def draw(
     """The pictures asked for; the difference needs the other model as well."""
     if not any(pictures.values()):
         return
-    from .. import plots
+    from ..pictures import plots
 
     if pictures["plot"]:
         variable = run["variables"][0] if run["variables"] else "n_contacts"
@@ -272,7 +272,7 @@ def draw(
         # A tolerance is that of the map there is: the other model takes none.
         needed = {**run, "tolerance": None, "variables": ("relative_velocity",)}
         models = {
-            model: ds if model == run["model"] else maps.sweep(column, **{**needed, "model": model}, **swept)
+            model: ds if model == run["model"] else compute(column, **{**needed, "model": model}, **swept)
             for model in ("newton", "independent")
         }
         plots.save(plots.difference_map(models["newton"], models["independent"]), pictures["difference"])

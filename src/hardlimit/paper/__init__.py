@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from .. import validation
-from ..column import PAPER_DENSITY
+from ..column.scenario import PAPER_DENSITY
 from . import density as inference
 from . import misprints, statements
 from .data import FIGURES, Data
@@ -125,7 +125,7 @@ def _writable(out: str | Path) -> Path:
 
 
 def _write_figure(folder: Path, number: int, data: Data, format: str) -> list[Path]:
-    from .. import plots  # drawing is imported when something is drawn
+    from ..pictures import plots  # drawing is imported when something is drawn
     from . import drawing
 
     picture = plots.save(drawing.draw(number, data.figure(number)), folder / f"fig{number}.{format}")
@@ -133,7 +133,7 @@ def _write_figure(folder: Path, number: int, data: Data, format: str) -> list[Pa
 
 
 def _write_density(folder: Path, scan: Any, format: str) -> list[Path]:
-    from .. import plots
+    from ..pictures import plots
     from . import drawing
 
     picture = plots.save(drawing.density(scan), folder / f"density.{format}")

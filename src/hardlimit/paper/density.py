@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from ..maps import sweep
-from ..solve import newton
+from ..column.solvers import newton
+from ..sweep import sweep
 from .report import Row
 from .sampling import Array
 from .setup import Setup

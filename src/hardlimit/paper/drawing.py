@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, MaxNLocator
 
-from .. import plots
+from ..pictures import plots
 
 if TYPE_CHECKING:
     import xarray as xr

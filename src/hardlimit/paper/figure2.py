@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ..solve import independent, newton
+from ..column.solvers import independent, newton
 from .setup import Setup
 
 TITLE = "Forces during one drop"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ..solve import adiabatic
+from ..column.solvers import adiabatic
 from .sampling import counts_of, late_contacts, refine, sequences
 from .setup import RESTITUTION_2, Setup
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from ..maps import sweep
+from ..sweep import sweep
 from .setup import GAP, RADIUS_RATIO, RESTITUTION_2, Setup
 
 TITLE = "Number of ball–ball contacts"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from ..maps import sweep
+from ..sweep import sweep
 from .sampling import counts_of, refine
 from .setup import RESTITUTION_5, Setup
 

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from ..column import Column
+from ..column.scenario import Column
+from ..column.solvers import adiabatic, newton
 from ..laws import LAWS
-from ..solve import adiabatic, newton
 from .report import Row
 from .setup import Setup
 

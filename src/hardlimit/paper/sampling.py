@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ..column import Column
-from ..maps import sweep
-from ..result import Result
-from ..solve import newton
+from ..column.result import Result
+from ..column.scenario import Column
+from ..column.solvers import newton
+from ..sweep import sweep
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]

@@ -9,10 +9,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..contact import FLOOR
+from ..bodies import FLOOR
+from ..column.solvers import adiabatic, independent, newton
 from ..laws import LAWS
-from ..maps import sweep
-from ..solve import adiabatic, independent, newton
+from ..sweep import sweep
 from . import figure6
 from .data import Data
 from .report import Agreement, Row

@@ -1,0 +1,54 @@
+// Two balls on a floor under the linear law: dimensionless groups and state.
+#pragma once
+#include "../../contact/linear_dashpot.hpp"
+
+namespace hardlimit::column {
+
+// The dimensionless groups of the problem.
+template <class R>
+struct Groups {
+    R a1, a2;   // floor and reaction couplings
+    R c1, c2;   // damping times γ/k of floor and pair
+    R gravity;  // G = g/(V ω)
+};
+using TwoBall = Groups<double>;
+
+// Units of the scaled problem: length speed/rate, time 1/rate.
+struct Units {
+    double speed, rate;
+};
+
+// Fully coupled balls: time in units of the pair's own 1/ω12.
+HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
+                             double m1, double m2, double gravity, double speed, Units& units) {
+    const double reduced = effective(m1, m2);
+    const double rate = math::sqrt(pair.stiffness / reduced);
+    units = {speed, rate};
+    return {(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1, floor.relaxation_time() * rate,
+            pair.relaxation_time() * rate, gravity / (speed * rate)};
+}
+
+// Appendix A of the paper: the upper ball does not act on the lower one (exact for R1 ≫ R2).
+//
+// Without the reaction, Eq. 14 becomes
+//   m1 z̈1 = −m1 g + F01,   m2 z̈2 = −m2 g + F12,
+// the motions A (Eqs. A1–A2), B (A3–A4), C (A5) and D (A6). In gaps this is the system of motions.hpp with the
+// reaction a2 = 0 and time in units of 1/ω, ω² = k12/m2: the pair spring moves the upper ball's own mass, no longer
+// m_eff. The solver is therefore the same. Amplitude and phase of A4, whose p is 0/0 at z = z_inh, are not formed:
+// the state itself is propagated. Damping constants stay those of the real contacts.
+HL_FN TwoBall adiabatic_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
+                               double m1, double m2, double gravity, double speed, Units& units) {
+    const double rate = math::sqrt(pair.stiffness / m2);
+    units = {speed, rate};
+    return {(floor.stiffness / pair.stiffness) * (m2 / m1), 0.0, floor.relaxation_time() * rate,
+            pair.relaxation_time() * rate, gravity / (speed * rate)};
+}
+
+// Gaps of floor and pair, and their rates.
+template <class R>
+struct GapState {
+    R u, du, w, dw;
+};
+using Gaps = GapState<double>;
+
+}  // namespace hardlimit::column

@@ -1,0 +1,67 @@
+// From release to the state in which the two-ball solvers start, and from their units back to SI.
+#pragma once
+#include "../flight.hpp"
+#include "../sequence.hpp"
+#include "groups.hpp"
+
+namespace hardlimit::column {
+
+enum class Coupling { full, adiabatic };
+
+struct Start {
+    TwoBall groups;
+    Units units;
+    Gaps released, first;  // at release, and where the solver starts (the touch, unless the pair meets first)
+    double per_metre;      // scaled length of one metre
+    double fall;           // time from release to the touch, in scaled time
+    double t;              // of `first`
+    Outcome outcome;
+};
+
+// What the gap of the pair at release has a say in.
+HL_FN void release_pair(Start& s, double gap) {
+    s.released.w = gap * s.per_metre;
+    const double w_touch = s.released.w + s.released.dw * s.fall;
+    const bool pair_first = s.released.dw < 0.0 && w_touch < 0.0 && s.fall > 0.0;
+    s.first = pair_first ? s.released : Gaps{0.0, -1.0, w_touch, s.released.dw};
+    s.t = pair_first ? -s.fall : 0.0;
+}
+
+// Whatever the law: its groups and units are given, the speed of the units being that at the floor.
+HL_FN Start start_scaled(const TwoBall& groups, const Units& units, double gravity, Gaps released) {
+    Start s{};
+    const double speed = units.speed;
+    const double fall = fall_time(released.u, released.du, gravity);
+    s.groups = groups;
+    s.units = units;
+    s.outcome = !(speed > 0.0) ? Outcome::invalid : math::is_nan(fall) ? Outcome::never_lands : Outcome::ok;
+    s.per_metre = s.units.rate / speed;
+    s.released = {released.u * s.per_metre, released.du / speed, 0.0, released.dw / speed};
+    s.fall = fall * s.units.rate;
+    release_pair(s, released.w);
+    return s;
+}
+
+HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair, double m1,
+                           double m2, double gravity, Gaps released, Coupling coupling) {
+    const double speed = impact_speed(released.u, released.du, gravity);
+    Units units;
+    const TwoBall groups = coupling == Coupling::full
+                               ? coupled_groups(floor, pair, m1, m2, gravity, speed, units)
+                               : adiabatic_groups(floor, pair, m1, m2, gravity, speed, units);
+    return start_scaled(groups, units, gravity, released);
+}
+
+// Scaled sequence to SI units; times from the first floor touch.
+template <class Q, class R>
+HL_FN void to_si(Q& q, R speed, R rate) {
+    const R t0 = select<R>(math::is_nan(q.t_first_touch), R{}, q.t_first_touch);
+    q.t_end = (q.t_end - t0) / rate;
+    q.t_floor_end = (q.t_floor_end - t0) / rate;
+    q.relative_velocity = q.relative_velocity * speed;
+    q.separation_velocity = q.separation_velocity * speed;
+    q.t_first_touch = t0 / rate;
+}
+HL_FN void to_si(Sequence& q, const Units& units) { to_si(q, units.speed, units.rate); }
+
+}  // namespace hardlimit::column

@@ -1,0 +1,125 @@
+// One step of the explicit Runge-Kutta method of Dormand and Prince of order 8, with error estimators of
+// orders 5 and 3, for an autonomous system dy/dτ = f(y):
+//   k_i = f(y + h Σ_{j<i} a_ij k_j),  y(h) = y + h Σ b_i k_i,
+//   error = |h| e5²/√((e5² + 0.01 e3²) n),  e5, e3 = norms of Σ e_i k_i in units of the caller's scale.
+// Source: Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I (2nd ed., 1993), Sec. II.5,
+// II.10. The quotient behaves as h^8, so one exponent 1/8 steers the step.
+//
+// There is no interpolant. A state inside a step is the end of a shorter step from the same start: it has the
+// full order, at the price of the twelve stages, and nothing but the start needs to be remembered.
+#pragma once
+#include "../../math.hpp"
+
+namespace hardlimit::column {
+
+struct DormandPrince {
+    static constexpr int order = 8;
+    static constexpr int stages = 12;
+
+    static constexpr double a[stages][stages] = {
+        {0.0},
+        {5.26001519587677318785587544488e-2},
+        {1.97250569845378994544595329183e-2, 5.91751709536136983633785987549e-2},
+        {2.95875854768068491816892993775e-2, 0.0, 8.87627564304205475450678981324e-2},
+        {2.41365134159266685502369798665e-1, 0.0, -8.84549479328286085344864962717e-1,
+         9.24834003261792003115737966543e-1},
+        {3.7037037037037037037037037037e-2, 0.0, 0.0, 1.70828608729473871279604482173e-1,
+         1.25467687566822425016691814123e-1},
+        {3.7109375e-2, 0.0, 0.0, 1.70252211019544039314978060272e-1, 6.02165389804559606850219397283e-2,
+         -1.7578125e-2},
+        {3.70920001185047927108779319836e-2, 0.0, 0.0, 1.70383925712239993810214054705e-1,
+         1.07262030446373284651809199168e-1, -1.53194377486244017527936158236e-2,
+         8.27378916381402288758473766002e-3},
+        {6.24110958716075717114429577812e-1, 0.0, 0.0, -3.36089262944694129406857109825,
+         -8.68219346841726006818189891453e-1, 2.75920996994467083049415600797e1,
+         2.01540675504778934086186788979e1, -4.34898841810699588477366255144e1},
+        {4.77662536438264365890433908527e-1, 0.0, 0.0, -2.48811461997166764192642586468,
+         -5.90290826836842996371446475743e-1, 2.12300514481811942347288949897e1,
+         1.52792336328824235832596922938e1, -3.32882109689848629194453265587e1,
+         -2.03312017085086261358222928593e-2},
+        {-9.3714243008598732571704021658e-1, 0.0, 0.0, 5.18637242884406370830023853209,
+         1.09143734899672957818500254654, -8.14978701074692612513997267357,
+         -1.85200656599969598641566180701e1, 2.27394870993505042818970056734e1,
+         2.49360555267965238987089396762, -3.0467644718982195003823669022},
+        {2.27331014751653820792359768449, 0.0, 0.0, -1.05344954667372501984066689879e1,
+         -2.00087205822486249909675718444, -1.79589318631187989172765950534e1,
+         2.79488845294199600508499808837e1, -2.85899827713502369474065508674,
+         -8.87285693353062954433549289258, 1.23605671757943030647266201528e1,
+         6.43392746015763530355970484046e-1},
+    };
+    static constexpr double b[stages] = {5.42937341165687622380535766363e-2,
+                                         0.0,
+                                         0.0,
+                                         0.0,
+                                         0.0,
+                                         4.45031289275240888144113950566,
+                                         1.89151789931450038304281599044,
+                                         -5.8012039600105847814672114227,
+                                         3.1116436695781989440891606237e-1,
+                                         -1.52160949662516078556178806805e-1,
+                                         2.01365400804030348374776537501e-1,
+                                         4.47106157277725905176885569043e-2};
+    static constexpr double e5[stages] = {0.1312004499419488073250102996e-1,
+                                          0.0,
+                                          0.0,
+                                          0.0,
+                                          0.0,
+                                          -0.1225156446376204440720569753e+1,
+                                          -0.4957589496572501915214079952,
+                                          0.1664377182454986536961530415e+1,
+                                          -0.3503288487499736816886487290,
+                                          0.3341791187130174790297318841,
+                                          0.8192320648511571246570742613e-1,
+                                          -0.2235530786388629525884427845e-1};
+    static constexpr double third[3] = {// e3 = b except at stages 1, 9 and 12
+                                        0.244094488188976377952755905512, 0.733846688281611857341361741547,
+                                        0.220588235294117647058823529412e-1};
+
+    // out = y(h) from y and k[0..n) = f(y). `k` [stages * n] receives the stages. `out` must not alias `y`.
+    template <class Rhs>
+    HL_FN static void step(const Rhs& f, const double* y, double h, int n, double* k, double* out) {
+        for (int i = 1; i < stages; ++i) {
+            combine(a[i], i, y, h, n, k, out);
+            f(out, k + i * n);
+        }
+        combine(b, stages, y, h, n, k, out);
+    }
+
+    // Error of the step just taken in units of `scale` [n]; below 1 it is acceptable.
+    HL_FN static double error(const double* k, double h, int n, const double* scale) {
+        double fifth = 0.0, third_order = 0.0;
+        for (int c = 0; c < n; ++c) {
+            double low = 0.0, high = 0.0;
+            for (int i = 0; i < stages; ++i) {
+                high += e5[i] * k[i * n + c];
+                low += b[i] * k[i * n + c];
+            }
+            low -= third[0] * k[c] + third[1] * k[8 * n + c] + third[2] * k[11 * n + c];
+            fifth += (high / scale[c]) * (high / scale[c]);
+            third_order += (low / scale[c]) * (low / scale[c]);
+        }
+        if (fifth == 0.0 && third_order == 0.0) return 0.0;
+        return math::abs(h) * fifth / math::sqrt((fifth + 0.01 * third_order) * n);
+    }
+
+    // Factor for the next step size. A result that is not finite asks for a much shorter step.
+    HL_FN static double growth(double error) {
+        if (!math::is_finite(error)) return 0.1;
+        if (error < 1e-8) return 6.0;
+        const double root = math::sqrt(math::sqrt(math::sqrt(error)));
+        return math::clamp(0.9 / root, 0.2, 6.0);
+    }
+
+private:
+    HL_FN static void combine(const double* weight, int count, const double* y, double h, int n,
+                              const double* k, double* out) {
+        for (int c = 0; c < n; ++c) out[c] = weight[0] * k[c];
+        for (int j = 1; j < count; ++j) {
+            if (weight[j] == 0.0) continue;
+            for (int c = 0; c < n; ++c) out[c] += weight[j] * k[j * n + c];
+        }
+        for (int c = 0; c < n; ++c) out[c] = y[c] + h * out[c];
+    }
+};
+
+}  // namespace hardlimit::column

@@ -1,0 +1,267 @@
+// Newton's equations for N balls in a column and any contact law, integrated with high order and every switch
+// of a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
+//   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v_1),
+//   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
+// The law is asked for nothing but the interface in contact/law.hpp.
+//
+// Order. A force like ξ^{3/2} has a singular derivative at touch, where every method loses its order. While a
+// contact is closed its coordinate is therefore s = ξ^{1/p} (p = Law::onset_power), in which the force is a
+// polynomial, and time runs as dt = g dτ:
+//   ds_j/dτ = rate_j g/(p s_j^{p−1}),   1/g² = 1 + Σ_j (s_j/ℓ_j)^{2−2p}   over the closed contacts,
+// so that g/s_j^{p−1} is bounded and smooth. Written relative to the smallest s it needs no division by zero,
+// and g has the sign of that s: the solution continues smoothly through s = 0, where the end of an elastic
+// contact is a simple zero like any other. (1/g linear in 1/s has a pole where two contacts end at one
+// instant.) A contact that is pressed only indirectly (rate = 0 at touch) has ξ ~ t^{7/2} or so: there ξ is
+// the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
+// method has no memory. p = 1: ξ, g = 1.
+//
+// Switches of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
+//   open → closed      gap                     slack → open      ξ
+//   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
+// That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
+// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the
+// function that vanishes there counts again once it has become positive; a value below zero while it rises is
+// rounding. A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on,
+// and whether it becomes a contact, from that instant, is decided by the sign of ξ once that stands out from
+// rounding.
+//
+// A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
+// the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
+// decided. While no force acts the motion is a parabola and everything is in closed form.
+//
+// Energy: potential = Σ_j W_j gap_j with W_j the weight above gap j (zero for balls lying on each other), the
+// only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
+// pair gives back of its stored energy is dissipation too.
+//
+// Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
+// with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end
+// only if this reaches min_ξ B_j(ξ) + m_eff (ξ/τ_r)²/2, the least energy with ξ + τ_r rate = 0. Below that it
+// never ends.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "../sequence.hpp"
+#include "../state.hpp"
+#include "dormand_prince.hpp"
+
+namespace hardlimit::column {
+
+// Energies of the column [J]; potential is zero when all gaps are.
+struct Energies {
+    double kinetic, potential, contact, dissipated;
+};
+
+namespace newton {
+
+enum class Pair : unsigned char { open, touching, slack, closed };
+
+template <int p>
+double power(double x) {
+    double product = 1.0;
+    for (int i = 0; i < p; ++i) product *= x;
+    return product;
+}
+template <int p>
+double root(double x) {
+    if constexpr (p == 1) return x;
+    if (!(x > 0.0)) return 0.0;
+    return p == 2 ? math::sqrt(x) : math::pow(x, 1.0 / p);
+}
+
+// s > 0 with f(s) = target for an f that is nearly a power of s: secant steps in the logarithms.
+template <class F>
+double solve_power(const F& f, double target) {
+    double s = 1.0;
+    for (int i = 0; i < 4; ++i) {
+        const double value = f(s);
+        const double exponent = math::log(f(2.0 * s) / value) / math::log(2.0);
+        s *= math::exp(math::log(target / value) / exponent);
+    }
+    return s;
+}
+
+template <class Law>
+double pair_mass(const Column<Law>& c, int j) {
+    return effective(j == 0 ? math::infinity : c.mass[j - 1], c.mass[j]);
+}
+
+// Units: the impact speed, and of each contact the compression ξ = s^p an elastic impact at this speed
+// reaches.
+struct Scales {
+    double speed = 0.0, time = math::infinity, energy = 0.0;
+    std::vector<double> s, depth;  // [N] ℓ_j and ℓ_j^p
+
+    template <class Law>
+    explicit Scales(const Column<Law>& c) : s(c.balls, 0.0), depth(c.balls, 0.0) {
+        for (const double v : c.velocity) speed = math::max(speed, math::abs(v));
+        const double landing = c.velocity[0] * c.velocity[0] + 2.0 * c.gravity * math::max(c.gaps[0], 0.0);
+        if (c.floor) speed = math::max(speed, math::sqrt(landing));
+        if (!(speed > 0.0)) return;
+        for (int j = 0; j < c.balls; ++j) energy += 0.5 * c.mass[j] * speed * speed;
+        for (int j = c.floor ? 0 : 1; j < c.balls; ++j) {
+            const Law& law = c.contacts[j];
+            const double target = 0.5 * pair_mass(c, j) * speed * speed;
+            s[j] = solve_power([&](double x) { return law.energy(x); }, target);
+            depth[j] = power<Law::onset_power>(s[j]);
+            time = math::min(time, depth[j] / speed);
+        }
+        if (!c.floor) depth[0] = speed * time;
+    }
+};
+
+// The equations of motion between two switches.
+template <class Law>
+struct Motion {
+    static constexpr int p = Law::onset_power;
+
+    const Column<Law>* column;
+    Scales scales;
+    std::vector<Pair> pair;
+    std::vector<unsigned char> rooted;
+    mutable std::vector<double> force, factor, stages;
+
+    explicit Motion(const Column<Law>& c)
+        : column(&c),
+          scales(c),
+          pair(c.balls, Pair::open),
+          rooted(c.balls, 0),
+          force(c.balls + 1, 0.0),
+          factor(c.balls, 0.0),
+          stages(DormandPrince::stages * dimension()) {}
+
+    int balls() const { return column->balls; }
+    int dimension() const { return 2 * balls() + 2; }
+    int clock() const { return 2 * balls(); }
+    int loss() const { return 2 * balls() + 1; }
+
+    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::touching; }
+    bool free() const { return std::find(pair.begin(), pair.end(), Pair::closed) == pair.end(); }
+
+    double rate(int j, const double* y) const {
+        const double* v = y + balls();
+        return (j == 0 ? 0.0 : v[j - 1]) - v[j];
+    }
+    double gap(int j, const double* y) const { return rooted[j] ? -power<p>(y[j]) : y[j]; }
+    double s(int j, const double* y) const { return rooted[j] ? y[j] : root<p>(-y[j]); }
+
+    // Returns g and leaves g (ℓ_j/s_j)^{p−1} in factor[j], which is at most 1.
+    double clock_rate(const double* y) const {
+        if constexpr (p == 1) return 1.0;
+        int least = -1;
+        for (int j = 0; j < balls(); ++j) {
+            if (!rooted[j]) continue;
+            factor[j] = power<p - 1>(y[j] / scales.s[j]);
+            if (least < 0 || math::abs(factor[j]) < math::abs(factor[least])) least = j;
+        }
+        if (least < 0) return 1.0;
+        const double smallest = factor[least];
+        double square = smallest * smallest;
+        for (int j = 0; j < balls(); ++j) {
+            if (!rooted[j]) continue;
+            factor[j] = j == least ? 1.0 : smallest / factor[j];
+            square += factor[j] * factor[j];
+        }
+        const double norm = math::sqrt(square);
+        for (int j = 0; j < balls(); ++j) factor[j] /= norm;
+        return smallest / norm;
+    }
+
+    void operator()(const double* y, double* dy) const {
+        const int n = balls();
+        const double g = clock_rate(y);
+        double dissipation = 0.0;
+        for (int j = 0; j < n; ++j) {
+            const double closing = rate(j, y);
+            dy[j] = -g * closing;
+            force[j] = 0.0;
+            if (!pushes(j)) continue;
+            const Law& law = column->contacts[j];
+            const double at = s(j, y);
+            force[j] = law.force(at, closing);
+            dissipation += (force[j] - law.elastic_force(at)) * closing;
+            if (rooted[j]) dy[j] = closing / p * factor[j] / power<p - 1>(scales.s[j]);
+        }
+        for (int i = 0; i < n; ++i) {
+            dy[n + i] = g * ((force[i] - force[i + 1]) / column->mass[i] - column->gravity);
+        }
+        dy[clock()] = g;
+        dy[loss()] = g * dissipation;
+    }
+
+    // State a time (in τ) after y; k0 = dy/dτ there. Without forces it is the parabola.
+    void advance(const double* y, const double* k0, double length, double* out) const {
+        const int n = balls();
+        if (!free()) {
+            std::copy(k0, k0 + dimension(), stages.begin());
+            DormandPrince::step(*this, y, length, dimension(), stages.data(), out);
+            return;
+        }
+        const double g = column->gravity;
+        for (int j = 0; j < n; ++j) {
+            out[j] = y[j] - length * (rate(j, y) + (j == 0 ? 0.5 * g * length : 0.0));
+            out[n + j] = y[n + j] - g * length;
+        }
+        out[clock()] = y[clock()] + length;
+        out[loss()] = y[loss()];
+    }
+
+    // The same at a given time within an interval; Newton's method on t(τ), which rises monotonically.
+    void reach(const double* y, const double* k0, double length, double time, double* out) const {
+        const double wanted = time - y[clock()];
+        if (std::find(rooted.begin(), rooted.end(), 1) == rooted.end()) return advance(y, k0, wanted, out);
+        std::vector<double> k(dimension());
+        double low = 0.0, high = length, at = 0.5 * length;
+        for (int i = 0; i < 80; ++i) {
+            advance(y, k0, at, out);
+            const double excess = out[clock()] - time;
+            (excess > 0.0 ? high : low) = at;
+            const double next = at - excess / clock_rate(out);
+            const double previous = at;
+            at = next > low && next < high ? next : 0.5 * (low + high);
+            if (math::abs(at - previous) <= 4.0 * math::epsilon * length) break;
+        }
+        advance(y, k0, at, out);
+    }
+
+    Energies energies(const double* y) const {
+        Energies e{0.0, 0.0, 0.0, y[loss()]};
+        double weight = 0.0;
+        for (int j = balls() - 1; j >= 0; --j) {
+            weight += column->mass[j] * column->gravity;
+            e.kinetic += 0.5 * column->mass[j] * y[balls() + j] * y[balls() + j];
+            e.potential += weight * gap(j, y);
+            if (pair[j] == Pair::open) continue;
+            const double stored = column->contacts[j].energy(s(j, y));
+            e.contact += stored;
+            if (pair[j] == Pair::slack) e.dissipated -= stored;  // counted as lost where the force ended
+        }
+        return e;
+    }
+
+    void choose_coordinate(int j, double* y, bool use_root) {
+        if (use_root == static_cast<bool>(rooted[j])) return;
+        y[j] = use_root ? root<p>(-y[j]) : -power<p>(y[j]);
+        rooted[j] = use_root;
+    }
+
+    // s where the contact is compressed or being compressed in earnest, the gap elsewhere. Returns whether
+    // any coordinate has changed.
+    bool choose_coordinates(double* y) {
+        if constexpr (p == 1) return false;
+        bool changed = false, at_zero = false;
+        for (int j = 0; j < balls(); ++j) {
+            const double sigma = pair[j] == Pair::closed ? s(j, y) / scales.s[j] : 0.0;
+            const bool earnest = sigma > 0.1 || math::abs(rate(j, y)) > sigma * scales.speed;
+            const bool use_root = pair[j] == Pair::closed && earnest && !(sigma == 0.0 && at_zero);
+            at_zero = at_zero || (use_root && sigma == 0.0);
+            changed = changed || use_root != static_cast<bool>(rooted[j]);
+            choose_coordinate(j, y, use_root);
+        }
+        return changed;
+    }
+};
+
+}  // namespace newton
+
+}  // namespace hardlimit::column

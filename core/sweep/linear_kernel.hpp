@@ -1,0 +1,571 @@
+// Many two-ball drops at once under the linear law, one drop in each lane of a vector.
+//
+// A step takes lanes to their next switch, by the modes of their motion (modes.hpp): a guess, one step of a method of
+// third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where bounds show
+// that this is the next switch; else a careful step takes one piece exactly as column/exact.hpp does. Each round is
+// spent on the step that most lanes wait for, and lanes that are done take the next drops of the block.
+//
+// Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
+// not depend on its neighbours, hence neither on the width of the vector nor on the order of the drops.
+#pragma once
+#include "lane_state.hpp"
+#include "linear_modes.hpp"
+
+namespace hardlimit::sweep {
+
+namespace lanes {
+
+inline constexpr double most_pieces = 3000.0;
+
+// ---- careful step ----------------------------------------------------------------------------------------------
+
+// Gravity holds a contact closed for good: not for this solver.
+template <class R>
+HL_FN Mask<R> rests(const State<R>& q) {
+    using namespace column::exact;
+    const Mask<R> alone = q.floor & negation(q.pair) & q.pair_open & negation(q.on_w);
+    return (alone & rests_on_floor<R>(q.s, q.x)) | (q.floor & q.pair & rests_on_both<R>(q.s, q.x));
+}
+
+template <class R>
+HL_FN void careful(State<R>& q, Mask<R> m) {
+    using namespace column::exact;
+    const Mask<R> still = m & rests<R>(q);
+    raise(q.left, still);
+    finish<R>(q, still);
+    m = m & q.active;
+    if (!any(m)) return;
+    Series<R> p;
+    const R h = reach / rate_bound<R>(q.s, q.floor, q.pair);
+    expand<R>(q.s, q.x, q.floor, q.pair, h, p);
+    const R up = constant<R>(1.0), down = constant<R>(-1.0), none = constant<R>(never);
+    const Mask<R> floor_slack = m & negation(q.floor | q.floor_open),
+                  pair_slack = m & negation(q.pair | q.pair_open);
+    // Where the contact is closed its force ends, where it is open its gap closes, where it is slack the gap opens.
+    R f[order + 1];
+    for (int n = 0; n < order; ++n) f[n] = select<R>(q.floor, p.l1[n], p.u[n]);
+    f[order] = select<R>(q.floor, R{}, p.u[order]);
+    const R at1 = first_crossing<order>(f, select<R>(negation(q.floor) & q.floor_open, down, up),
+                                        select<Mask<R>>(q.floor, q.on_l1, q.on_u));
+    for (int n = 0; n < order; ++n) f[n] = select<R>(q.pair, p.l2[n], p.w[n]);
+    f[order] = select<R>(q.pair, R{}, p.w[order]);
+    const R at2 = first_crossing<order>(f, select<R>(negation(q.pair) & q.pair_open, down, up),
+                                        select<Mask<R>>(q.pair, q.on_l2, q.on_w));
+    const R press1 = any(floor_slack)
+                         ? select<R>(floor_slack, first_crossing<order - 1>(p.l1, down, q.on_l1), none)
+                         : none;
+    const R press2 =
+        any(pair_slack) ? select<R>(pair_slack, first_crossing<order - 1>(p.l2, down, q.on_l2), none) : none;
+    const R first = math::min<R>(math::min<R>(at1, at2), math::min<R>(press1, press2));
+    const Mask<R> hit = m & (first != never);
+    const R theta = select<R>(hit, first, up);
+    const Mask<R> one = hit & (at1 == first), again1 = hit & negation(one) & (press1 == first);
+    const Mask<R> two = hit & negation(one | again1) & (at2 == first),
+                  again2 = hit & negation(one | again1 | two);
+    advance<R>(q, m, theta * h, evaluate<R>(p, theta));
+    assign<R>(m, q.pieces, q.pieces + 1.0);
+    const Mask<R> was_floor = q.floor, was_open1 = q.floor_open, was_pair = q.pair, was_open2 = q.pair_open;
+    floor_ends<R>(q, one & was_floor);
+    floor_begins<R>(q, (one & negation(was_floor) & was_open1) | again1);
+    floor_opens<R>(q, one & negation(was_floor | was_open1));
+    pair_ends<R>(q, two & was_pair);
+    pair_begins<R>(q, (two & negation(was_pair) & was_open2) | again2);
+    pair_opens<R>(q, two & negation(was_pair | was_open2));
+    const Mask<R> long_run = m & (q.pieces > most_pieces);
+    raise(q.left, long_run);
+    finish<R>(q, long_run);
+}
+
+// ---- quick steps ------------------------------------------------------------------------------------------------
+
+// Step from near a zero of f to it, by its first derivatives (Householder's method of third order).
+template <class R>
+HL_FN R to_zero(const R* f) {
+    const R inverse = 1.0 / f[1];
+    const R h = -f[0] * inverse, bend = (0.5 * h) * (f[2] * inverse),
+            twist = ((1.0 / 6.0) * (h * h)) * (f[3] * inverse);
+    return h * (1.0 + bend) / (1.0 + 2.0 * bend + twist);
+}
+// The same for a short step.
+template <class R>
+HL_FN R to_near_zero(const R* f) {
+    const R inverse = 1.0 / f[1];
+    const R h = -f[0] * inverse, bend = (0.5 * h) * (f[2] * inverse),
+            twist = ((1.0 / 6.0) * (h * h)) * (f[3] * inverse);
+    return h * (1.0 - (bend - (2.0 * (bend * bend) - twist)));
+}
+
+// The last step (Halley's method).
+template <class R>
+HL_FN R polish(R f, R f1, R f2) {
+    const R inverse = 1.0 / f1, h = -f * inverse;
+    return h * (1.0 - (0.5 * h) * (f2 * inverse));
+}
+
+// How far the short step and the last one may go, in units of 1/ω.
+inline constexpr double nearby = 0.02, polished = 1e-6;
+
+// The next switch of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the floor
+// lets go. w is concave while the floor pushes, so it has a zero before the release exactly if it is negative then.
+template <class R>
+HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
+    const Groups<R>& s = q.s;
+    const R rest = k.floor_rest, omega = k.floor_rate;
+    const Complex<R> rate = {-0.5 * (s.a1 * s.c1), omega};
+    const R y = q.x.u - rest, w0 = q.x.w, dw0 = q.x.dw;
+    const Complex<R> swing = {y, (rate.re * y - q.x.du) * k.floor_period};  // u = rest + Re(swing e^(λt))
+    const Complex<R> force = pull<R>(s.c1, rate) * swing;
+    const R height = q.x.u + w0, climb = q.x.du + dw0;  // of the upper ball, which falls freely
+    const R l1 = q.x.u + s.c1 * q.x.du, l1_rate = q.x.du - s.c1 * (s.a1 * l1 + s.gravity), now = -s.a1 * l1;
+    m = m & (omega > 0.0) & (l1 <= 0.0);
+    // About where the floor lets go, at phase 3π/2 and a little for gravity.
+    const R strength = magnitude(force), late = -rest / strength;
+    const R release = (1.5 * math::pi + late - rough_angle(force)) * k.floor_period;
+    const R left_over = strength * rough_exp(rate.re * release);
+    const Complex<R> swing_then = Complex<R>{late * left_over, -left_over} * k.from_pull;
+    const R u_then = rest + swing_then.re, du_then = real_product<R>(rate, swing_then);
+    const R w_then = (height + release * (climb - 0.5 * s.gravity * release)) - u_then,
+            dw_then = (climb - s.gravity * release) - du_then;
+    const R doubt =
+        1e-4 * (math::abs<R>(u_then) + math::abs<R>(w0) + (release + k.floor_period) * math::abs<R>(dw_then));
+    // A slack pair opens by the zero of w + ẇ t − worst t²/2, where worst bounds −ẅ until then; as L2 = w + c2 ẇ >= 0, that
+    // is before 2 c2. Its force does not switch on before if L2 only rises, or if L2 is concave, for it is positive at
+    // both ends. Nor does it before the floor lets go if L2' > 0 until then. Else it does, at about the second zero of a
+    // parabola of L2.
+    const Mask<R> slack = negation(q.pair_open);
+    const R steepest = strength * omega, rise = select<R>(l1_rate >= 0.0, R{}, s.a1 * steepest);
+    const R worst = now + rise * (2.0 * s.c2), square = dw0 * dw0 + 2.0 * (worst * w0),
+            then = math::sqrt<R>(math::max<R>(square, R{}));
+    const R by = -2.0 * w0 / (dw0 + then);
+    const Mask<R> concave = l1 + (by + s.c2) * (math::max<R>(l1_rate, R{}) + (by * omega) * steepest) < 0.0;
+    const Mask<R> opens =
+        slack & (dw0 > 0.0) & (square > 0.0) & (concave | (then > worst * s.c2)) & (by < 0.9 * release);
+    const Mask<R> parts =
+        slack & negation(opens) & (dw_then > 1.01 * (s.c2 * (now + rise * release)) + 1e-4 * steepest);
+    const Mask<R> presses = slack & negation(opens | parts) & q.on_l2;
+    m = m & (negation(slack) | opens | parts | presses) & (release > 0.0) & (late < 0.02);
+    const Mask<R> lets_go = parts | (negation(presses) & (w_then > -doubt));  // to be confirmed
+    // Else the zero of a parabola: through w, ẇ now and w then, or with the present ẅ for a short time.
+    const R soon = math::sqrt<R>(math::max<R>(dw0 * dw0 + 2.0 * (now * w0), R{}));
+    const Mask<R> shortly = (dw0 + soon) * omega < 0.3 * now;
+    const R bend = (w_then - w0 - dw0 * release) / (release * release),
+            later = math::sqrt<R>(math::max<R>(dw0 * dw0 - 4.0 * bend * w0, R{}));
+    const R root = select<R>(shortly, soon, later), doubled = select<R>(shortly, now, -2.0 * bend);
+    const Mask<R> falls = dw0 < 0.0;
+    const R top = select<R>(presses, 2.0 * (dw0 - s.c2 * now), select<R>(falls, 2.0 * w0, dw0 + root)),
+            bottom = select<R>(presses, now - (s.a1 * s.c2) * l1_rate, select<R>(falls, root - dw0, doubled));
+    R t = select<R>(lets_go, release, top / bottom);
+    const R level = select<R>(lets_go, rest, height - rest), speed = select<R>(lets_go, R{}, climb),
+            fall = select<R>(lets_go, R{}, s.gravity),
+            sign = select<R>(lets_go, constant<R>(1.0), constant<R>(-1.0)),
+            lag = select<R>(lets_go, s.c1, select<R>(presses, s.c2, R{}));
+    // f = x + lag ẋ, where x is u or w.
+    const auto derivatives = [&](Complex<R> z, R at, R* f) {
+        const Complex<R> x0 = swing * z, x1 = rate * x0, x2 = rate * x1, x3 = rate * x2;
+        const R x4 = real_product<R>(rate, x3);
+        const R y1 = (speed - fall * at) + sign * x1.re, y2 = sign * x2.re - fall, y3 = sign * x3.re;
+        f[0] = (level + at * (speed - 0.5 * fall * at)) + sign * x0.re + lag * y1;
+        f[1] = y1 + lag * y2;
+        f[2] = y2 + lag * y3;
+        f[3] = y3 + lag * (sign * x4);
+    };
+    R f[4];
+    derivatives(rough_evolution(rate, t), t, f);
+    t = t + to_zero<R>(f);
+    Complex<R> z = evolution(rate, t);
+    derivatives(z, t, f);
+    const R dt = to_near_zero<R>(f);
+    z = z * nudge(scaled<R>(dt, rate));
+    t = t + dt;
+    const Complex<R> x0 = swing * z, x1 = rate * x0;
+    const R x2 = real_product<R>(rate, x1), x3 = -s.a1 * (x1.re + s.c1 * x2);
+    const R u = rest + x0.re, du = x1.re, ddw = -s.gravity - x2;
+    const R w = ((height - rest) + t * (climb - 0.5 * s.gravity * t)) - x0.re,
+            dw = (climb - s.gravity * t) - du;
+    const R slope = select<R>(lets_go, du + s.c1 * x2, dw + lag * ddw);
+    const R turn = select<R>(lets_go, x2 + s.c1 * x3, ddw - lag * x3);
+    const R last = polish<R>(select<R>(lets_go, u + s.c1 * du, w + lag * dw), slope, turn);
+    const GapState<R> at = {u + last * (du + 0.5 * (last * x2)), du + last * x2,
+                            w + last * (dw + 0.5 * (last * ddw)), dw + last * ddw};
+    const R when = t + last, pushing = at.u + s.c1 * at.du;
+    m = m & (math::abs<R>(dt) * omega < nearby) & (math::abs<R>(last) * omega < polished) & (when > 0.0);
+    const Mask<R> ends =
+        m & lets_go & (parts | (at.w > 0.0)) & (slope > 0.0) & (math::abs<R>(when - release) * omega < 0.02);
+    const Mask<R> ends_before = m & negation(lets_go) & (when < release) & (slope < 0.0) & (pushing < 0.0);
+    const Mask<R> closes = ends_before & negation(presses);
+    // L2 is concave before, and w rises.
+    const Mask<R> pressed = ends_before & presses & (at.w < 0.0) & (at.dw > 0.0) &
+                            (l1 + s.c2 * l1_rate < 0.0) & (pushing + s.c2 * (at.du + s.c1 * x2) < 0.0) &
+                            (when * omega < 1.0);
+    const Mask<R> good = ends | closes | pressed;
+    advance<R>(q, good, when, at);
+    raise(q.pair_open, closes | (ends & (at.w > 0.0)));
+    floor_ends<R>(q, ends);
+    pair_begins<R>(q, closes | pressed);
+    return good;
+}
+
+// The end of a pair contact (motions C and D) that is the next switch. L2 = slow part S + ring; the first zero is where
+// the ring rises, if it then outweighs S. Where the floor may let go before, that zero is kept, and the next such step
+// looks for the zero of L1.
+template <class R>
+HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
+    const Groups<R>& s = q.s;
+    const Mask<R> both = q.floor;
+    const R rest2 = select<R>(both, k.rest2, R{}), rest1 = select<R>(both, k.rest1, R{}), beta = 0.5 * s.c2;
+    const GapState<R> x = {q.x.u - rest1, q.x.du, q.x.w - rest2, q.x.dw};
+    const Complex<R> none = {R{}, R{}};
+    const Complex<R> rate = choose<R>(both, k.fast.rate, {-beta, k.pair_rate}),
+                     fast = choose<R>(both, k.fast.share(x), {x.w, -(x.dw + beta * x.w) * k.pair_period}),
+                     slow_rate = choose<R>(both, k.slow.rate, none),
+                     slow = choose<R>(both, k.slow.share(x), none),
+                     shape = choose<R>(both, k.fast.shape, {-s.a2, R{}}),
+                     slow_shape = choose<R>(both, k.slow.shape, none);
+    m = m & (select<R>(both, k.can_ring, k.pair_rate) > 0.0);
+    // f = S + ring is L2, or L1 where the floor may let go first.
+    const Mask<R> lifts = both & q.lifts;
+    const Complex<R> at_floor = shape * fast, at_floor_slow = slow_shape * slow;
+    const R c = select<R>(lifts, s.c1, s.c2), rest = select<R>(lifts, rest1, rest2);
+    const Complex<R> ring = pull<R>(c, rate) * choose<R>(lifts, at_floor, fast),
+                     drift = pull<R>(c, slow_rate) * choose<R>(lifts, at_floor_slow, slow);
+    const Complex<R> drift1 = slow_rate * drift;
+    const R ring1 = real_product<R>(rate, ring), drift2 = real_product<R>(slow_rate, drift1);
+    const R size2 = ring.re * ring.re + ring.im * ring.im, size = math::sqrt<R>(size2),
+            period = select<R>(both, k.period, k.pair_period);
+    // Where the ring rises through −S, which is taken from its parabola; or where S does, if that is faster than the
+    // ring. A crest that is past does not count.
+    const R ring_slope = size * select<R>(both, k.size, constant<R>(1.0));
+    const Mask<R> drifts = drift1.re > ring_slope;
+    R phase = rough_angle(ring);
+    phase = select<R>(both & (phase > k.crest_phase + 1.5 * math::pi), phase - 2.0 * math::pi, phase);
+    const R middle = (1.5 * math::pi - phase) * period, ahead = math::max<R>(middle, R{});
+    const R start = rest + drift.re, level = start + ahead * (drift1.re + 0.5 * (ahead * drift2));
+    const R ratio =
+        select<R>(drifts, start, level) / select<R>(drifts, drift1.re, size * rough_exp(rate.re * middle));
+    const R share = math::clamp<R>(-ratio, -1.0, 1.0),
+            of_crest = math::min<R>(share * k.crest_inverse, constant<R>(1.0));
+    const Mask<R> high = both & (of_crest > 0.55);
+    const R angle = rough_arcsine<R>(select<R>(high, of_crest, share));
+    const R lean = select<R>(high, angle * (k.crest_phase * (2.0 / math::pi)), angle);
+    R t = math::max<R>(select<R>(drifts, -ratio, middle + lean * period), R{});
+    const auto derivatives = [&](Complex<R> z, Complex<R> zs, R* f) {
+        const Complex<R> r0 = ring * z, r1 = rate * r0, r2 = rate * r1, d0 = drift * zs, d1 = slow_rate * d0,
+                         d2 = slow_rate * d1;
+        f[0] = rest + (r0.re + d0.re);
+        f[1] = r1.re + d1.re;
+        f[2] = r2.re + d2.re;
+        f[3] = real_product<R>(rate, r2) + real_product<R>(slow_rate, d2);
+    };
+    R f[4];
+    derivatives(rough_evolution(rate, t), rough_evolution(slow_rate, t), f);
+    t = t + to_zero<R>(f);
+    Complex<R> z = evolution(rate, t), zs = evolution(slow_rate, t);
+    derivatives(z, zs, f);
+    const R dt = to_near_zero<R>(f);
+    z = z * nudge(scaled<R>(dt, rate));
+    zs = zs * nudge(scaled<R>(dt, slow_rate));
+    t = t + dt;
+    const Complex<R> w0 = fast * z, v0 = slow * zs, u0 = at_floor * z, y0 = at_floor_slow * zs;
+    const R climb = select<R>(both, R{}, q.x.du + s.a2 * q.x.dw), fall = select<R>(both, R{}, s.gravity);
+    const R base = select<R>(both, rest1, q.x.u + s.a2 * q.x.w);
+    const GapState<R> at = {(base + t * (climb - 0.5 * fall * t)) + (u0.re + y0.re),
+                            (climb - fall * t) + (real_product<R>(rate, u0) + real_product<R>(slow_rate, y0)),
+                            rest2 + (w0.re + v0.re),
+                            real_product<R>(rate, w0) + real_product<R>(slow_rate, v0)};
+    const R l1 = at.u + s.c1 * at.du, l2 = at.w + s.c2 * at.dw, press = select<R>(both, s.a1 * l1, R{});
+    const R ddw = press - l2, ddu = (s.a2 * l2 - s.gravity) - press;
+    const R rate1 = at.du + s.c1 * ddu, rate2 = at.dw + s.c2 * ddw;  // L1', L2'
+    const R press1 = select<R>(both, s.a1 * rate1, R{});
+    const R slope = select<R>(lifts, rate1, rate2);
+    const R bend = select<R>(lifts, ddu + s.c1 * (s.a2 * rate2 - press1), ddw + s.c2 * (press1 - rate2));
+    const R last = polish<R>(select<R>(lifts, l1, l2), slope, bend);
+    const GapState<R> end = {at.u + last * (at.du + 0.5 * (last * ddu)), at.du + last * ddu,
+                             at.w + last * (at.dw + 0.5 * (last * ddw)), at.dw + last * ddw};
+    const R when = t + last;
+    const Mask<R> found =
+        (slope > 0.0) & (math::abs<R>(dt) < nearby) & (math::abs<R>(last) < polished) & (when > 0.0);
+    // It is the first zero: before it L2 has turned at most once, from falling to rising. So it is where the slope of
+    // the ring outweighs that of S until its peak (phase 2π), where S always rises faster than the ring may fall, and
+    // where S rises and the ring has no peak in between.
+    const Complex<R> drift_then = drift1 * zs;
+    const R drift2_then = real_product<R>(slow_rate, drift_then),
+            least = math::min<R>(drift1.re, drift_then.re);
+    const R omega = rate.im, left = (size2 * (omega * omega)) * (z.re * z.re + z.im * z.im),
+            steep = drift1.re * drift1.re + drift1.im * drift1.im;
+    const Mask<R> no_peak = phase + omega * when < 2.0 * math::pi,
+                  no_dip = (drift2 >= 0.0) | (drift2_then <= 0.0);
+    const Mask<R> ringing =
+        no_peak & (steep < 0.25 * left) & ((phase > math::pi) | (ring1 + drift1.re < 0.0));
+    const Mask<R> drifting = no_dip & (least > ring_slope);
+    const Mask<R> rising = no_peak & no_dip & (least > 0.0) & (phase > 2.0 / 3.0 * math::pi) &
+                           (steep * (slow_rate.im * slow_rate.im) < 0.16 * (left * (omega * omega)));
+    // Nothing else before: the floor's own slow part stays below zero by more than the ring reaches.
+    const Complex<R> floor_drift = pull<R>(s.c1, slow_rate) * at_floor_slow, then = floor_drift * zs;
+    const R bends = real_product<R>(slow_rate, floor_drift), bends_then = real_product<R>(slow_rate, then);
+    const Mask<R> stays = (rest1 + math::max<R>(floor_drift.re, then.re) + size * k.floor_share < 0.0) &
+                          ((bends <= 0.0) | (bends_then >= 0.0)) & (slow_rate.im * when < math::pi);
+    // An open floor gap is concave while the pair pushes. A slack floor contact stays so if L1' > 0; it has then opened or
+    // not, as u says at the end.
+    const Mask<R> slack = negation(both | q.floor_open);
+    const Mask<R> clear_of_floor = select<Mask<R>>(
+        slack, (end.du > s.c1 * (s.gravity + s.a2 * size)) & (math::abs<R>(end.u) > 1e-12 * end.du),
+        end.u > 0.0);
+    const Mask<R> first = m & found & (ringing | drifting | rising);
+    const Mask<R> good =
+        first & select<Mask<R>>(lifts, when < q.parting, select<Mask<R>>(both, stays, clear_of_floor));
+    const Mask<R> unsure = first & both & negation(lifts | stays);
+    advance<R>(q, good, when, end);
+    set(q.lifts, m, unsure);
+    assign<R>(unsure, q.parting, when);
+    const Mask<R> opened = good & slack & (end.u > 0.0);
+    raise(q.floor_open, opened);
+    raise(q.opened, opened);
+    floor_ends<R>(q, good & lifts);
+    pair_ends<R>(q, good & negation(lifts));
+    return good;
+}
+
+// ---- glide over a lasting contact (motion C) -------------------------------------------------------------------
+
+// S and the amplitude of the ring, in L1 or L2.
+template <class R>
+struct Envelope {
+    R level, ring, decay;
+    Complex<R> slow, rate;
+    HL_FN R at(Complex<R> z, R fading, R& slope) const {
+        const Complex<R> now = slow * z;
+        const R ringing = ring * fading;
+        slope = real_product<R>(rate, now) + decay * ringing;
+        return level + now.re + ringing;
+    }
+};
+
+// A lasting contact is a slow part S that follows the floor, and a decaying ring. From the time on at which the ring
+// first pushes towards separation, nothing happens while S + its amplitude < 0 in L1 and L2: go close to the end of
+// that time in one step.
+template <class R>
+HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
+    const Groups<R>& s = q.s;
+    const GapState<R> x = {q.x.u - k.rest1, q.x.du, q.x.w - k.rest2, q.x.dw};
+    const Complex<R> rate = k.fast.rate, slow_rate = k.slow.rate;
+    const Complex<R> fast = k.fast.share(x), slow = k.slow.share(x);
+    const Complex<R> fast2 = pull<R>(s.c2, rate) * fast, slow2 = pull<R>(s.c2, slow_rate) * slow,
+                     slow1 = pull<R>(s.c1, slow_rate) * (k.slow.shape * slow);
+    m = m & negation(q.glided) & (k.can_ring > 0.0) & (s.gravity * s.gravity * 400.0 < s.a1);
+    const R ring = magnitude(fast2);
+    const Envelope<R> one = {k.rest1, ring * k.floor_share, rate.re, slow1, slow_rate};
+    const Envelope<R> two = {k.rest2, ring, rate.re, slow2, slow_rate};
+    // The ring in L2 is negative, or falls faster than S rises, up to phase 3π/2, and up to 2π at most its next crest;
+    // after that its amplitude counts.
+    R phase = rough_angle(fast2);
+    phase = select<R>(phase > k.crest_phase + 1.5 * math::pi, phase - 2.0 * math::pi, phase);
+    const R peak = (2.0 * math::pi - phase) * k.period, middle = peak - (0.5 * math::pi) * k.period;
+    const Complex<R> z1 = rough_evolution(slow_rate, peak),
+                     z0 = rough_evolution(slow_rate, math::max<R>(middle, R{}));
+    const R fading = rough_exp(rate.re * peak), loudest = ring * rough_exp(rate.re * middle) * k.crest;
+    const Complex<R> drift1 = slow_rate * slow2, drift_then = drift1 * z1;
+    const R ring1 = real_product<R>(rate, fast2);
+    R ignored, slope;
+    const R now2 = k.rest2 + slow2.re, middle2 = k.rest2 + (slow2 * z0).re, then2 = k.rest2 + (slow2 * z1).re;
+    m = m & (one.level + one.slow.re + one.ring < 0.0) & (one.at(z1, fading, ignored) < 0.0) & (now2 < 0.0) &
+        (math::max<R>(middle2, then2) + 1.0001 * loudest < 0.0) &
+        ((phase > 0.5 * math::pi) | (ring1 + math::max<R>(drift1.re, drift_then.re) < 0.0)) &
+        ((drift1.re <= 0.0) | (drift_then.re >= 0.0));
+    // The slow parts rise through zero at phase 3π/2; Newton from there on the envelopes.
+    const R inverse = 1.0 / slow_rate.im;
+    R until = constant<R>(1e300);
+    const Envelope<R>* const envelopes[2] = {&one, &two};
+    for (const Envelope<R>* e : envelopes) {
+        const R turn = rough_angle(e->slow);
+        m = m & (turn > 0.25 * math::pi) & (turn < 1.5 * math::pi);
+        R t = (1.5 * math::pi - turn) * inverse;
+        for (int i = 0; i < 3; ++i) {
+            const R value =
+                e->at(rough_evolution(slow_rate, t), rough_exp(math::min<R>(rate.re * t, R{})), slope);
+            t = t - math::clamp<R>(value / slope, -1e3, 1e3);
+        }
+        m = m & (slope > 0.0);
+        until = math::min<R>(until, t);
+    }
+    until = until - (0.05 + 1e-3 * until);
+    m = m & (until > peak) & (until > 1.0) & (until * slow_rate.im < 1.5 * math::pi);
+    if (!any(m)) return m;
+    until = select<R>(m, until, R{});
+    const Complex<R> zs = evolution(slow_rate, until), z = evolution(rate, until);
+    const R left = magnitude(z);
+    m = m & (one.at(zs, left, ignored) < 0.0) & (two.at(zs, left, ignored) < 0.0);
+    const Complex<R> w0 = fast * z, w1 = rate * w0, v0 = slow * zs, v1 = slow_rate * v0;
+    const Complex<R> u0 = k.fast.shape * w0, u1 = rate * u0, y0 = k.slow.shape * v0, y1 = slow_rate * y0;
+    advance<R>(q, m, until,
+               {k.rest1 + (u0.re + y0.re), u1.re + y1.re, k.rest2 + (w0.re + v0.re), w1.re + v1.re});
+    return m;
+}
+
+// Which step each lane needs next, so that a round can be spent on the step most lanes wait for.
+template <class M>
+struct Waiting {
+    M flying{}, lying{}, pressed{}, lasting{}, stuck{};  // fly, quick_floor, quick_pair, glide, careful
+    M refused{};                                         // by quick_pair
+
+    HL_FN void forget(M m) {
+        M* const all[] = {&flying, &lying, &pressed, &lasting, &stuck, &refused};
+        for (M* kind : all) clear(*kind, m);
+    }
+};
+
+// A lasting contact looks worth a glide: the ring about the slow pull S = a1 L1 is not much larger than S.
+template <class R>
+HL_FN Mask<R> may_glide(const State<R>& q) {
+    const R slow = q.s.a1 * (q.x.u + q.s.c1 * q.x.du), off = (q.x.w + q.s.c2 * q.x.dw) - slow;
+    const R bound = (1.0 + q.s.c2) * slow;
+    return q.floor & q.pair & negation(q.glided) & (slow < 0.0) &
+           (off * off + q.x.dw * q.x.dw < bound * bound);
+}
+
+// Sorts the lanes of m, whose last step is over, by their next one.
+template <class R>
+HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
+    wait.forget(m);
+    m = m & q.active;
+    const Mask<R> lasting = m & may_glide<R>(q);
+    raise(wait.flying, m & negation(q.floor | q.pair));
+    raise(wait.lying, m & q.floor & negation(q.pair));
+    raise(wait.pressed, m & q.pair & negation(lasting));
+    raise(wait.lasting, lasting);
+}
+
+// One round: the step that most lanes wait for, but short flights as soon as some wait. Returns the lanes whose step is
+// over.
+template <class R>
+HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
+    constexpr int few = (Lanes<R>::count + 3) / 4;
+    const int n[4] = {count(wait.lying), count(wait.pressed), count(wait.lasting), count(wait.stuck)};
+    int most = 0;
+    for (int i = 1; i < 4; ++i)
+        if (n[i] > n[most]) most = i;
+    const int flights = count(wait.flying);
+    if (flights >= few || flights > n[most]) {
+        const Mask<R> m = wait.flying;
+        fly<R>(q, m);
+        return m;
+    }
+    if (most == 0) {
+        const Mask<R> m = wait.lying, done = quick_floor<R>(q, k, m);
+        clear(wait.lying, m);
+        raise(wait.stuck, m & negation(done));
+        return done;
+    }
+    if (most == 1) {
+        const Mask<R> m = wait.pressed, done = quick_pair<R>(q, k, m);
+        const Mask<R> again = m & q.lifts, lasting = m & q.floor & negation(done | q.glided | again);
+        clear(wait.pressed, m & negation(again));
+        raise(wait.lasting, lasting);
+        raise(wait.refused, lasting);
+        raise(wait.stuck, m & negation(done | lasting | again));
+        return done;
+    }
+    if (most == 2) {
+        const Mask<R> m = wait.lasting, done = glide<R>(q, k, m);
+        const Mask<R> refused = m & wait.refused & negation(done);
+        clear(wait.lasting, m);
+        raise(q.glided, done);
+        clear(wait.refused, m);
+        raise(wait.stuck, refused);
+        raise(wait.pressed, m & negation(refused));
+        return Mask<R>{};
+    }
+    const Mask<R> m = wait.stuck;
+    careful<R>(q, m);
+    return m;
+}
+
+// The modes of the next drops of a block. Neighbours in a map often share them; then they are found once.
+template <class R>
+class ModesAhead {
+    static constexpr int W = Lanes<R>::count;
+    Modes<R> modes{};
+    int first = 0, end = 0, source = 0, row = -1;
+
+public:
+    // Of drop i, the one after the last asked for, into a lane that holds those of row `held`.
+    HL_FN void put_into(Modes<R>& k, int lane, int& held, const Block& b, int i) {
+        if (!alike(b, i, 0.0)) {
+            if (i >= end) find(b, i);
+            source = i - first;
+            ++row;
+        }
+        if (held == row) return;
+        held = row;
+        const R* from = reinterpret_cast<const R*>(&modes);
+        R* const to = reinterpret_cast<R*>(&k);
+        for (unsigned j = 0; j < sizeof(Modes<R>) / sizeof(R); ++j) put(to[j], lane, get(from[j], source));
+    }
+
+private:
+    HL_FN void find(const Block& b, int i) {
+        first = i;
+        end = i + W;
+        Groups<R> s{};
+        for (int lane = 0; lane < W; ++lane) {
+            const int j = i + lane < b.count ? i + lane : b.count - 1;
+            put(s.a1, lane, b.a1[j]);
+            put(s.a2, lane, b.a2[j]);
+            put(s.c1, lane, b.c1[j]);
+            put(s.c2, lane, b.c2[j]);
+            put(s.gravity, lane, b.gravity[j]);
+        }
+        modes = find_modes<R>(s);
+    }
+};
+
+}  // namespace lanes
+
+// b of each loss exponent of a list, in place.
+template <class R>
+HL_FN void damping_ratios(double* values, int count) {
+    constexpr int W = Lanes<R>::count;
+    for (int i = 0; i < count; i += W) {
+        R x{};
+        for (int lane = 0; lane < W && i + lane < count; ++lane) lanes::put(x, lane, values[i + lane]);
+        x = contact::linear_damping_ratio<R>(x);
+        for (int lane = 0; lane < W && i + lane < count; ++lane) values[i + lane] = lanes::get(x, lane);
+    }
+}
+
+// Solves the drops of a block.
+template <class R>
+HL_FN void solve_block(const Block& b) {
+    using namespace lanes;
+    constexpr int W = Lanes<R>::count;
+    State<R> q{};
+    Modes<R> k{};
+    ModesAhead<R> ahead;
+    Waiting<Mask<R>> wait;
+    int drop[W], row[W];
+    for (int& none : drop) none = -1;
+    for (int& none : row) none = -1;
+    int next = 0;
+    for (;;) {
+        const int running = count(q.active);
+        if (running == 0 || (W - running >= due<R>(b, next, (3 * W + 3) / 4) && next < b.count)) {
+            Mask<R> loaded{};
+            for (unsigned idle = lane_bits(negation(q.active)); idle != 0; idle &= idle - 1) {
+                const int lane = first_bit(idle);
+                if (drop[lane] >= 0) store(q, lane, b, drop[lane]);
+                drop[lane] = -1;
+                if (next == b.count) continue;
+                load(q, lane, b, next);
+                ahead.put_into(k, lane, row[lane], b, next);
+                put_flag(loaded, lane, true);
+                drop[lane] = next++;
+            }
+            if (running == 0 && !any(loaded)) break;
+            start<R>(q, loaded);
+            sort<R>(q, wait, loaded);
+        }
+        const Mask<R> moved = step<R>(q, k, wait);
+        sort<R>(q, wait, moved);
+    }
+}
+
+}  // namespace hardlimit::sweep

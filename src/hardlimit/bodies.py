@@ -1,0 +1,75 @@
+"""The bodies that touch: solid spheres and the floor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from . import validation
+
+
+@dataclass(frozen=True, init=False)
+class Ball:
+    """A solid sphere.
+
+    Parameters
+    ----------
+    radius : float [m]
+    density : float [kg/m³]
+        The mass is then (4/3) π density radius³.
+    mass : float [kg]
+        Give exactly one of ``density`` and ``mass``.
+
+    Raises
+    ------
+    ValueError
+        If a value is not positive and finite, or both or neither of the alternatives are given.
+    """
+
+    radius: float
+    mass: float
+    density: float
+    given: str  #: "density" or "mass": which one stays when the radius is changed
+
+    def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
+        given = validation.exactly_one(density=density, mass=mass)
+        size = validation.number("radius", radius, 0.0)
+        volume = 4.0 / 3.0 * math.pi * size**3
+        if density is not None:
+            rho = validation.number("density", density, 0.0)
+            weight = rho * volume
+        else:
+            weight = validation.number("mass", mass, 0.0)
+            rho = weight / volume if volume > 0.0 else math.inf
+        if not 1e-150 < weight < 1e150:
+            raise ValueError(
+                f"radius: got {size:.16g}, gives a mass of {weight:g} kg, must be in [1e-150, 1e150]"
+            )
+        for name, value in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        return f"Ball(radius={self.radius!r}, {self.given}={getattr(self, self.given)!r})"
+
+    def resized(self, radius: float) -> Ball:
+        """The ball with another radius and the same density (or mass, if that was given)."""
+        if self.given == "density":
+            return Ball(radius, density=self.density)
+        return Ball(radius, mass=self.mass)
+
+
+class Floor:
+    """The floor: body 0, of infinite mass and radius."""
+
+    radius: Final = math.inf
+    mass: Final = math.inf
+
+    def __repr__(self) -> str:
+        return "FLOOR"
+
+    def __reduce__(self) -> str:
+        return "FLOOR"
+
+
+FLOOR: Final = Floor()

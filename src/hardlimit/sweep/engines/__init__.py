@@ -1,0 +1,1 @@
+"""Where a sweep computes: this processor, a GPU, a cluster."""

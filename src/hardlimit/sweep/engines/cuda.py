@@ -1,0 +1,178 @@
+"""A map on a GPU: core/sweep/kernel.cu, compiled for the device found, and chunks streamed through it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import _core
+from ..chunks import Tiles
+from ..plan import GEOMETRY, MODELS, VARIABLES, Chunk, Plan
+from .cuda_device import Gpu, open_gpu
+
+#: What the kernel writes for a point that the host must solve.
+LEFT_TO_HOST: Final = 255
+
+#: Results in the order of the kernel's Task.
+RESULTS: Final = (
+    "n_contacts",
+    "outcome",
+    "relative_velocity",
+    "separation_velocity",
+    "effective_restitution",
+    "restitution_ratio",
+    "t_end",
+    "t_floor_end",
+)
+
+#: Words of the kernel's Task.
+TASK_FIELDS: Final = 2 + 3 * _core.sweep_parameters + 2 + 4 + len(RESULTS)
+
+#: Points of a chunk at most: several waves of threads for the largest device, and some 0.2 GB page-locked.
+POINTS: Final = 1 << 22
+
+
+def compute(
+    plan: Plan, tiles: Tiles, wanted: Iterable[int], threads: int, report: Callable[[int], object]
+) -> Generator[tuple[int, Chunk], None, None]:
+    """Each wanted tile, one after the other."""
+    if plan.law != "linear" or plan.model == "independent":
+        need = "must be 'cpu' or 'dask' unless the law is linear and the model newton or adiabatic"
+        raise ValueError(f"engine: got 'cuda', {need}")
+    gpu = open_gpu()
+    with ThreadPoolExecutor(threads) as pool:
+        for tile in wanted:
+            yield tile, compute_on(gpu, tiles.cut(plan, tile), threads, pool, report)
+
+
+def compute_on(
+    gpu: Gpu, plan: Plan, threads: int, pool: ThreadPoolExecutor, report: Callable[[int], object]
+) -> Chunk:
+    """A whole plan in chunks that fit the device: one is computed while another is copied out."""
+    chunk = {name: np.empty(plan.size, VARIABLES[name][0]) for name in plan.variables}
+    left: list[NDArray[np.int64]] = []
+    chunks = Tiles.within(plan.shape, chunk_points(plan, gpu.room()))
+    slots = [Slot(gpu, plan, math.prod(chunks.block)) for _ in range(min(2, len(chunks)))]
+    for k in range(len(chunks) + len(slots)):
+        slot = slots[k % len(slots)]
+        if k >= len(slots):  # the chunk that this slot was at
+            first, count = chunks.span(k - len(slots))
+            results = slot.finish()
+            parts = [(out[first : first + count], results[name]) for name, out in chunk.items()]
+            list(pool.map(np.copyto, *zip(*parts, strict=True)))
+            left.append(first + np.flatnonzero(results["outcome"] == LEFT_TO_HOST))
+            report(first + count)
+        if k < len(chunks):
+            slot.start(chunks.cut(plan, k))
+    _solve_on_host(plan, chunk, np.concatenate(left), threads)
+    return chunk
+
+
+def chunk_points(plan: Plan, room: int) -> int:
+    """Points of a chunk such that two fit into ``room`` bytes even if each has values of its own."""
+    varying = sum(len(v) > 1 for v in plan.values)
+    each = sum(np.dtype(VARIABLES[name][0]).itemsize for name in _kept(plan)) + 8 * (varying + 2)
+    points = int(0.8 * room) // (2 * each) - 1024
+    if points < 1:
+        raise ValueError(f"engine: got 'cuda', must have more free memory on the device than {room} bytes")
+    return min(points, POINTS)
+
+
+def _kept(plan: Plan) -> list[str]:
+    """What the kernel writes; it always tells the outcome."""
+    return [name for name in RESULTS if name in plan.variables or name == "outcome"]
+
+
+def _solve_on_host(plan: Plan, chunk: Chunk, points: NDArray[np.int64], threads: int) -> None:
+    """Fill in the points that the kernel left: resting contacts, long sequences, no drop at all."""
+    if not len(points):
+        return
+    values = zip(plan.values, plan.strides, strict=True)
+    some = dataclasses.replace(
+        plan,
+        values=tuple(v[(points // stride) % len(v)] if len(v) > 1 else v for v, stride in values),
+        strides=(1,) * len(plan.values),
+        dims=("point",),
+        shape=points.shape,
+        coordinates=(),
+    )
+    for name, solved in some.compute(0, some.size, threads).items():
+        if solved.dtype.itemsize > chunk[name].dtype.itemsize:  # contacts that a byte does not hold
+            chunk[name] = chunk[name].astype(solved.dtype)
+        chunk[name][points] = solved
+
+
+class Slot:
+    """Room for one chunk on the device and, page-locked, on the host, and a stream of its own."""
+
+    def __init__(self, gpu: Gpu, plan: Plan, points: int) -> None:
+        self.gpu = gpu
+        self.kept = _kept(plan)
+        self.stream = gpu.stream()
+        most = sum(min(len(v), points) for v in plan.values)
+        self.inputs = gpu.memory(8 * (TASK_FIELDS + 2 * most), self.stream)
+        self.results = gpu.memory(sum(_bytes(name, points) for name in self.kept), self.stream)
+        self.count = 0
+
+    def start(self, plan: Plan, copy_out: bool = True) -> None:
+        """Send a chunk on its way."""
+        self.count = plan.size
+        words, places = self.inputs.host.view(np.uint64), self._places(self.results.address)
+        write_task(plan, words, self.inputs.address, places)
+        self.gpu.to_device(self.stream, self.inputs)
+        if plan.restitution_at >= 0:
+            self.gpu.launch(self.stream, "damping_ratios", self.inputs.address)
+        self.gpu.launch(self.stream, "solve", self.inputs.address)
+        if copy_out:
+            self.gpu.to_host(self.stream, self.results)
+
+    def finish(self) -> Chunk:
+        """Its results, valid until the next start."""
+        self.gpu.wait(self.stream)
+        return {
+            name: self.results.host[at : at + _bytes(name, self.count)].view(VARIABLES[name][0])[: self.count]
+            for name, at in self._places(0).items()
+        }
+
+    def _places(self, start: int) -> dict[str, int]:
+        """Address of each result when the first is at ``start``."""
+        places = {}
+        for name in self.kept:
+            places[name] = start
+            start += _bytes(name, self.count)
+        return places
+
+
+def _bytes(name: str, points: int) -> int:
+    """Room for a result, such that the next one begins at a multiple of eight."""
+    return -(-points * np.dtype(VARIABLES[name][0]).itemsize // 8) * 8
+
+
+def write_task(plan: Plan, words: NDArray[np.uint64], address: int, results: dict[str, int]) -> None:
+    """Write the kernel's Task and the values after it to the host's copy of the memory at ``address``."""
+    end = TASK_FIELDS
+    written: dict[tuple[int, int], int] = {}  # several parameters may share their values
+    values = []
+    for v in plan.values:
+        key = (v.__array_interface__["data"][0], len(v))
+        if key not in written:
+            words[end : end + len(v)] = v.view(np.uint64)
+            written[key] = end
+            end += len(v)
+        values.append(address + 8 * written[key])
+    ratios = [0, 0]
+    if plan.restitution_at >= 0:
+        for side in range(2):
+            ratios[side] = address + 8 * end
+            end += len(plan.values[len(GEOMETRY) + side * _core.max_law_parameters + plan.restitution_at])
+    sizes = [len(v) for v in plan.values]
+    setting = [plan.model == MODELS[1], plan.density_1, plan.density_2, plan.restitution_at % 2**64]
+    outputs = [results.get(name, 0) for name in RESULTS]
+    fields = [0, plan.size, *values, *plan.strides, *sizes, *ratios, *setting, *outputs]
+    words[:TASK_FIELDS] = np.array(fields, dtype=np.uint64)
