@@ -1,0 +1,132 @@
+// The film: its place in time, what moves it, and its picture.
+import { Model, type Core } from "./core";
+import { find, type Sheet } from "./dom";
+import type { Drop } from "./drop";
+import { drawStage } from "./stage";
+import type { State } from "./state";
+
+export class Film {
+  private held = 0; // time the last picture has been shown [s]
+
+  constructor(
+    private readonly state: State,
+    private readonly core: Core,
+    private readonly sheet: Sheet,
+  ) {
+    find("play").addEventListener("click", () => this.play(!state.playing));
+    find("play").textContent = state.playing ? "Pause" : "Play";
+    find("slow").addEventListener("click", () => this.setSlow(!state.view.slow));
+    find("slow").setAttribute("aria-pressed", String(state.view.slow));
+    const scrubber = find<HTMLInputElement>("scrubber");
+    scrubber.addEventListener("input", () => {
+      this.play(false);
+      state.screen = (Number(scrubber.value) / 2000) * state.clock().length;
+    });
+    document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  seek(time: number): void {
+    if (!this.state.drop) return;
+    this.state.screen = this.state.clock().toScreen(time);
+    this.held = 0;
+    this.state.dirty.stage = true;
+  }
+
+  play(on: boolean): void {
+    const { state } = this;
+    state.playing = on;
+    this.held = 0;
+    if (on && state.drop && state.screen >= state.clock().length) state.screen = 0;
+    find("play").textContent = on ? "Pause" : "Play";
+    state.dirty.stage = true;
+    state.writeLink();
+  }
+
+  private setSlow(on: boolean): void {
+    const time = this.state.time();
+    this.state.view.slow = on;
+    find("slow").setAttribute("aria-pressed", String(on));
+    this.seek(time);
+    this.state.writeLink();
+  }
+
+  private step(by: number): void {
+    const { state } = this;
+    this.play(false);
+    state.screen = Math.min(Math.max(state.screen + by, 0), state.clock().length);
+  }
+
+  // Keys of the film work anywhere but in a control that uses them itself.
+  private key(e: KeyboardEvent): void {
+    const { state } = this;
+    const target = e.target as HTMLElement;
+    if (e.ctrlKey || e.metaKey || e.altKey || !state.drop) return;
+    if (target.closest("input, select, button, textarea, a, canvas[tabindex]")) return;
+    const step = state.clock().length / 200;
+    const actions: Record<string, () => void> = {
+      " ": () => this.play(!state.playing),
+      ArrowLeft: () => this.step(-step),
+      ArrowRight: () => this.step(step),
+      Home: () => this.step(-1e9),
+      End: () => this.step(1e9),
+      s: () => this.setSlow(!state.view.slow),
+    };
+    const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+    if (!action) return;
+    e.preventDefault();
+    action();
+  }
+
+  advance(passed: number): void {
+    const { state } = this;
+    const end = state.clock().length;
+    if (state.screen < end) {
+      state.screen = Math.min(state.screen + passed, end);
+      state.dirty.stage = true;
+    } else {
+      this.held += passed;
+      if (this.held > 2.5) {
+        state.screen = this.held = 0;
+        state.dirty.stage = true;
+      }
+    }
+  }
+
+  draw(): void {
+    const { state, sheet } = this;
+    const d = state.drop!;
+    const time = state.time();
+    const rate = drawMoment(sheet.g, sheet.width, sheet.height, state, this.core);
+    const scrubber = find<HTMLInputElement>("scrubber");
+    scrubber.value = String(Math.round((2000 * state.screen) / state.clock().length));
+    const told = clockText(time, d);
+    find("time").textContent = `t = ${told}`;
+    const slower = 1 / rate;
+    const speed = slower < 1.05 ? "real time" : `${slower < 10 ? slower.toFixed(1) : Math.round(Number(slower.toPrecision(2))).toLocaleString("en").replaceAll(",", " ")} × slower than real`;
+    find("speed").textContent = speed;
+    scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
+    if (!state.playing || sheet.canvas.getAttribute("aria-label") === null)
+      sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of Newton’s equations beside those of independent collisions`);
+  }
+}
+
+// Both models at the time of the film; returns how fast it runs there.
+export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, state: State, core: Core): number {
+  const d = state.drop!;
+  const time = state.time();
+  const [newton] = core.sample(Model.newton, [time]);
+  const [icm] = core.sample(Model.independent, [time]);
+  const rate = state.view.slow ? d.clock.rate(time) : 1;
+  drawStage(g, w, h, d, { time, rate, newton, icm }, state.theme);
+  return rate;
+}
+
+// In the unit of the contacts while they last, in seconds before and after.
+export function clockText(time: number, d: Drop): string {
+  const span = d.to - d.from;
+  const near = time > d.from - 2 * span && time < d.to + 2 * span;
+  if (!near) return `${(time - d.origin).toFixed(3).replace("-", "−")} s`;
+  const [factor, unit] = span < 2e-6 ? [1e9, "ns"] : span < 2e-3 ? [1e6, "µs"] : [1e3, "ms"];
+  const places = span * factor < 10 ? 3 : span * factor < 100 ? 2 : 1;
+  return `${((time - d.origin) * factor).toFixed(places).replace("-", "−")} ${unit}`;
+}

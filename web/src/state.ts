@@ -1,0 +1,45 @@
+// What the page shows at this instant, shared by its parts: the scenario, what was solved, the place in the film, and
+// what must be drawn again.
+import type { Clock } from "./clock";
+import type { Drop } from "./drop";
+import { toQuery, type Scenario } from "./scenario";
+import { themeOf, type Theme } from "./theme";
+import { firstView, viewToQuery, type View } from "./view";
+
+export class State {
+  readonly view: View = firstView();
+  drop: Drop | null = null;
+  theme: Theme = themeOf(document.documentElement);
+  screen = 0; // place in the film [s on the screen]
+  playing = false;
+  readonly dirty = { solve: true, plots: true, mapPicture: true, stage: true };
+  private linkTimer = 0;
+
+  // `edited` is told when a part of the page has changed the scenario.
+  constructor(
+    public scenario: Scenario,
+    readonly edited: () => void,
+  ) {}
+
+  clock(): Clock {
+    return this.view.slow ? this.drop!.clock : this.drop!.realTime;
+  }
+  time(): number {
+    return this.drop ? this.clock().toPhysical(this.screen) : 0;
+  }
+  redraw(): void {
+    Object.assign(this.dirty, { plots: true, mapPicture: true, stage: true });
+  }
+
+  link(): string {
+    const q = new URLSearchParams();
+    toQuery(this.scenario, q);
+    viewToQuery({ ...this.view, time: this.playing || this.screen === 0 ? null : this.time() }, q);
+    const text = q.toString().replaceAll("%2C", ",");
+    return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;
+  }
+  writeLink(): void {
+    clearTimeout(this.linkTimer);
+    this.linkTimer = window.setTimeout(() => history.replaceState(null, "", this.link()), 250);
+  }
+}
