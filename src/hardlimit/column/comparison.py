@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .result import Result
+from .. import html
+from ..models import ADIABATIC, MODELS
+from .result import Result, quantities
 from .scenario import Column
 from .solvers import adiabatic, independent, newton
 
@@ -42,39 +43,24 @@ class Comparison:
         """Whether independent collisions do for this column, in one sentence."""
         return _verdict(self)
 
+    def _repr_html_(self) -> str:
+        columns = [quantities(result) for result in self.results]
+        rows = [[row[0][0], *(html.number(value) for _, value in row)] for row in zip(*columns, strict=True)]
+        rows.append(["outcome", *(result.outcome.split(":")[0] for result in self.results)])
+        head = ["", *(MODELS[result.model].short for result in self.results)]
+        return html.table("Newton’s equations and event-driven", head, rows, self.verdict.sentence)
+
 
 def compare(column: Column) -> Comparison:
-    """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A."""
-    linear = all(law.record["name"] == "linear" for law in column.laws)
-    applies = column.floor and len(column.balls) == 2 and linear
-    return Comparison(newton(column), independent(column), adiabatic(column) if applies else None)
+    """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A.
 
-
-def time_after_contacts(result: Result) -> float:
-    """The first instant [s] after the last contact found; NaN if a contact never ends or nothing happened."""
-    end = result.contacts["end"].values
-    return float(end.max()) if end.size else math.nan
-
-
-def final_velocities(result: Result) -> NDArray[np.float64]:
-    """Velocities [m/s] after the last contact, bottom first; NaN if a contact never ends."""
-    after = time_after_contacts(result)
-    if math.isnan(after):
-        return np.full(len(result.column.balls), math.nan)
-    return np.asarray(result.trajectory([after])["velocity"].values[0])
-
-
-def rebound_heights(result: Result) -> NDArray[np.float64]:
-    """Height of each centre [m] at the top of its flight after the last contact, if nothing gets in its way.
-
-    NaN for a ball that does not rise then, and without gravity.
+    Raises
+    ------
+    ValueError
+        If ``column`` is not a Column.
     """
-    after, g = time_after_contacts(result), result.column.gravity
-    if math.isnan(after) or not g > 0.0:
-        return np.full(len(result.column.balls), math.nan)
-    state = result.trajectory([after])
-    z, v = state["position"].values[0], state["velocity"].values[0]
-    return np.where(v > 0.0, z + v**2 / (2.0 * g), math.nan)
+    fast, hard = newton(column), independent(column)
+    return Comparison(fast, hard, adiabatic(column) if ADIABATIC.applies(column) else None)
 
 
 def overlapping_contacts(result: Result) -> int:
@@ -127,7 +113,7 @@ def _difference(c: Comparison) -> tuple[float, str]:
         numbers = f"{_short(hard)} m/s instead of {_short(true)} m/s"
         what = "the separation velocity"
     else:
-        true_all, hard_all = final_velocities(c.newton), final_velocities(c.independent)
+        true_all, hard_all = c.newton.final_velocities, c.independent.final_velocities
         worst = int(np.argmax(np.abs(hard_all - true_all)))
         error = float(abs(hard_all[worst] - true_all[worst])) / c.newton.column.impact_speed
         numbers = f"{_short(hard_all[worst])} m/s instead of {_short(true_all[worst])} m/s"
