@@ -175,9 +175,10 @@ class Law:
 
     def between(self, ball: Ball, other: Ball | Floor = FLOOR) -> Contact:
         """The contact of two bodies; ``other`` is a Ball or FLOOR."""
-        for body in (ball, other):
-            if not isinstance(body, Ball | Floor):
-                raise ValueError(f"between: got {body!r}, must be a Ball or FLOOR")
+        if not isinstance(ball, Ball):
+            raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
+        if not isinstance(other, Ball | Floor):
+            raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
         core = _core.make_contact(
             self.record["name"],
             self.alternative,
