@@ -1,4 +1,4 @@
-// Newton's equations for N balls in a column and any contact law, integrated with high order and every switch
+// Newton's equations for N balls in a column and any contact law, integrated with high order and every event
 // of a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
 //   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v_1),
 //   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
@@ -15,11 +15,11 @@
 // the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
 // method has no memory. p = 1: ξ, g = 1.
 //
-// Switches of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
+// Events of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
 //   open → closed      gap                     slack → open      ξ
 //   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
 // That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
-// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the
+// one. A slack pair overlaps without force. After an event the state is put exactly on the surface, and the
 // function that vanishes there counts again once it has become positive; a value below zero while it rises is
 // rounding. A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on,
 // and whether it becomes a contact, from that instant, is decided by the sign of ξ once that stands out from
@@ -110,7 +110,7 @@ struct Scales {
     }
 };
 
-// The equations of motion between two switches.
+// The equations of motion between two events.
 template <class Law>
 struct Motion {
     static constexpr int p = Law::onset_power;
