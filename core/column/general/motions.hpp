@@ -41,16 +41,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
 #include "dormand_prince.hpp"
 
 namespace hardlimit::column {
-
-// Energies of the column [J]; potential is zero when all gaps are.
-struct Energies {
-    double kinetic, potential, contact, dissipated;
-};
 
 namespace newton {
 
