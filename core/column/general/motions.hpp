@@ -1,4 +1,4 @@
-// Newton's equations for N balls in a column and any contact law, integrated with high order and every switch
+// Newton's equations for N balls in a column and any contact law, integrated with high order and every event
 // of a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
 //   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v_1),
 //   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
@@ -15,15 +15,21 @@
 // the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
 // method has no memory. p = 1: ξ, g = 1.
 //
-// Switches of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
+// Events of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
 //   open → closed      gap                     slack → open      ξ
 //   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
 // That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
-// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the
+// one. A slack pair overlaps without force. After an event the state is put exactly on the surface, and the
 // function that vanishes there counts again once it has become positive; a value below zero while it rises is
-// rounding. A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on,
-// and whether it becomes a contact, from that instant, is decided by the sign of ξ once that stands out from
 // rounding.
+//
+// Touching pairs, gap exactly 0, at release or later. The rate decides: > 0 is a contact now, < 0 is an opening pair
+// without contact, whatever acts beside it. At rate = 0 the acceleration decides. All forces are repulsive and
+// gravity is the same for all, so d(rate_j)/dt = F_{j−1}/m_{j−1} + F_{j+1}/m_j >= 0 (floor: g + F_1/m_1): the pair
+// closes from the instant on at which a contact next to it begins (the floor pair under gravity: at once), and this
+// begins the contacts next to it in turn. Without one it keeps gap and rate 0. Such a contact starts as a high power
+// of time, ξ ~ t^{7/2} for the first one beside a Hertz contact. It is `pressed`: its force law is on, and its end is
+// not looked for until ξ stands out from rounding.
 //
 // A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
 // the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
@@ -50,7 +56,7 @@ namespace hardlimit::column {
 
 namespace newton {
 
-enum class Pair : unsigned char { open, touching, slack, closed };
+enum class Pair : unsigned char { open, pressed, slack, closed };
 
 template <int p>
 double power(double x) {
@@ -106,7 +112,7 @@ struct Scales {
     }
 };
 
-// The equations of motion between two switches.
+// The equations of motion between two events.
 template <class Law>
 struct Motion {
     static constexpr int p = Law::onset_power;
@@ -131,7 +137,7 @@ struct Motion {
     int clock() const { return 2 * balls(); }
     int loss() const { return 2 * balls() + 1; }
 
-    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::touching; }
+    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::pressed; }
     bool free() const { return std::find(pair.begin(), pair.end(), Pair::closed) == pair.end(); }
 
     double rate(int j, const double* y) const {
