@@ -75,13 +75,6 @@ Out map(In x, F&& f) {
     return make_array(std::move(y), {n});
 }
 
-// ξ^(1/p) for the root coordinate of a law.
-template <class Law>
-double root_coordinate(double compression) {
-    static_assert(Law::onset_power == 1 || Law::onset_power == 2);
-    return Law::onset_power == 1 ? compression : hl::math::sqrt(compression);
-}
-
 Out force(const Contact& c, In compression, In rate) {
     std::vector<double> f(compression.shape(0));
     std::visit(
@@ -89,8 +82,9 @@ Out force(const Contact& c, In compression, In rate) {
             using Law = std::decay_t<decltype(law)>;
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const double xi = compression.data()[i];
-                f[i] =
-                    xi > 0.0 ? hl::math::max(0.0, law.force(root_coordinate<Law>(xi), rate.data()[i])) : 0.0;
+                f[i] = xi > 0.0 ? hl::math::max(
+                                      0.0, law.force(hl::onset_root<Law::onset_power>(xi), rate.data()[i]))
+                                : 0.0;
             }
         },
         c.law);
@@ -119,17 +113,23 @@ nb::list law_records() {
         d["class_name"] = r.class_name;
         d["summary"] = r.summary;
         d["source"] = r.source;
-        nb::list common, alternatives, contact;
+        nb::list common, alternatives, constants;
         for (int i = 0; i < r.n_common; ++i) common.append(parameter_dict(r.common[i]));
         for (int a = 0; a < r.n_alternatives; ++a) {
             nb::list one;
             for (int i = 0; i < r.n_in_alternative[a]; ++i) one.append(parameter_dict(r.alternatives[a][i]));
             alternatives.append(one);
         }
-        for (int i = 0; i < r.n_contact; ++i) contact.append(r.contact_parameters[i]);
+        for (int i = 0; i < r.n_constants; ++i) {
+            nb::dict one;
+            one["name"] = r.constants[i].name;
+            one["unit"] = r.constants[i].unit;
+            one["meaning"] = r.constants[i].meaning;
+            constants.append(one);
+        }
         d["common"] = common;
         d["alternatives"] = alternatives;
-        d["contact_parameters"] = contact;
+        d["constants"] = constants;
         laws.append(d);
     });
     return laws;
@@ -371,7 +371,7 @@ void bind_contacts(nb::module_& m) {
                  std::visit(
                      [&](const auto& law) {
                          law.values(v.data());
-                         v.resize(law.record.n_contact);
+                         v.resize(law.record.n_constants);
                      },
                      c.law);
                  return v;
@@ -405,7 +405,7 @@ void bind_contacts(nb::module_& m) {
                     [&](const auto& law) {
                         using Law = std::decay_t<decltype(law)>;
                         return map(compression, [&](double xi) {
-                            return xi > 0.0 ? law.energy(root_coordinate<Law>(xi)) : 0.0;
+                            return xi > 0.0 ? law.energy(hl::onset_root<Law::onset_power>(xi)) : 0.0;
                         });
                     },
                     c.law);
@@ -430,6 +430,7 @@ void bind_contacts(nb::module_& m) {
             return map(x, [=](double v) { return hl::contact::viscoelastic_series(v, terms); });
         },
         "x"_a, "terms"_a = hl::contact::series_terms);
+    m.attr("series_terms") = hl::contact::series_terms;
     m.def(
         "viscoelastic_pade",
         [](In x, int p, int q) {
