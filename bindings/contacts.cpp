@@ -25,35 +25,46 @@ void for_each_law(F&& f) {
 #undef HL_VISIT
 }
 
+template <class Law>
+Law from_parameters(int alternative, const std::vector<double>& parameters, hl::PairGeometry pair) {
+    const hl::LawRecord& r = Law::record;
+    if (alternative < 0 || alternative >= r.n_alternatives)
+        throw nb::value_error(
+            ("alternative: got " + std::to_string(alternative) + ", must be a set of parameters of the law")
+                .c_str());
+    const int wanted = r.n_common + r.n_in_alternative[alternative];
+    if (parameters.size() != static_cast<std::size_t>(wanted))
+        throw nb::value_error(("parameters: got " + std::to_string(parameters.size()) + " values, must be " +
+                               std::to_string(wanted))
+                                  .c_str());
+    return Law::from_parameters(alternative, parameters.data(), pair);
+}
+
 Contact make_contact(const std::string& name, int alternative, const std::vector<double>& parameters,
                      double mass, double radius) {
     Contact made{};
     bool found = false;
     for_each_law([&]<class Law>() {
         if (name != Law::record.name) return;
-        made = {Law::from_parameters(alternative, parameters.data(), {mass, radius}), {mass, radius}};
+        made = {from_parameters<Law>(alternative, parameters, {mass, radius}), {mass, radius}};
         found = true;
     });
     if (!found) throw nb::value_error(("law: unknown name " + name).c_str());
     return made;
 }
 
-// ξ^(1/p) for the root coordinate of a law.
-template <class Law>
-double root_coordinate(double compression) {
-    static_assert(Law::onset_power == 1 || Law::onset_power == 2);
-    return Law::onset_power == 1 ? compression : hl::math::sqrt(compression);
-}
-
-Out force(const Contact& c, In compression, In rate) {
+auto force(const Contact& c, In compression, In rate) {
+    if (rate.shape(0) != compression.shape(0))
+        throw nb::value_error(("rate: got " + std::to_string(rate.shape(0)) + " values, must be " +
+                               std::to_string(compression.shape(0)) + " as of compression")
+                                  .c_str());
     std::vector<double> f(compression.shape(0));
     std::visit(
         [&](const auto& law) {
             using Law = std::decay_t<decltype(law)>;
             for (std::size_t i = 0; i < f.size(); ++i) {
-                const double xi = compression.data()[i];
-                f[i] =
-                    xi > 0.0 ? hl::math::max(0.0, law.force(root_coordinate<Law>(xi), rate.data()[i])) : 0.0;
+                const double xi = compression.data()[i], at = hl::onset_root<Law::onset_power>(xi);
+                f[i] = xi > 0.0 ? hl::math::max(0.0, law.force(at, rate.data()[i])) : 0.0;
             }
         },
         c.law);
@@ -82,17 +93,23 @@ nb::list law_records() {
         d["class_name"] = r.class_name;
         d["summary"] = r.summary;
         d["source"] = r.source;
-        nb::list common, alternatives, contact;
+        nb::list common, alternatives, constants;
         for (int i = 0; i < r.n_common; ++i) common.append(parameter_dict(r.common[i]));
         for (int a = 0; a < r.n_alternatives; ++a) {
             nb::list one;
             for (int i = 0; i < r.n_in_alternative[a]; ++i) one.append(parameter_dict(r.alternatives[a][i]));
             alternatives.append(one);
         }
-        for (int i = 0; i < r.n_contact; ++i) contact.append(r.contact_parameters[i]);
+        for (int i = 0; i < r.n_constants; ++i) {
+            nb::dict one;
+            one["name"] = r.constants[i].name;
+            one["unit"] = r.constants[i].unit;
+            one["meaning"] = r.constants[i].meaning;
+            constants.append(one);
+        }
         d["common"] = common;
         d["alternatives"] = alternatives;
-        d["contact_parameters"] = contact;
+        d["constants"] = constants;
         laws.append(d);
     });
     return laws;
@@ -111,7 +128,7 @@ void bind_contacts(nb::module_& m) {
                  std::visit(
                      [&](const auto& law) {
                          law.values(v.data());
-                         v.resize(law.record.n_contact);
+                         v.resize(law.record.n_constants);
                      },
                      c.law);
                  return v;
@@ -145,7 +162,7 @@ void bind_contacts(nb::module_& m) {
                     [&](const auto& law) {
                         using Law = std::decay_t<decltype(law)>;
                         return map(compression, [&](double xi) {
-                            return xi > 0.0 ? law.energy(root_coordinate<Law>(xi)) : 0.0;
+                            return xi > 0.0 ? law.energy(hl::onset_root<Law::onset_power>(xi)) : 0.0;
                         });
                     },
                     c.law);
@@ -170,6 +187,7 @@ void bind_contacts(nb::module_& m) {
             return map(x, [=](double v) { return hl::contact::viscoelastic_series(v, terms); });
         },
         "x"_a, "terms"_a = hl::contact::series_terms);
+    m.attr("series_terms") = hl::contact::series_terms;
     m.def(
         "viscoelastic_pade",
         [](In x, int p, int q) {
@@ -188,22 +206,3 @@ void bind_contacts(nb::module_& m) {
         "linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration<double>); },
         "damping_ratio"_a);
 }
-
-void bind_math(nb::module_& m) {
-    m.def(
-        "math",
-        [](const std::string& name, In x) {
-            namespace hm = hl::math;
-            const std::pair<const char*, double (*)(double)> functions[] = {{"exp", &hm::exp<double>},
-                                                                            {"log", &hm::log<double>},
-                                                                            {"log1p", &hm::log1p<double>},
-                                                                            {"sin", &hm::sin<double>},
-                                                                            {"cos", &hm::cos<double>}};
-            for (const auto& [known, f] : functions)
-                if (name == known) return map(x, f);
-            throw nb::value_error("name: exp, log, log1p, sin or cos");
-        },
-        "name"_a, "x"_a, "The core's own elementary functions, for their tests.");
-    m.def("atan2_upper", &hl::math::atan2_upper<double>, "y"_a, "x"_a);
-}
-

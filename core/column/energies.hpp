@@ -16,8 +16,8 @@ void mechanical_energies(const Column<Law>& c, const double* gap, const double* 
     double height = 0.0;
     for (int i = 0; i < c.balls; ++i) {
         if (i > 0 || c.floor) height += gap[i];
-        energy[i] = c.mass[static_cast<std::size_t>(i)] *
-                    (0.5 * velocity[i] * velocity[i] + c.gravity * height);
+        energy[i] =
+            c.mass[static_cast<std::size_t>(i)] * (0.5 * velocity[i] * velocity[i] + c.gravity * height);
     }
 }
 

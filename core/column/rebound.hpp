@@ -147,7 +147,8 @@ SharedColumn<Law> without_lowest(const Column<Law>& c, const States& at) {
 
 // What the upper balls do to each other once the lowest has met the floor again.
 template <class Law>
-void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at, Heights& found) {
+void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at,
+                          Heights& found) {
     o.until = math::nan;
     const SharedColumn<Law> upper = without_lowest(c, at);
     const std::unique_ptr<Solution> s = solve_column(upper, model, o);
@@ -187,7 +188,8 @@ States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const S
 
 // [N] [m]; NaN where there is none. `s` is what solve_column(c, model, o) gave.
 template <class Law>
-std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s) {
+std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const SolveOptions& o,
+                                    const Solution& s) {
     using namespace rebound;
     Heights found(c->balls);
     const Sequence& q = s.sequence;

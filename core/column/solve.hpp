@@ -69,17 +69,21 @@ private:
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
 };
 
+inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
+    IntegrateOptions options;
+    options.tolerance = o.tolerance;
+    options.max_steps = o.max_steps;
+    options.until = o.until;
+    options.record = record;
+    options.stop = o.stop;
+    return options;
+}
+
 template <class Law>
 class Integrated final : public Solution {
 public:
     Integrated(SharedColumn<Law> c, const SolveOptions& o) : column_(std::move(c)) {
-        IntegrateOptions options;
-        options.tolerance = o.tolerance;
-        options.until = o.until;
-        options.max_steps = o.max_steps;
-        options.record = o.record;
-        options.stop = o.stop;
-        run_ = integrate(*column_, options);
+        run_ = integrate(*column_, integrate_options(o, o.record));
         sequence = run_.sequence;
         contacts = std::move(run_.contacts);
         steps = run_.steps;
@@ -183,6 +187,30 @@ private:
 template <class Law>
 bool solved_exactly(const Column<Law>& c) {
     return std::is_same_v<Law, contact::LinearDashpot> && c.floor && c.balls == 2;
+}
+
+// Only the sequence, and with `contacts` what closed and when: for maps. Newton's equations where the adiabatic model
+// does not apply.
+template <class Law>
+Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
+                        std::vector<Contact>* contacts) {
+    if (model == Model::independent) {
+        IndependentRun run = solve_independent(c, o.until);
+        if (contacts) *contacts = std::move(run.contacts);
+        return run.sequence;
+    }
+    if constexpr (std::is_same_v<Law, contact::LinearDashpot>) {
+        if (solved_exactly(c) && !o.general) {
+            const Coupling coupling = model == Model::adiabatic ? Coupling::adiabatic : Coupling::full;
+            if (!contacts) return solve_drop_sequence(c, coupling, o.until);
+            Drop d = solve_drop(c, coupling, o.until, false, o.stop);
+            *contacts = std::move(d.contacts);
+            return d.sequence;
+        }
+    }
+    Integration<Law> run = integrate(c, solve::integrate_options(o, false));
+    if (contacts) *contacts = std::move(run.contacts);
+    return run.sequence;
 }
 
 // Null where the model does not apply: the adiabatic one is that of the exact solver only.

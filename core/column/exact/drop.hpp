@@ -116,17 +116,37 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
 
 }  // namespace drop
 
+inline Start start_drop(const LinearColumn& c, Coupling coupling) {
+    return start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                          {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
+}
+
+// `until` [s] on the clock of the solver.
+inline double scaled_span(double until, const Units& units) {
+    return math::is_nan(until) ? -math::infinity : until * units.rate;
+}
+
+// Nothing but the sequence, in SI units.
+inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until) {
+    const Start s = start_drop(c, coupling);
+    Sequence q;
+    q.outcome = s.outcome;
+    if (s.outcome != Outcome::ok) return q;
+    NoRecorder none;
+    q = run_two_ball(s.groups, s.first, s.t, scaled_span(until, s.units), none);
+    to_si(q, s.units);
+    return q;
+}
+
 inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, bool keep_nodes, Stop* stop) {
     Drop d;
-    d.start = start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                             {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
+    d.start = start_drop(c, coupling);
     d.sequence.outcome = d.start.outcome;
     if (d.start.outcome != Outcome::ok) return d;
     const Units units = d.start.units;
     Recorder record{keep_nodes, stop, {}, {}};
     if (d.start.t == 0.0 && d.start.fall > 0.0) record.node({-d.start.fall, d.start.released, false, false});
-    const double end = math::is_nan(until) ? -math::infinity : until * units.rate;
-    d.sequence = run_two_ball(d.start.groups, d.start.first, d.start.t, end, record);
+    d.sequence = run_two_ball(d.start.groups, d.start.first, d.start.t, scaled_span(until, units), record);
     const double t0 = math::is_nan(d.sequence.t_first_touch) ? 0.0 : d.sequence.t_first_touch;
     for (Contact& k : record.contacts) k = {k.pair, (k.begin - t0) / units.rate, (k.end - t0) / units.rate};
     for (Node& n : record.nodes) n.t -= t0;
