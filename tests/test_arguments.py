@@ -17,7 +17,7 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
-from conftest import common_constants, law_of
+from conftest import law_of, typical
 from hardlimit import validation
 
 
@@ -183,6 +183,7 @@ COLUMN = hl.Column.paper()
 CRADLE = hl.Column.cradle([BALL, BALL], [1.0, 0.0], LAW)
 RESULT = hl.newton(COLUMN)
 CONTACT = LAW.between(BALL)
+PHYSICS = {"restitution": 0.5, "stiffness": 1e6, "effective_mass": 0.1}
 
 
 def arguments() -> list[Argument]:
@@ -201,6 +202,10 @@ def arguments() -> list[Argument]:
         Argument("Contact.force", "rate", "numbers of any shape", CONTACT.force, 1.0, {"compression": 1e-3}),
         Argument("Result.trajectory", "times", "optional numbers", RESULT.trajectory, 1e-4),
         Argument("compare", "column", "column", hl.compare, COLUMN),
+        *(
+            Argument("usual_damping", name, "number", hl.usual_damping, value, PHYSICS)
+            for name, value in PHYSICS.items()
+        ),
     ]
     whole = {"balls": [BALL, BALL], "gaps": 1e-3, "height": 0.6, "law": LAW}
     kinds = {"balls": "balls", "gaps": "one number for each", "height": n, "law": "law",
@@ -236,7 +241,7 @@ def arguments_of_law(kind: str) -> list[Argument]:
     """Every parameter of a law in every way of giving it, and in ``replace``."""
     law, found = hl.LAWS[kind], []
     for choice in law.record["alternatives"]:
-        given = common_constants(kind) | {p["name"]: 0.5 for p in choice}
+        given = {p["name"]: typical(p) for p in [*law.record["common"], *choice]}
         for name, value in given.items():
             rest = {key: other for key, other in given.items() if key != name}
             found.append(Argument(law.__name__, name, "number", law, value, rest))
