@@ -1,8 +1,8 @@
 // Which solver takes which column, and what each of them found as a Solution.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <memory>
-#include <mutex>
 #include <type_traits>
 #include <utility>
 
@@ -41,10 +41,11 @@ public:
         last = at(drop_.nodes.back());
         if (math::abs(last - o.until) <= 1e-12 * math::abs(o.until)) last = o.until;  // reached to rounding
     }
+    ~Exact() override { delete dissipated_.load(); }
     void sample(const double* times, States& out) const override {
-        std::call_once(summed_, [this] { dissipated_ = dissipated_energy(*column_, drop_); });
+        const std::vector<double>& dissipated = dissipated_up_to_nodes();
         for (std::size_t i = 0; i < out.n; ++i) {
-            const DropSample s = sample_drop(*column_, drop_, dissipated_, times[i]);
+            const DropSample s = sample_drop(*column_, drop_, dissipated, times[i]);
             for (std::size_t j = 0; j < 2; ++j) {
                 out.gap[2 * i + j] = s.gap[j];
                 out.velocity[2 * i + j] = s.velocity[j];
@@ -63,10 +64,17 @@ public:
 private:
     SharedColumn<contact::LinearDashpot> column_;
     Drop drop_;
-    mutable std::once_flag summed_;  // only a trajectory asks for the dissipated energy
-    mutable std::vector<double> dissipated_;
+    mutable std::atomic<const std::vector<double>*> dissipated_{nullptr};  // null: not asked for yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
+
+    // Only a trajectory asks for it. Threads that ask at once each compute the same; the first to finish sets it.
+    const std::vector<double>& dissipated_up_to_nodes() const {
+        if (const std::vector<double>* known = dissipated_.load()) return *known;
+        auto sum = std::make_unique<const std::vector<double>>(dissipated_energy(*column_, drop_));
+        const std::vector<double>* first_set = nullptr;
+        return dissipated_.compare_exchange_strong(first_set, sum.get()) ? *sum.release() : *first_set;
+    }
 };
 
 inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
