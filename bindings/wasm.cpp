@@ -172,21 +172,18 @@ template <class Law>
 struct Independent final : Solution {
     col::Column<Law> column;
     col::IndependentRun run;
+    col::IndependentMotion<Law> motion;
     double initial = 0.0;
-    std::size_t at = 0;
-    Independent(const col::Column<Law>& c, double until) : column(c), run(col::solve_independent(c, until)) {
+    Independent(const col::Column<Law>& c, double until)
+        : column(c), run(col::solve_independent(c, until)), motion(column, run) {
         sequence = run.sequence;
         contacts = run.contacts;
-        first = run.flights.front().t;
-        last = hl::math::is_nan(until) ? run.flights.back().t : hl::math::max(until, run.flights.back().t);
-        initial = total(run.flights.front(), nullptr);
+        first = run.t_first;
+        last = run.t_last;
+        initial = total(run.states.front(), nullptr);
     }
     void sample(double t, double* row) override {
-        if (run.flights[at].t > t) at = 0;
-        while (at + 1 < run.flights.size() && run.flights[at + 1].t <= t) ++at;
-        col::Flight f = run.flights[at];
-        col::independent::advance(column, f, t - f.t);
-        *State(row, column.balls).dissipated = initial - total(f, row);
+        *State(row, column.balls).dissipated = initial - total(motion.at(t), row);
     }
 
 private:
@@ -200,7 +197,7 @@ private:
             s.force[i] = 0.0;
         }
         *s.stored = 0.0;
-        complete(column, s, column.floor ? 0.0 : f.lowest - column.gaps[0] - column.radius[0]);
+        complete(column, s, column.floor ? 0.0 : f.gaps[0] - column.gaps[0]);
         for (int i = 0; i < column.balls; ++i) sum += s.energy[i];
         return sum;
     }
