@@ -73,8 +73,9 @@ Event next_event(const Column<Law>& c, const Flight& f) {
     }
     for (int j = f.resting + 1; j < c.balls; ++j) {
         const double rate = f.velocity[j] - f.velocity[j - 1];
+        if (!(rate < 0.0)) continue;
         const double wait = math::max(0.0, f.gaps[j]) / -rate;
-        if (rate < 0.0 && wait <= e.in) e = {wait, j};
+        if (wait <= e.in) e = {wait, j};
     }
     return e;
 }
@@ -197,7 +198,7 @@ private:
 
     bool over() {
         if (stop_ && (*stop_)()) return true;
-        q.moves_freely(slowest_opening(c, f), q.floor_opened);
+        if (!q.finished) q.moves_freely(slowest_opening(c, f), q.floor_opened);
         return q.finished && !(f.t < end());
     }
 
@@ -271,9 +272,12 @@ public:
             independent::collide(c, f, e.pair);
         }
         Flight state = f;
-        if (!(time <= run.t_last)) time = math::nan;  // the limit on collisions was reached before
         independent::advance(c, state, time - (f.t - run.origin));
         state.t = time;
+        if (!(time <= run.t_last)) {  // the limit on collisions was reached before
+            std::fill(state.gaps.begin(), state.gaps.end(), math::nan);
+            std::fill(state.velocity.begin(), state.velocity.end(), math::nan);
+        }
         return state;
     }
 
