@@ -136,31 +136,27 @@ template <class Law>
 class EventDriven final : public Solution {
 public:
     EventDriven(SharedColumn<Law> c, const SolveOptions& o)
-        : column_(std::move(c)), run_(solve_independent(*column_, o.until)) {
+        : column_(std::move(c)), run_(solve_independent(*column_, o.until, o.stop)) {
         sequence = run_.sequence;
-        contacts = std::move(run_.contacts);
-        steps = static_cast<long>(run_.flights.size());
-        first = run_.flights.front().t;
-        last = run_.flights.back().t;
-        if (o.until > last) last = o.until;
+        contacts = run_.contacts;
+        steps = static_cast<long>(contacts.size()) + 1;
+        first = run_.t_first;
+        last = run_.t_last;
     }
     void sample(const double* times, States& out) const override {
         States released(1, column_->balls);
-        fill(run_.flights.front(), released, 0);
+        fill(run_.states.front(), released, 0);
         const double initial = sum(released, 0);
+        IndependentMotion<Law> motion(*column_, run_);
         for (std::size_t i = 0; i < out.n; ++i) {
-            const auto after = std::upper_bound(run_.flights.begin() + 1, run_.flights.end(), times[i],
-                                                [](double t, const Flight& f) { return t < f.t; });
-            Flight f = *(after - 1);
-            independent::advance(*column_, f, times[i] - f.t);
-            fill(f, out, i);
+            fill(motion.at(times[i]), out, i);
             out.total[i].dissipated = initial - sum(out, i);
         }
     }
     std::vector<double> knots() const override {
-        std::vector<double> times;
-        for (const Flight& f : run_.flights) times.push_back(f.t);
-        if (last > times.back()) times.push_back(last);
+        std::vector<double> times{first};
+        for (const Contact& k : contacts) times.push_back(k.begin);
+        times.push_back(last);
         return times;
     }
 
@@ -184,7 +180,7 @@ private:
             kinetic += 0.5 * c.mass[j] * f.velocity[j] * f.velocity[j];
             potential += c.gravity * c.mass[j] * height;
         }
-        out.complete(c, i, f.lowest - c.gaps[0] - c.radius[0]);
+        out.complete(c, i, f.gaps[0] - c.gaps[0]);
         out.total[i] = {kinetic, potential, 0.0, 0.0};
     }
 };
@@ -203,7 +199,7 @@ template <class Law>
 Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
                         std::vector<Contact>* contacts) {
     if (model == Model::independent) {
-        IndependentRun run = solve_independent(c, o.until);
+        IndependentRun run = solve_independent(c, o.until, o.stop);
         if (contacts) *contacts = std::move(run.contacts);
         return run.sequence;
     }
