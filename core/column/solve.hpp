@@ -155,7 +155,10 @@ public:
     }
     std::vector<double> knots() const override {
         std::vector<double> times{first};
-        for (const Contact& k : contacts) times.push_back(k.begin);
+        for (const Contact& k : contacts) {  // also the instant before, since velocities jump
+            times.push_back(k.begin - 2.0 * math::epsilon * math::max(math::abs(k.begin), math::abs(first)));
+            times.push_back(k.begin);
+        }
         times.push_back(last);
         return times;
     }
