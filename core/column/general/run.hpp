@@ -40,7 +40,7 @@ struct Integration {
     std::vector<double> velocity;   // [N] [m/s]
     long steps = 0;                 // integration steps, rejected ones included, and events
     double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
-    std::vector<newton::Interval> intervals;  // with `record`; the last has length 0
+    std::vector<newton::Interval> intervals;  // with `record`; one of length 0 keeps its state
 };
 
 namespace newton {
@@ -381,15 +381,30 @@ private:
     // ---- the end ------------------------------------------------------------------------------------------
 
     bool rests() {
-        if (!column.floor || !(column.gravity > 0.0) || sequence().outcome == Outcome::at_rest) return false;
+        if (!column.floor || !(column.gravity > 0.0)) return false;
         for (const Pair pair : motion.pair) {
             if (pair != Pair::closed) return false;
         }
         if (equilibrium.empty()) equilibrium.emplace_back(column);
-        if (!equilibrium.front().holds(motion, y.data())) return false;
+        const double energy = equilibrium.front().energy(motion, y.data());
+        if (!equilibrium.front().holds(energy)) return false;
         if (!sequence().finished) sequence().comes_to_rest(column.balls > 1);
         stopped = complete();
+        if (!stopped && equilibrium.front().settled(energy)) stand_still();
         return stopped;
+    }
+
+    // From now to `until`: an interval of length 0 keeps its state.
+    void stand_still() {
+        for (int j = 0; j < column.balls; ++j) {
+            motion.choose_coordinate(j, y.data(), false);
+            y[j] = -equilibrium.front().depth[j];
+            y[column.balls + j] = 0.0;
+        }
+        record(0.0);
+        y[motion.clock()] = math::max(now(), options.until);
+        keep(y);
+        stopped = true;
     }
 
     Integration<Law> finish() {

@@ -32,7 +32,11 @@ void sample(const Column<Law>& column, const Integration<Law>& run, const double
             motion.pair = from.pair;
             motion.rooted = from.rooted;
             motion(from.y.data(), k.data());
-            motion.reach(from.y.data(), k.data(), from.length, times[i], y.data());
+            if (from.length > 0.0) {
+                motion.reach(from.y.data(), k.data(), from.length, times[i], y.data());
+            } else {
+                y = from.y;
+            }
         } else {
             std::fill(y.begin(), y.end(), math::nan);
         }
