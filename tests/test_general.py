@@ -283,6 +283,15 @@ def test_what_has_come_to_rest_is_not_integrated_for_ever(name):
     assert long.energy_error < 1e-10
 
 
+@pytest.mark.parametrize("stiffness", [5e-324, 1e-300, 1e308])
+def test_constants_beyond_the_range_of_doubles_end_with_an_outcome(stiffness):
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=0.7)
+    balls = [hl.Ball(0.03, density=2000.0), hl.Ball(0.02, density=2000.0)]
+    result = hl.newton(hl.Column(balls, [1e-4], 0.4, law), method="general")
+    assert result.outcome_code in (hl.OUTCOMES.index("invalid"), hl.OUTCOMES.index("unresolved"))
+    assert result._core.steps < 1000
+
+
 @every_law
 def test_one_ball_laid_on_the_floor(name):
     column, _ = one_ball(law_of(name, 0.02), 0.0, -1e-6)

@@ -20,13 +20,17 @@ struct IntegrateOptions {
 
 namespace newton {
 
-// Start of an interval without events. State: N coordinates (gap or s), N velocities, time, dissipated
-// energy.
-struct Interval {
-    double t, length;  // length in τ
-    std::vector<double> y;
+// What changes at events only.
+struct Modes {
     std::vector<Pair> pair;
     std::vector<unsigned char> rooted;  // whether the coordinate is s
+    bool operator==(const Modes&) const = default;
+};
+
+// An interval without events.
+struct Interval {
+    double t, length;   // begin [s] after the first floor touch (cradle: release); length in τ
+    std::size_t modes;  // index
 };
 
 }  // namespace newton
@@ -41,6 +45,8 @@ struct Integration {
     long steps = 0;                 // integration steps, rejected ones included, and events
     double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
     std::vector<newton::Interval> intervals;  // with `record`; one of length 0 keeps its state
+    std::vector<double> states;               // [intervals × (2N + 2)] where they begin, as in Motion
+    std::vector<newton::Modes> modes;
 };
 
 namespace newton {
@@ -59,7 +65,7 @@ public:
     }
 
     Integration<Law> integrate() {
-        if (!(motion.scales.speed > 0.0)) {
+        if (!(motion.scales.speed > 0.0 && math::is_finite(motion.scales.time))) {
             sequence().outcome = Outcome::invalid;
             return finish();
         }
@@ -129,7 +135,11 @@ private:
     }
 
     void record(double length) {
-        if (options.record) result.intervals.push_back({now(), length, y, motion.pair, motion.rooted});
+        if (!options.record) return;
+        Modes modes{motion.pair, motion.rooted};
+        if (result.modes.empty() || result.modes.back() != modes) result.modes.push_back(std::move(modes));
+        result.intervals.push_back({now(), length, result.modes.size() - 1});
+        result.states.insert(result.states.end(), y.begin(), y.end());
     }
 
     void keep(const std::vector<double>& state) {
@@ -347,9 +357,9 @@ private:
             c.begin -= t;
             c.end -= t;
         }
-        for (Interval& i : result.intervals) {
-            i.t -= t;
-            i.y[motion.clock()] -= t;
+        for (std::size_t i = 0; i < result.intervals.size(); ++i) {
+            result.intervals[i].t -= t;
+            result.states[i * y.size() + static_cast<std::size_t>(motion.clock())] -= t;
         }
         sequence().t_end -= t;
         y[motion.clock()] -= t;
