@@ -268,6 +268,31 @@ def test_one_ball_until_it_rests(name):
 
 
 @every_law
+def test_what_has_come_to_rest_is_not_integrated_for_ever(name):
+    """The column damped away holds its state however long it lies there, and carries its weight."""
+    balls = [hl.Ball(0.03, density=2000.0), hl.Ball(0.02, density=2000.0)]
+    column = hl.Column(balls, [1e-4], 0.04, law_of(name, 0.3))
+    short, long = (hl.newton(column, until=u, method="general") for u in (10.0, 1e6))
+    assert long._core.steps == short._core.steps < 100_000
+    assert long.positions.tolist() == short.positions.tolist()
+    assert (long.velocities == 0.0).all()
+    at = long.trajectory([9.0, 1e3, 1e6])
+    assert at.position.values == pytest.approx(np.tile(long.positions, (3, 1)), abs=1e-15)
+    weight = [sum(b.mass for b in balls) * 9.81, balls[1].mass * 9.81]
+    assert at.force.values == pytest.approx(np.tile(weight, (3, 1)), rel=1e-9)
+    assert long.energy_error < 1e-10
+
+
+@pytest.mark.parametrize("stiffness", [5e-324, 1e-300, 1e308])
+def test_constants_beyond_the_range_of_doubles_end_with_an_outcome(stiffness):
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=0.7)
+    balls = [hl.Ball(0.03, density=2000.0), hl.Ball(0.02, density=2000.0)]
+    result = hl.newton(hl.Column(balls, [1e-4], 0.4, law), method="general")
+    assert result.outcome_code in (hl.OUTCOMES.index("invalid"), hl.OUTCOMES.index("unresolved"))
+    assert result._core.steps < 1000
+
+
+@every_law
 def test_one_ball_laid_on_the_floor(name):
     column, _ = one_ball(law_of(name, 0.02), 0.0, -1e-6)
     result = _core.newton(column, math.nan, False, 1e-14)
