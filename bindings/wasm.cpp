@@ -239,6 +239,9 @@ struct ContactsOnly {
     std::vector<col::Contact> contacts;
     long open[2] = {-1, -1};
     void node(const col::Node&) {}
+    void clock_restarts(double t) {
+        for (col::Contact& k : contacts) k = {k.pair, k.begin - t, k.end - t};
+    }
     void begins(int pair, double t) {
         open[pair] = static_cast<long>(contacts.size());
         contacts.push_back({pair, t, hl::math::nan});

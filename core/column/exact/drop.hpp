@@ -15,6 +15,10 @@ struct Recorder {
     long open[2] = {-1, -1};
 
     void node(const Node& n) { nodes.push_back(n); }
+    void clock_restarts(double t) {
+        for (Node& n : nodes) n.t -= t;
+        for (Contact& k : contacts) k = {k.pair, k.begin - t, k.end - t};
+    }
     void begins(int pair, double t) {
         open[pair] = static_cast<long>(contacts.size());
         contacts.push_back({pair, t, math::nan});
