@@ -24,6 +24,10 @@ struct Recorder {
         if (keep_nodes) nodes.push_back(n);
     }
     bool stopped() const { return stop && (*stop)(); }
+    void clock_restarts(double t) {
+        for (Node& n : nodes) n.t -= t;
+        for (Contact& k : contacts) k = {k.pair, k.begin - t, k.end - t};
+    }
     void begins(int pair, double t) {
         open[pair] = static_cast<long>(contacts.size());
         contacts.push_back({pair, t, math::nan});
