@@ -225,17 +225,16 @@ template <class Law>
 struct IndependentSolution final : Solution {
     col::Column<Law> column;
     col::IndependentRun run;
-    double until;
-    IndependentSolution(const col::Column<Law>& c, double until_)
-        : column(c), run(col::solve_independent(c, until_)), until(until_) {
+    IndependentSolution(const col::Column<Law>& c, double until)
+        : column(c), run(col::solve_independent(c, until)) {
         sequence = run.sequence;
         contacts = run.contacts;
-        steps = static_cast<long>(run.flights.size());
-        t_first = run.flights.front().t;
-        t_last = hl::math::is_nan(until) ? run.flights.back().t : hl::math::max(until, run.flights.back().t);
+        steps = static_cast<long>(run.contacts.size()) + 1;
+        t_first = run.t_first;
+        t_last = run.t_last;
     }
     double mechanical(const col::Flight& f, Samples* out, std::size_t i) const {
-        double kinetic = 0.0, potential = 0.0, height = 0.0, position = f.lowest;
+        double kinetic = 0.0, potential = 0.0, height = 0.0, position = f.gaps[0] + column.radius[0];
         for (int j = 0; j < column.balls; ++j) {
             if (j > 0) position += column.radius[j - 1] + f.gaps[j] + column.radius[j];
             kinetic += 0.5 * column.mass[j] * f.velocity[j] * f.velocity[j];
@@ -253,14 +252,10 @@ struct IndependentSolution final : Solution {
         return kinetic + potential;
     }
     void sample(const double* times, Samples& out) override {
-        const double initial = mechanical(run.flights.front(), nullptr, 0);
-        for (std::size_t i = 0; i < out.n; ++i) {
-            std::size_t k = 0;
-            while (k + 1 < run.flights.size() && run.flights[k + 1].t <= times[i]) ++k;
-            col::Flight f = run.flights[k];
-            col::independent::advance(column, f, times[i] - f.t);
-            out.dissipated[i] = initial - mechanical(f, &out, i);
-        }
+        const double initial = mechanical(run.states.front(), nullptr, 0);
+        col::IndependentMotion motion(column, run);
+        for (std::size_t i = 0; i < out.n; ++i)
+            out.dissipated[i] = initial - mechanical(motion.at(times[i]), &out, i);
     }
 };
 

@@ -242,30 +242,3 @@ def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
     with Progress(*columns, console=out, transient=True, disable=not out.is_terminal) as bar:
         task = bar.add_task(title, total=1.0)
         yield lambda part, text: bar.update(task, completed=part, description=text)
-
-
-@contextmanager
-def progress(title: str, rate: str | None = None) -> Iterator[Callable[[int, int], None]]:
-    """A progress bar on stderr, fed with (done, total); nothing where stderr is not a terminal."""
-    from rich.progress import (
-        BarColumn,
-        Progress,
-        ProgressColumn,
-        TaskProgressColumn,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-    from rich.text import Text
-
-    class Rate(ProgressColumn):
-        def render(self, task: Any) -> Text:
-            speed = task.finished_speed or task.speed
-            return Text(f"{quantity(speed, rate or '', 3)}/s" if speed else "", style="cyan")
-
-    out = console(stderr=True)
-    columns: list[Any] = [TextColumn("{task.description}"), BarColumn(), TaskProgressColumn()]
-    columns += [Rate()] if rate else []
-    columns += [TimeRemainingColumn()]
-    with Progress(*columns, console=out, transient=True, disable=not out.is_terminal) as bar:
-        task = bar.add_task(title, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

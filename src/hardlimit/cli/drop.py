@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..column import files
-from ..column.comparison import Comparison, compare, final_velocities, rebound_heights
+from ..column.comparison import Comparison, compare
 from ..column.result import Result
 from ..column.scenario import Column
 from ..column.solvers import newton
 from ..contact import Law
+from ..models import MODELS
+from ..progress import bar
 from .common import (
     NUMBER,
     Command,
@@ -27,7 +29,6 @@ from .common import (
     length,
     plain,
     print_json,
-    progress,
     quantity,
     show,
     table,
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from rich.table import Table
-
-MODEL_NAMES = {"newton": "Newton", "adiabatic": "adiabatic", "independent": "independent"}
 
 
 BALL_OPTIONS = ("radii", "radius_1", "radius_2", "radius_ratio", "densities", "masses")
@@ -134,7 +133,7 @@ def drop(
     if film:
         from ..pictures.animation import animate as write_film
 
-        with progress("film") as report:
+        with bar("film") as report:
             write_film(shown, film, ghost=found.independent, progress=report)
     if outputs["save"]:
         save_results((shown, *found.results[1:]), outputs["save"])
@@ -236,7 +235,7 @@ def contact_table(result: Result, most: int = 40) -> Table:
 
 def comparison_table(found: Comparison) -> Table:
     results = found.results
-    names = ["", *(MODEL_NAMES[r.model] for r in results)]
+    names = ["", *(MODELS[r.model].short for r in results)]
     rows = [[label, *(text(r) for r in results)] for label, text in comparison_rows(found.newton.column)]
     rows.append(["outcome", *(r.outcome.split(":")[0] for r in results)])
     return table(names, rows)
@@ -263,14 +262,14 @@ def comparison_rows(column: Column) -> list[tuple[str, Callable[[Result], str]]]
                 ("effective ε / ε at separation", lambda r: digits(r.restitution_ratio_at_separation)),
             ]
     for i in reversed(range(len(column.balls))):
-        rows.append((f"final velocity of ball {i + 1} [m/s]", partial(_of_ball, final_velocities, i)))
+        rows.append((f"final velocity of ball {i + 1} [m/s]", partial(_of_ball, "final_velocities", i)))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):
-        rows.append((f"rebound height of ball {i + 1} [m]", partial(_of_ball, rebound_heights, i)))
+        rows.append((f"rebound height of ball {i + 1} [m]", partial(_of_ball, "rebound_heights", i)))
     return rows
 
 
-def _of_ball(values: Callable[[Result], Any], i: int, result: Result) -> str:
-    return digits(float(values(result)[i]))
+def _of_ball(name: str, i: int, result: Result) -> str:
+    return digits(float(getattr(result, name)[i]))
 
 
 # --- for machines -------------------------------------------------------------------------------------------
@@ -305,7 +304,7 @@ def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
     values = {name: getattr(result, name) for name in names}
     contacts = {str(name): shown.contacts[name].values for name in shown.contacts.data_vars}
     state = {"positions": shown.positions, "velocities": shown.velocities}
-    heights = {"rebound_heights": rebound_heights(result)}
+    heights = {"rebound_heights": result.rebound_heights}
     mapping: dict[str, Any] = plain({**values, **state, **heights, "contacts": contacts})
     return mapping
 

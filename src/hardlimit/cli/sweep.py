@@ -13,6 +13,7 @@ import numpy as np
 from .. import validation
 from ..column import files
 from ..column.scenario import Column
+from ..progress import bar
 from ..sweep import ENGINES, VARIABLES
 from ..sweep import sweep as compute
 from ..sweep.plan import MODELS, SWEEPABLE
@@ -25,7 +26,6 @@ from .common import (
     law_options,
     plain,
     print_json,
-    progress,
     quantity,
     show,
     table,
@@ -150,7 +150,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
     }
     import xarray  # noqa: F401  # here, so that loading it does not count as time of the sweep
 
-    with progress("sweep", "points") as report:
+    with bar("sweep", "points") as report:
         store = out if out is not None and out.suffix == ".zarr" else None
         ds = compute(column, store=store, progress=report, **run, **swept)
     if out is not None and store is None:

@@ -3,48 +3,61 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
+from .. import _core, html, validation
+from ..models import MODELS
 from .scenario import Column
+
+PAIRS: Final = "0 = floor and lowest ball, 1 = lowest and second, …"
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-Solver = Callable[[float], _core.Solution]
+    from .._core import Solution
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """Outcome of one drop under one model. Times in s after the first floor touch (cradle: after release).
 
-    Attributes
-    ----------
-    column : Column
-    model : str
-        ``"newton"``, ``"adiabatic"`` or ``"independent"``.
-    method : str
-        How it was solved, in words.
+    It never changes, and its arrays are read-only. A copy, or a result that was sent to another process, is solved
+    again when it is first asked for a value, and has the same bits.
     """
 
-    def __init__(self, column: Column, model: str, method: str, solver: Solver, until: float | None) -> None:
-        self.column = column
-        self.model = model
-        self.method = method
-        self.until = until
-        self._solver = solver
-        self._core = solver(math.nan if until is None else until)
+    column: Column
+    model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
+    method: str  #: how it was solved, in words
+    until: float | None  #: the time asked for [s], if any
+    options: tuple[Any, ...] = ()  #: what the model's solver takes besides column and time
+
+    @cached_property
+    def _core(self) -> Solution:
+        return self._solve(math.nan if self.until is None else self.until)
+
+    def _solve(self, until: float) -> Solution:
+        return MODELS[self.model].solve(self.column.core, until, *self.options)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __repr__(self) -> str:
         v = f"{self.relative_velocity:.6g} m/s" if not math.isnan(self.relative_velocity) else "undefined"
         found = f"{self.n_contacts} ball–ball contacts, v'_r {v}, {self.outcome}"
         return f"<Result of {self.model} ({self.method}): {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows.append(["outcome", self.outcome])
+        model = MODELS[self.model]
+        return html.table(f"{model.label}: {self.method}", ["", ""], rows, f"Limits: {model.limits}.")
 
     @property
     def n_contacts(self) -> int:
@@ -106,35 +119,73 @@ class Result:
         """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
         return self._core.outcome
 
+    @cached_property
+    def final_velocities(self) -> NDArray[np.float64]:
+        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest."""
+        ends = self._contacts["end"].values
+        ends = ends[np.isfinite(ends)]
+        if not ends.size or _core.outcome_names[self.outcome_code] == "at_rest":
+            return _fixed(np.full(len(self.column.balls), math.nan))
+        return _fixed(self._sample(np.array([ends.max()]))[1][0])
+
+    @cached_property
+    def rebound_heights(self) -> NDArray[np.float64]:
+        """Greatest height of each centre above the floor [m] after the ball's first bounce, bottom first.
+
+        With ``until`` that up to this time. Else that which the ball reaches if nothing follows the second floor
+        contact of the lowest ball but what the others still do to each other (see docs/definitions.md). NaN for a
+        ball that does not bounce, and for a cradle.
+        """
+        return _fixed(np.asarray(self._core.rebound_heights()))
+
     @property
     def energy_error(self) -> float:
         """Largest error of the energy balance relative to the initial energy; NaN unless integrated."""
         return self._core.energy_error
 
-    @cached_property
+    @property
     def contacts(self) -> xr.Dataset:
         """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin``, ``end`` [s].
 
-        ``end`` is NaN for a contact that never ends. With ``until``, the contacts that began up to it.
+        ``end`` is NaN for a contact that never ends, or that was not followed: the floor contact that ends the run
+        of more than two balls. With ``until``, the contacts that began up to it.
         """
+        return self._contacts.copy()
+
+    @cached_property
+    def _contacts(self) -> xr.Dataset:
         import xarray as xr
 
         pair, begin, end = self._core.contacts()
         if self.until is not None:
             kept = begin <= self.until
             pair, begin, end = pair[kept], begin[kept], end[kept]
-        seconds = {"units": "s", "long_name": "time after the first floor touch"}
+        seconds = {"units": "s", "long_name": self._since}
         return xr.Dataset(
             {
-                "pair": (
-                    "contact",
-                    pair,
-                    {"long_name": "0 = floor and lowest ball, 1 = lowest and second, …"},
-                ),
-                "begin": ("contact", begin, seconds),
-                "end": ("contact", end, seconds),
-            }
+                "pair": ("contact", _fixed(pair), {"long_name": PAIRS}),
+                "begin": ("contact", _fixed(begin), seconds),
+                "end": ("contact", _fixed(end), seconds),
+            },
+            attrs=self._attributes("Contacts"),
         )
+
+    @property
+    def _since(self) -> str:
+        return f"time after {'the first floor touch' if self.column.floor else 'release'}"
+
+    def _attributes(self, what: str) -> dict[str, Any]:
+        """Attributes of a Dataset in the names of the CF conventions, and how to compute it again."""
+        facts = {
+            "title": f"{what} of a {'column' if self.column.floor else 'cradle'} of balls",
+            "source": f"hardlimit {_core.version}, {MODELS[self.model].label}",
+            "model": self.model,
+            "method": self.method,
+            "column": repr(self.column),
+            "outcome": self.outcome,
+            "hardlimit_version": _core.version,
+        }
+        return facts if self.until is None else facts | {"until": self.until}
 
     @cached_property
     def _final(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -143,8 +194,8 @@ class Result:
             at = self.until
         if math.isnan(at):
             at = self._core.t_last
-        sampled = self._sample(np.array([at]))
-        return sampled[0][0], sampled[1][0]
+        sampled = self._sample(np.array([max(at, self._core.t_first)]))
+        return _fixed(sampled[0][0]), _fixed(sampled[1][0])
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -160,8 +211,8 @@ class Result:
         core = self._core
         last = float(times.max(initial=-math.inf))
         if last > core.t_last:  # beyond what was solved: go on
-            core = self._solver(last)
-        return core.sample(times, len(self.column.balls))
+            core = self._solve(last)
+        return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
         """Times that show the contacts well: evenly spaced over the sequence, and every begin and end."""
@@ -191,16 +242,13 @@ class Result:
         Raises
         ------
         ValueError
-            If a time lies before release or is not finite.
+            If ``times`` is not a number or a one-dimensional array of them, or one lies before release or is not
+            finite.
         """
         import xarray as xr
 
-        at = np.atleast_1d(
-            np.asarray(self.default_times() if times is None else times, dtype=np.float64)
-        ).ravel()
+        at = self.default_times() if times is None else self._times(times)
         first = self._core.t_first
-        for bad in at[~(np.isfinite(at) & (at >= first * (1.0 + 1e-12)))]:
-            raise ValueError(f"times: got {bad:.16g}, must be >= {first:.16g} (release) and finite")
         position, velocity, force, kinetic, potential, stored, dissipated = self._sample(
             np.ascontiguousarray(np.maximum(at, first))
         )
@@ -212,17 +260,25 @@ class Result:
                 "position": (("time", "ball"), position, {"units": "m", "long_name": "height of the centre"}),
                 "velocity": (("time", "ball"), velocity, {"units": "m/s", "long_name": "velocity, upwards"}),
                 "force": (("time", "pair"), force[:, pairs], {"units": "N", "long_name": "contact force"}),
-                "kinetic_energy": ("time", kinetic, joule),
+                "kinetic_energy": ("time", kinetic, joule | {"long_name": "kinetic energy"}),
                 "potential_energy": ("time", potential, joule | {"long_name": "zero when all gaps are"}),
                 "contact_energy": ("time", stored, joule | {"long_name": "elastic energy of the contacts"}),
-                "dissipated_energy": ("time", dissipated, joule),
+                "dissipated_energy": ("time", dissipated, joule | {"long_name": "dissipated energy"}),
             },
             coords={
-                "time": ("time", at, {"units": "s", "long_name": "time after the first floor touch"}),
-                "ball": np.arange(1, n + 1),
-                "pair": pairs,
+                "time": ("time", at, {"units": "s", "long_name": self._since}),
+                "ball": ("ball", np.arange(1, n + 1), {"long_name": "ball, 1 = lowest"}),
+                "pair": ("pair", pairs, {"long_name": PAIRS}),
             },
+            attrs=self._attributes("Trajectory"),
         )
+
+    def _times(self, times: ArrayLike) -> NDArray[np.float64]:
+        at = np.atleast_1d(validation.array("times", times, empty_allowed=True))
+        first = self._core.t_first
+        for bad in at[~(at >= first * (1.0 + 1e-12))]:
+            raise ValueError(f"times: got {bad:.16g}, must be >= {first:.16g}, the release")
+        return at
 
     def plot(self) -> Figure:
         """Contact forces over time, as in Fig. 2 of the paper."""
@@ -235,3 +291,31 @@ class Result:
         from ..pictures import animation
 
         return animation.animate(self, path, **options)
+
+
+def _fixed(array: NDArray[Any]) -> NDArray[Any]:
+    """The array, read-only: a result remembers it."""
+    array.flags.writeable = False
+    return array
+
+
+def quantities(result: Result) -> list[tuple[str, float]]:
+    """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
+    column = result.column
+    found: list[tuple[str, float]] = [("ball–ball contacts", result.n_contacts)]
+    if len(column.balls) > 1:
+        found.append(("end of the sequence t_f [s]", result.t_end))
+    if column.floor:
+        found.append(("end of the floor contact [s]", result.t_floor_end))
+    if column.floor and len(column.balls) == 2:
+        found += [
+            ("relative velocity v'r at t_f [m/s]", result.relative_velocity),
+            ("separation velocity [m/s]", result.separation_velocity),
+            ("effective ε at t_f", result.effective_restitution),
+            ("effective ε / ε at t_f", result.restitution_ratio),
+        ]
+    for i in reversed(range(len(column.balls))):
+        found.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
+    for i in reversed(range(len(column.balls) if column.gravity else 0)):
+        found.append((f"rebound height of ball {i + 1} [m]", float(result.rebound_heights[i])))
+    return found
