@@ -219,6 +219,27 @@ def test_any_tie_is_the_limit_of_vanishing_gaps(column):
         assert np.abs(tie.velocities - nearer.velocities).max() < 1e-7 + 2.0 * change
 
 
+@settings(max_examples=80)
+@given(
+    laws(restitution=st.one_of(st.floats(0.05, 1.0), st.sampled_from([1.0, 0.3]))),
+    st.sampled_from([0.02, 0.007, 0.045]),
+    st.tuples(st.sampled_from([-1.0, -0.25, 0.0, 0.5]), st.sampled_from([-1.0, 0.0, 0.5, 1.0])),
+    st.sampled_from([0.0, 0.0, 1e-3, 0.1]),
+)
+def test_kernels_and_solvers_agree_on_touching_balls(law, radius, velocities, fall):
+    """Two balls in contact at release, on the floor or above it, in any motion."""
+    balls = [hl.Ball(0.02, density=2000.0), hl.Ball(radius, density=2000.0)]
+    lower = velocities[0] if fall > 0.0 or velocities[0] != 0.0 else -0.5
+    column = hl.Column(balls, 0.0, 0.02 + fall, law, velocities=[lower, velocities[1]])
+    cell = hl.sweep(column, gap=[0.0])
+    for result in (hl.newton(column), hl.newton(column, method="general")):
+        assert int(cell.n_contacts[0]) == result.n_contacts
+        assert int(cell.outcome[0]) == result.outcome_code
+        assert float(cell.relative_velocity[0]) == pytest.approx(
+            result.relative_velocity, abs=1e-7, nan_ok=True
+        )
+
+
 @settings(max_examples=100)
 @given(ties(), st.sampled_from([0.0, 1e-6]))
 def test_a_mirrored_cradle_moves_as_its_mirror_image(column, gap):
