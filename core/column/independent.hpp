@@ -230,6 +230,7 @@ private:
         } else if (!math::is_nan(until_)) {
             run.t_last = math::max(until_, run.t_last);
         }
+        q.t_second_touch -= origin;
         q.t_end -= origin;
         q.t_floor_end -= origin;
         if (c.balls != 2) q.relative_velocity = q.separation_velocity = math::nan;

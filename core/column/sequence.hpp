@@ -15,6 +15,7 @@ namespace hardlimit::column {
 struct Sequence {
     int n_contacts = 0;  // ball–ball contacts
     double t_first_touch = math::nan;
+    double t_second_touch = math::nan;  // the second floor contact begins
     double t_end = math::nan;
     double t_floor_end = math::nan;          // first release from the floor
     double relative_velocity = math::nan;    // paper's v'_r, at t_end
@@ -32,11 +33,17 @@ struct Sequence {
         if (math::is_nan(t_first_touch)) {
             t_first_touch = t;
         } else if (floor_opened) {
+            if (!met_again) t_second_touch = t;
             met_again = true;
             if (open_pairs == 0) finished = true;
         } else if (one_ball) {
             t_end = math::nan;
         }
+    }
+    // Time counts from the first floor touch from now on.
+    HL_FN void clock_restarts() {
+        t_end -= t_first_touch;
+        t_first_touch = 0.0;
     }
     HL_FN void floor_ends(double t) {
         if (math::is_nan(t_floor_end)) t_floor_end = t;

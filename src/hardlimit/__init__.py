@@ -1,8 +1,7 @@
 """How far can you trust an event-driven simulation? Collisions and Newton's equations, side by side."""
 
-from typing import Final
-
 from . import _core
+from .approximations import restitution_pade, restitution_series, usual_damping
 from .bodies import FLOOR, Ball
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
@@ -13,10 +12,10 @@ from .laws import LAWS
 from .laws import __all__ as _laws
 from .sweep import sweep
 
-__version__: Final = _core.version
+__version__: str = _core.version
 
 #: Names of the outcome codes, in the order of their numbers.
-OUTCOMES: Final = _core.outcome_names
+OUTCOMES: tuple[str, ...] = _core.outcome_names
 
 __all__ = [
     "FLOOR",
@@ -30,6 +29,9 @@ __all__ = [
     "adiabatic",
     "independent",
     "newton",
+    "restitution_pade",
+    "restitution_series",
     "sweep",
+    "usual_damping",
     *(name for name in _laws if name != "LAWS"),
 ]

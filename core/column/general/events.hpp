@@ -39,6 +39,52 @@ inline double time_to_close(double gap, double rate, double g) {
     return g > 0.0 ? -2.0 * rate / g : math::infinity;
 }
 
+// When a slack pair pushes again in free flight: first t >= 0 at which ξ(t) = depth + rate t + g t²/2 reaches the
+// law's slack at the rate then, rate + g t; infinity if it comes apart first. A pair that has just been put on this
+// surface (`fresh`) starts at zero distance. A law with a relaxation time has a closed form.
+//
+// Else, while the bodies separate, ξ and the slack both fall with time. Over a stretch of time their difference is therefore
+// at most ξ at its beginning less the slack at its end. Where this is negative the stretch holds no zero; else it is
+// halved, down to rounding, so that no zero is missed.
+template <class Law>
+double time_to_engage(const Law& law, double depth, double rate, double g, bool fresh) {
+    if constexpr (requires { law.relaxation_time(); }) {
+        // ξ + τ_r rate = −missing now, growing as (rate + τ_r g) t + g t²/2.
+        const double relaxation = law.relaxation_time(), speed = rate + relaxation * g;
+        const double missing = fresh ? 0.0 : math::max(-depth - relaxation * rate, 0.0);
+        const double grown = math::sqrt(speed * speed + 2.0 * g * missing);
+        if (speed > 0.0) return 2.0 * missing / (speed + grown);
+        return g > 0.0 ? (grown - speed) / g : math::infinity;
+    }
+    if (rate >= 0.0) return rate > 0.0 || g > 0.0 ? 0.0 : math::infinity;
+    if (!(g > 0.0)) return math::infinity;
+    const auto compression = [&](double t) { return depth + t * (rate + 0.5 * g * t); };
+    const auto slack = [&](double t) { return law.slack(rate + g * t).depth; };
+    const double turn = -rate / g;  // the bodies stop separating, and push if they still overlap
+    const double square = rate * rate - 2.0 * g * depth;
+    const double last = square > 0.0 ? 2.0 * depth / (math::sqrt(square) - rate) : turn;
+    const double finest = 2.0 * math::epsilon * last;
+    double t = 0.0, stretch = last;
+    if (fresh) {
+        if (rate - law.slack(rate).slope * g >= 0.0) return 0.0;
+        for (t = last; compression(t) >= slack(t); t *= 0.5)
+            if (t <= finest) return 0.0;
+        stretch = math::min(t, last - t);
+    }
+    while (t < last) {
+        const double next = math::min(t + stretch, last);
+        if (compression(t) < slack(next)) {
+            t = next;
+            stretch *= 2.0;
+        } else if (stretch <= finest) {
+            return next;
+        } else {
+            stretch *= 0.5;
+        }
+    }
+    return square > 0.0 ? math::infinity : turn;
+}
+
 // Gaps between balls change at constant rates, the floor gap is a parabola. `fresh` says that the pair has just
 // been put on a surface.
 template <class Law>
@@ -52,15 +98,7 @@ void next_of_pair(const Motion<Law>& motion, const double* y, int j, bool fresh,
     if (rate < 0.0 && square >= 0.0) {
         next.consider(math::max(2.0 * gap / (rate - math::sqrt(square)), 0.0), Event::opens, j);
     }
-    // ξ + τ_r rate = −missing now, growing as (rate + τ_r g) t + g t²/2.
-    const double relaxation = motion.column->contacts[j].relaxation_time(), speed = rate + relaxation * g;
-    const double missing = fresh ? 0.0 : math::max(gap - relaxation * rate, 0.0);
-    const double grown = math::sqrt(speed * speed + 2.0 * g * missing);
-    if (speed > 0.0) {
-        next.consider(2.0 * missing / (speed + grown), Event::engages, j);
-    } else if (g > 0.0) {
-        next.consider((grown - speed) / g, Event::engages, j);
-    }
+    next.consider(time_to_engage(motion.column->contacts[j], -gap, rate, g, fresh), Event::engages, j);
 }
 
 // ---- under forces: zeros inside a step ---------------------------------------------------------------------
@@ -114,13 +152,14 @@ struct Step {
         if (kind == Event::begins) return simple(-depth, -depth_slope);
         if (kind == Event::opens) return simple(depth, depth_slope);
         if (kind == Event::parts) return simple(tiny(j) + depth, depth_slope);
-        const double relaxation = motion.column->contacts[j].relaxation_time();
-        const double drive = depth + relaxation * rate, drive_slope = depth_slope + relaxation * rate_slope;
-        if (kind == Event::engages) return simple(-drive, -drive_slope);
-        if (!motion.rooted[j]) return simple(drive, drive_slope);
-        if (rate >= 0.0 || relaxation == 0.0) return {at, change, drive, drive_slope};
-        const double least = root<p>(-relaxation * rate);
-        return {at - least, change - least * rate_slope / (p * rate), drive, drive_slope};
+        const Slack slack = motion.column->contacts[j].slack(rate);
+        const double excess = depth - slack.depth, excess_slope = depth_slope - slack.slope * rate_slope;
+        if (kind == Event::engages) return simple(-excess, -excess_slope);
+        if (!motion.rooted[j]) return simple(excess, excess_slope);
+        if (!(slack.depth > 0.0)) return {at, change, excess, excess_slope};
+        const double least = onset_root<p>(slack.depth);
+        const double share = slack.slope * rate / slack.depth;  // d ln depth/d ln rate
+        return {at - least, change - least * rate_slope * share / (p * rate), excess, excess_slope};
     }
 
     // At the end of the step.

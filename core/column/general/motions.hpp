@@ -15,11 +15,11 @@
 // the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
 // method has no memory. p = 1: ξ, g = 1.
 //
-// Events of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
+// Events of pair j, each with the function that falls to zero there (d = depth of the law's slack at this rate):
 //   open → closed      gap                     slack → open      ξ
-//   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
-// That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
-// one. A slack pair overlaps without force. After an event the state is put exactly on the surface, and the
+//   closed → slack     s − max(d, 0)^{1/p}     slack → closed    −(ξ − d)      (a new contact)
+// That of closed → slack is ξ − d written as a simple zero also for d → 0, where that has a multiple one. A slack
+// pair overlaps without force. After an event the state is put exactly on the surface, and the
 // function that vanishes there counts again once it has become positive; a value below zero while it rises is
 // rounding.
 //
@@ -33,30 +33,26 @@
 //
 // A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
 // the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
-// decided. While no force acts the motion is a parabola and everything is in closed form.
+// decided. While no force acts the motion is a parabola, and only slack → closed needs a search.
 //
 // Energy: potential = Σ_j W_j gap_j with W_j the weight above gap j (zero for balls lying on each other), the
 // only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
 // pair gives back of its stored energy is dissipation too.
 //
 // Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
-// with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end
-// only if this reaches min_ξ B_j(ξ) + m_eff (ξ/τ_r)²/2, the least energy with ξ + τ_r rate = 0. Below that it
-// never ends.
+// with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end only if
+// this reaches the least energy without force, min over u of B_j(d(−u)) + m_eff u²/2, the bodies separating at the
+// speed u from the compression d at which this speed ends the force. Below that the contact never ends.
 #pragma once
 #include <algorithm>
 #include <vector>
 
+#include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
 #include "dormand_prince.hpp"
 
 namespace hardlimit::column {
-
-// Energies of the column [J]; potential is zero when all gaps are.
-struct Energies {
-    double kinetic, potential, contact, dissipated;
-};
 
 namespace newton {
 
@@ -68,13 +64,6 @@ double power(double x) {
     for (int i = 0; i < p; ++i) product *= x;
     return product;
 }
-template <int p>
-double root(double x) {
-    if constexpr (p == 1) return x;
-    if (!(x > 0.0)) return 0.0;
-    return p == 2 ? math::sqrt(x) : math::pow(x, 1.0 / p);
-}
-
 // s > 0 with f(s) = target for an f that is nearly a power of s: secant steps in the logarithms.
 template <class F>
 double solve_power(const F& f, double target) {
@@ -149,7 +138,7 @@ struct Motion {
         return (j == 0 ? 0.0 : v[j - 1]) - v[j];
     }
     double gap(int j, const double* y) const { return rooted[j] ? -power<p>(y[j]) : y[j]; }
-    double s(int j, const double* y) const { return rooted[j] ? y[j] : root<p>(-y[j]); }
+    double s(int j, const double* y) const { return rooted[j] ? y[j] : onset_root<p>(-y[j]); }
 
     // Returns g and leaves g (ℓ_j/s_j)^{p−1} in factor[j], which is at most 1.
     double clock_rate(const double* y) const {
@@ -247,7 +236,7 @@ struct Motion {
 
     void choose_coordinate(int j, double* y, bool use_root) {
         if (use_root == static_cast<bool>(rooted[j])) return;
-        y[j] = use_root ? root<p>(-y[j]) : -power<p>(y[j]);
+        y[j] = use_root ? onset_root<p>(-y[j]) : -power<p>(y[j]);
         rooted[j] = use_root;
     }
 

@@ -307,7 +307,7 @@ private:
     void apply(Event what, int j) {
         motion.choose_coordinate(j, y.data(), false);
         const double rate = motion.rate(j, y.data());
-        const double balanced = column.contacts[j].relaxation_time() * rate;  // gap of zero force
+        const double balanced = -column.contacts[j].slack(rate).depth;  // gap of zero force
         step.fresh[j] = 1;
         switch (what) {
             case Event::none:

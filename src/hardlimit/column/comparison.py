@@ -144,14 +144,3 @@ def _short(value: float) -> str:
 def _percent(error: float) -> str:
     percent = 100.0 * error
     return "0.001 %" if percent < 0.001 else f"{percent:.1g} %"
-
-
-def usual_damping(restitution: float, stiffness: float, effective_mass: float) -> float:
-    """Damping γ [N s/m] by the formula in common use, ζ = −ln ε/√(π² + ln² ε), γ = 2 ζ √(k m_eff).
-
-    It follows from a contact that ends when the bodies part, after a phase of attraction. A force that is
-    never attractive lets go earlier, and the restitution comes out larger than asked for: that of
-    ``LinearDashpot(stiffness=…, damping=usual_damping(…))`` is 0.5503 where 0.5 was asked for.
-    """
-    logarithm = abs(math.log(restitution))
-    return 2.0 * logarithm / math.hypot(math.pi, logarithm) * math.sqrt(stiffness * effective_mass)
