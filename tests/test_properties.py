@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, free_columns, law_of, laws, log_floats
+from conftest import columns, dimension, free_columns, law_of, laws, log_floats
 
 elastic = laws(restitution=st.just(1.0))
 
@@ -123,16 +123,9 @@ def test_time_reversal_when_elastic(column):
     assert kinetic == pytest.approx(0.5 * masses_of(column) @ np.square(column.velocities), rel=1e-10)
 
 
-#: Exponents of mass, length and time.
-DIMENSIONS = {
-    "1": (0, 0, 0), "s": (0, 0, 1), "m/s": (0, 1, -1), "N/m": (1, 0, -2), "N/m^1.5": (1, -0.5, -2),
-    "N s/m": (1, 0, -1), "Pa": (1, -1, -2),
-}  # fmt: skip
-
-
 def in_other_units(column: hl.Column, mass: float, length: float, time: float) -> hl.Column:
     def convert(value, unit):
-        m, d, t = DIMENSIONS[unit]
+        m, d, t = dimension(unit)
         return value * mass**m * length**d * time**t
 
     converted = []

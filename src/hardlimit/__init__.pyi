@@ -18,6 +18,5 @@ from .laws import LinearDashpot as LinearDashpot
 from .laws import Viscoelastic as Viscoelastic
 from .laws import Tsuji as Tsuji
 from .sweep import sweep as sweep
-
 __version__: str
 OUTCOMES: tuple[str, ...]
