@@ -75,6 +75,13 @@ Out map(In x, F&& f) {
     return make_array(std::move(y), {n});
 }
 
+// ξ^(1/p) for the root coordinate of a law.
+template <class Law>
+double root_coordinate(double compression) {
+    static_assert(Law::onset_power == 1 || Law::onset_power == 2);
+    return Law::onset_power == 1 ? compression : hl::math::sqrt(compression);
+}
+
 Out force(const Contact& c, In compression, In rate) {
     std::vector<double> f(compression.shape(0));
     std::visit(
@@ -82,9 +89,8 @@ Out force(const Contact& c, In compression, In rate) {
             using Law = std::decay_t<decltype(law)>;
             for (std::size_t i = 0; i < f.size(); ++i) {
                 const double xi = compression.data()[i];
-                f[i] = xi > 0.0 ? hl::math::max(
-                                      0.0, law.force(hl::onset_root<Law::onset_power>(xi), rate.data()[i]))
-                                : 0.0;
+                f[i] =
+                    xi > 0.0 ? hl::math::max(0.0, law.force(root_coordinate<Law>(xi), rate.data()[i])) : 0.0;
             }
         },
         c.law);
@@ -113,23 +119,17 @@ nb::list law_records() {
         d["class_name"] = r.class_name;
         d["summary"] = r.summary;
         d["source"] = r.source;
-        nb::list common, alternatives, constants;
+        nb::list common, alternatives, contact;
         for (int i = 0; i < r.n_common; ++i) common.append(parameter_dict(r.common[i]));
         for (int a = 0; a < r.n_alternatives; ++a) {
             nb::list one;
             for (int i = 0; i < r.n_in_alternative[a]; ++i) one.append(parameter_dict(r.alternatives[a][i]));
             alternatives.append(one);
         }
-        for (int i = 0; i < r.n_constants; ++i) {
-            nb::dict one;
-            one["name"] = r.constants[i].name;
-            one["unit"] = r.constants[i].unit;
-            one["meaning"] = r.constants[i].meaning;
-            constants.append(one);
-        }
+        for (int i = 0; i < r.n_contact; ++i) contact.append(r.contact_parameters[i]);
         d["common"] = common;
         d["alternatives"] = alternatives;
-        d["constants"] = constants;
+        d["contact_parameters"] = contact;
         laws.append(d);
     });
     return laws;
@@ -225,17 +225,16 @@ template <class Law>
 struct IndependentSolution final : Solution {
     col::Column<Law> column;
     col::IndependentRun run;
-    double until;
-    IndependentSolution(const col::Column<Law>& c, double until_)
-        : column(c), run(col::solve_independent(c, until_)), until(until_) {
+    IndependentSolution(const col::Column<Law>& c, double until)
+        : column(c), run(col::solve_independent(c, until)) {
         sequence = run.sequence;
         contacts = run.contacts;
-        steps = static_cast<long>(run.flights.size());
-        t_first = run.flights.front().t;
-        t_last = hl::math::is_nan(until) ? run.flights.back().t : hl::math::max(until, run.flights.back().t);
+        steps = static_cast<long>(run.contacts.size()) + 1;
+        t_first = run.t_first;
+        t_last = run.t_last;
     }
     double mechanical(const col::Flight& f, Samples* out, std::size_t i) const {
-        double kinetic = 0.0, potential = 0.0, height = 0.0, position = f.lowest;
+        double kinetic = 0.0, potential = 0.0, height = 0.0, position = f.gaps[0] + column.radius[0];
         for (int j = 0; j < column.balls; ++j) {
             if (j > 0) position += column.radius[j - 1] + f.gaps[j] + column.radius[j];
             kinetic += 0.5 * column.mass[j] * f.velocity[j] * f.velocity[j];
@@ -253,14 +252,10 @@ struct IndependentSolution final : Solution {
         return kinetic + potential;
     }
     void sample(const double* times, Samples& out) override {
-        const double initial = mechanical(run.flights.front(), nullptr, 0);
-        for (std::size_t i = 0; i < out.n; ++i) {
-            std::size_t k = 0;
-            while (k + 1 < run.flights.size() && run.flights[k + 1].t <= times[i]) ++k;
-            col::Flight f = run.flights[k];
-            col::independent::advance(column, f, times[i] - f.t);
-            out.dissipated[i] = initial - mechanical(f, &out, i);
-        }
+        const double initial = mechanical(run.states.front(), nullptr, 0);
+        col::IndependentMotion motion(column, run);
+        for (std::size_t i = 0; i < out.n; ++i)
+            out.dissipated[i] = initial - mechanical(motion.at(times[i]), &out, i);
     }
 };
 
@@ -371,7 +366,7 @@ void bind_contacts(nb::module_& m) {
                  std::visit(
                      [&](const auto& law) {
                          law.values(v.data());
-                         v.resize(law.record.n_constants);
+                         v.resize(law.record.n_contact);
                      },
                      c.law);
                  return v;
@@ -405,7 +400,7 @@ void bind_contacts(nb::module_& m) {
                     [&](const auto& law) {
                         using Law = std::decay_t<decltype(law)>;
                         return map(compression, [&](double xi) {
-                            return xi > 0.0 ? law.energy(hl::onset_root<Law::onset_power>(xi)) : 0.0;
+                            return xi > 0.0 ? law.energy(root_coordinate<Law>(xi)) : 0.0;
                         });
                     },
                     c.law);
@@ -430,7 +425,6 @@ void bind_contacts(nb::module_& m) {
             return map(x, [=](double v) { return hl::contact::viscoelastic_series(v, terms); });
         },
         "x"_a, "terms"_a = hl::contact::series_terms);
-    m.attr("series_terms") = hl::contact::series_terms;
     m.def(
         "viscoelastic_pade",
         [](In x, int p, int q) {

@@ -132,7 +132,7 @@ struct Step {
         switch (motion.pair[j]) {
             case Pair::open:
                 return {Event::begins, Event::none};
-            case Pair::touching:
+            case Pair::pressed:
                 return {Event::parts, Event::none};
             case Pair::slack:
                 return {Event::opens, Event::engages};

@@ -21,9 +21,15 @@
 // That of closed → slack is ξ − d written as a simple zero also for d → 0, where that has a multiple one. A slack
 // pair overlaps without force. After an event the state is put exactly on the surface, and the
 // function that vanishes there counts again once it has become positive; a value below zero while it rises is
-// rounding. A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on,
-// and whether it becomes a contact, from that instant, is decided by the sign of ξ once that stands out from
 // rounding.
+//
+// Touching pairs, gap exactly 0, at release or later. The rate decides: > 0 is a contact now, < 0 is an opening pair
+// without contact, whatever acts beside it. At rate = 0 the acceleration decides. All forces are repulsive and
+// gravity is the same for all, so d(rate_j)/dt = F_{j−1}/m_{j−1} + F_{j+1}/m_j >= 0 (floor: g + F_1/m_1): the pair
+// closes from the instant on at which a contact next to it begins (the floor pair under gravity: at once), and this
+// begins the contacts next to it in turn. Without one it keeps gap and rate 0. Such a contact starts as a high power
+// of time, ξ ~ t^{7/2} for the first one beside a Hertz contact. It is `pressed`: its force law is on, and its end is
+// not looked for until ξ stands out from rounding.
 //
 // A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
 // the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
@@ -41,20 +47,16 @@
 #include <algorithm>
 #include <vector>
 
+#include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
 #include "dormand_prince.hpp"
 
 namespace hardlimit::column {
 
-// Energies of the column [J]; potential is zero when all gaps are.
-struct Energies {
-    double kinetic, potential, contact, dissipated;
-};
-
 namespace newton {
 
-enum class Pair : unsigned char { open, touching, slack, closed };
+enum class Pair : unsigned char { open, pressed, slack, closed };
 
 template <int p>
 double power(double x) {
@@ -128,7 +130,7 @@ struct Motion {
     int clock() const { return 2 * balls(); }
     int loss() const { return 2 * balls() + 1; }
 
-    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::touching; }
+    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::pressed; }
     bool free() const { return std::find(pair.begin(), pair.end(), Pair::closed) == pair.end(); }
 
     double rate(int j, const double* y) const {

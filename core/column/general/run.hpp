@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../stop.hpp"
 #include "events.hpp"
 #include "rest.hpp"
 
@@ -14,6 +15,7 @@ struct IntegrateOptions {
     long max_steps = 2'000'000;  // integration steps and events together
     double until = math::nan;    // [s] after the first floor touch (cradle: release); NaN: end of sequence
     bool record = false;         // keep what sample() needs
+    Stop* stop = nullptr;        // asked at every step; a run that was stopped holds nothing of use
 };
 
 namespace newton {
@@ -52,8 +54,9 @@ public:
           step(c, 10.0 * o.tolerance),
           tolerance(step.y),
           contact_of(c.balls, -1),
-          counted(c.balls, 0),
-          touch_time(c.balls, 0.0) {}
+          counted(c.balls, 0) {
+        sequence().one_ball = c.balls == 1;
+    }
 
     Integration<Law> integrate() {
         if (!(motion.scales.speed > 0.0)) {
@@ -64,6 +67,7 @@ public:
         initial_energy = e.kinetic + e.potential;
         h = 0.05 * motion.scales.time;
         while (!stopped) {
+            if (options.stop && (*options.stop)()) break;
             if (++result.steps > options.max_steps) {
                 if (!sequence().finished || timed) sequence().outcome = Outcome::unresolved;
                 break;
@@ -87,7 +91,6 @@ private:
     std::vector<double> tolerance;              // [dimension]
     std::vector<int> contact_of;                // [N] index of the open contact
     std::vector<unsigned char> counted;         // [N] contact of the sequence
-    std::vector<double> touch_time;             // [N]
     std::vector<Equilibrium<Law>> equilibrium;  // made when first needed
     bool timed = !math::is_nan(options.until), stopped = false, kept = false;
     double initial_energy = 0.0, h = 0.0;
@@ -121,7 +124,7 @@ private:
         }
         y.swap(step.end);
         check_energy();
-        settle_touching();
+        settle_pressed();
         if (what != Event::none) apply(what, j);
     }
 
@@ -147,9 +150,9 @@ private:
     // ---- no force acts ------------------------------------------------------------------------------------
 
     void fly() {
+        if (release_pressed()) return;
         double least = math::infinity;
         for (int j = 0; j < column.balls; ++j) {
-            if (motion.pair[j] == Pair::touching) motion.pair[j] = Pair::open;
             motion.choose_coordinate(j, y.data(), false);
             if (j > 0) least = math::min(least, -motion.rate(j, y.data()));
         }
@@ -175,7 +178,8 @@ private:
     // ---- some force acts ----------------------------------------------------------------------------------
 
     void integrate_step() {
-        find_touching();
+        find_pressed();
+        if (stopped) return;
         if (motion.choose_coordinates(y.data())) h = math::min(h, 0.25 * motion.scales.time);
         motion(y.data(), step.k.data());
         if (at_surface() || rests()) return;
@@ -224,20 +228,53 @@ private:
         for (double& x : tolerance) x *= options.tolerance;
     }
 
-    void find_touching() {
-        for (int j = 0; j < column.balls; ++j) {
-            if (motion.pair[j] != Pair::open || y[j] != 0.0 || motion.rate(j, y.data()) != 0.0) continue;
-            if (j == 0 && !column.floor) continue;
-            motion.pair[j] = Pair::touching;
-            touch_time[j] = now();
+    // ---- touching pairs -----------------------------------------------------------------------------------
+
+    // Whether something begins to close a pair of gap and rate 0: a contact next to it, or gravity.
+    bool presses(int j) const {
+        const bool below = j == 0 ? column.gravity > 0.0 : motion.pushes(j - 1);
+        return below || (j + 1 < column.balls && motion.pushes(j + 1));
+    }
+
+    void find_pressed() {
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (int j = column.floor ? 0 : 1; j < column.balls; ++j) {
+                const bool touching = motion.pair[j] == Pair::open && y[j] == 0.0;
+                if (!touching || motion.rate(j, y.data()) != 0.0 || !presses(j)) continue;
+                begin(j, now());
+                motion.pair[j] = Pair::pressed;
+                changed = true;
+            }
         }
     }
 
-    void settle_touching() {
+    // Compressions that stand out from rounding make common contacts.
+    void settle_pressed() {
         for (int j = 0; j < column.balls; ++j) {
-            if (motion.pair[j] == Pair::touching && -y[j] > step.tiny(j)) begin(j, touch_time[j]);
+            if (motion.pair[j] != Pair::pressed || !(-y[j] > step.tiny(j))) continue;
+            motion.pair[j] = Pair::closed;
+            step.fresh[j] = 1;
         }
     }
+
+    // No other contact acts any more: pressed pairs that still close go on by themselves, the others end within
+    // rounding of where they began. Returns whether there were any.
+    bool release_pressed() {
+        bool any = false;
+        for (int j = 0; j < column.balls; ++j) {
+            if (motion.pair[j] != Pair::pressed) continue;
+            any = true;
+            y[j] = 0.0;
+            step.fresh[j] = 1;
+            motion.pair[j] = Pair::closed;
+            const double rate = motion.rate(j, y.data());
+            if (!(rate > 0.0)) close_contact(j, -rate);
+        }
+        return any;
+    }
+
+    // ---- events -------------------------------------------------------------------------------------------
 
     // A surface reached before this step begins, without being the one just left.
     bool at_surface() {
@@ -245,14 +282,17 @@ private:
             for (const Event kind : step.events_of(j)) {
                 if (kind == Event::none || step.fresh[j]) continue;
                 if (step.surface(j, kind, y.data(), step.k.data()).value > 0.0) continue;
+                if (kind == Event::begins && !(motion.rate(j, y.data()) > 0.0)) {
+                    y[j] = 0.0;  // touches without closing
+                    step.fresh[j] = 1;
+                    continue;
+                }
                 apply(kind, j);
                 return true;
             }
         }
         return false;
     }
-
-    // ---- events -----------------------------------------------------------------------------------------
 
     void apply(Event what, int j) {
         motion.choose_coordinate(j, y.data(), false);
@@ -280,7 +320,7 @@ private:
                 open(j);
                 break;
             case Event::parts:
-                motion.pair[j] = Pair::open;
+                close_contact(j, -rate);
                 step.fresh[j] = 0;
                 break;
         }
@@ -311,7 +351,6 @@ private:
             i.t -= t;
             i.y[motion.clock()] -= t;
         }
-        for (double& x : touch_time) x -= t;
         sequence().t_end -= t;
         y[motion.clock()] -= t;
         t = 0.0;

@@ -161,7 +161,7 @@ class Result:
         last = float(times.max(initial=-math.inf))
         if last > core.t_last:  # beyond what was solved: go on
             core = self._solver(last)
-        return core.sample(times, len(self.column.balls))
+        return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
         """Times that show the contacts well: evenly spaced over the sequence, and every begin and end."""
