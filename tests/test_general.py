@@ -15,13 +15,20 @@ every_law = pytest.mark.parametrize("name", sorted(hl.LAWS))
 
 
 def measured_order(column: hl.Column, until: float) -> float:
-    """−d ln(error)/d ln(steps) over five decades of the tolerance."""
+    """−d ln(error)/d ln(steps) over four decades of the tolerance, down to rounding.
+
+    Above 1e-10 the first steps of a contact under Tsuji's law, where s = ξ^{1/4} grows from zero, have the length
+    with which they are begun and not one that the tolerance decides.
+    """
     reference = hl.newton(column, until=until, tolerance=1e-15, method="general")
     steps, errors = [], []
-    for tolerance in 10.0 ** -np.arange(8.0, 13.0, 0.5):
+    for tolerance in 10.0 ** -np.arange(10.0, 14.5, 0.5):
         result = hl.newton(column, until=until, tolerance=float(tolerance), method="general")
-        steps.append(result._core.steps)
-        errors.append(np.abs(result.velocities - reference.velocities).max())
+        error = np.abs(result.velocities - reference.velocities).max()
+        if error > 1e-15:
+            steps.append(result._core.steps)
+            errors.append(error)
+    assert len(errors) > 5
     return -np.polyfit(np.log(steps), np.log(errors), 1)[0]
 
 
@@ -46,8 +53,8 @@ def test_order_is_eight(name, restitution):
 def test_one_collision_is_that_of_the_law(name, restitution):
     """Two balls meet once: restitution and duration of the contact itself.
 
-    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many, and
-    the sharpest tolerance does not reach rounding.
+    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many as with
+    the root (60), and the sharpest tolerance does not reach rounding.
     """
     law = law_of(name, restitution, speed=1.5)
     balls = [hl.Ball(0.02, mass=0.1), hl.Ball(0.01, mass=0.03)]
@@ -60,7 +67,7 @@ def test_one_collision_is_that_of_the_law(name, restitution):
     assert float(contact.end - contact.begin) == pytest.approx(column.contacts[0].duration(1.5), rel=1e-9)
     momentum = 0.1 * result.velocities[0] + 0.03 * result.velocities[1]
     assert momentum == pytest.approx(0.1 - 0.015, rel=1e-12)
-    assert result._core.steps < 70
+    assert result._core.steps < 100
     sharp = hl.newton(column, tolerance=1e-15)
     assert sharp.velocities[1] - sharp.velocities[0] == pytest.approx(1.5 * restitution, rel=1e-14)
 

@@ -6,7 +6,7 @@ from .bodies import FLOOR, Ball
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
-from .contact import Contact
+from .contact import Contact, Law
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
@@ -25,6 +25,7 @@ __all__ = [
     "Ball",
     "Column",
     "Contact",
+    "Law",
     "Result",
     "adiabatic",
     "independent",

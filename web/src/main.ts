@@ -9,7 +9,7 @@ import { ContactMap, type MapLayout } from "./map";
 import { exactNumbers, fillEnergy, fillTable, subscripted, verdict } from "./numbers";
 import type { Frame, Scale } from "./plot";
 import { presets, type Preset } from "./presets";
-import { clampTo, copyOf, firstGap, fromQuery, lowestHeight, ranges, toQuery, toToml, type Scenario } from "./scenario";
+import { clampTo, constants, constantsOf, copyOf, firstGap, fromQuery, lowestHeight, ranges, toQuery, toToml, type Scenario } from "./scenario";
 import { drawStage } from "./stage";
 import { themeOf, type Theme } from "./theme";
 import { Timeline, type TimelineLayout } from "./timeline";
@@ -713,7 +713,7 @@ class Page {
     const s = this.scenario;
     const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
     const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
-    const law = s.law === "linear" ? `k = ${digits(s.stiffness)} N/m` : `Y = ${withUnit(s.youngs, "Pa")}, ν = ${s.poisson}`;
+    const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${withUnit(s.constants[name], constants[name].range.unit)}`).join(", ");
     g.fillText(`ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}; pictured at t = ${clockText(time, d)}`, 20, 1150);
     g.fillText("hardlimit, after Müller & Pöschel, Phys. Rev. E 83, 041304 (2011)", 20, 1178);
     return canvas;
