@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace hl = hardlimit;
@@ -34,10 +35,13 @@ double reply[reply_size];
 int balls() { return static_cast<int>(request[6]); }
 bool on_floor() { return request[7] != 0.0; }
 
-template <class Law>
-constexpr int restitution_parameter() {
-    return Law::record.n_common;
+// Place of ε among the parameters of a law given by this alternative; −1: it is not given by ε.
+int restitution_parameter(const hl::LawRecord& law, int alternative) {
+    for (int i = 0; i < law.n_in_alternative[alternative]; ++i)
+        if (law.alternatives[alternative][i].name == std::string_view("restitution")) return law.n_common + i;
+    return -1;
 }
+int alternative() { return static_cast<int>(request[1]); }
 
 // The column as requested.
 template <class Law>
@@ -56,7 +60,7 @@ col::Column<Law> make_column() {
         const double below_radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
         const hl::PairGeometry pair{hl::effective(below_mass, c.mass[j]),
                                     hl::effective(below_radius, c.radius[j])};
-        c.contacts.push_back(Law::from_parameters(static_cast<int>(request[1]), request + 2, pair));
+        c.contacts.push_back(Law::from_parameters(alternative(), request + 2, pair));
     }
     return c;
 }
@@ -64,7 +68,12 @@ col::Column<Law> make_column() {
 // f<Law>() for the law requested.
 template <class F>
 auto with_law(F&& f) {
-    return request[0] == 0.0 ? f.template operator()<LinearDashpot>() : f.template operator()<Viscoelastic>();
+    int place = static_cast<int>(request[0]);
+#define HL_CASE(Law) \
+    if (place-- == 0) return f.template operator()<hl::contact::Law>();
+    HARDLIMIT_LAWS(HL_CASE)
+#undef HL_CASE
+    return f.template operator()<LinearDashpot>();  // no law of the registry is left
 }
 
 // What the page keeps of each model, until it is asked anew.
@@ -118,13 +127,12 @@ template <class Law>
 void set_contacts(col::Column<Law>& c, double restitution) {
     double parameters[hl::max_parameters];
     for (int i = 0; i < hl::max_parameters; ++i) parameters[i] = request[2 + i];
-    parameters[restitution_parameter<Law>()] = restitution;
+    parameters[restitution_parameter(Law::record, alternative())] = restitution;
     for (int j = 0; j < c.balls; ++j) {
         const double mass = j == 0 ? hl::math::infinity : c.mass[j - 1];
         const double radius = j == 0 ? hl::math::infinity : c.radius[j - 1];
-        c.contacts[j] =
-            Law::from_parameters(static_cast<int>(request[1]), parameters,
-                                 {hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])});
+        c.contacts[j] = Law::from_parameters(
+            alternative(), parameters, {hl::effective(mass, c.mass[j]), hl::effective(radius, c.radius[j])});
     }
 }
 
@@ -188,9 +196,11 @@ void scan(int axis, long n, const double* points, double* out) {
 using Pair = hl::Vector<4>::Real;
 using hl::sweep::Block;
 
-// A point into the kernel of its law (false: it is not for it), and that kernel.
+// A point into the kernel of its law (false: it is not for it), and that kernel, for laws that have one.
 template <class Law>
 struct Way;
+template <class Law>
+concept HasKernel = requires(const Block& b) { Way<Law>::solve(b); };
 
 template <>
 struct Way<LinearDashpot> {
@@ -229,8 +239,8 @@ struct Way<Viscoelastic> {
                                 {},
                                 {}};
         for (int k = 0; k < hl::max_parameters; ++k) q.floor_law[k] = q.pair_law[k] = request[2 + k];
-        const hl::sweep::Setting setting{hl::sweep::Model::newton, 1, false, false,
-                                         restitution_parameter<Viscoelastic>()};
+        const hl::sweep::Setting setting{hl::sweep::Model::newton, alternative(), false, false,
+                                         restitution_parameter(Viscoelastic::record, alternative())};
         return hl::sweep::enter_viscoelastic(setting, q, argument, argument, rates, s);
     }
     static void solve(const Block& b) {
@@ -291,6 +301,25 @@ long timeline(int model, long n, const double* restitution, double* out, long ro
     }
     return used;
 }
+
+// The alternative by which the page gives a law: the first that has ε.
+int page_alternative(const hl::LawRecord& law) {
+    int a = 0;
+    while (a + 1 < law.n_alternatives && restitution_parameter(law, a) < 0) ++a;
+    return a;
+}
+
+// f(parameter) for the parameters of a law in the order of the column.
+template <class F>
+void each_parameter(const hl::LawRecord& law, F&& f) {
+    const int a = page_alternative(law);
+    for (int i = 0; i < law.n_common; ++i) f(law.common[i]);
+    for (int i = 0; i < law.n_in_alternative[a]; ++i) f(law.alternatives[a][i]);
+}
+
+#define HL_RECORD(Law) &hl::contact::Law::record,
+const hl::LawRecord* const laws[] = {HARDLIMIT_LAWS(HL_RECORD)};
+#undef HL_RECORD
 
 }  // namespace
 
@@ -377,10 +406,10 @@ void rebound_heights(int model, double* out) {
 // n points (ε, gap) or (ε, R1/R2) → number of contacts, ε_eff/ε at the end of the sequence and at separation.
 void scan_points(int axis, long n, const double* points, double* out) {
     with_law([&]<class Law>() {
-        if (balls() == 2 && on_floor())
-            scan_block<Law>(axis, n, points, out);
-        else
-            scan<Law>(axis, n, points, out);
+        if constexpr (HasKernel<Law>) {
+            if (balls() == 2 && on_floor()) return scan_block<Law>(axis, n, points, out);
+        }
+        scan<Law>(axis, n, points, out);
     });
 }
 
@@ -388,6 +417,40 @@ void scan_points(int axis, long n, const double* points, double* out) {
 // Returns the doubles written.
 long scan_timeline(int model, long n, const double* restitution, double* out, long room) {
     return with_law([&]<class Law>() { return timeline<Law>(model, n, restitution, out, room); });
+}
+
+// The laws in the order of the registry, by lines: "law", name, alternative; then "parameter", name, unit, meaning for
+// each parameter in the order of the column. Fields are separated by tabs.
+const char* law_records() {
+    static std::vector<char> text;
+    text.clear();
+    const auto write = [](std::string_view field, char after) {
+        text.insert(text.end(), field.begin(), field.end());
+        text.push_back(after);
+    };
+    for (const hl::LawRecord* law : laws) {
+        const char digit = static_cast<char>('0' + page_alternative(*law));
+        write("law", '\t');
+        write(law->name, '\t');
+        write({&digit, 1}, '\n');
+        each_parameter(*law, [&](const hl::Parameter& p) {
+            write("parameter", '\t');
+            write(p.name, '\t');
+            write(p.unit, '\t');
+            write(p.meaning, '\n');
+        });
+    }
+    text.push_back('\0');
+    return text.data();
+}
+
+// Lowest and highest value of each parameter, in the order of law_records().
+void law_ranges(double* out) {
+    for (const hl::LawRecord* law : laws)
+        each_parameter(*law, [&](const hl::Parameter& p) {
+            *out++ = p.lowest;
+            *out++ = p.highest;
+        });
 }
 
 const char* outcome_message(int outcome) { return hl::message(static_cast<hl::Outcome>(outcome)); }

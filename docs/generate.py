@@ -29,7 +29,11 @@ def interval(parameter: Record) -> str:
 
 
 def parameter_rows(group: str, parameters: Sequence[Record]) -> list[str]:
-    return [f"| {group} | `{p['name']}` | {p['unit']} | {interval(p)} | {p['meaning']} |" for p in parameters]
+    """One row for each parameter; the first bears the name of the group."""
+    return [
+        f"| {'' if i else group} | `{p['name']}` | {p['unit']} | {interval(p)} | {p['meaning']} |"
+        for i, p in enumerate(parameters)
+    ]
 
 
 def law_section(law: Record) -> str:
@@ -46,8 +50,8 @@ def law_section(law: Record) -> str:
     ]
     for i, alternative in enumerate(law["alternatives"]):
         lines += parameter_rows("either" if i == 0 else "or", alternative)
-    attributes = ", ".join(f"`{name}`" for name in law["contact_parameters"])
-    return "\n".join([*lines, "", f"A contact of this law has the attributes {attributes}.", ""])
+    constants = ", ".join(f"`{c['name']}` {c['meaning']} [{c['unit']}]" for c in law["constants"])
+    return "\n".join([*lines, "", f"A contact of this law has the attributes {constants}.", ""])
 
 
 def laws() -> str:

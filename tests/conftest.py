@@ -93,6 +93,21 @@ def damped(name: str, damping: float) -> hl.contact.Law:
     return hl.LAWS[name](**{p["name"]: known.get(p["name"], typical(p)) for p in parameters})
 
 
+def dimension(unit: str) -> tuple[float, float, float]:
+    """Exponents of mass, length and time of a unit such as ``N s/m^1.5``."""
+    base = {
+        "1": (0, 0, 0), "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "N": (1, 1, -2), "Pa": (1, -1, -2),
+    }  # fmt: skip
+    total = [0.0, 0.0, 0.0]
+    for sign, part in zip((1.0, -1.0), unit.split("/"), strict=False):
+        for factor in part.split():
+            name, _, power = factor.partition("^")
+            for i, exponent in enumerate(base[name]):
+                total[i] += sign * float(power or 1.0) * exponent
+    mass, length, time = total
+    return mass, length, time
+
+
 def falling(masses, gaps, law, *, radius=0.02, speed=1.0, gravity=0.0) -> hl.Column:
     """Balls that all move down at ``speed``, the lowest one touching the floor."""
     balls = [hl.Ball(radius, mass=m) for m in masses]

@@ -1,5 +1,6 @@
-"""One contact: the two laws against independent arithmetic, and what every registered law must keep."""
+"""One contact: each law against independent arithmetic, and what every registered law must keep."""
 
+import functools
 import math
 
 import mpmath
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hardlimit as hl
-from conftest import alternative, damped, damping_name, law_of, table, typical
+from conftest import alternative, damped, damping_name, dimension, law_of, table, typical
 from hardlimit import _core
 
 BALL = hl.Ball(0.1, density=840.0)
@@ -294,6 +295,163 @@ def test_viscoelastic_prefactor():
         assert contact.elastic_prefactor == pytest.approx(wanted, rel=1e-15)
 
 
+# ---- Tsuji's law -------------------------------------------------------------------------------------------
+
+
+def tsuji_collision(alpha: float, digits: int = 30) -> tuple[mpmath.mpf, mpmath.mpf]:
+    """ε and duration for k = m = V = 1, from the equation of motion by Taylor series in 30-digit arithmetic.
+
+    With ξ = s⁴ and dt = 4 s³ dσ it is polynomial: ds/dσ = v, dv/dσ = −4 s⁴ (s⁵ + α v); the force ends at s⁵ + α v = 0.
+    Nothing of the map to the linear dashpot is used.
+    """
+    order = 40
+
+    def product(a, b, k):
+        return mpmath.fdot((a[i], b[k - i]) for i in range(k + 1))
+
+    def expand(s, v):
+        s, v, t = [s], [v], [mpmath.mpf(0)]
+        s2, s4, w = [], [], []
+        for k in range(order):
+            s2.append(product(s, s, k))
+            s4.append(product(s2, s2, k))
+            w.append(product(s4, s, k) + alpha * v[k])
+            s.append(v[k] / (k + 1))
+            v.append(-4 * product(s4, w, k) / (k + 1))
+            t.append(4 * product(s2, s, k) / (k + 1))
+        return s, v, t
+
+    def at(series, x):
+        return functools.reduce(lambda total, c: total * x + c, reversed(series))
+
+    with mpmath.workdps(digits + 5):
+        alpha = mpmath.mpf(alpha)
+        s, v, t, step = mpmath.mpf(0), mpmath.mpf(1), mpmath.mpf(0), mpmath.mpf(1) / 16
+        while True:
+            a, b, c = expand(s, v)
+
+            def end(x, a=a, b=b):
+                # As a simple zero: s itself where nothing dissipates.
+                return at(a, x) ** 5 + alpha * at(b, x) if alpha > 0 else at(a, x)
+
+            if end(step) <= 0 and at(b, step) < 0:
+                x = mpmath.findroot(end, (step / 4, 3 * step / 4))
+                return -at(b, x), t + at(c, x)
+            s, v, t = at(a, step), at(b, step), t + at(c, step)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 1e-3, 0.1, 0.5, 1.0, 2.0, math.sqrt(5.0), 3.0, 6.0])
+def test_tsuji_collision_in_high_precision(alpha):
+    restitution, duration = tsuji_collision(alpha)
+    for mass, k, speed in ((1.0, 1.0, 1.0), (3e-4, 7.3e9, 0.02), (12.0, 2e6, 90.0)):
+        law = hl.Tsuji(elastic_prefactor=k, damping_coefficient=alpha)
+        contact = law.between(hl.Ball(0.1, mass=mass))
+        unit = (mass / k) ** 0.4 * speed**-0.2
+        assert abs(contact.restitution(speed) / restitution - 1) < 1e-15
+        assert abs(contact.duration(speed) / (duration * unit) - 1) < 3e-15
+
+
+def test_tsuji_duration_over_all_damping():
+    """From nearly elastic to so strong that the bodies creep apart, by adaptive quadrature of the linear solution."""
+    for ratio in (1e-12, 1e-8, 1e-4, 0.3, 0.999, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.001, 4.0, 1e3, 1e6):
+        contact = hl.Tsuji(elastic_prefactor=1.0, damping_coefficient=math.sqrt(5.0) * ratio).between(
+            hl.Ball(1.0, mass=1.0)
+        )
+        with mpmath.workdps(40):
+            b = mpmath.mpf(contact.damping_coefficient) / mpmath.sqrt(5)
+            w = mpmath.sqrt(mpmath.mpc(1 - b * b))
+            end = (2 * mpmath.acos(b) / w if b != 1 else mpmath.mpc(2)).real
+
+            def compression(x, b=b, w=w):
+                wave = mpmath.sin(w * x) / w if w != 0 else x
+                return mpmath.exp(-b * x) * mpmath.re(wave)
+
+            low = [end * mpmath.mpf(10) ** -n for n in (12, 9, 6, 4, 3, 2, 1)]
+            points = [0, *low, end / 2, *(end - x for x in reversed(low)), end]
+            integral = mpmath.quad(lambda x: compression(x) ** (-mpmath.mpf(1) / 5), points)
+            frequency = mpmath.sqrt(mpmath.mpf(4) / 5)
+            wanted = mpmath.mpf(4) / 5 / frequency * frequency ** (mpmath.mpf(1) / 5) * integral
+            assert abs(contact.duration() / wanted - 1) < 2e-14, ratio
+
+
+@pytest.mark.parametrize("restitution", [*RESTITUTIONS, 1e-30, 1e-100])
+@pytest.mark.parametrize("partner", [hl.FLOOR, SMALL, hl.Ball(1e-6, density=1e3), hl.Ball(50.0, density=1e4)])
+def test_tsuji_round_trip(restitution, partner):
+    """ε whatever the bodies and the speed, and α = √5 β/ω0 that of the linear dashpot of the same ε."""
+    linear = hl.LinearDashpot(stiffness=1e6, restitution=restitution).between(BALL)
+    ratio = linear.damping / (2.0 * math.sqrt(1e6 * linear.effective_mass))
+    for law in (
+        hl.Tsuji(elastic_prefactor=1e9, restitution=restitution),
+        hl.Tsuji(youngs_modulus=1e7, poisson_ratio=0.4, restitution=restitution),
+    ):
+        contact = law.between(BALL, partner)
+        assert contact.restitution() == pytest.approx(restitution, rel=1e-12, abs=0.0)
+        assert (contact.restitution(SPEEDS) == contact.restitution()).all()
+        assert contact.damping_coefficient == pytest.approx(math.sqrt(5.0) * ratio, rel=1e-14, abs=0.0)
+
+
+def test_tsuji_of_a_material_is_hertz_when_undamped():
+    """The same stiffness and the same collision as viscoelastic spheres with A = 0; k may be given instead."""
+    material = {"youngs_modulus": 2e9, "poisson_ratio": 0.25}
+    for other in (hl.FLOOR, SMALL):
+        hertz = hl.Viscoelastic(**material, dissipative_time=0.0).between(BALL, other)
+        tsuji = hl.Tsuji(**material, damping_coefficient=0.0).between(BALL, other)
+        assert tsuji.elastic_prefactor == hertz.elastic_prefactor
+        given = hl.Tsuji(elastic_prefactor=tsuji.elastic_prefactor, damping_coefficient=0.0)
+        xi = np.logspace(-9, -3, 7)
+        for contact in (tsuji, given.between(BALL, other)):
+            assert contact.force(xi, 1.0) == pytest.approx(hertz.force(xi, 1.0), rel=1e-14)
+            assert contact.energy(xi) == pytest.approx(hertz.energy(xi), rel=1e-14)
+            assert contact.duration(SPEEDS) == pytest.approx(hertz.duration(SPEEDS), rel=1e-14)
+
+
+def test_tsuji_force():
+    """F = k ξ^{3/2} + α√(m_eff k) ξ^{1/4} ξ̇, cut off below zero."""
+    contact = hl.Tsuji(elastic_prefactor=3e8, damping_coefficient=0.4).between(BALL, SMALL)
+    xi = np.logspace(-8, -3, 11)[:, None]
+    rate = np.linspace(-2.0, 2.0, 9)
+    damping = 0.4 * math.sqrt(contact.effective_mass * 3e8)
+    wanted = np.maximum(0.0, 3e8 * xi**1.5 + damping * xi**0.25 * rate)
+    assert contact.force(xi, rate) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+# ---- published approximations ------------------------------------------------------------------------------
+
+
+def test_approximations_are_public():
+    """The numbers of the tests above, by the functions that users call."""
+    x = np.array([[0.01, 0.1, 1.0]])
+    assert (hl.restitution_series(x) == _core.viscoelastic_series(x.ravel()).reshape(1, 3)).all()
+    assert hl.restitution_series(0.49, 5) == pytest.approx(1.0 + SERIES[2] * 0.49 + SERIES[4] * 0.49**2)
+    assert (hl.restitution_pade(x, 1, 4) == _core.viscoelastic_pade(x.ravel(), 1, 4).reshape(1, 3)).all()
+    assert hl.restitution_pade(0.3) == _core.viscoelastic_pade(np.array([0.3]), 3, 6)[0]
+    assert hl.restitution_series(0.0) == hl.restitution_pade(0.0) == 1.0
+    damping = hl.usual_damping(0.5, 1e6, 0.1)
+    law = hl.LinearDashpot(stiffness=1e6, damping=damping)
+    assert law.between(hl.Ball(0.1, mass=0.1)).restitution() == pytest.approx(0.5503, abs=5e-5)
+    assert hl.usual_damping(1.0, 1e6, 0.1) == 0.0
+
+
+BAD_APPROXIMATIONS = {
+    "negative x": (lambda: hl.restitution_series(-1.0), ("x", "-1", ">= 0")),
+    "text for x": (lambda: hl.restitution_pade("0.1"), ("x", "'0.1'", "number")),
+    "no terms": (lambda: hl.restitution_series(0.1, 0), ("terms", "0", "[1, 10]")),
+    "too many terms": (lambda: hl.restitution_series(0.1, 11), ("terms", "11", "[1, 10]")),
+    "half a term": (lambda: hl.restitution_series(0.1, 2.5), ("terms", "2.5", "whole")),
+    "too high a degree": (lambda: hl.restitution_pade(0.1, 5, 5), ("denominator", "5", "[0, 4]")),
+    "negative degree": (lambda: hl.restitution_pade(0.1, -1, 2), ("numerator", "-1", "[0, 9]")),
+    "no restitution": (lambda: hl.usual_damping(0.0, 1e6, 0.1), ("restitution", "0", "(0, 1]")),
+    "no stiffness": (lambda: hl.usual_damping(0.5, 0.0, 0.1), ("stiffness", "0", "> 0")),
+    "negative mass": (lambda: hl.usual_damping(0.5, 1e6, -1.0), ("effective_mass", "-1", "> 0")),
+}
+
+
+@pytest.mark.parametrize("case", BAD_APPROXIMATIONS)
+def test_arguments_of_the_approximations_are_checked(case):
+    call, words = BAD_APPROXIMATIONS[case]
+    refused(call, *words)
+
+
 # ---- every registered law ----------------------------------------------------------------------------------
 
 every_law = pytest.mark.parametrize("name", sorted(hl.LAWS))
@@ -397,13 +555,6 @@ def test_isolated_collision_by_an_independent_integration(name):
         assert 0.0 < contact.force(xi, rate) < 1e-4 * largest
 
 
-#: Exponents of mass, length and time of the units that parameters may have.
-DIMENSIONS = {
-    "1": (0, 0, 0), "s": (0, 0, 1), "m": (0, 1, 0), "kg": (1, 0, 0), "m/s": (0, 1, -1), "N": (1, 1, -2),
-    "N/m": (1, 0, -2), "N/m^1.5": (1, -0.5, -2), "N s/m": (1, 0, -1), "Pa": (1, -1, -2),
-}  # fmt: skip
-
-
 @every_law
 def test_scaling_with_the_units(name):
     """Other units of mass, length and time: the same restitution, durations and forces in the new units."""
@@ -414,9 +565,9 @@ def test_scaling_with_the_units(name):
         units = {p["name"]: p["unit"] for group in (record["common"], *record["alternatives"]) for p in group}
         return {
             k: v
-            * mass ** DIMENSIONS[units[k]][0]
-            * length ** DIMENSIONS[units[k]][1]
-            * time ** DIMENSIONS[units[k]][2]
+            * mass ** dimension(units[k])[0]
+            * length ** dimension(units[k])[1]
+            * time ** dimension(units[k])[2]
             for k, v in parameters.items()
         }
 

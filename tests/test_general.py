@@ -15,13 +15,20 @@ every_law = pytest.mark.parametrize("name", sorted(hl.LAWS))
 
 
 def measured_order(column: hl.Column, until: float) -> float:
-    """−d ln(error)/d ln(steps) over five decades of the tolerance."""
+    """−d ln(error)/d ln(steps) over four decades of the tolerance, down to rounding.
+
+    Above 1e-10 the first steps of a contact under Tsuji's law, where s = ξ^{1/4} grows from zero, have the length
+    with which they are begun and not one that the tolerance decides.
+    """
     reference = hl.newton(column, until=until, tolerance=1e-15, method="general")
     steps, errors = [], []
-    for tolerance in 10.0 ** -np.arange(8.0, 13.0, 0.5):
+    for tolerance in 10.0 ** -np.arange(10.0, 14.5, 0.5):
         result = hl.newton(column, until=until, tolerance=float(tolerance), method="general")
-        steps.append(result._core.steps)
-        errors.append(np.abs(result.velocities - reference.velocities).max())
+        error = np.abs(result.velocities - reference.velocities).max()
+        if error > 1e-15:
+            steps.append(result._core.steps)
+            errors.append(error)
+    assert len(errors) > 5
     return -np.polyfit(np.log(steps), np.log(errors), 1)[0]
 
 
@@ -46,8 +53,8 @@ def test_order_is_eight(name, restitution):
 def test_one_collision_is_that_of_the_law(name, restitution):
     """Two balls meet once: restitution and duration of the contact itself.
 
-    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many, and
-    the sharpest tolerance does not reach rounding.
+    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many as with
+    the root (60), and the sharpest tolerance does not reach rounding.
     """
     law = law_of(name, restitution, speed=1.5)
     balls = [hl.Ball(0.02, mass=0.1), hl.Ball(0.01, mass=0.03)]
@@ -60,7 +67,7 @@ def test_one_collision_is_that_of_the_law(name, restitution):
     assert float(contact.end - contact.begin) == pytest.approx(column.contacts[0].duration(1.5), rel=1e-9)
     momentum = 0.1 * result.velocities[0] + 0.03 * result.velocities[1]
     assert momentum == pytest.approx(0.1 - 0.015, rel=1e-12)
-    assert result._core.steps < 70
+    assert result._core.steps < 100
     sharp = hl.newton(column, tolerance=1e-15)
     assert sharp.velocities[1] - sharp.velocities[0] == pytest.approx(1.5 * restitution, rel=1e-14)
 
@@ -219,6 +226,27 @@ def test_any_tie_is_the_limit_of_vanishing_gaps(column):
         assert np.abs(tie.velocities - nearer.velocities).max() < 1e-7 + 2.0 * change
 
 
+@settings(max_examples=80)
+@given(
+    laws(restitution=st.one_of(st.floats(0.05, 1.0), st.sampled_from([1.0, 0.3]))),
+    st.sampled_from([0.02, 0.007, 0.045]),
+    st.tuples(st.sampled_from([-1.0, -0.25, 0.0, 0.5]), st.sampled_from([-1.0, 0.0, 0.5, 1.0])),
+    st.sampled_from([0.0, 0.0, 1e-3, 0.1]),
+)
+def test_kernels_and_solvers_agree_on_touching_balls(law, radius, velocities, fall):
+    """Two balls in contact at release, on the floor or above it, in any motion."""
+    balls = [hl.Ball(0.02, density=2000.0), hl.Ball(radius, density=2000.0)]
+    lower = velocities[0] if fall > 0.0 or velocities[0] != 0.0 else -0.5
+    column = hl.Column(balls, 0.0, 0.02 + fall, law, velocities=[lower, velocities[1]])
+    cell = hl.sweep(column, gap=[0.0])
+    for result in (hl.newton(column), hl.newton(column, method="general")):
+        assert int(cell.n_contacts[0]) == result.n_contacts
+        assert int(cell.outcome[0]) == result.outcome_code
+        assert float(cell.relative_velocity[0]) == pytest.approx(
+            result.relative_velocity, abs=1e-7, nan_ok=True
+        )
+
+
 @settings(max_examples=100)
 @given(ties(), st.sampled_from([0.0, 1e-6]))
 def test_a_mirrored_cradle_moves_as_its_mirror_image(column, gap):
@@ -250,7 +278,7 @@ def test_one_ball_bounces_once(name, restitution):
     pair, begin, end = result.contacts()
     assert pair.tolist() == [0] and begin.tolist() == [0.0]
     assert end[0] == result.t_end == result.t_floor_end == pytest.approx(contact.duration(2.0), rel=1e-9)
-    velocity = result.sample(np.array([result.t_end]), 1)[1]
+    velocity = result.sample(np.array([result.t_end]))[1]
     assert velocity[0, 0] == pytest.approx(2.0 * restitution, rel=1e-12)
 
 
@@ -263,7 +291,7 @@ def test_one_ball_until_it_rests(name):
     assert (pair == 0).all() and len(pair) > 5 and math.isnan(end[-1])
     assert (np.diff(begin) > 0.0).all()
     assert result.t_end == end[0] and result.energy_error < 1e-10
-    _, velocity, force, *_ = result.sample(np.array([5.0]), 1)
+    _, velocity, force, *_ = result.sample(np.array([5.0]))
     assert abs(velocity[0, 0]) < 1e-6 and force[0, 0] == pytest.approx(0.1 * 9.81, rel=1e-3)
 
 

@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, free_columns, law_of, laws, log_floats
+from conftest import columns, dimension, free_columns, law_of, laws, log_floats
 
 elastic = laws(restitution=st.just(1.0))
 
@@ -60,10 +60,10 @@ def test_momentum_changes_by_the_impulse_of_the_floor_and_the_weight(column):
     marks = np.unique(marks[(marks >= 0.0) & (marks <= until)])
     # Between switches t = a + (b − a) x² (3 − 2x): a force may start and end like a root.
     points, gauss = np.polynomial.legendre.leggauss(12)
-    x = ((np.arange(16)[:, None] + 0.5 * (1.0 + points)) / 16).ravel()
+    x = ((np.arange(32)[:, None] + 0.5 * (1.0 + points)) / 32).ravel()
     length = np.diff(marks)[:, None]
     times = (marks[:-1, None] + length * x * x * (3.0 - 2.0 * x)).ravel()
-    weights = (length * 6.0 * x * (1.0 - x) * np.tile(gauss / 32, 16)).ravel()
+    weights = (length * 6.0 * x * (1.0 - x) * np.tile(gauss / 64, 32)).ravel()
     impulse = weights @ result.trajectory(times).force.values
     v = result.trajectory(marks[[0, -1]]).velocity.values
     change = masses_of(column) * (v[1] - v[0] + column.gravity * (marks[-1] - marks[0]))
@@ -123,16 +123,9 @@ def test_time_reversal_when_elastic(column):
     assert kinetic == pytest.approx(0.5 * masses_of(column) @ np.square(column.velocities), rel=1e-10)
 
 
-#: Exponents of mass, length and time.
-DIMENSIONS = {
-    "1": (0, 0, 0), "s": (0, 0, 1), "m/s": (0, 1, -1), "N/m": (1, 0, -2), "N/m^1.5": (1, -0.5, -2),
-    "N s/m": (1, 0, -1), "Pa": (1, -1, -2),
-}  # fmt: skip
-
-
 def in_other_units(column: hl.Column, mass: float, length: float, time: float) -> hl.Column:
     def convert(value, unit):
-        m, d, t = DIMENSIONS[unit]
+        m, d, t = dimension(unit)
         return value * mass**m * length**d * time**t
 
     converted = []

@@ -1,6 +1,7 @@
-"""Type stubs: _core.pyi, written by nanobind from the compiled module; laws.pyi, from the laws' records.
+"""Type stubs: _core.pyi, written by nanobind from the compiled module; laws.pyi, from the laws' records; __init__.pyi,
+from __init__.py with the laws by name, because a type checker does not see what is made at run time.
 
-Both are committed so that type checkers work from the source tree. After a change of bindings or laws:
+All are committed so that type checkers work from the source tree. After a change of bindings or laws:
 
     pip install . && python tools/stubs.py
 
@@ -8,6 +9,7 @@ With --check nothing is written; the exit code is 1 if a committed stub differs 
 """
 
 import argparse
+import ast
 import difflib
 import subprocess
 import sys
@@ -32,9 +34,11 @@ def core_stub() -> str:
 def laws_stub() -> str:
     from hardlimit import _core
 
+    records = _core.law_records()
+    names = ["LAWS", *(record["class_name"] for record in records)]
     lines = ["# Written by tools/stubs.py from the laws' records.", "", "from .contact import Law", ""]
-    lines += ["__all__: list[str]", "LAWS: dict[str, type[Law]]", ""]
-    for record in _core.law_records():
+    lines += [f"__all__ = {names!r}".replace("'", '"'), "", "LAWS: dict[str, type[Law]]", ""]
+    for record in records:
         common = [p["name"] for p in record["common"]]
         chosen = list(dict.fromkeys(p["name"] for c in record["alternatives"] for p in c))
         arguments = [
@@ -50,7 +54,24 @@ def laws_stub() -> str:
     return "\n".join(lines)
 
 
-STUBS = {"_core.pyi": core_stub, "laws.pyi": laws_stub}
+def package_stub() -> str:
+    """Every public name with its type: imports as they stand in __init__.py, the laws one by one."""
+    from hardlimit import _core
+
+    source = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
+    laws = ["LAWS", *(record["class_name"] for record in _core.law_records())]
+    lines = ["# Written by tools/stubs.py from __init__.py and the laws' records.", ""]
+    for node in source.body:
+        if isinstance(node, ast.ImportFrom) and node.module is not None:
+            names = [alias.name for alias in node.names if not (alias.asname or alias.name).startswith("_")]
+            names = [name for name in laws if name not in names] if names == ["*"] else names
+            lines += [f"from .{node.module} import {name} as {name}" for name in names]
+        elif isinstance(node, ast.AnnAssign):
+            lines.append(f"{ast.unparse(node.target)}: {ast.unparse(node.annotation)}")
+    return "\n".join(dict.fromkeys(lines)) + "\n"
+
+
+STUBS = {"_core.pyi": core_stub, "laws.pyi": laws_stub, "__init__.pyi": package_stub}
 
 
 def main() -> int:

@@ -7,7 +7,7 @@ from .column.comparison import Comparison, Verdict, compare
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
-from .contact import Contact
+from .contact import Contact, Law
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
@@ -27,6 +27,7 @@ __all__ = [
     "Column",
     "Comparison",
     "Contact",
+    "Law",
     "Result",
     "Verdict",
     "adiabatic",

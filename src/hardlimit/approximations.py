@@ -6,13 +6,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, overload
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import overload
 
 from . import _core, validation
+from .contact import Floats, Values
 
 
 def usual_damping(restitution: float, stiffness: float, effective_mass: float) -> float:
@@ -50,8 +47,8 @@ def usual_damping(restitution: float, stiffness: float, effective_mass: float) -
 @overload
 def restitution_series(x: float, terms: int = ...) -> float: ...
 @overload
-def restitution_series(x: NDArray[Any] | Sequence[Any], terms: int = ...) -> NDArray[np.float64]: ...
-def restitution_series(x: Any, terms: int = 10) -> float | NDArray[np.float64]:
+def restitution_series(x: Values, terms: int = ...) -> Floats: ...
+def restitution_series(x: float | Values, terms: int = 10) -> float | Floats:
     """ε of viscoelastic spheres by its power series Σ h_k x^{k/2}, k = 0 … terms − 1 (Eq. B3).
 
     Parameters
@@ -85,10 +82,8 @@ def restitution_series(x: Any, terms: int = 10) -> float | NDArray[np.float64]:
 @overload
 def restitution_pade(x: float, numerator: int = ..., denominator: int = ...) -> float: ...
 @overload
-def restitution_pade(
-    x: NDArray[Any] | Sequence[Any], numerator: int = ..., denominator: int = ...
-) -> NDArray[np.float64]: ...
-def restitution_pade(x: Any, numerator: int = 3, denominator: int = 6) -> float | NDArray[np.float64]:
+def restitution_pade(x: Values, numerator: int = ..., denominator: int = ...) -> Floats: ...
+def restitution_pade(x: float | Values, numerator: int = 3, denominator: int = 6) -> float | Floats:
     """ε of viscoelastic spheres by a Padé form in √x, which has the right limits at small and at large x.
 
     Parameters
@@ -120,9 +115,9 @@ def restitution_pade(x: Any, numerator: int = 3, denominator: int = 6) -> float 
     return _shaped(_core.viscoelastic_pade(at.ravel(), above, below), at.shape)
 
 
-def _argument(x: Any) -> NDArray[np.float64]:
+def _argument(x: float | Values) -> Floats:
     return validation.array("x", x, lowest=0.0, lowest_allowed=True, ndim=None, empty_allowed=True)
 
 
-def _shaped(flat: NDArray[np.float64], shape: tuple[int, ...]) -> float | NDArray[np.float64]:
+def _shaped(flat: Floats, shape: tuple[int, ...]) -> float | Floats:
     return float(flat[0]) if shape == () else flat.reshape(shape)

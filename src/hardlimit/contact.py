@@ -20,7 +20,7 @@ from .bodies import FLOOR, Ball, Floor
 RESTITUTION: Final = "restitution"
 
 #: Numbers that give an array of the same shape; a single float gives a float.
-Values = NDArray[Any] | Sequence[Any]
+Values = NDArray[Any] | Sequence[float] | Sequence[Sequence[float]]
 Floats = NDArray[np.float64]
 
 

@@ -2,7 +2,8 @@
 
 from .contact import Law
 
-__all__: list[str]
+__all__ = ["LAWS", "LinearDashpot", "Viscoelastic", "Tsuji"]
+
 LAWS: dict[str, type[Law]]
 
 class LinearDashpot(Law):
@@ -32,3 +33,19 @@ class Viscoelastic(Law):
     dissipative_time: float
     restitution: float
     impact_speed: float
+
+class Tsuji(Law):
+    def __init__(
+        self,
+        *,
+        elastic_prefactor: float | None = None,
+        restitution: float | None = None,
+        damping_coefficient: float | None = None,
+        youngs_modulus: float | None = None,
+        poisson_ratio: float | None = None,
+    ) -> None: ...
+    elastic_prefactor: float
+    restitution: float
+    damping_coefficient: float
+    youngs_modulus: float
+    poisson_ratio: float

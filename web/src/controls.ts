@@ -1,7 +1,7 @@
 // The controls: a slider and a text field for every number.
 import { parse, sub, withUnit } from "./format";
 import {
-  clampTo, densityFor, lowestHeight, massOf, MOST_BALLS, ranges, setBallCount, settle, type Law, type Range, type Scenario,
+  clampTo, constants, constantsOf, densityFor, laws, lowestHeight, massOf, MOST_BALLS, ranges, setBallCount, settle, type Range, type Scenario,
 } from "./scenario";
 
 // Places of a slider: even steps on a linear scale, a thousand on a logarithmic one.
@@ -60,15 +60,13 @@ export class Controls {
     if (!s.cradle)
       add(this.number("height", "Height of lowest centre", ranges.height, (q) => q.height, (q, x) => (q.height = Math.max(x, lowestHeight(q)))));
     add(
-      this.choice("law", "Contact law", [["linear", "linear"], ["viscoelastic", "viscoelastic"]], () => this.scenario.law, (v) =>
-        this.edit((q) => (q.law = v as Law)),
+      this.choice("law", "Contact law", laws.map(({ name }) => [name, name]), () => this.scenario.law, (v) =>
+        this.edit((q) => (q.law = v)),
       ),
     );
-    if (s.law === "linear") add(this.number("stiffness", "Stiffness k", ranges.stiffness, (q) => q.stiffness, (q, x) => (q.stiffness = x)));
-    else {
-      add(this.number("youngs", "Young’s modulus Y", ranges.youngs, (q) => q.youngs, (q, x) => (q.youngs = x)));
-      add(this.number("poisson", "Poisson’s ratio ν", ranges.poisson, (q) => q.poisson, (q, x) => (q.poisson = x)));
-      add(this.number("impactSpeed", "ε is given at", ranges.impactSpeed, (q) => q.impactSpeed, (q, x) => (q.impactSpeed = x)));
+    for (const name of constantsOf(s)) {
+      const { label, range } = constants[name];
+      add(this.number(name, label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
     }
     add(this.stepper());
     for (let i = s.balls.length - 1; i >= 0; i--) {

@@ -2,10 +2,10 @@
 import type { Core } from "./core";
 import { clockText, drawMoment } from "./film";
 import { drawForces } from "./forces";
-import { digits, withUnit } from "./format";
+import { withUnit } from "./format";
 import type { ContactMap } from "./map";
 import { verdict } from "./numbers";
-import type { Scenario } from "./scenario";
+import { constants, constantsOf, type Scenario } from "./scenario";
 import type { State } from "./state";
 import type { Timeline } from "./timeline";
 
@@ -51,6 +51,6 @@ function sharpCanvas(width: number, height: number): [HTMLCanvasElement, CanvasR
 function parameters(s: Scenario): string {
   const radii = s.balls.map((b) => withUnit(b.radius, "m")).join(", ");
   const gaps = s.gaps.map((x) => withUnit(x, "m")).join(", ");
-  const law = s.law === "linear" ? `k = ${digits(s.stiffness)} N/m` : `Y = ${withUnit(s.youngs, "Pa")}, ν = ${s.poisson}`;
+  const law = constantsOf(s).map((name) => `${constants[name].symbol} = ${withUnit(s.constants[name], constants[name].range.unit)}`).join(", ");
   return `ε = ${s.restitution}, radii ${radii}, gaps ${gaps}, ${s.cradle ? "cradle" : `height ${withUnit(s.height, "m")}`}, ${law}`;
 }

@@ -12,7 +12,8 @@ export interface Preset {
 
 const solid = (radius: number, mass: number): Ball => ({ radius, density: densityFor(mass, radius) });
 const scenario = (changes: Partial<Scenario>): Scenario => {
-  const s = { ...paper(), ...changes };
+  const base = paper();
+  const s = { ...base, ...changes, constants: { ...base.constants, ...changes.constants } };
   return { ...s, velocities: changes.velocities ?? s.balls.map(() => 0) };
 };
 
@@ -70,7 +71,7 @@ export const presets: Preset[] = [
     about: "The classroom classic, released touching from one metre. Masses and stiffness are typical values.",
     scenario: scenario({
       restitution: 0.8,
-      stiffness: 4e4,
+      constants: { stiffness: 4e4 },
       height: 1.12,
       gaps: [0],
       balls: [solid(0.12, 0.62), solid(0.033, 0.058)],
@@ -83,7 +84,7 @@ export const presets: Preset[] = [
     about: "A stack of super balls, each lighter than the one below.",
     scenario: scenario({
       restitution: 0.85,
-      stiffness: 5e5,
+      constants: { stiffness: 5e5 },
       height: 0.5,
       gaps: [5e-5, 5e-5, 5e-5],
       balls: [solid(0.027, 0.078), solid(0.019, 0.027), solid(0.0135, 0.0098), solid(0.009, 0.0029)],
@@ -97,9 +98,7 @@ export const presets: Preset[] = [
     scenario: scenario({
       law: "viscoelastic",
       restitution: 0.95,
-      youngs: 2.1e11,
-      poisson: 0.3,
-      impactSpeed: 1,
+      constants: { youngs_modulus: 2.1e11, poisson_ratio: 0.3, impact_speed: 1 },
       height: 0.1,
       gaps: [2e-5],
       balls: [
@@ -116,9 +115,7 @@ export const presets: Preset[] = [
     scenario: scenario({
       law: "viscoelastic",
       restitution: 0.97,
-      youngs: 6.5e10,
-      poisson: 0.22,
-      impactSpeed: 1,
+      constants: { youngs_modulus: 6.5e10, poisson_ratio: 0.22, impact_speed: 1 },
       height: 0.1,
       gaps: [2e-5],
       balls: [
@@ -135,9 +132,7 @@ export const presets: Preset[] = [
     scenario: scenario({
       law: "viscoelastic",
       restitution: 0.97,
-      youngs: 2.1e11,
-      poisson: 0.3,
-      impactSpeed: 1,
+      constants: { youngs_modulus: 2.1e11, poisson_ratio: 0.3, impact_speed: 1 },
       cradle: true,
       gaps: [0.05, 0, 0, 0],
       velocities: [1, 0, 0, 0, 0],

@@ -1,5 +1,21 @@
 // What is dropped: the parameters, their ranges, their form in a link and in a TOML file. SI units.
-export type Law = "linear" | "viscoelastic";
+export interface LawParameter {
+  name: string;
+  unit: string; // "1": a plain number
+  meaning: string;
+  lowest: number;
+  highest: number | null; // null: infinite
+}
+
+export interface Law {
+  name: string;
+  alternative: number;
+  parameters: LawParameter[]; // in the order of the core's column; one of them is the restitution
+}
+
+// The laws of the core's registry, in its order; build.mjs puts them here.
+declare const LAWS: Law[];
+export const laws: readonly Law[] = LAWS;
 
 export interface Ball {
   radius: number;
@@ -7,12 +23,9 @@ export interface Ball {
 }
 
 export interface Scenario {
-  law: Law;
+  law: string;
   restitution: number;
-  stiffness: number; // linear
-  youngs: number; // viscoelastic
-  poisson: number;
-  impactSpeed: number; // at which ε is given
+  constants: Record<string, number>; // of the laws, by name of the parameter; those of other laws are kept
   cradle: boolean; // no floor, no gravity
   height: number; // of the lowest ball's centre
   balls: Ball[]; // bottom first
@@ -34,10 +47,6 @@ export interface Range {
 
 export const ranges = {
   restitution: { low: 0.02, high: 1, log: false, unit: "" },
-  stiffness: { low: 1e3, high: 1e9, log: true, unit: "N/m" },
-  youngs: { low: 1e5, high: 1e12, log: true, unit: "Pa" },
-  poisson: { low: 0, high: 0.5, log: false, unit: "" },
-  impactSpeed: { low: 0.01, high: 100, log: true, unit: "m/s" },
   height: { low: 0.01, high: 10, log: true, unit: "m" },
   radius: { low: 1e-3, high: 0.5, log: true, unit: "m" },
   mass: { low: 1e-6, high: 1e3, log: true, unit: "kg" },
@@ -45,6 +54,45 @@ export const ranges = {
   velocity: { low: -5, high: 5, log: false, step: 0.01, unit: "m/s" },
   density: { low: 0.1, high: 1e6, log: true, unit: "kg/m³" },
 } satisfies Record<string, Range>;
+
+// What a constant of a law looks like on the page: key in a link, label, symbol, slider and the value to start from.
+export interface Constant {
+  key: string;
+  label: string;
+  symbol: string;
+  range: Range;
+  start: number;
+}
+
+const known: Record<string, Constant> = {
+  stiffness: { key: "k", label: "Stiffness k", symbol: "k", range: { low: 1e3, high: 1e9, log: true, unit: "N/m" }, start: 5e7 },
+  youngs_modulus: { key: "Y", label: "Young’s modulus Y", symbol: "Y", range: { low: 1e5, high: 1e12, log: true, unit: "Pa" }, start: 5e7 },
+  poisson_ratio: { key: "nu", label: "Poisson’s ratio ν", symbol: "ν", range: { low: 0, high: 0.5, log: false, unit: "" }, start: 0.45 },
+  impact_speed: { key: "v", label: "ε is given at", symbol: "v", range: { low: 0.01, high: 100, log: true, unit: "m/s" }, start: 3 },
+  elastic_prefactor: { key: "K", label: "Hertz stiffness k", symbol: "k", range: { low: 1e4, high: 1e12, log: true, unit: "N/m^1.5" }, start: 1e9 },
+};
+
+// A parameter that this page has never heard of shows what the law says about it.
+function constantOf(p: LawParameter): Constant {
+  const bounded = p.highest !== null;
+  const high = p.highest ?? 1e12;
+  const low = bounded ? p.lowest : Math.max(p.lowest, 1e-3);
+  const label = p.meaning.split(/[;,]/)[0];
+  return {
+    key: p.name,
+    label: label[0].toUpperCase() + label.slice(1),
+    symbol: p.name,
+    range: { low, high, log: !bounded, unit: p.unit === "1" ? "" : p.unit },
+    start: bounded ? 0.5 * (low + high) : Math.sqrt(low * high),
+  };
+}
+
+export const constants: Record<string, Constant> = Object.fromEntries(
+  laws.flatMap((law) => law.parameters.filter((p) => p.name !== "restitution").map((p) => [p.name, known[p.name] ?? constantOf(p)])),
+);
+
+export const lawOf = (s: Scenario): Law => laws.find((law) => law.name === s.law) ?? laws[0];
+export const constantsOf = (s: Scenario): string[] => lawOf(s).parameters.map((p) => p.name).filter((name) => name !== "restitution");
 
 export const clampTo = (r: Range, x: number): number =>
   r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
@@ -56,10 +104,7 @@ export const densityFor = (mass: number, radius: number): number => mass / volum
 export const paper = (): Scenario => ({
   law: "linear",
   restitution: 0.7,
-  stiffness: 5e7,
-  youngs: 5e7,
-  poisson: 0.45,
-  impactSpeed: 3,
+  constants: Object.fromEntries(Object.entries(constants).map(([name, c]) => [name, c.start])),
   cradle: false,
   height: 0.6,
   balls: [
@@ -72,6 +117,7 @@ export const paper = (): Scenario => ({
 
 export const copyOf = (s: Scenario): Scenario => ({
   ...s,
+  constants: { ...s.constants },
   balls: s.balls.map((b) => ({ ...b })),
   gaps: [...s.gaps],
   velocities: [...s.velocities],
@@ -100,11 +146,10 @@ export function setBallCount(s: Scenario, n: number): void {
 
 // The core's column; layout in bindings/wasm.cpp.
 export function columnOf(s: Scenario): Float64Array {
-  const head =
-    s.law === "linear"
-      ? [0, 0, s.stiffness, s.restitution, 0, 0]
-      : [1, 1, s.youngs, s.poisson, s.restitution, s.impactSpeed];
-  const column = [...head, s.balls.length, s.cradle ? 0 : 1, s.cradle ? 0 : GRAVITY];
+  const law = lawOf(s);
+  const parameters = law.parameters.map((p) => (p.name === "restitution" ? s.restitution : s.constants[p.name]));
+  while (parameters.length < 4) parameters.push(0);
+  const column = [laws.indexOf(law), law.alternative, ...parameters, s.balls.length, s.cradle ? 0 : 1, s.cradle ? 0 : GRAVITY];
   s.balls.forEach((b, i) => {
     const gap = i > 0 ? s.gaps[i - 1] : s.cradle ? 0 : s.height - b.radius;
     column.push(massOf(b), b.radius, gap, s.velocities[i]);
@@ -114,12 +159,8 @@ export function columnOf(s: Scenario): Float64Array {
 
 // ---- a link ----------------------------------------------------------------------------------------------
 
-const scalars: [string, keyof Scenario & keyof typeof ranges][] = [
+const scalars: [string, "restitution" | "height"][] = [
   ["e", "restitution"],
-  ["k", "stiffness"],
-  ["Y", "youngs"],
-  ["nu", "poisson"],
-  ["v", "impactSpeed"],
   ["h", "height"],
 ];
 
@@ -128,6 +169,7 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
   if (s.law !== base.law) q.set("law", s.law);
   if (s.cradle) q.set("setup", "cradle");
   for (const [key, name] of scalars) if (s[name] !== base[name]) q.set(key, String(s[name]));
+  for (const [name, c] of Object.entries(constants)) if (s.constants[name] !== c.start) q.set(c.key, String(s.constants[name]));
   const lists: [string, number[], number[]][] = [
     ["r", s.balls.map((b) => b.radius), base.balls.map((b) => b.radius)],
     ["rho", s.balls.map((b) => b.density), base.balls.map((b) => b.density)],
@@ -156,11 +198,15 @@ export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): voi
     notes.push(`${key} = “${text.slice(0, 20)}” is none of ${options.join(", ")}: ${fallback} used`);
     return fallback;
   };
-  s.law = choice("law", ["linear", "viscoelastic"], s.law);
+  s.law = choice("law", laws.map((law) => law.name), s.law);
   s.cradle = choice("setup", ["drop", "cradle"], s.cradle ? "cradle" : "drop") === "cradle";
   for (const [key, name] of scalars) {
     const text = q.get(key);
     if (text !== null) s[name] = number(key, text, ranges[name], s[name]);
+  }
+  for (const [name, c] of Object.entries(constants)) {
+    const text = q.get(c.key);
+    if (text !== null) s.constants[name] = number(c.key, text, c.range, s.constants[name]);
   }
   const radii = q.get("r")?.split(",");
   if (radii) {
@@ -216,10 +262,10 @@ export function toToml(s: Scenario): string {
   if (s.velocities.some((v) => v !== 0)) lines.push(`velocities = [${s.velocities.map(toml).join(", ")}]  # m/s`);
   for (const b of s.balls) lines.push("", "[[balls]]", `radius = ${toml(b.radius)}  # m`, `density = ${toml(b.density)}  # kg/m³`);
   lines.push("", "[law]", `name = "${s.law}"`);
-  if (s.law === "linear") lines.push(`stiffness = ${toml(s.stiffness)}  # N/m`);
-  else lines.push(`youngs_modulus = ${toml(s.youngs)}  # Pa`, `poisson_ratio = ${toml(s.poisson)}`);
-  lines.push(`restitution = ${toml(s.restitution)}`);
-  if (s.law === "viscoelastic") lines.push(`impact_speed = ${toml(s.impactSpeed)}  # m/s`);
+  for (const p of lawOf(s).parameters) {
+    const value = p.name === "restitution" ? s.restitution : s.constants[p.name];
+    lines.push(`${p.name} = ${toml(value)}${p.unit === "1" ? "" : `  # ${p.unit}`}`);
+  }
   return lines.join("\n") + "\n";
 }
 

@@ -132,7 +132,7 @@ for (const example of ["fig2", "fig5", "fig6", "fig7", "basketball", "astro", "s
 
 test("every control moves the result and is in the link", async (t) => {
   const page = await open(t);
-  for (const setup of ["", "?law=viscoelastic", "?example=astro", "?example=cradle"]) {
+  for (const setup of ["", "?law=viscoelastic", "?law=tsuji", "?example=astro", "?example=cradle"]) {
     if (setup) {
       await page.goto(base + setup);
       await page.waitForFunction(() => document.documentElement.dataset.numbers);
@@ -163,7 +163,7 @@ test("every control moves the result and is in the link", async (t) => {
   for (let i = 0; i < 4; i++) await page.click("#count-less");
   await page.waitForFunction(() => document.getElementById("count").textContent === "2");
   await page.check("#law-viscoelastic");
-  await page.waitForSelector("#youngs");
+  await page.waitForSelector("#youngs_modulus");
   await page.fill("#restitution-value", "nonsense");
   await page.keyboard.press("Tab");
   assert.equal(await page.getAttribute("#restitution-value", "aria-invalid"), "true");
@@ -228,7 +228,7 @@ test("bad parameters are clamped and said", async (t) => {
   assert.ok((await numbers(page)).newton_contacts >= 0);
   await page.click("#notes button");
   assert.equal(await page.isVisible("#notes"), false);
-  for (const query of ["?r=0.1&e=NaN", "?r=" + "0.01,".repeat(50), "?gap=&u=1,2&e=0.02", "?setup=cradle&u=0,1", "?e=0.02&k=1e9&gap=1e-8", "?law=viscoelastic&e=0.02&Y=1e12", "?h=0.01&r=0.5,0.001", "?e=1&gap=1&h=10", "?t=1e9"]) {
+  for (const query of ["?r=0.1&e=NaN", "?r=" + "0.01,".repeat(50), "?gap=&u=1,2&e=0.02", "?setup=cradle&u=0,1", "?e=0.02&k=1e9&gap=1e-8", "?law=viscoelastic&e=0.02&Y=1e12", "?law=tsuji&e=0.02&K=1e12", "?h=0.01&r=0.5,0.001", "?e=1&gap=1&h=10", "?t=1e9"]) {
     await page.goto(base + query);
     await page.waitForFunction(() => document.documentElement.dataset.numbers && document.getElementById("verdict").textContent);
   }

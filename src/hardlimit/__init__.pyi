@@ -1,0 +1,22 @@
+# Written by tools/stubs.py from __init__.py and the laws' records.
+
+from .approximations import restitution_pade as restitution_pade
+from .approximations import restitution_series as restitution_series
+from .approximations import usual_damping as usual_damping
+from .bodies import FLOOR as FLOOR
+from .bodies import Ball as Ball
+from .column.result import Result as Result
+from .column.scenario import PAPER_DENSITY as PAPER_DENSITY
+from .column.scenario import Column as Column
+from .column.solvers import adiabatic as adiabatic
+from .column.solvers import independent as independent
+from .column.solvers import newton as newton
+from .contact import Contact as Contact
+from .contact import Law as Law
+from .laws import LAWS as LAWS
+from .laws import LinearDashpot as LinearDashpot
+from .laws import Viscoelastic as Viscoelastic
+from .laws import Tsuji as Tsuji
+from .sweep import sweep as sweep
+__version__: str
+OUTCOMES: tuple[str, ...]
