@@ -16,8 +16,9 @@ from click.testing import CliRunner, Result
 
 import hardlimit as hl
 from hardlimit.cli import main
-from hardlimit.cli.sweep import axis
+from hardlimit.cli.axes import axis
 from hardlimit.column import files
+from hardlimit.contact import law_parameters
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 HERTZ = ["--youngs-modulus", "5e7", "--poisson-ratio", "0.45"]
@@ -44,7 +45,7 @@ def printed(*args: object) -> dict:
 
 # --- help ---------------------------------------------------------------------------------------------------
 
-COMMANDS = ["drop", "contact", "paper", "sweep", "explore"]
+COMMANDS = ["drop", "contact", "paper", "sweep", "explore", "completion"]
 
 
 def test_help_lists_the_commands() -> None:
@@ -67,7 +68,7 @@ def test_version() -> None:
 def test_options_of_laws_follow_the_records() -> None:
     text = run("drop", "--help").stdout
     for law in hl.LAWS.values():
-        for name in files.law_parameters(law):
+        for name in law_parameters(law):
             assert f"--{name.replace('_', '-')} " in text
 
 

@@ -177,6 +177,12 @@ class Law:
         return Contact(self, core)
 
 
+def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
+    """The records of all parameters that a law knows, by name."""
+    choices = law.record["alternatives"]
+    return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
+
+
 def _range_of(parameter: dict[str, Any]) -> str:
     return validation.describe_range(
         parameter["lowest"], parameter["highest"], parameter["lowest_allowed"], parameter["highest_allowed"]

@@ -17,6 +17,16 @@ def describe_range(lowest: float, highest: float, lowest_allowed: bool, highest_
     return f"in {'[' if lowest_allowed else '('}{lowest:g}, {highest:g}{']' if highest_allowed else ')'}"
 
 
+def shown(value: Any) -> str:
+    """A refused value in one line, cut where it is long."""
+    try:
+        text = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        text = f"a {type(value).__name__}"
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else f"{text[:45]}…{text[-10:]}"
+
+
 def number(
     name: str,
     value: Any,

@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..column.scenario import PAPER_DENSITY
-from .common import NUMBER, Command, console, fraction_progress, print_json
+from .options import quantity_option
+from .printing import console, print_json
+from .program import Command
+from .progress import fraction_progress
 
 if TYPE_CHECKING:
     from ..paper import Report
@@ -19,7 +22,9 @@ TITLES = {"statement": "What the paper states", "density": "Density", "misprint"
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit paper --figures 2,3 --out figures --format pdf")
 @click.option("--figures", metavar="LIST", help="Such as 2,3,4.  [default: all]")
 @click.option("--out", metavar="FOLDER", default="hardlimit-paper", show_default=True)
-@click.option("--density", type=NUMBER, default=PAPER_DENSITY, show_default=True, help="[kg/m³], inferred.")
+@quantity_option(
+    "--density", unit="kg/m3", default=PAPER_DENSITY, show_default=True, help="[kg/m³], inferred."
+)
 @click.option("--format", "picture", default="png", show_default=True, help="png, pdf or svg.")
 @click.option("--infer-density", is_flag=True, help="Repeat the inference of the density.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")

@@ -89,8 +89,8 @@ class PageHandler(BaseHTTPRequestHandler):
     server: PageServer
 
     def setup(self) -> None:
-        self.timeout = self.server.silence
         super().setup()
+        self.connection.settimeout(self.server.silence)
 
     def do_GET(self) -> None:
         self.reply(with_body=True)
