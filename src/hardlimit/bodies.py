@@ -35,7 +35,10 @@ class Ball:
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)
         size = validation.number("radius", radius, 0.0)
-        volume = 4.0 / 3.0 * math.pi * size**3
+        try:
+            volume = 4.0 / 3.0 * math.pi * size**3
+        except OverflowError:
+            volume = math.inf
         if density is not None:
             rho = validation.number("density", density, 0.0)
             weight = rho * volume

@@ -51,9 +51,16 @@ class Command(click.Command):
         except ValueError as error:
             raise click.UsageError(str(error), ctx) from error
         except (ImportError, OSError, RuntimeError, MemoryError) as error:
-            failure = click.ClickException(str(error) or type(error).__name__)
+            failure = click.ClickException(reason(error))
             failure.ctx = ctx  # type: ignore[attr-defined]
             raise failure from error
+
+
+def reason(error: Exception) -> str:
+    """What went wrong, in words; the system names no file if it was standard output."""
+    if isinstance(error, OSError) and error.strerror and error.filename is None:
+        return f"output: cannot be written: {error.strerror}"
+    return str(error) or type(error).__name__
 
 
 def ended(run: Callable[[], Any]) -> int:
@@ -70,7 +77,7 @@ def ended(run: Callable[[], Any]) -> int:
         complain(f"{context.command_path if context else 'hardlimit'}: {error.format_message()}")
         return error.exit_code
     except OSError as error:
-        complain(f"hardlimit: output: cannot be written: {error.strerror or error}")
+        complain(f"hardlimit: {reason(error)}")
         return FAILURE
     return code if isinstance(code, int) else 0
 
