@@ -1,9 +1,8 @@
 """How far can you trust an event-driven simulation? Collisions and Newton's equations, side by side."""
 
-from typing import Final
-
 from . import _core
 from .bodies import FLOOR, Ball
+from .column.comparison import Comparison, Verdict, compare
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
@@ -13,10 +12,10 @@ from .laws import LAWS
 from .laws import __all__ as _laws
 from .sweep import sweep
 
-__version__: Final = _core.version
+__version__ = _core.version
 
 #: Names of the outcome codes, in the order of their numbers.
-OUTCOMES: Final = _core.outcome_names
+OUTCOMES = _core.outcome_names
 
 __all__ = [
     "FLOOR",
@@ -25,11 +24,15 @@ __all__ = [
     "PAPER_DENSITY",
     "Ball",
     "Column",
+    "Comparison",
     "Contact",
     "Result",
+    "Verdict",
     "adiabatic",
+    "compare",
     "independent",
     "newton",
     "sweep",
     *(name for name in _laws if name != "LAWS"),
 ]
+del _laws

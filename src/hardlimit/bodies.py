@@ -8,6 +8,10 @@ from typing import Final
 
 from . import validation
 
+#: Masses [kg] whose products neither vanish nor overflow.
+LIGHTEST: Final = 1e-150
+HEAVIEST: Final = 1e150
+
 
 @dataclass(frozen=True, init=False)
 class Ball:
@@ -24,7 +28,8 @@ class Ball:
     Raises
     ------
     ValueError
-        If a value is not positive and finite, or both or neither of the alternatives are given.
+        If a value is not positive and finite, the mass is beyond all reason, or both or neither of the
+        alternatives are given.
     """
 
     radius: float
@@ -35,28 +40,34 @@ class Ball:
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)
         size = validation.number("radius", radius, 0.0)
-        try:
-            volume = 4.0 / 3.0 * math.pi * size**3
-        except OverflowError:
-            volume = math.inf
+        cube = size * size * size
         if density is not None:
             rho = validation.number("density", density, 0.0)
-            weight = rho * volume
+            weight = 4.0 / 3.0 * math.pi * (rho * cube)  # in this order to the last bit what a sweep computes
         else:
             weight = validation.number("mass", mass, 0.0)
+            volume = 4.0 / 3.0 * math.pi * cube
             rho = weight / volume if volume > 0.0 else math.inf
-        if not 1e-150 < weight < 1e150:
+        if not LIGHTEST <= weight <= HEAVIEST:
+            what, value = ("density", rho) if given == "density" else ("mass", weight)
             raise ValueError(
-                f"radius: got {size:.16g}, gives a mass of {weight:g} kg, must be in [1e-150, 1e150]"
+                f"radius | {what}: got {size:.16g} and {value:.16g}, a mass of {weight:g} kg, "
+                f"must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
             )
-        for name, value in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
-            object.__setattr__(self, name, value)
+        for name, of_it in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
+            object.__setattr__(self, name, of_it)
 
     def __repr__(self) -> str:
         return f"Ball(radius={self.radius!r}, {self.given}={getattr(self, self.given)!r})"
 
     def resized(self, radius: float) -> Ball:
-        """The ball with another radius and the same density (or mass, if that was given)."""
+        """The ball with another radius and the same density (or mass, if that was given).
+
+        Raises
+        ------
+        ValueError
+            If the radius is not positive and finite.
+        """
         if self.given == "density":
             return Ball(radius, density=self.density)
         return Ball(radius, mass=self.mass)
@@ -64,6 +75,8 @@ class Ball:
 
 class Floor:
     """The floor: body 0, of infinite mass and radius."""
+
+    __slots__ = ()
 
     radius: Final = math.inf
     mass: Final = math.inf

@@ -7,6 +7,8 @@ and hands the physics back to the core.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self
 
 import numpy as np
@@ -95,7 +97,7 @@ class Law:
     """A contact law with the user's parameters. ``laws`` makes one subclass for each record of the core."""
 
     record: ClassVar[dict[str, Any]]
-    parameters: dict[str, float]  #: as given, in the record's order
+    parameters: Mapping[str, float]  #: as given, in the record's order
     alternative: int  #: which set of alternatives was given
 
     def __init__(self, **given: float | None) -> None:
@@ -118,8 +120,7 @@ class Law:
             wanted = " | ".join(" + ".join(p["name"] for p in choice) for choice in choices)
             got = ", ".join(sorted(rest)) if rest else "neither"
             raise ValueError(f"{wanted}: got {got}, must be exactly one of these alternatives")
-        self.alternative = matching[0]
-        self.parameters = {
+        checked = {
             p["name"]: validation.number(
                 p["name"],
                 named[p["name"]],
@@ -128,8 +129,18 @@ class Law:
                 lowest_allowed=p["lowest_allowed"],
                 highest_allowed=p["highest_allowed"],
             )
-            for p in [*common, *choices[self.alternative]]
+            for p in [*common, *choices[matching[0]]]
         }
+        self.__dict__.update(alternative=matching[0], parameters=MappingProxyType(checked))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a law does not change, replace({name}=…) makes another one")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name}: a law does not change")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _law, (type(self), dict(self.parameters))
 
     def __getattr__(self, name: str) -> float:
         parameters = self.__dict__.get("parameters", {})
@@ -181,6 +192,10 @@ def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
     """The records of all parameters that a law knows, by name."""
     choices = law.record["alternatives"]
     return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
+
+
+def _law(kind: type[Law], parameters: dict[str, float]) -> Law:
+    return kind(**parameters)
 
 
 def _range_of(parameter: dict[str, Any]) -> str:

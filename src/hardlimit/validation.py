@@ -1,11 +1,36 @@
-"""Bad input is refused here, once, in one line: parameter, value, accepted range."""
+"""Bad input is refused here, once, in one line: parameter, value, accepted range.
+
+A *number* is an int, a float, a Fraction, a Decimal or one of NumPy's real scalars, or an array without dimensions
+that holds one. A bool is not a number, and neither are text, dates, complex numbers or quantities with a unit: each
+of them would convert to a float that its author did not mean.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import operator
+from collections.abc import Sequence
+from contextlib import suppress
+from decimal import Decimal
 from numbers import Real
-from typing import Any
+from typing import Any, Final, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+T = TypeVar("T")
+
+#: Longest text of a value in a message.
+LONGEST: Final = 60
+
+
+def shown(value: Any) -> str:
+    """A value as a message shows it: one line, not too long, whatever its own ``repr`` does."""
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # a repr of someone else, or an int of more digits than Python prints
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 def describe_range(lowest: float, highest: float, lowest_allowed: bool, highest_allowed: bool) -> str:
@@ -17,14 +42,7 @@ def describe_range(lowest: float, highest: float, lowest_allowed: bool, highest_
     return f"in {'[' if lowest_allowed else '('}{lowest:g}, {highest:g}{']' if highest_allowed else ')'}"
 
 
-def shown(value: Any) -> str:
-    """A refused value in one line, cut where it is long."""
-    try:
-        text = repr(value)
-    except ValueError:  # a whole number of thousands of digits
-        text = f"a {type(value).__name__}"
-    text = " ".join(text.split())
-    return text if len(text) <= 60 else f"{text[:45]}…{text[-10:]}"
+# --- numbers ------------------------------------------------------------------------------------------------
 
 
 def number(
@@ -36,28 +54,192 @@ def number(
     lowest_allowed: bool = False,
     highest_allowed: bool = False,
 ) -> float:
-    """``value`` as a finite float within the range, or a ValueError that names parameter, value and range."""
+    """``value`` as a finite float within the range.
+
+    Raises
+    ------
+    ValueError
+        If it is not a number or outside the range; names parameter, value and range.
+    """
     accepted = describe_range(lowest, highest, lowest_allowed, highest_allowed)
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"{name}: got {value!r}, must be a number {accepted}")
-    x = float(value)
+    x = _as_float(value)
+    if x is None:
+        what = "a finite number" if accepted == "finite" else f"a number {accepted}"
+        raise ValueError(f"{name}: got {shown(value)}, must be {what}")
     above = x >= lowest if lowest_allowed else x > lowest
     below = x <= highest if highest_allowed else x < highest
     if not (math.isfinite(x) and above and below):
-        raise ValueError(f"{name}: got {x:.16g}, must be {accepted}")
+        text = shown(value) if math.isinf(x) else f"{x:.16g}"
+        raise ValueError(f"{name}: got {text}, must be {accepted}")
     return x
 
 
+def whole(name: str, value: Any, lowest: int, highest: int) -> int:
+    """``value`` as an int in [lowest, highest]; a float is refused, even one without decimals.
+
+    Raises
+    ------
+    ValueError
+        If it is not a whole number or outside the range.
+    """
+    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
+    if not is_whole or not lowest <= value <= highest:
+        raise ValueError(f"{name}: got {shown(value)}, must be a whole number in [{lowest}, {highest}]")
+    return int(value)
+
+
 def numbers(name: str, values: Any, count: int, **limits: Any) -> tuple[float, ...]:
-    """A list of ``count`` numbers; a single number stands for all of them."""
-    if isinstance(values, Real) and not isinstance(values, bool):
+    """``count`` numbers from a sequence or a one-dimensional array; a single number stands for all of them.
+
+    Raises
+    ------
+    ValueError
+        If there are not ``count`` numbers, or one of them is outside the range.
+    """
+    if _as_float(values) is not None:
         return (number(name, values, **limits),) * count
-    if isinstance(values, str) or not isinstance(values, Iterable):
-        raise ValueError(f"{name}: got {values!r}, must be a number or a list of {count}")
-    listed = list(values)
+    listed = _as_list(values)
+    if listed is None:
+        raise ValueError(f"{name}: got {shown(values)}, must be a number or a list of {count}")
     if len(listed) != count:
         raise ValueError(f"{name}: got {len(listed)} values, must be {count}")
     return tuple(number(f"{name}[{i}]", v, **limits) for i, v in enumerate(listed))
+
+
+def array(
+    name: str,
+    values: Any,
+    *,
+    lowest: float = -math.inf,
+    highest: float = math.inf,
+    lowest_allowed: bool = False,
+    highest_allowed: bool = False,
+    ndim: int | None = 1,
+    empty_allowed: bool = False,
+) -> NDArray[np.float64]:
+    """``values`` as an array of finite floats within the range, C-contiguous; it may share their memory.
+
+    Takes a number, which comes back without dimensions, a (nested) sequence of numbers, or an array of a real
+    type: of NumPy, xarray, pandas or anything else that converts itself. ``ndim`` is the most dimensions
+    accepted, None any number of them.
+
+    Raises
+    ------
+    ValueError
+        If it is none of these, has masked or missing entries, or a value is outside the range.
+    """
+    one_dimensional = "a number or a one-dimensional array of numbers"
+    wanted = one_dimensional if ndim == 1 else "a number or an array of numbers"
+    found = _as_array(values)
+    if found is None:
+        raise ValueError(f"{name}: got {shown(values)}, must be {wanted}")
+    if ndim is not None and found.ndim > ndim:
+        raise ValueError(f"{name}: got {found.ndim} dimensions, must be {wanted}")
+    if found.size == 0 and not empty_allowed:
+        raise ValueError(f"{name}: got an empty array, must hold at least one value")
+    above = found >= lowest if lowest_allowed else found > lowest
+    below = found <= highest if highest_allowed else found < highest
+    good = np.isfinite(found) & above & below
+    if not good.all():
+        accepted = describe_range(lowest, highest, lowest_allowed, highest_allowed)
+        raise ValueError(f"{name}: got {found[~good].flat[0]:.16g}, must be {accepted}")
+    return found
+
+
+def _as_float(value: Any) -> float | None:
+    """A number as a float, too large ones as infinity; None for anything else."""
+    if isinstance(value, bool | np.timedelta64):  # Python and NumPy count both among the whole numbers
+        return None
+    if isinstance(value, Real | Decimal):
+        try:
+            return float(value)
+        except OverflowError:
+            return -math.inf if operator.lt(value, 0) else math.inf
+        except Exception:  # a signalling NaN, or a number of someone else that does not convert
+            return None
+    if hasattr(value, "__array__"):
+        found = _converted(value)
+        return float(found) if found is not None and found.ndim == 0 else None
+    return None
+
+
+def _as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
+    """Numbers as a C-contiguous array of floats; None if any of them is not a number."""
+    if hasattr(values, "__array__"):
+        return _converted(values)
+    single = _as_float(values)
+    if single is not None:
+        return np.array(single)
+    if not _is_list(values) or deepest == 0:  # a list may contain itself
+        return None
+    if {float, int}.issuperset(map(type, values)):  # the common case at the speed of NumPy
+        with suppress(OverflowError):
+            return np.array(values, dtype=np.float64)
+    rows: list[NDArray[np.float64]] = []
+    for value in values:
+        row = _as_array(value, deepest - 1)
+        if row is None or row.shape != (rows[0] if rows else row).shape:
+            return None
+        rows.append(row)
+    return np.array(rows)
+
+
+def _converted(value: Any) -> NDArray[np.float64] | None:
+    """What an array, or an object that knows how to become one, holds; None unless that is real numbers."""
+    if hasattr(type(value), "unit") or hasattr(type(value), "units"):  # a conversion would drop the unit
+        return None
+    try:
+        found = np.ma.asarray(value) if np.ma.isMaskedArray(value) else np.asarray(value)
+    except Exception:  # whatever the object's own conversion raises
+        return None
+    if found.dtype.kind not in "iuf" or np.ma.is_masked(found):
+        return None
+    with np.errstate(over="ignore"):  # a long double beyond the range of a double becomes infinity
+        return np.asarray(found, dtype=np.float64, order="C")
+
+
+def _as_list(values: Any) -> list[Any] | None:
+    """The entries of a sequence or a one-dimensional array of numbers; None for anything else."""
+    if hasattr(values, "__array__"):
+        found = _converted(values)
+        return found.tolist() if found is not None and found.ndim == 1 else None
+    return list(values) if _is_list(values) else None
+
+
+def _is_list(values: Any) -> bool:
+    return isinstance(values, Sequence) and not isinstance(values, str | bytes | bytearray | memoryview)
+
+
+# --- everything else ----------------------------------------------------------------------------------------
+
+
+def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
+    """``value``, if it is one of these words.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+    """
+    if not isinstance(value, str) or value not in choices:
+        raise ValueError(f"{name}: got {shown(value)}, must be one of {', '.join(choices)}")
+    return str(value)
+
+
+def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]:
+    """The members of a sequence, each an instance of ``kind``, which ``what`` calls by its name.
+
+    Raises
+    ------
+    ValueError
+        If it is no sequence, or a member is something else.
+    """
+    if not _is_list(values):
+        raise ValueError(f"{name}: got {shown(values)}, must be a list of {what}")
+    for i, member in enumerate(values):
+        if not isinstance(member, kind):
+            raise ValueError(f"{name}[{i}]: got {shown(member)}, must be a {what}")
+    return tuple(values)
 
 
 def exactly_one(**given: Any) -> str:

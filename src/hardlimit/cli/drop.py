@@ -11,11 +11,11 @@ from ..column import files
 from ..column.comparison import Comparison, compare
 from ..column.result import Result
 from ..column.solvers import newton
+from ..progress import bar
 from .drop_report import as_mapping, print_report, save_results
 from .options import column_from, column_options, options, output_option, quantity_option, writable
 from .printing import print_json
 from .program import Command
-from .progress import progress
 
 OUTPUTS = ("plot", "animate", "save", "toml")
 
@@ -80,7 +80,7 @@ def write_outputs(found: Comparison, shown: Result, outputs: dict[str, Path | No
     if outputs["animate"]:
         from ..pictures.animation import animate
 
-        with progress("film") as report:
+        with bar("film") as report:
             animate(shown, outputs["animate"], ghost=found.independent, progress=report)
     if outputs["save"]:
         save_results((shown, *found.results[1:]), outputs["save"])

@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 from .. import saving
 from ..column import files
-from ..column.comparison import Comparison, final_velocities, rebound_heights
+from ..column.comparison import Comparison
 from ..column.result import Result
 from ..column.scenario import Column
 from ..contact import Law, law_parameters
+from ..models import MODELS
 from .printing import console, digits, length, plain, quantity, show, table
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-MODEL_NAMES = {"newton": "Newton", "adiabatic": "adiabatic", "independent": "independent"}
 
 #: Letters for the parameters of laws; others are written out.
 SYMBOLS = {
@@ -102,12 +101,9 @@ def microseconds(seconds: float) -> str:
 
 def contact_table(result: Result, most: int = 40) -> Table:
     """Begin, end and duration of the contacts; a long list is cut in the middle."""
-    found = result.contacts
     rows = [
         [pair_name(int(pair)), microseconds(begin), microseconds(end), microseconds(end - begin)]
-        for pair, begin, end in zip(
-            found["pair"].values, found["begin"].values, found["end"].values, strict=True
-        )
+        for pair, begin, end in zip(*result.contact_times, strict=True)
     ]
     if len(rows) > most:
         half = most // 2
@@ -117,7 +113,7 @@ def contact_table(result: Result, most: int = 40) -> Table:
 
 def comparison_table(found: Comparison) -> Table:
     results = found.results
-    names = ["", *(MODEL_NAMES[r.model] for r in results)]
+    names = ["", *(MODELS[r.model].short for r in results)]
     rows = [[label, *(text(r) for r in results)] for label, text in comparison_rows(found.newton.column)]
     rows.append(["outcome", *(r.outcome.split(":")[0] for r in results)])
     return table(names, rows)
@@ -144,14 +140,14 @@ def comparison_rows(column: Column) -> list[tuple[str, Callable[[Result], str]]]
                 ("effective ε / ε at separation", lambda r: digits(r.restitution_ratio_at_separation)),
             ]
     for i in reversed(range(len(column.balls))):
-        rows.append((f"final velocity of ball {i + 1} [m/s]", partial(_of_ball, final_velocities, i)))
+        rows.append((f"final velocity of ball {i + 1} [m/s]", partial(_of_ball, "final_velocities", i)))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):
-        rows.append((f"rebound height of ball {i + 1} [m]", partial(_of_ball, rebound_heights, i)))
+        rows.append((f"rebound height of ball {i + 1} [m]", partial(_of_ball, "rebound_heights", i)))
     return rows
 
 
-def _of_ball(values: Callable[[Result], Any], i: int, result: Result) -> str:
-    return digits(float(values(result)[i]))
+def _of_ball(name: str, i: int, result: Result) -> str:
+    return digits(float(getattr(result, name)[i]))
 
 
 # --- for machines -------------------------------------------------------------------------------------------
@@ -184,9 +180,9 @@ def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
         "method",
     )
     values = {name: getattr(result, name) for name in names}
-    contacts = {str(name): shown.contacts[name].values for name in shown.contacts.data_vars}
+    contacts = dict(zip(("pair", "begin", "end"), shown.contact_times, strict=True))
     state = {"positions": shown.positions, "velocities": shown.velocities}
-    heights = {"rebound_heights": rebound_heights(result)}
+    heights = {"rebound_heights": result.rebound_heights}
     mapping: dict[str, Any] = plain({**values, **state, **heights, "contacts": contacts})
     return mapping
 

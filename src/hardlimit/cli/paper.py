@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,7 +12,6 @@ from ..column.scenario import PAPER_DENSITY
 from .options import quantity_option
 from .printing import console, print_json
 from .program import Command
-from .progress import fraction_progress
 
 if TYPE_CHECKING:
     from ..paper import Report
@@ -44,6 +45,23 @@ def paper(
         print_json(found.to_dict())
     else:
         print_report(found)
+
+
+@contextmanager
+def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
+    """A progress bar on stderr, fed with (part from 0 to 1, what is being done)."""
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    out = console(stderr=True)
+    columns = (
+        TextColumn("{task.description:24.24}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=out, transient=True, disable=not out.is_terminal) as bar:
+        task = bar.add_task(title, total=1.0)
+        yield lambda part, text: bar.update(task, completed=part, description=text)
 
 
 def print_report(found: Report) -> None:

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..models import MODELS
+from ..progress import bar
 from ..sweep import ENGINES, VARIABLES
 from ..sweep import sweep as compute
-from ..sweep.plan import MODELS
 from .axes import Axis, geometry_options
 from .job import Job, make_job
 from .options import law_options, options, output_option
 from .printing import print_json
 from .program import Command
-from .progress import progress
 from .sweep_report import print_summary, save, summarise
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **given: Any) -> None:
     import xarray  # noqa: F401  # here, so that loading it does not count as time of the sweep
 
     store = job.out if job.out is not None and job.out.suffix == ".zarr" else None
-    with progress("sweep", "points") as report:
+    with bar("sweep", "points") as report:
         ds = compute(job.column, store=store, progress=report, **job.run, **job.axes)
     if job.out is not None and store is None:
         save(ds, job.out)

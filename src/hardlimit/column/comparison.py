@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .result import Result
+from .. import _core, html
+from ..models import ADIABATIC, MODELS
+from .result import Result, quantities
 from .scenario import Column
 from .solvers import adiabatic, independent, newton
 
@@ -42,108 +43,143 @@ class Comparison:
         """Whether independent collisions do for this column, in one sentence."""
         return _verdict(self)
 
+    def _repr_html_(self) -> str:
+        columns = [quantities(result) for result in self.results]
+        rows = [[row[0][0], *(html.number(value) for _, value in row)] for row in zip(*columns, strict=True)]
+        rows.append(["outcome", *(result.outcome.split(":")[0] for result in self.results)])
+        head = ["", *(MODELS[result.model].short for result in self.results)]
+        return html.table("Newton’s equations and event-driven", head, rows, self.verdict.sentence)
+
 
 def compare(column: Column) -> Comparison:
-    """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A."""
-    linear = all(law.record["name"] == "linear" for law in column.laws)
-    applies = column.floor and len(column.balls) == 2 and linear
-    return Comparison(newton(column), independent(column), adiabatic(column) if applies else None)
+    """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A.
 
-
-def time_after_contacts(result: Result) -> float:
-    """The first instant [s] after the last contact found; NaN if a contact never ends or nothing happened."""
-    end = result.contacts["end"].values
-    return float(end.max()) if end.size else math.nan
-
-
-def final_velocities(result: Result) -> NDArray[np.float64]:
-    """Velocities [m/s] after the last contact, bottom first; NaN if a contact never ends."""
-    after = time_after_contacts(result)
-    if math.isnan(after):
-        return np.full(len(result.column.balls), math.nan)
-    return np.asarray(result.trajectory([after])["velocity"].values[0])
-
-
-def rebound_heights(result: Result) -> NDArray[np.float64]:
-    """Height of each centre [m] at the top of its flight after the last contact, if nothing gets in its way.
-
-    NaN for a ball that does not rise then, and without gravity.
+    Raises
+    ------
+    ValueError
+        If ``column`` is not a Column.
     """
-    after, g = time_after_contacts(result), result.column.gravity
-    if math.isnan(after) or not g > 0.0:
-        return np.full(len(result.column.balls), math.nan)
-    state = result.trajectory([after])
-    z, v = state["position"].values[0], state["velocity"].values[0]
-    return np.where(v > 0.0, z + v**2 / (2.0 * g), math.nan)
+    fast, hard = newton(column), independent(column)
+    return Comparison(fast, hard, adiabatic(column) if ADIABATIC.applies(column) else None)
 
 
 def overlapping_contacts(result: Result) -> int:
-    """Ball–ball contacts during which another contact lasts as well."""
-    table = result.contacts
-    pair, begin = table["pair"].values, table["begin"].values
-    end = np.where(np.isnan(table["end"].values), math.inf, table["end"].values)
+    """Ball–ball contacts of the sequence during which another contact lasts as well."""
+    pair, begin, end = result.contact_times
+    end = np.where(np.isnan(end), math.inf, end)
+    last = math.inf if math.isnan(result.t_end) else result.t_end
     return sum(
         bool(np.any((np.arange(len(pair)) != i) & (begin < end[i]) & (begin[i] < end)))
-        for i in range(len(pair))
-        if pair[i] > 0
+        for i in np.flatnonzero((pair > 0) & (begin <= last))
     )
+
+
+# --- the verdict --------------------------------------------------------------------------------------------
+
+#: Outcomes of event-driven that are its failure, in words.
+_FAILURES: Final = {
+    "collapse": "ends in an inelastic collapse, infinitely many collisions in a finite time",
+    "at_rest": "comes to rest by infinitely many collisions in a finite time",
+}
 
 
 def _verdict(c: Comparison) -> Verdict:
-    for name, result in (("Newton’s equations", c.newton), ("the event-driven model", c.independent)):
-        if result.outcome != "ok":
-            if name == "the event-driven model" and c.newton.outcome == "ok":
-                return Verdict(
-                    "no",
-                    f"No: event-driven ends in “{result.outcome.split(':')[0]}”, Newton’s equations do not.",
-                )
-            return Verdict("undecided", f"No verdict: {name} ended in “{result.outcome.split(':')[0]}”.")
+    true, hard = (_core.outcome_names[r.outcome_code] for r in (c.newton, c.independent))
+    unclear = _unclear(c, true, hard)
+    if unclear is not None:
+        return Verdict("undecided", f"No verdict: {unclear}.")
+    if true == "at_rest":
+        return Verdict(
+            "no", "No: under Newton’s equations a contact never ends, and event-driven has none that last."
+        )
+    if hard in _FAILURES:
+        return Verdict("no", f"No: event-driven {_FAILURES[hard]}, Newton’s equations do not.")
+    meetings = [r.n_contacts for r in (c.newton, c.independent)]
+    if 0 in meetings and any(meetings):
+        met, missed = (
+            ("Newton’s equations", "event-driven") if meetings[0] else ("event-driven", "Newton’s equations")
+        )
+        return Verdict("no", f"No: the balls meet under {met} but not under {missed}.")
+    return _by_numbers(c)
+
+
+def _unclear(c: Comparison, true: str, hard: str) -> str | None:
+    """Why there is nothing to compare, if so."""
+    for who, name, result in (("Newton’s equations", true, c.newton), ("event-driven", hard, c.independent)):
+        if name in ("invalid", "unresolved", "never_lands"):
+            return f"{who} ended in “{result.outcome.split(':')[0]}”"
+    if true == hard == "no_contact" and len(c.newton.column.balls) > 1:
+        return "the balls do not meet before the floor is met again"
+    return None
+
+
+def _by_numbers(c: Comparison) -> Verdict:
+    """The verdict where both models have followed the sequence to its end."""
     error, difference = _difference(c)
     overlap, n = overlapping_contacts(c.newton), c.newton.n_contacts
-    which = (
-        "the contact"
-        if n == 1
-        else f"{'both' if n == 2 else f'all {n}'} contacts"
-        if overlap == n
-        else f"{overlap} of {n} contacts"
-    )
-    together = (
-        f"{which} of the balls happen{'s' if n == 1 or overlap == 1 else ''} while another contact lasts"
-    )
-    if not error <= TOLERANCE:
+    if len(c.newton.column.balls) == 1:
+        course = "there is no contact but that with the floor"
+    elif overlap:
+        verb = "happens" if 1 in (overlap, n) else "happen"
+        course = f"{_share(overlap, n)} of the balls {verb} while another contact lasts"
+    else:
+        course = "one contact follows the other"
+    if error <= TOLERANCE:
         if overlap:
-            return Verdict("no", f"No: {together}; {difference}.")
-        return Verdict("no", f"No: one contact follows the other, and yet {difference}.")
-    if overlap:
-        return Verdict("by luck", f"Only by luck: {together}, and yet {difference}.")
-    return Verdict("yes", f"Yes: one contact follows the other, and {difference}.")
+            return Verdict("by luck", f"Only by luck: {course}, and yet {difference}.")
+        return Verdict("yes", f"Yes: {course}, and {difference}.")
+    return Verdict("no", f"No: {course}{';' if overlap else ', and yet'} {difference}.")
+
+
+def _share(overlap: int, n: int) -> str:
+    if overlap < n:
+        return f"{overlap} of {n} contacts"
+    return "the contact" if n == 1 else "both contacts" if n == 2 else f"all {n} contacts"
 
 
 def _difference(c: Comparison) -> tuple[float, str]:
-    """The relative error of the event-driven model, and a clause that states it."""
-    if len(c.newton.column.balls) == 2 and c.newton.column.floor:
-        true, hard = c.newton.separation_velocity, c.independent.separation_velocity
-        error = abs(hard - true) / abs(true) if true != 0.0 else math.inf
-        numbers = f"{_short(hard)} m/s instead of {_short(true)} m/s"
+    """The relative error of the event-driven model, NaN if a model has no such value, and a clause that states it."""
+    column = c.newton.column
+    if len(column.balls) == 2 and column.floor:
         what = "the separation velocity"
+        true, hard = c.newton.separation_velocity, c.independent.separation_velocity
+        if math.isnan(true) or math.isnan(hard):
+            who = "under Newton’s equations" if math.isnan(true) else "event-driven"
+            return math.nan, f"{who} the floor is met again before the balls part"
+        scale = abs(true)
     else:
-        true_all, hard_all = final_velocities(c.newton), final_velocities(c.independent)
-        worst = int(np.argmax(np.abs(hard_all - true_all)))
-        error = float(abs(hard_all[worst] - true_all[worst])) / c.newton.column.impact_speed
-        numbers = f"{_short(hard_all[worst])} m/s instead of {_short(true_all[worst])} m/s"
+        all_true, all_hard = c.newton.final_velocities, c.independent.final_velocities
+        worst = int(np.argmax(np.abs(all_hard - all_true)))
         what = f"the final velocity of ball {worst + 1}"
+        true, hard = float(all_true[worst]), float(all_hard[worst])
+        scale = _speed(column)
+    error = 0.0 if hard == true else abs(hard - true) / scale if scale > 0.0 else math.inf
     if error <= TOLERANCE:
         return error, f"event-driven gets {what} right to {_percent(error)}"
-    return error, f"for {what} event-driven gives {numbers}"
+    return error, f"for {what} event-driven gives {_both(hard, true)}"
 
 
-def _short(value: float) -> str:
-    return f"{value:.3g}".replace("-", "−")
+def _speed(column: Column) -> float:
+    """The speed [m/s] that velocities are measured by: that of the impact, of a cradle the largest approach."""
+    return column.impact_speed if column.floor else max(column.velocities) - min(column.velocities)
+
+
+def _both(hard: float, true: float) -> str:
+    """Two velocities that differ, with as many digits as it takes to see it."""
+    for digits in range(3, 18):
+        texts = [f"{value:.{digits}g}".replace("-", "−") for value in (hard, true)]
+        if texts[0] != texts[1]:
+            break
+    return f"{texts[0]} m/s instead of {texts[1]} m/s"
 
 
 def _percent(error: float) -> str:
+    """An error in per cent with one digit, rounded up, so that it is never made smaller than it is."""
     percent = 100.0 * error
-    return "0.001 %" if percent < 0.001 else f"{percent:.1g} %"
+    if percent <= 0.001:
+        return "0.001 %"
+    unit = 10.0 ** math.floor(math.log10(percent))
+    return f"{math.ceil(percent / unit * (1.0 - 1e-12)) * unit:.1g} %"
 
 
 def usual_damping(restitution: float, stiffness: float, effective_mass: float) -> float:

@@ -3,48 +3,60 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core
+from .. import _core, html, validation
+from ..models import MODELS
 from .scenario import Column
+
+PAIRS: Final = "0 = floor and lowest ball, 1 = lowest and second, …"
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-Solver = Callable[[float], _core.Solution]
+    from .._core import Solution
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """Outcome of one drop under one model. Times in s after the first floor touch (cradle: after release).
 
-    Attributes
-    ----------
-    column : Column
-    model : str
-        ``"newton"``, ``"adiabatic"`` or ``"independent"``.
-    method : str
-        How it was solved, in words.
+    A copy, or a result that was sent to another process, is solved again when it is first asked for a value, and
+    has the same bits.
     """
 
-    def __init__(self, column: Column, model: str, method: str, solver: Solver, until: float | None) -> None:
-        self.column = column
-        self.model = model
-        self.method = method
-        self.until = until
-        self._solver = solver
-        self._core = solver(math.nan if until is None else until)
+    column: Column
+    model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
+    method: str  #: how it was solved, in words
+    until: float | None  #: the time asked for [s], if any
+    options: tuple[Any, ...] = ()  #: what the model's solver takes besides column and time
+
+    @cached_property
+    def _core(self) -> Solution:
+        return self._solve(math.nan if self.until is None else self.until)
+
+    def _solve(self, until: float) -> Solution:
+        return MODELS[self.model].solve(self.column.core, until, *self.options)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     def __repr__(self) -> str:
         v = f"{self.relative_velocity:.6g} m/s" if not math.isnan(self.relative_velocity) else "undefined"
         found = f"{self.n_contacts} ball–ball contacts, v'_r {v}, {self.outcome}"
         return f"<Result of {self.model} ({self.method}): {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows.append(["outcome", self.outcome])
+        return html.table(f"{MODELS[self.model].label}: {self.method}", ["", ""], rows)
 
     @property
     def n_contacts(self) -> int:
@@ -107,9 +119,45 @@ class Result:
         return self._core.outcome
 
     @property
+    def _after_contacts(self) -> float:
+        """The first instant [s] after the last contact found; NaN if one never ends or there was none."""
+        end = self.contact_times[2]
+        return float(end.max()) if end.size else math.nan
+
+    @cached_property
+    def final_velocities(self) -> NDArray[np.float64]:
+        """Velocities [m/s], upwards, bottom first, after the last contact found; NaN if a contact never ends."""
+        after = self._after_contacts
+        if math.isnan(after):
+            return np.full(len(self.column.balls), math.nan)
+        velocities: NDArray[np.float64] = self._sample(np.array([after]))[1][0]
+        return velocities
+
+    @cached_property
+    def rebound_heights(self) -> NDArray[np.float64]:
+        """Height of each centre [m], bottom first, at the top of its flight after the last contact found.
+
+        NaN for a ball that does not rise then, if a contact never ends, and without gravity.
+        """
+        after, g = self._after_contacts, self.column.gravity
+        if math.isnan(after) or not g > 0.0:
+            return np.full(len(self.column.balls), math.nan)
+        z, v = (values[0] for values in self._sample(np.array([after]))[:2])
+        return np.where(v > 0.0, z + v**2 / (2.0 * g), math.nan)
+
+    @property
     def energy_error(self) -> float:
         """Largest error of the energy balance relative to the initial energy; NaN unless integrated."""
         return self._core.energy_error
+
+    @cached_property
+    def contact_times(self) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
+        """Pair, begin [s] and end [s] of each contact: ``contacts`` as plain arrays, without loading xarray."""
+        pair, begin, end = self._core.contacts()
+        if self.until is None:
+            return pair, begin, end
+        kept = begin <= self.until
+        return pair[kept], begin[kept], end[kept]
 
     @cached_property
     def contacts(self) -> xr.Dataset:
@@ -119,22 +167,37 @@ class Result:
         """
         import xarray as xr
 
-        pair, begin, end = self._core.contacts()
-        if self.until is not None:
-            kept = begin <= self.until
-            pair, begin, end = pair[kept], begin[kept], end[kept]
-        seconds = {"units": "s", "long_name": "time after the first floor touch"}
+        pair, begin, end = self.contact_times
+        seconds = {"units": "s", "long_name": self._since}
         return xr.Dataset(
             {
                 "pair": (
                     "contact",
                     pair,
-                    {"long_name": "0 = floor and lowest ball, 1 = lowest and second, …"},
+                    {"long_name": PAIRS},
                 ),
                 "begin": ("contact", begin, seconds),
                 "end": ("contact", end, seconds),
-            }
+            },
+            attrs=self._attributes("Contacts"),
         )
+
+    @property
+    def _since(self) -> str:
+        return f"time after {'the first floor touch' if self.column.floor else 'release'}"
+
+    def _attributes(self, what: str) -> dict[str, Any]:
+        """Attributes of a Dataset in the names of the CF conventions, and how to compute it again."""
+        facts = {
+            "title": f"{what} of a {'column' if self.column.floor else 'cradle'} of balls",
+            "source": f"hardlimit {_core.version}, {MODELS[self.model].label}",
+            "model": self.model,
+            "method": self.method,
+            "column": repr(self.column),
+            "outcome": self.outcome,
+            "hardlimit_version": _core.version,
+        }
+        return facts if self.until is None else facts | {"until": self.until}
 
     @cached_property
     def _final(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -160,7 +223,7 @@ class Result:
         core = self._core
         last = float(times.max(initial=-math.inf))
         if last > core.t_last:  # beyond what was solved: go on
-            core = self._solver(last)
+            core = self._solve(last)
         return core.sample(times, len(self.column.balls))
 
     def default_times(self) -> NDArray[np.float64]:
@@ -191,16 +254,13 @@ class Result:
         Raises
         ------
         ValueError
-            If a time lies before release or is not finite.
+            If ``times`` is not a number or a one-dimensional array of them, or one lies before release or is not
+            finite.
         """
         import xarray as xr
 
-        at = np.atleast_1d(
-            np.asarray(self.default_times() if times is None else times, dtype=np.float64)
-        ).ravel()
+        at = self.default_times() if times is None else self._times(times)
         first = self._core.t_first
-        for bad in at[~(np.isfinite(at) & (at >= first * (1.0 + 1e-12)))]:
-            raise ValueError(f"times: got {bad:.16g}, must be >= {first:.16g} (release) and finite")
         position, velocity, force, kinetic, potential, stored, dissipated = self._sample(
             np.ascontiguousarray(np.maximum(at, first))
         )
@@ -212,17 +272,25 @@ class Result:
                 "position": (("time", "ball"), position, {"units": "m", "long_name": "height of the centre"}),
                 "velocity": (("time", "ball"), velocity, {"units": "m/s", "long_name": "velocity, upwards"}),
                 "force": (("time", "pair"), force[:, pairs], {"units": "N", "long_name": "contact force"}),
-                "kinetic_energy": ("time", kinetic, joule),
+                "kinetic_energy": ("time", kinetic, joule | {"long_name": "kinetic energy"}),
                 "potential_energy": ("time", potential, joule | {"long_name": "zero when all gaps are"}),
                 "contact_energy": ("time", stored, joule | {"long_name": "elastic energy of the contacts"}),
-                "dissipated_energy": ("time", dissipated, joule),
+                "dissipated_energy": ("time", dissipated, joule | {"long_name": "dissipated energy"}),
             },
             coords={
-                "time": ("time", at, {"units": "s", "long_name": "time after the first floor touch"}),
-                "ball": np.arange(1, n + 1),
-                "pair": pairs,
+                "time": ("time", at, {"units": "s", "long_name": self._since}),
+                "ball": ("ball", np.arange(1, n + 1), {"long_name": "ball, 1 = lowest"}),
+                "pair": ("pair", pairs, {"long_name": PAIRS}),
             },
+            attrs=self._attributes("Trajectory"),
         )
+
+    def _times(self, times: ArrayLike) -> NDArray[np.float64]:
+        at = np.atleast_1d(validation.array("times", times, empty_allowed=True))
+        first = self._core.t_first
+        for bad in at[~(at >= first * (1.0 + 1e-12))]:
+            raise ValueError(f"times: got {bad:.16g}, must be >= {first:.16g}, the release")
+        return at
 
     def plot(self) -> Figure:
         """Contact forces over time, as in Fig. 2 of the paper."""
@@ -235,3 +303,25 @@ class Result:
         from ..pictures import animation
 
         return animation.animate(self, path, **options)
+
+
+def quantities(result: Result) -> list[tuple[str, float]]:
+    """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
+    column = result.column
+    found: list[tuple[str, float]] = [("ball–ball contacts", result.n_contacts)]
+    if len(column.balls) > 1:
+        found.append(("end of the sequence t_f [s]", result.t_end))
+    if column.floor:
+        found.append(("end of the floor contact [s]", result.t_floor_end))
+    if column.floor and len(column.balls) == 2:
+        found += [
+            ("relative velocity v'r at t_f [m/s]", result.relative_velocity),
+            ("separation velocity [m/s]", result.separation_velocity),
+            ("effective ε at t_f", result.effective_restitution),
+            ("effective ε / ε at t_f", result.restitution_ratio),
+        ]
+    for i in reversed(range(len(column.balls))):
+        found.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
+    for i in reversed(range(len(column.balls) if column.gravity else 0)):
+        found.append((f"rebound height of ball {i + 1} [m]", float(result.rebound_heights[i])))
+    return found

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Final
+from itertools import pairwise
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, validation
+from .. import _core, html, validation
 from ..bodies import FLOOR, Ball, Floor
 from ..contact import Contact, Law
 from ..laws import LinearDashpot
@@ -20,13 +22,19 @@ PAPER_DENSITY: Final = 840.0
 
 STANDARD_GRAVITY: Final = 9.81
 
+T = TypeVar("T")
 
+
+@dataclass(frozen=True, init=False, repr=False)
 class Column:
     """Balls with their centres on one vertical line, released above a floor.
+
+    A column never changes; :meth:`replace` makes another one. Two columns are equal if all their values are.
 
     Parameters
     ----------
     balls : sequence of Ball, bottom first
+        One ball alone bounces.
     gaps : sequence of float [m]
         Between neighbouring balls, bottom first; ``len(balls) - 1`` values or one for all.
     height : float [m]
@@ -42,6 +50,14 @@ class Column:
         If a value is outside its range, or nothing would ever move.
     """
 
+    balls: tuple[Ball, ...]
+    gaps: tuple[float, ...]
+    height: float
+    laws: tuple[Law, ...]  #: one for each contact, the floor's first (a cradle has none with a floor)
+    velocities: tuple[float, ...]
+    gravity: float
+    floor: bool  #: False for a cradle
+
     def __init__(
         self,
         balls: Sequence[Ball],
@@ -51,16 +67,15 @@ class Column:
         velocities: float | Sequence[float] = 0.0,
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
-        self._set_balls(balls, gaps, velocities)
-        self.gravity = validation.number("gravity", gravity, 0.0, lowest_allowed=True)
-        self.height = validation.number("height", height)
+        self._set(floor=True, **_checked_balls(balls, gaps, velocities, least=1))
+        self._set(gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True))
+        self._set(height=validation.number("height", height))
         lowest = self.balls[0].radius
         if not self.height >= lowest:
             raise ValueError(
                 f"height: got {self.height:.16g}, must be >= {lowest:.16g}, the radius of the lowest ball"
             )
-        self.floor = True
-        self._set_laws(law, len(self.balls))
+        self._set(laws=_checked_laws(law, len(self.balls)))
         v = self.velocities[0]
         if not self.impact_speed > 0.0:
             raise ValueError(
@@ -71,31 +86,9 @@ class Column:
                 f"velocities[0]: got {v:.16g}, must be < 0: without gravity the column never lands"
             )
 
-    def _set_balls(self, balls: Sequence[Ball], gaps: Any, velocities: Any) -> None:
-        if isinstance(balls, Ball) or not isinstance(balls, Iterable):
-            raise ValueError(f"balls: got {balls!r}, must be a list of two or more Ball")
-        self.balls = tuple(balls)
-        if len(self.balls) < 2:
-            raise ValueError(f"balls: got {len(self.balls)}, must be two or more")
-        for i, ball in enumerate(self.balls):
-            if not isinstance(ball, Ball):
-                raise ValueError(f"balls[{i}]: got {ball!r}, must be a Ball")
-        n = len(self.balls)
-        self.gaps = validation.numbers("gaps", gaps, n - 1, lowest=0.0, lowest_allowed=True)
-        self.velocities = validation.numbers("velocities", velocities, n)
-
-    def _set_laws(self, law: Law | Sequence[Law], contacts: int) -> None:
-        laws = (
-            (law,) * contacts if isinstance(law, Law) else tuple(law) if isinstance(law, Iterable) else (law,)
-        )
-        for one in laws:
-            if not isinstance(one, Law):
-                raise ValueError(f"law: got {one!r}, must be a contact law such as LinearDashpot")
-        if len(laws) != contacts:
-            raise ValueError(f"law: got {len(laws)} laws, must be one or {contacts}, one for each contact")
-        if len({type(one) for one in laws}) > 1:
-            raise ValueError("law: got laws of different kinds, must be of one kind")
-        self.laws = laws
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     @classmethod
     def paper(
@@ -110,19 +103,26 @@ class Column:
         stiffness: float | None = None,
         height: float = 0.6,
         gravity: float = STANDARD_GRAVITY,
-        law: Law | None = None,
+        law: Law | Sequence[Law] | None = None,
     ) -> Column:
         """The drop of Fig. 2: R1 = 10 cm, R2 = 1 cm, Δh = 0.1 mm, z1(0) = 0.6 m, k = 5e7 N/m, ε = 0.7.
 
         ``density`` is 840 kg/m³: inferred from the paper's stated facts, since it prints none. ``radius_ratio``
         R1/R2 changes the lower radius. ``law`` replaces the linear dashpot with ``stiffness`` and
         ``restitution``.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or a radius or the law is given twice.
         """
         if radius_1 is not None and radius_ratio is not None:
             raise ValueError("radius_ratio | radius_1: got both, must be at most one of them")
         upper = validation.number("radius_2", radius_2, 0.0)
         ratio = validation.number("radius_ratio", 10.0 if radius_ratio is None else radius_ratio, 0.0)
-        lower = (0.1 if radius_ratio is None else ratio * upper) if radius_1 is None else radius_1
+        lower = 0.1 if radius_ratio is None else ratio * upper
+        if radius_1 is not None:
+            lower = validation.number("radius_1", radius_1, 0.0)
         if law is not None and (restitution is not None or stiffness is not None):
             raise ValueError("law | restitution, stiffness: got both, must be at most one of them")
         if law is None:
@@ -131,27 +131,67 @@ class Column:
                 restitution=0.7 if restitution is None else restitution,
             )
         balls = [Ball(lower, density=density), Ball(upper, density=density)]
-        return cls(balls, [gap], height, law, gravity=gravity)
+        between = validation.number("gap", gap, 0.0, lowest_allowed=True)
+        return cls(balls, [between], height, law, gravity=gravity)
 
     @classmethod
     def cradle(
         cls,
         balls: Sequence[Ball],
-        velocities: Sequence[float],
+        velocities: float | Sequence[float],
         law: Law | Sequence[Law],
         gaps: float | Sequence[float] = 0.0,
     ) -> Column:
         """Balls in a row without floor and gravity (Newton's cradle); time zero is release.
 
         ``law`` is one law, or one for each ball–ball contact.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or no two neighbours approach each other.
         """
         self = cls.__new__(cls)
-        self._set_balls(balls, gaps, velocities)
-        if not any(b < a for a, b in zip(self.velocities, self.velocities[1:], strict=False)):
-            raise ValueError(f"velocities: got {list(self.velocities)}, must let some neighbours approach")
-        self.gravity, self.height, self.floor = 0.0, self.balls[0].radius, False
-        self._set_laws(law, len(self.balls) - 1)
+        self._set(floor=False, **_checked_balls(balls, gaps, velocities, least=2))
+        if not any(b < a for a, b in pairwise(self.velocities)):
+            raise ValueError(
+                f"velocities: got {validation.shown(list(self.velocities))}, must let some neighbours approach"
+            )
+        self._set(gravity=0.0, height=self.balls[0].radius)
+        self._set(laws=_checked_laws(law, len(self.balls) - 1))
         return self
+
+    def replace(
+        self,
+        *,
+        balls: Sequence[Ball] | None = None,
+        gaps: float | Sequence[float] | None = None,
+        height: float | None = None,
+        law: Law | Sequence[Law] | None = None,
+        velocities: float | Sequence[float] | None = None,
+        gravity: float | None = None,
+    ) -> Column:
+        """The column with other values; what is not given stays.
+
+        With another number of balls, a law, gap or velocity that all share stays that of all.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or what stays does not fit the number of balls. A cradle takes
+            neither height nor gravity.
+        """
+        kept = self.balls if balls is None else balls
+        law = _shared(self.laws) if law is None else law
+        gaps = _shared(self.gaps) if gaps is None else gaps
+        velocities = _shared(self.velocities) if velocities is None else velocities
+        if self.floor:
+            height = self.height if height is None else height
+            return Column(kept, gaps, height, law, velocities, self.gravity if gravity is None else gravity)
+        for name, value in (("height", height), ("gravity", gravity)):
+            if value is not None:
+                raise ValueError(f"{name}: got {validation.shown(value)}, must be left out for a cradle")
+        return Column.cradle(kept, velocities, law, gaps)
 
     def __repr__(self) -> str:
         law = self.laws[0] if len(set(self.laws)) == 1 else list(self.laws)
@@ -162,22 +202,21 @@ class Column:
             return f"Column.cradle({inner})"
         return f"Column({inner}, height={self.height!r}, gravity={self.gravity!r})"
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Column) and repr(self) == repr(other)
-
-    def __hash__(self) -> int:
-        return hash(repr(self))
+    def _repr_html_(self) -> str:
+        rows = []
+        below = (self.drop_height, *self.gaps)
+        for i, (ball, gap, v) in enumerate(zip(self.balls, below, self.velocities, strict=True)):
+            where = f"{gap:.6g}" if i or self.floor else ""
+            rows.append([f"ball {i + 1}", f"{ball.radius:.6g}", f"{ball.mass:.6g}", where, f"{v:.6g}"])
+        kind = f"Column of {len(self.balls)}" if self.floor else f"Cradle of {len(self.balls)}"
+        fall = f"; g {self.gravity:.6g} m/s², V {self.impact_speed:.6g} m/s" if self.floor else ""
+        laws = "; ".join(dict.fromkeys(map(repr, self.laws)))
+        head = ["", "radius [m]", "mass [kg]", "gap below [m]", "velocity [m/s]"]
+        return html.table(f"{kind}: {laws}{fall}", head, rows[::-1])
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (
-            self.floor,
-            self.balls,
-            self.gaps,
-            self.height,
-            self.laws,
-            self.velocities,
-            self.gravity,
-        )
+        values = (self.balls, self.gaps, self.height, self.laws, self.velocities, self.gravity)
+        return _rebuild, (self.floor, *values)
 
     @property
     def drop_height(self) -> float:
@@ -224,9 +263,40 @@ class Column:
     def initial_positions(self) -> NDArray[np.float64]:
         """Centres at release [m], bottom first."""
         z = [self.height]
-        for a, b, gap in zip(self.balls, self.balls[1:], self.gaps, strict=False):
+        for (a, b), gap in zip(pairwise(self.balls), self.gaps, strict=True):
             z.append(z[-1] + a.radius + gap + b.radius)
         return np.array(z)
+
+
+def _checked_balls(balls: Any, gaps: Any, velocities: Any, least: int) -> dict[str, tuple[Any, ...]]:
+    checked = validation.instances("balls", balls, Ball, "Ball")
+    if len(checked) < least:
+        raise ValueError(f"balls: got {len(checked)}, must be {'one' if least == 1 else 'two'} or more")
+    n = len(checked)
+    return {
+        "balls": checked,
+        "gaps": validation.numbers("gaps", gaps, n - 1, lowest=0.0, lowest_allowed=True),
+        "velocities": validation.numbers("velocities", velocities, n),
+    }
+
+
+def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
+    laws = (law,) * contacts if isinstance(law, Law) else law
+    if not isinstance(laws, Sequence) or isinstance(laws, str | bytes):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    for one in laws:
+        if not isinstance(one, Law):
+            raise ValueError(f"law: got {validation.shown(one)}, must be a contact law such as LinearDashpot")
+    if len(laws) != contacts:
+        raise ValueError(f"law: got {len(laws)} laws, must be one or {contacts}, one for each contact")
+    if len({type(one) for one in laws}) > 1:
+        raise ValueError("law: got laws of different kinds, must be of one kind")
+    return tuple(laws)
+
+
+def _shared(values: tuple[T, ...]) -> T | tuple[T, ...]:
+    """The one value that all have, else all values."""
+    return values[0] if len(set(values)) == 1 else values
 
 
 def _rebuild(

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from typing import Literal
+from typing import Any, Final, Literal, get_args
 
-from .. import _core, validation
+from .. import validation
+from ..models import ADIABATIC, INDEPENDENT, NEWTON, Model, solvable_exactly
 from .result import Result
 from .scenario import Column
 
 Method = Literal["auto", "exact", "general"]
 
+#: Local error of the general solver, in units of the impact.
+TOLERANCE: Final = 1e-14
+
 
 def newton(
-    column: Column, until: float | None = None, *, method: Method = "auto", tolerance: float = 1e-14
+    column: Column, until: float | None = None, *, method: Method = "auto", tolerance: float = TOLERANCE
 ) -> Result:
     """Newton's equations (Eq. 14): exact where the law allows, else integrated with every switch located.
 
@@ -26,68 +29,66 @@ def newton(
         ``"exact"``: piecewise closed form, two balls on a floor under the linear law. ``"general"``: adaptive
         Runge–Kutta method of order 8. ``"auto"`` takes the exact one where it applies.
     tolerance : float
-        Local error of the general solver, in units of the impact.
+        Local error of the general solver, in units of the impact, 1e-15 to 1e-2.
 
     Raises
     ------
     ValueError
-        If ``until`` is not finite, or ``method="exact"`` does not apply.
+        If an argument is outside its range, or ``method="exact"`` does not apply.
     """
-    core = _checked(column)
-    exact = column.floor and len(column.balls) == 2 and column.laws[0].record["name"] == "linear"
-    if method not in ("auto", "exact", "general"):
-        raise ValueError(f"method: got {method!r}, must be auto, exact or general")
+    end = _checked(NEWTON, column, until)
+    validation.one_of("method", method, get_args(Method))
+    exact = solvable_exactly(column)
     if method == "exact" and not exact:
         raise ValueError(
             "method: got 'exact', must be auto or general unless two balls fall on a floor, linear law"
         )
-    if tolerance != 1e-14:
-        tolerance = validation.number(
-            "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
-        )
+    tolerance = validation.number(
+        "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
+    )
     general = method == "general" or not exact
     words = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
-    return Result(column, "newton", words, lambda t: _core.newton(core, t, general, tolerance), _time(until))
+    return _solved(Result(column, NEWTON.name, words, end, (general, tolerance)))
 
 
 def adiabatic(column: Column, until: float | None = None) -> Result:
     """Appendix A: the upper ball does not act on the lower one. Two balls on a floor, linear law.
 
-    Exact for R1 ≫ R2; the error falls as the mass ratio m2/m1.
+    Exact for R1 ≫ R2; the error falls as the mass ratio m2/m1. ``until`` [s] as for :func:`newton`.
 
     Raises
     ------
     ValueError
-        If the column is not two balls on a floor under the linear law.
+        If the column is not two balls on a floor under the linear law, or ``until`` is not a finite number.
     """
-    core = _checked(column)
-    return Result(
-        column,
-        "adiabatic",
-        "piecewise exact, lower ball unaffected",
-        lambda t: _core.adiabatic(core, t),
-        _time(until),
-    )
+    end = _checked(ADIABATIC, column, until)
+    return _solved(Result(column, ADIABATIC.name, "piecewise exact, lower ball unaffected", end))
 
 
 def independent(column: Column, until: float | None = None) -> Result:
     """Independent-collisions model (Eqs. 1–6): instantaneous collisions, the whole event-driven sequence.
 
     Each contact has the restitution of its law at the speed of the collision. A collision's ``begin`` and ``end``
-    coincide.
+    coincide. ``until`` [s] as for :func:`newton`.
+
+    Raises
+    ------
+    ValueError
+        If ``column`` is not a Column, or ``until`` is not a finite number.
     """
-    core = _checked(column)
-    return Result(column, "independent", "event-driven", lambda t: _core.independent(core, t), _time(until))
+    end = _checked(INDEPENDENT, column, until)
+    return _solved(Result(column, INDEPENDENT.name, "event-driven", end))
 
 
-def _checked(column: Column) -> _core.Column:
+def _checked(model: Model, column: Any, until: Any) -> float | None:
+    """The time to solve to, once the model is known to apply to the column."""
     if not isinstance(column, Column):
-        raise ValueError(f"column: got {column!r}, must be a Column")
-    return column.core
+        raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
+    model.check(column)
+    return None if until is None else validation.number("until", until)
 
 
-def _time(until: float | None) -> float | None:
-    if until is None:
-        return None
-    value = validation.number("until", until)
-    return value if not math.isnan(value) else None
+def _solved(result: Result) -> Result:
+    """The result, solved now, so that errors and interrupts come from the call that asked for it."""
+    _ = result.outcome_code
+    return result

@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from ..column.solvers import independent
+from ..models import MODELS
 from . import plots
 
 if TYPE_CHECKING:
@@ -233,7 +234,7 @@ class _Stage:
         self.figure.text(0.645, 0.875, f"{speed}\n{text}", fontsize=9, color="#333333", va="top")
 
     def title_models(self) -> None:
-        names = (plots.NAME_OF_MODEL[self.result.model], plots.NAME_OF_MODEL[self.ghost.model])
+        names = (MODELS[self.result.model].label, MODELS[self.ghost.model].label)
         for ax, name in zip(self.axes, names, strict=True):
             ax.set_title(name, fontsize=10.5, pad=6)
 

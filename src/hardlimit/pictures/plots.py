@@ -20,6 +20,8 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from ..models import MODELS
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
@@ -318,11 +320,6 @@ def _draw_instants(ax: Axes, instants: NDArray[np.float64], colour: str) -> None
 # --- heights ------------------------------------------------------------------------------------------------
 
 _LINE_OF_MODEL: Final = {"newton": "-", "independent": (0, (5, 2)), "adiabatic": (0, (1, 1.2))}
-NAME_OF_MODEL: Final = {
-    "newton": "Newton’s equations",
-    "independent": "independent collisions",
-    "adiabatic": "adiabatic",
-}
 
 
 def heights(*results: Result, until: float | None = None) -> Figure:
@@ -369,7 +366,7 @@ def _draw_heights(ax: Axes, results: tuple[Result, ...], until: float | None) ->
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")
     for result in results:
-        name, line = NAME_OF_MODEL[result.model], _LINE_OF_MODEL[result.model]
+        name, line = MODELS[result.model].label, _LINE_OF_MODEL[result.model]
         ax.plot([], [], color="black", ls=line, label=name)
     ax.set_xlim(start * factor, stop * factor)
     if results[0].column.floor:

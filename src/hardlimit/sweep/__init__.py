@@ -13,6 +13,7 @@ import numpy as np
 
 from .. import validation
 from ..column.scenario import Column
+from ..progress import reporter
 from .chunks import Tiles
 from .engines import cuda
 from .engines import dask as cluster
@@ -35,7 +36,7 @@ def sweep(
     engine: str = "cpu",
     threads: int | None = None,
     store: str | Path | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    progress: bool | Callable[[int, int], object] | None = None,
     variables: Sequence[str] | None = None,
     scheduler: Any = None,
     tolerance: float | None = None,
@@ -57,7 +58,8 @@ def sweep(
     store : path, optional
         A Zarr store to fill, tile by tile. The same call goes on with one that was left unfinished. The
         results need not fit in memory: the Dataset reads them from disk.
-    progress : callable(done, total), optional
+    progress : bool or callable(done, total), optional
+        True shows a bar on stderr.
     variables : sequence of str, optional
         Which variables to compute and keep; all but ``t_floor_end`` by default.
     scheduler : str, distributed.Client or cluster object, optional
@@ -89,17 +91,18 @@ def sweep(
         If the store cannot be written. It stays valid and keeps what is finished.
     """
     plan = make_plan(column, model, variables, swept, tolerance)
-    _check(engine, scheduler, progress)
+    _check(engine, scheduler)
     workers = _threads(1 if threads is None and engine == "dask" else threads)
     started = time.perf_counter()
     tiles = Tiles.whole(plan) if store is None and engine != "dask" else Tiles.of(plan)
-    with nullcontext(Memory(plan, tiles)) if store is None else Store(store, plan, tiles) as results:
+    bar = reporter(progress, "sweep", "points")
+    opened = nullcontext(Memory(plan, tiles)) if store is None else Store(store, plan, tiles)
+    with bar as tell, opened as results:
         missing = results.missing()
         done = plan.size - sum(tiles.span(tile)[1] for tile in missing)
 
         def report(more: int) -> None:
-            if progress is not None:
-                progress(done + more, plan.size)
+            tell(done + more, plan.size)
 
         report(0)
         if engine == "dask" and missing:
@@ -117,13 +120,11 @@ def sweep(
     return ds.assign_attrs(engine=engine, wall_time_s=time.perf_counter() - started)
 
 
-def _check(engine: str, scheduler: Any, progress: Any) -> None:
+def _check(engine: str, scheduler: Any) -> None:
     if engine not in ENGINES:
         raise ValueError(f"engine: got {engine!r}, must be one of {', '.join(ENGINES)}")
     if scheduler is not None and engine != "dask":
         raise ValueError(f"scheduler: got {scheduler!r}, must not be given unless engine is 'dask'")
-    if progress is not None and not callable(progress):
-        raise ValueError(f"progress: got {progress!r}, must be callable with (done, total)")
 
 
 def _on_cpu(

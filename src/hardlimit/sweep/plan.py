@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, validation
+from .. import _core, models, validation
 from ..column.scenario import Column
 from ..contact import Law
 
 if TYPE_CHECKING:
     import xarray as xr
 
-MODELS: Final = ("newton", "adiabatic", "independent")
+#: Names of the models, each in the place of its number in the core.
+MODELS: Final = tuple(models.MODELS)
 
 #: Local error of a step of the viscoelastic law's vector kernel, in units of the impact.
 TOLERANCE: Final = 2.0**-32
@@ -198,7 +199,7 @@ def make_plan(
     if not kept:
         raise ValueError("variables: got none, must name at least one")
     laws = tuple(_with_alternative(law, swept) for law in column.laws)
-    if model == "adiabatic" and laws[0][0].record["name"] != "linear":
+    if not models.MODELS[model].applies(column):
         raise ValueError("model: got 'adiabatic', must be newton or independent unless the law is linear")
     integrated = model == "newton" and laws[0][0].record["name"] != "linear"
     return _lay_out(column, model, kept, laws, swept, _tolerance(tolerance, integrated))
