@@ -254,19 +254,11 @@ def command_lines(draw: st.DrawFn) -> list[str]:
     name = draw(st.sampled_from(["drop", "contact", "sweep", "explore", "paper", "completion"]))
     options = [p for p in main.commands[name].params if isinstance(p, click.Option) and p.name not in SKIPPED]
     line = [name]
-    for _ in range(draw(st.integers(0, 6))):
+    for _ in range(draw(st.integers(0, 6 if options else 0))):
         option = draw(st.sampled_from(options))
         line.append(option.opts[0])
         if not option.is_flag:
-            line.append(
-                draw(
-                    st.one_of(
-                        st.sampled_from(VALUES),
-                        texts,
-                        numbers.map(str) if name == "x" else st.floats().map(repr),
-                    )
-                )
-            )
+            line.append(draw(st.one_of(st.sampled_from(VALUES), texts, st.floats().map(repr))))
     if draw(st.booleans()):
         line += draw(
             st.lists(

@@ -12,7 +12,7 @@ from .. import toml
 from ..column import files
 from ..column.scenario import Column
 from .axes import UNITS, axis
-from .options import all_law_parameters, given_law_parameters, writable
+from .options import all_law_parameters, file_name, given_law_parameters, writable
 
 #: What a job may set; None where it does not.
 SETTINGS = {
@@ -117,7 +117,7 @@ def checked_output(out: str | None, resume: bool) -> Path | None:
         if resume:
             raise ValueError("--resume: needs --out, must name the Zarr store to go on with")
         return None
-    path = Path(out)
+    path = file_name("out", out)
     if path.suffix == ".nc":
         if resume:
             raise ValueError(f"--resume: got --out {out!r}, must be a Zarr store (.zarr)")
@@ -126,8 +126,6 @@ def checked_output(out: str | None, resume: bool) -> Path | None:
         raise ValueError(f"--out: got {out!r}, must end in .nc or .zarr")
     if path.exists() and not resume:
         raise ValueError(f"--out: got {out!r}, which exists: --resume goes on with it")
-    if not path.parent.is_dir():
-        raise ValueError(f"--out: got {out!r}, must be in an existing folder")
     return path
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Any, TypeVar
 
 import click
 
-from .. import units
+from .. import units, validation
 from ..column import files
 from ..column.scenario import Column
 from ..contact import Law, law_parameters
@@ -151,13 +152,31 @@ def writable(option: str, path: str | None) -> Path | None:
     """
     if path is None:
         return None
-    if not path or "\0" in path:
-        raise ValueError(f"--{option}: got {path!r}, must be the name of a file")
-    target = Path(path)
-    folder = target.parent
-    if not folder.is_dir():
-        raise ValueError(f"--{option}: got {path!r}, must be in an existing folder")
+    target = file_name(option, path)
     special = target.exists() and not target.is_file()  # a device is written as it is, a file replaced
-    if target.is_dir() or not os.access(target if special else folder, os.W_OK):
+    if target.is_dir() or not os.access(target if special else target.parent, os.W_OK):
         raise ValueError(f"--{option}: got {path!r}, must be writable")
     return target
+
+
+def file_name(option: str, path: str) -> Path:
+    """The path, if the system takes the name and its folder exists.
+
+    Raises
+    ------
+    ValueError
+        If not.
+    """
+    shown = validation.shown(path)
+    target = Path(path)
+    try:
+        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+            target.stat()
+        if target.name and target.parent.is_dir():
+            return target
+    except (OSError, ValueError) as error:  # too long, or with a null character
+        because = error.strerror if isinstance(error, OSError) else error
+        raise ValueError(f"--{option}: got {shown}, must be the name of a file: {because}") from None
+    if not target.name:
+        raise ValueError(f"--{option}: got {shown}, must be the name of a file")
+    raise ValueError(f"--{option}: got {shown}, must be in an existing folder")
