@@ -5,9 +5,8 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <chrono>
-
 #include "contact/registry.hpp"
+#include "interpreter.hpp"
 #include "sweep/map.hpp"
 
 namespace nb = nanobind;
@@ -20,14 +19,23 @@ extern const hardlimit_abi::Kernel hardlimit_kernel_base, hardlimit_kernel_avx2,
 namespace {
 
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Bytes = nb::ndarray<std::uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Doubles = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-double* doubles(const nb::dict& out, const char* name) {
-    return out.contains(name) ? nb::cast<Doubles>(out[name]).data() : nullptr;
-}
-std::uint8_t* bytes(const nb::dict& out, const char* name) {
-    return out.contains(name) ? nb::cast<Bytes>(out[name]).data() : nullptr;
+// Where one variable goes: the caller's own array, never a converted copy; null if it is not wanted.
+template <class T>
+T* output(const nb::dict& out, const char* name, hl::u64 count) {
+    using Array = nb::ndarray<T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+    if (!out.contains(name)) return nullptr;
+    Array array;
+    const std::string type = sizeof(T) == 1 ? "uint8" : "float64";
+    if (!nb::try_cast(out[name], array, false))
+        throw nb::type_error(("out: " + std::string(name) + " must be a contiguous, writable array of " +
+                              type + " in one dimension")
+                                 .c_str());
+    if (array.shape(0) != count)
+        throw nb::value_error(("out: " + std::string(name) + " has " + std::to_string(array.shape(0)) +
+                               " values, must have " + std::to_string(count))
+                                  .c_str());
+    return array.data();
 }
 
 // Kernels in the order of preference; the last one runs anywhere.
@@ -50,14 +58,71 @@ const hardlimit_abi::Kernel* kernel_named(const std::string& name) {
     throw nb::value_error(("instruction_set: " + name + " is not available here").c_str());
 }
 
-using Worker = void (*)(sw::Job&, hl::u64);
+using Worker = void (*)(sw::Job&, hl::u64, hl::Stop&);
 
-Worker worker_for(const std::string& law) {
-#define HL_WORKER(Law) \
-    if (law == hl::contact::Law::record.name) return &sw::work<hl::contact::Law>;
-    HARDLIMIT_LAWS(HL_WORKER)
-#undef HL_WORKER
+struct LawEntry {
+    const hl::LawRecord& record;
+    Worker worker;
+};
+
+LawEntry law_named(const std::string& law) {
+#define HL_LAW(Law) \
+    if (law == hl::contact::Law::record.name) return {hl::contact::Law::record, &sw::work<hl::contact::Law>};
+    HARDLIMIT_LAWS(HL_LAW)
+#undef HL_LAW
     throw nb::value_error(("law: unknown name " + law).c_str());
+}
+
+void require(bool met, const char* what) {
+    if (!met) throw nb::value_error(what);
+}
+
+void set_axes(sw::Axes& axes, const std::vector<Values>& values, const std::vector<hl::u64>& strides) {
+    require(values.size() == sw::parameter_count, "values: wrong number of parameters");
+    require(strides.size() == sw::parameter_count, "strides: wrong number of parameters");
+    for (std::size_t i = 0; i < sw::parameter_count; ++i) {
+        require(values[i].shape(0) > 0, "values: must not be empty");
+        require(strides[i] > 0, "strides: must be >= 1");
+        axes.axis[i] = {values[i].data(), strides[i], values[i].shape(0)};
+    }
+}
+
+sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
+    return {output<std::uint8_t>(out, "n_contacts", count),
+            output<std::uint8_t>(out, "outcome", count),
+            output<double>(out, "relative_velocity", count),
+            output<double>(out, "separation_velocity", count),
+            output<double>(out, "effective_restitution", count),
+            output<double>(out, "restitution_ratio", count),
+            output<double>(out, "t_end", count),
+            output<double>(out, "t_floor_end", count)};
+}
+
+// Works through the job with the interpreter unlocked; what the caller's `progress` or a signal handler raises ends it.
+void run(sw::Job& job, Worker worker, int threads, const nb::object& progress) {
+    const hl::u64 share = job.count / (8 * static_cast<hl::u64>(threads)) + 1;
+    const hl::u64 block = std::min<hl::u64>(4096, share), blocks = (job.count + block - 1) / block;
+    bool raised = false;
+    {
+        hl::bindings::Unlocked open;
+        const auto watch = [&] {
+            open.lock();
+            raised = PyErr_CheckSignals() != 0;
+            if (!raised && !progress.is_none()) {
+                try {
+                    progress(job.done.load());
+                } catch (nb::python_error& e) {
+                    e.restore();
+                    raised = true;
+                }
+            }
+            open.unlock();
+            return raised;
+        };
+        const int wanted = static_cast<int>(std::min<hl::u64>(static_cast<hl::u64>(threads), blocks));
+        hl::Team().run(wanted, open.period, [&](hl::Stop& stop) { worker(job, block, stop); }, watch);
+    }
+    if (raised) throw nb::python_error();
 }
 
 // Points first … first + count − 1 of the map. Returns the contact counts above 255 as (point, count).
@@ -65,54 +130,22 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
                  int restitution_at, const std::vector<Values>& values, const std::vector<hl::u64>& strides,
                  hl::u64 first, hl::u64 count, int threads, double tolerance, const nb::dict& out,
                  nb::object progress, const std::string& instruction_set) {
-    if (values.size() != sw::parameter_count || strides.size() != sw::parameter_count)
-        throw nb::value_error("values: wrong number of parameters");
+    const LawEntry entry = law_named(law);
+    require(model >= 0 && model <= static_cast<int>(sw::Model::independent), "model: must be 0, 1 or 2");
+    require(alternative >= 0 && alternative < entry.record.n_alternatives,
+            "alternative: the law has no such set of parameters");
+    require(restitution_at >= -1 && restitution_at < hl::max_parameters,
+            "restitution_at: must be a place among the parameters of the law, or -1");
+    require(threads >= 1, "threads: must be >= 1");
     sw::Job job{};
-    for (int i = 0; i < sw::parameter_count; ++i)
-        job.axes.axis[i] = {values[i].data(), strides[i], values[i].shape(0)};
+    set_axes(job.axes, values, strides);
     job.setting = {static_cast<sw::Model>(model), alternative, density_1, density_2, restitution_at};
     job.kernel = kernel_named(instruction_set);
     job.log2_tolerance = hl::math::log(tolerance) / hl::math::log(2.0);
     job.first = first;
     job.count = count;
-    job.out = {bytes(out, "n_contacts"),
-               bytes(out, "outcome"),
-               doubles(out, "relative_velocity"),
-               doubles(out, "separation_velocity"),
-               doubles(out, "effective_restitution"),
-               doubles(out, "restitution_ratio"),
-               doubles(out, "t_end"),
-               doubles(out, "t_floor_end")};
-    const Worker worker = worker_for(law);
-    const hl::u64 block = std::max<hl::u64>(1, std::min<hl::u64>(4096, count / (8 * threads) + 1));
-    bool interrupted = false;
-    {
-        nb::gil_scoped_release unlocked;
-        std::vector<std::thread> pool;
-        job.running = threads;
-        for (int i = 0; i < threads; ++i) pool.emplace_back(worker, std::ref(job), block);
-        const auto finished = [&job] {
-            std::unique_lock lock(job.guard);
-            return job.finished.wait_for(lock, std::chrono::milliseconds(100),
-                                         [&job] { return job.running == 0; });
-        };
-        while (!finished()) {
-            nb::gil_scoped_acquire locked;
-            if (PyErr_CheckSignals() != 0) interrupted = true;
-            if (!interrupted && !progress.is_none()) {
-                try {
-                    progress(job.done.load());
-                } catch (nb::python_error& e) {
-                    e.restore();
-                    interrupted = true;
-                }
-            }
-            if (interrupted) job.stop = true;
-            if (interrupted) break;
-        }
-        for (std::thread& t : pool) t.join();
-    }
-    if (interrupted) throw nb::python_error();
+    job.out = outputs(out, count);
+    run(job, entry.worker, threads, progress);
     nb::list large;
     for (const sw::LargeCount& k : job.large) large.append(nb::make_tuple(k.point, k.count));
     return large;

@@ -5,16 +5,16 @@
 //   [0] law, place in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
 //   [6] number of balls   [7] 1: floor, 0: cradle   [8] gravity [m/s²]
 //   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
-#include "column/exact/drop.hpp"
-#include "column/general/sample.hpp"
-#include "column/independent.hpp"
+#include "column/rebound.hpp"
 #include "contact/registry.hpp"
 #include "sweep/drops.hpp"
 #include "sweep/linear_kernel.hpp"
 #include "sweep/viscoelastic_entry.hpp"
 #include "sweep/viscoelastic_kernel.hpp"
 
-#include <type_traits>
+#include <algorithm>
+#include <memory>
+#include <vector>
 
 namespace hl = hardlimit;
 namespace col = hardlimit::column;
@@ -61,224 +61,45 @@ col::Column<Law> make_column() {
     return c;
 }
 
-// What is known of a state: [n] position, velocity, gap, force, mechanical energy (zero when all balls lie on each
-// other and on the floor), then energy stored in the contacts and dissipated so far.
-struct State {
-    double *position, *velocity, *gap, *force, *energy, *stored, *dissipated;
-    State(double* row, int n)
-        : position(row),
-          velocity(row + n),
-          gap(row + 2 * n),
-          force(row + 3 * n),
-          energy(row + 4 * n),
-          stored(row + 5 * n),
-          dissipated(row + 5 * n + 1) {}
-};
-int state_size(int n) { return 5 * n + 2; }
-
-// Positions and energies of the balls from gaps and velocities. A cradle has its first ball at `origin`.
-template <class Law>
-void complete(const col::Column<Law>& c, State& s, double origin) {
-    double height = 0.0, z = origin;
-    for (int i = 0; i < c.balls; ++i) {
-        if (i > 0 || c.floor) height += s.gap[i];
-        if (i > 0 || c.floor) z += (i > 0 ? c.radius[i - 1] : 0.0) + s.gap[i] + c.radius[i];
-        s.position[i] = z;
-        s.energy[i] = c.mass[i] * (0.5 * s.velocity[i] * s.velocity[i] + c.gravity * height);
-    }
-}
-
-struct Solution {
-    col::Sequence sequence;
-    std::vector<col::Contact> contacts;
-    double first = hl::math::nan, last = hl::math::nan;  // span that can be sampled
-    double impact_speed = hl::math::nan;
-    virtual ~Solution() = default;
-    virtual void sample(double t, double* row) = 0;
-};
-
-struct Exact final : Solution {
-    col::LinearColumn column;
-    col::Drop drop;
-    Exact(const col::LinearColumn& c, col::Coupling coupling, double until)
-        : column(c), drop(col::solve_drop(c, coupling, until)) {
-        sequence = drop.sequence;
-        contacts = drop.contacts;
-        if (drop.nodes.empty()) return;
-        first = drop.nodes.front().t / drop.start.units.rate;
-        last = drop.nodes.back().t / drop.start.units.rate;
-    }
-    void sample(double t, double* row) override {
-        State s(row, 2);
-        const col::DropSample d = col::sample_drop(column, drop, t);
-        s.velocity[0] = d.du;
-        s.velocity[1] = d.du + d.dw;
-        s.gap[0] = d.u;
-        s.gap[1] = d.w;
-        s.force[0] = d.force_floor;
-        s.force[1] = d.force_pair;
-        *s.stored = d.stored;
-        *s.dissipated = d.dissipated;
-        complete(column, s, 0.0);
-    }
-};
-
-template <class Law>
-struct Integrated final : Solution {
-    col::Column<Law> column;
-    col::IntegrateOptions options;
-    col::Integration<Law> run;
-    double start = 0.0;
-    Integrated(const col::Column<Law>& c, double until) : column(c) {
-        options.until = until;
-        options.record = true;
-        options.max_steps = most_steps;
-        run = col::integrate(column, options);
-        sequence = run.sequence;
-        contacts = run.contacts;
-        if (run.intervals.empty()) return;
-        first = run.intervals.front().t;
-        last = run.intervals.back().t;
-    }
-    void sample(double t, double* row) override {
-        State s(row, column.balls);
-        col::Energies e{};
-        col::sample(column, run, &t, 1, {s.gap, s.velocity, s.force, &e});
-        *s.stored = e.contact;
-        *s.dissipated = e.dissipated;
-        complete(column, s, column.floor ? 0.0 : drift(t));
-    }
-
-private:
-    // Position of the first ball of a cradle from the centre of mass, which moves uniformly.
-    double drift(double t) const {
-        double mass = 0.0, momentum = 0.0, above = 0.0;
-        for (int i = 0; i < column.balls; ++i) {
-            mass += column.mass[i];
-            momentum += column.mass[i] * column.velocity[i];
-        }
-        std::vector<double> gaps(column.balls), rates(column.balls);
-        col::sample(column, run, &t, 1, {gaps.data(), rates.data(), nullptr, nullptr});
-        double offset = 0.0;
-        for (int i = 1; i < column.balls; ++i) {
-            offset += gaps[i] - column.gaps[i];
-            above += column.mass[i] * offset;
-        }
-        return (momentum * t - above) / mass;
-    }
-};
-
-template <class Law>
-struct Independent final : Solution {
-    col::Column<Law> column;
-    col::IndependentRun run;
-    double initial = 0.0;
-    std::size_t at = 0;
-    Independent(const col::Column<Law>& c, double until) : column(c), run(col::solve_independent(c, until)) {
-        sequence = run.sequence;
-        contacts = run.contacts;
-        first = run.flights.front().t;
-        last = hl::math::is_nan(until) ? run.flights.back().t : hl::math::max(until, run.flights.back().t);
-        initial = total(run.flights.front(), nullptr);
-    }
-    void sample(double t, double* row) override {
-        if (run.flights[at].t > t) at = 0;
-        while (at + 1 < run.flights.size() && run.flights[at + 1].t <= t) ++at;
-        col::Flight f = run.flights[at];
-        col::independent::advance(column, f, t - f.t);
-        *State(row, column.balls).dissipated = initial - total(f, row);
-    }
-
-private:
-    double total(const col::Flight& f, double* row) const {
-        std::vector<double> own(state_size(column.balls), 0.0);
-        State s(row ? row : own.data(), column.balls);
-        double sum = 0.0;
-        for (int i = 0; i < column.balls; ++i) {
-            s.gap[i] = f.gaps[i];
-            s.velocity[i] = f.velocity[i];
-            s.force[i] = 0.0;
-        }
-        *s.stored = 0.0;
-        complete(column, s, column.floor ? 0.0 : f.lowest - column.gaps[0] - column.radius[0]);
-        for (int i = 0; i < column.balls; ++i) sum += s.energy[i];
-        return sum;
-    }
-};
-
-enum Model { newton, adiabatic, independent, models };
-
-Solution** solutions() {
-    static Solution* slots[models] = {};
-    return slots;
-}
-
-template <class Law>
-Solution* solved(int model, double until) {
-    const col::Column<Law> c = make_column<Law>();
-    if (model == independent) return new Independent<Law>(c, until);
-    if constexpr (std::is_same_v<Law, LinearDashpot>) {
-        if (c.balls == 2 && c.floor)
-            return new Exact(c, model == adiabatic ? col::Coupling::adiabatic : col::Coupling::full, until);
-    }
-    return model == newton ? new Integrated<Law>(c, until) : nullptr;
-}
-
 // f<Law>() for the law requested.
 template <class F>
 auto with_law(F&& f) {
     return request[0] == 0.0 ? f.template operator()<LinearDashpot>() : f.template operator()<Viscoelastic>();
 }
 
+// What the page keeps of each model, until it is asked anew.
+struct Solved {
+    col::Model model;
+    col::SolveOptions options;
+    std::unique_ptr<col::Solution> found;
+};
+
+Solved& solved(int model) {
+    static Solved* slots[3] = {};
+    if (!slots[model]) slots[model] = new Solved{static_cast<col::Model>(model), {}, {}};
+    return *slots[model];
+}
+
+// Row of a state: [n] position, velocity, gap, force, kinetic and potential energy of each ball, then the energy stored
+// in the contacts and the energy dissipated so far.
+int state_size(int n) { return 5 * n + 2; }
+void write_row(const col::States& s, double* row) {
+    for (const std::vector<double>* values : {&s.position, &s.velocity, &s.gap, &s.force, &s.energy})
+        row = std::copy(values->begin(), values->end(), row);
+    *row++ = s.total[0].contact;
+    *row = s.total[0].dissipated;
+}
+
 double landing_speed() {
     return on_floor() ? col::impact_speed(request[9 + 2], request[9 + 3], request[8]) : hl::math::nan;
 }
 
-// Only the contacts of a run.
-struct ContactsOnly {
-    std::vector<col::Contact> contacts;
-    long open[2] = {-1, -1};
-    void node(const col::Node&) {}
-    void begins(int pair, double t) {
-        open[pair] = static_cast<long>(contacts.size());
-        contacts.push_back({pair, t, hl::math::nan});
-    }
-    void ends(int pair, double t) { contacts[static_cast<std::size_t>(open[pair])].end = t; }
-};
-
-// Sequence of one point of a scan, and with a `contacts` what closed and when.
-template <class Law>
-col::Sequence run_point(const col::Column<Law>& c, col::Coupling coupling,
-                        std::vector<col::Contact>* contacts) {
-    if constexpr (std::is_same_v<Law, LinearDashpot>) {
-        if (c.balls == 2 && c.floor) {
-            const col::Start s = col::start_two_ball(
-                c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
-            col::Sequence q;
-            q.outcome = s.outcome;
-            if (s.outcome != hl::Outcome::ok) return q;
-            if (!contacts) {
-                col::NoRecorder none;
-                q = col::run_two_ball(s.groups, s.first, s.t, -hl::math::infinity, none);
-            } else {
-                ContactsOnly record;
-                q = col::run_two_ball(s.groups, s.first, s.t, -hl::math::infinity, record);
-                const double t0 = hl::math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
-                for (col::Contact& k : record.contacts)
-                    k = {k.pair, (k.begin - t0) / s.units.rate, (k.end - t0) / s.units.rate};
-                *contacts = std::move(record.contacts);
-            }
-            col::to_si(q, s.units);
-            return q;
-        }
-    }
-    col::IntegrateOptions options;
-    options.tolerance = 1e-10;  // a pixel does not show more
+// Of one point of a scan: a pixel does not show more.
+col::SolveOptions coarse() {
+    col::SolveOptions options;
+    options.tolerance = 1e-10;
     options.max_steps = most_steps;
-    col::Integration<Law> run = col::integrate(c, options);
-    if (contacts) *contacts = std::move(run.contacts);
-    return run.sequence;
+    return options;
 }
 
 // What a scan varies besides the coefficient of restitution.
@@ -340,6 +161,9 @@ struct Points {
         known = restitution(i);
         return c;
     }
+    col::Sequence solve(long i) {
+        return col::solve_sequence(column(i), col::Model::newton, coarse(), nullptr);
+    }
     void write(long i, const col::Sequence& q, double* out) const {
         const double speed = col::impact_speed(c.gaps[0], c.velocity[0], c.gravity);
         out[3 * i] = q.outcome == hl::Outcome::invalid ? hl::math::nan : q.n_contacts;
@@ -357,8 +181,7 @@ col::Sequence refused() {
 template <class Law>
 void scan(int axis, long n, const double* points, double* out) {
     Points<Law> p{axis, points};
-    for (long i = 0; i < n; ++i)
-        p.write(i, p.move_to(i) ? run_point(p.column(i), col::Coupling::full, nullptr) : refused(), out);
+    for (long i = 0; i < n; ++i) p.write(i, p.move_to(i) ? p.solve(i) : refused(), out);
 }
 
 // Two balls on a floor, many drops at once through the kernels of sweep/.
@@ -440,7 +263,7 @@ void scan_block(int axis, long n, const double* points, double* out) {
             if (k >= 0 && !drops.left(k))
                 q = drops.sequence(k);
             else if (lands)
-                q = run_point(again.column(first + i), col::Coupling::full, nullptr);
+                q = again.solve(first + i);
             again.write(first + i, q, out);
         }
     }
@@ -449,13 +272,12 @@ void scan_block(int axis, long n, const double* points, double* out) {
 template <class Law>
 long timeline(int model, long n, const double* restitution, double* out, long room) {
     col::Column<Law> c = make_column<Law>();
-    const col::Coupling coupling = model == adiabatic ? col::Coupling::adiabatic : col::Coupling::full;
     std::vector<col::Contact> contacts;
     long used = 0;
     for (long i = 0; i < n; ++i) {
         set_contacts(c, restitution[i]);
         contacts.clear();
-        const col::Sequence q = run_point(c, coupling, &contacts);
+        const col::Sequence q = col::solve_sequence(c, static_cast<col::Model>(model), coarse(), &contacts);
         if (used + 4 + 3 * static_cast<long>(contacts.size()) > room) break;
         out[used++] = q.n_contacts;
         out[used++] = q.t_end;
@@ -494,11 +316,16 @@ double* scratch(long n) {
 // separation velocity, first and last time, recorded contacts, speed at the floor, ε_eff of both velocities.
 // Returns whether the model exists for this column.
 int solve(int model, double until) {
-    Solution*& slot = solutions()[model];
-    delete slot;
-    slot = with_law([&]<class Law>() { return solved<Law>(model, until); });
-    if (!slot) return 0;
-    const col::Sequence& q = slot->sequence;
+    Solved& slot = solved(model);
+    slot.options = {};
+    slot.options.until = until;
+    slot.options.max_steps = most_steps;
+    slot.found = with_law([&]<class Law>() {
+        return col::solve_column(std::make_shared<const col::Column<Law>>(make_column<Law>()), slot.model,
+                                 slot.options);
+    });
+    if (!slot.found) return 0;
+    const col::Sequence& q = slot.found->sequence;
     const double speed = landing_speed();
     const double values[] = {static_cast<double>(q.outcome),
                              static_cast<double>(q.n_contacts),
@@ -506,9 +333,9 @@ int solve(int model, double until) {
                              q.t_floor_end,
                              q.relative_velocity,
                              q.separation_velocity,
-                             slot->first,
-                             slot->last,
-                             static_cast<double>(slot->contacts.size()),
+                             slot.found->first,
+                             slot.found->last,
+                             static_cast<double>(slot.found->contacts.size()),
                              speed,
                              col::effective_restitution(q.relative_velocity, speed),
                              col::effective_restitution(q.separation_velocity, speed)};
@@ -518,7 +345,7 @@ int solve(int model, double until) {
 
 // Contacts of the last run as (pair, begin, end).
 void contacts_of(int model, double* out) {
-    for (const col::Contact& k : solutions()[model]->contacts) {
+    for (const col::Contact& k : solved(model).found->contacts) {
         *out++ = k.pair;
         *out++ = k.begin;
         *out++ = k.end;
@@ -529,9 +356,24 @@ int row_size() { return state_size(balls()); }
 
 // States at n times (rows of row_size()); times outside the run are moved to its ends.
 void sample(int model, long n, const double* times, double* out) {
-    Solution& s = *solutions()[model];
+    const col::Solution& s = *solved(model).found;
     const int size = row_size();
-    for (long i = 0; i < n; ++i) s.sample(hl::math::clamp(times[i], s.first, s.last), out + i * size);
+    col::States state(1, balls());
+    for (long i = 0; i < n; ++i) {
+        const double t = hl::math::clamp(times[i], s.first, s.last);
+        s.sample(&t, state);
+        write_row(state, out + i * size);
+    }
+}
+
+// Rebound heights of the balls in the last run [m]; NaN where there is none.
+void rebound_heights(int model, double* out) {
+    const Solved& s = solved(model);
+    const std::vector<double> heights = with_law([&]<class Law>() {
+        const auto column = std::make_shared<const col::Column<Law>>(make_column<Law>());
+        return col::rebound_heights(col::SharedColumn<Law>(column), s.model, s.options, *s.found);
+    });
+    std::copy(heights.begin(), heights.end(), out);
 }
 
 // n points (ε, gap) or (ε, R1/R2) → number of contacts, ε_eff/ε at the end of the sequence and at separation.

@@ -24,7 +24,12 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 TWO_BALL_TABLES = ["two_ball_paper", "two_ball_ratio", "two_ball_wide"]
 
 #: Constants of common solids, by name of the parameter; of others the middle of the accepted range.
-TYPICAL = {"stiffness": 1e7, "youngs_modulus": 1e9, "poisson_ratio": 0.3}
+TYPICAL = {
+    "stiffness": 1e7,
+    "youngs_modulus": 1e9,
+    "poisson_ratio": 0.3,
+    "elastic_prefactor": 1e9,
+}
 
 
 def table(name: str) -> list[dict[str, str]]:
@@ -49,29 +54,43 @@ def two_ball_column(row: dict[str, str]) -> hl.Column:
     return hl.Column(balls, [float(row["gap_m"])], float(row["height_m"]), law)
 
 
-def common_constants(name: str) -> dict[str, float]:
-    """Values for what a law always needs, also for a law that these tests have never heard of."""
-    constants = {}
-    for p in hl.LAWS[name].record["common"]:
-        bounded = math.isfinite(p["lowest"]) and math.isfinite(p["highest"])
-        middle = 0.5 * (p["lowest"] + p["highest"]) if bounded else max(p["lowest"], 0.0) + 1e7
-        constants[p["name"]] = TYPICAL.get(p["name"], middle)
-    return constants
+def typical(p: dict) -> float:
+    """A value for a parameter of a law, also of a law that these tests have never heard of."""
+    bounded = math.isfinite(p["lowest"]) and math.isfinite(p["highest"])
+    middle = 0.5 * (p["lowest"] + p["highest"]) if bounded else max(p["lowest"], 0.0) + 1e7
+    return TYPICAL.get(p["name"], middle)
+
+
+def alternative(name: str, restitution: bool) -> list[dict]:
+    """The first set of parameters of a law that has a restitution among them, or that has none."""
+    record = hl.LAWS[name].record
+    chosen = next(
+        c for c in record["alternatives"] if restitution is any(p["name"] == "restitution" for p in c)
+    )
+    return [*record["common"], *chosen]
 
 
 def law_of(name: str, restitution: float, speed: float = 1.0) -> hl.contact.Law:
     """A law of the given kind whose contacts have ``restitution`` at ``speed``."""
     given = {"restitution": restitution, "impact_speed": speed}
-    choices = hl.LAWS[name].record["alternatives"]
-    wanted = next(c for c in choices if any(p["name"] == "restitution" for p in c))
-    return hl.LAWS[name](**common_constants(name), **{p["name"]: given[p["name"]] for p in wanted})
+    parameters = alternative(name, restitution=True)
+    return hl.LAWS[name](**{p["name"]: given.get(p["name"], typical(p)) for p in parameters})
 
 
 def damping_name(name: str) -> str:
-    """The material constant of a law that damps: the alternative to a restitution."""
-    choices = hl.LAWS[name].record["alternatives"]
-    (other,) = next(c for c in choices if all(p["name"] != "restitution" for p in c))
-    return other["name"]
+    """The material constant of a law that damps: what it takes where it takes no restitution."""
+    with_restitution = {p["name"] for p in alternative(name, restitution=True)}
+    (damping,) = (
+        p["name"] for p in alternative(name, restitution=False) if p["name"] not in with_restitution
+    )
+    return damping
+
+
+def damped(name: str, damping: float) -> hl.contact.Law:
+    """A law of the given kind with this material constant of damping."""
+    parameters = alternative(name, restitution=False)
+    known = {damping_name(name): damping}
+    return hl.LAWS[name](**{p["name"]: known.get(p["name"], typical(p)) for p in parameters})
 
 
 def falling(masses, gaps, law, *, radius=0.02, speed=1.0, gravity=0.0) -> hl.Column:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import hardlimit as hl
-from conftest import TYPICAL, common_constants, damping_name, law_of, table
+from conftest import alternative, damped, damping_name, law_of, table, typical
 from hardlimit import _core
 
 BALL = hl.Ball(0.1, density=840.0)
@@ -349,8 +349,7 @@ def test_restitution_in_range_and_falling_with_damping(name):
         reference = getattr(law_of(name, 0.5).between(BALL, other), damping)
         previous = None
         for factor in [0.0, 1e-6, 1e-3, 0.1, 0.5, 1.0, 2.0, 10.0, 1e3]:
-            law = hl.LAWS[name](**common_constants(name), **{damping: factor * reference})
-            restitution = law.between(BALL, other).restitution(SPEEDS)
+            restitution = damped(name, factor * reference).between(BALL, other).restitution(SPEEDS)
             assert ((restitution > 0.0) & (restitution <= 1.0)).all()
             assert ((restitution == 1.0) == (factor == 0.0)).all()
             assert previous is None or (restitution < previous).all()
@@ -401,7 +400,7 @@ def test_isolated_collision_by_an_independent_integration(name):
 #: Exponents of mass, length and time of the units that parameters may have.
 DIMENSIONS = {
     "1": (0, 0, 0), "s": (0, 0, 1), "m": (0, 1, 0), "kg": (1, 0, 0), "m/s": (0, 1, -1), "N": (1, 1, -2),
-    "N/m": (1, 0, -2), "N s/m": (1, 0, -1), "Pa": (1, -1, -2),
+    "N/m": (1, 0, -2), "N/m^1.5": (1, -0.5, -2), "N s/m": (1, 0, -1), "Pa": (1, -1, -2),
 }  # fmt: skip
 
 
@@ -454,7 +453,7 @@ def refused(call, *words: str) -> None:
 def test_each_parameter_of_a_law_is_checked(name):
     law = hl.LAWS[name]
     for choice in law.record["alternatives"]:
-        good = common_constants(name) | {p["name"]: TYPICAL.get(p["name"], 0.5) for p in choice}
+        good = {p["name"]: typical(p) for p in [*law.record["common"], *choice]}
         law(**good)
         for p in [*law.record["common"], *choice]:
             bad = [math.nan, math.inf, -math.inf, "stiff", True]
@@ -477,17 +476,33 @@ def test_each_parameter_of_a_law_is_checked(name):
 @every_law
 def test_exactly_one_alternative(name):
     law = hl.LAWS[name]
-    common = common_constants(name)
-    first, second = law.record["alternatives"]
-    both = {p["name"]: 0.5 for p in [*first, *second]}
+    common = {p["name"]: typical(p) for p in law.record["common"]}
+    choices = [{p["name"]: typical(p) for p in choice} for choice in law.record["alternatives"]]
+    every = {k: v for choice in choices for k, v in choice.items()}
     refused(lambda: law(**common), "restitution", damping_name(name), "neither", "exactly one")
-    refused(lambda: law(**common, **both), "restitution", damping_name(name), "exactly one")
-    refused(lambda: law(**common, **{first[0]["name"]: 0.5}, colour=1.0), "colour", "unknown")
-    for missing in common:
-        rest = {k: v for k, v in common.items() if k != missing}
-        refused(
-            lambda rest=rest: law(**rest, **{p["name"]: 0.5 for p in first}), missing, "missing", "must be"
-        )
+    refused(lambda: law(**common, **every), "restitution", damping_name(name), "exactly one")
+    for choice in choices:
+        assert law(**common, **choice).parameters == common | choice
+        refused(lambda choice=choice: law(**common, **choice, colour=1.0), "colour", "unknown")
+        for missing in common:
+            rest = {k: v for k, v in common.items() if k != missing}
+            refused(lambda rest=rest, choice=choice: law(**rest, **choice), missing, "missing", "must be")
+
+
+@every_law
+def test_replace_goes_to_the_alternative_that_is_meant(name):
+    """One parameter of another alternative drops what that one does not know, and keeps what they share."""
+    record = hl.LAWS[name].record
+    known = law_of(name, 0.5).replace(restitution=0.25)
+    assert known.restitution == 0.25 and known.replace(restitution=0.5) == law_of(name, 0.5)
+    law = known.replace(**{damping_name(name): 0.1})
+    assert set(law.parameters) == {p["name"] for p in alternative(name, restitution=False)}
+    shared = set(law.parameters) & set(known.parameters)
+    assert all(law.parameters[k] == known.parameters[k] for k in shared)
+    refused(lambda: law.replace(colour=1.0), "colour", "unknown")
+    for choice in record["alternatives"]:
+        wanted = {p["name"]: typical(p) for p in choice}
+        assert known.replace(**wanted).parameters.items() >= wanted.items()
 
 
 def test_restitution_given_at_a_speed_needs_both():

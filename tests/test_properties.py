@@ -125,8 +125,8 @@ def test_time_reversal_when_elastic(column):
 
 #: Exponents of mass, length and time.
 DIMENSIONS = {
-    "1": (0, 0, 0), "s": (0, 0, 1), "m/s": (0, 1, -1), "N/m": (1, 0, -2), "N s/m": (1, 0, -1),
-    "Pa": (1, -1, -2),
+    "1": (0, 0, 0), "s": (0, 0, 1), "m/s": (0, 1, -1), "N/m": (1, 0, -2), "N/m^1.5": (1, -0.5, -2),
+    "N s/m": (1, 0, -1), "Pa": (1, -1, -2),
 }  # fmt: skip
 
 

@@ -403,11 +403,12 @@ def test_results_of_one_ball(name, solve, until):
     result = solve(bouncing(law_of(name, 0.8)), until)
     assert result.n_contacts == 0 and result.outcome_code in (0, hl.OUTCOMES.index("no_contact"))
     for quantity in (
-        "t_end", "relative_velocity", "separation_velocity", "effective_restitution", "restitution_ratio",
+        "relative_velocity", "separation_velocity", "effective_restitution", "restitution_ratio",
         "effective_restitution_at_separation", "restitution_ratio_at_separation",
     ):  # fmt: skip
         assert math.isnan(getattr(result, quantity)), quantity
     assert result.t_floor_end >= 0.0
+    assert math.isnan(result.t_end) or result.t_end == result.t_floor_end
     assert result.positions.shape == result.velocities.shape == (1,)
     trajectory = result.trajectory()
     assert trajectory.sizes["ball"] == trajectory.sizes["pair"] == 1

@@ -6,7 +6,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 out=$(realpath -m "${1:-../src/hardlimit/explorer/page}")
 mkdir -p "$out"
 
-exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample scan_points scan_timeline outcome_message)
+exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights scan_points scan_timeline
+    outcome_message)
 "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -O3 -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
     -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
     ../bindings/wasm.cpp runtime.cpp -o "$out/core.wasm" \

@@ -127,6 +127,7 @@ IndependentRun solve_independent(const Column<Law>& c, double until) {
     const double origin = math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
     for (Contact& k : run.contacts) k = {k.pair, k.begin - origin, k.end - origin};
     for (Flight& k : run.flights) k.t -= origin;
+    q.t_second_touch -= origin;
     q.t_end -= origin;
     q.t_floor_end -= origin;
     if (c.balls != 2) q.relative_velocity = q.separation_velocity = math::nan;

@@ -4,7 +4,8 @@
 // release; a floor force that switches off and on while the gap stays closed ends nothing. t_f is the end of the
 // last ball–ball contact that began before that instant, an open one being followed to its end. The separation
 // velocity is the gap rate of the pair at the first instant >= t_f at which no force acts and the gap is not
-// closing. With more than two balls the velocities are not defined and t_f is the end of the last such contact.
+// closing. With more than two balls the velocities are not defined and t_f is the end of the last such contact. One
+// ball has the floor contact only: t_f is its end, re-engagements before the gap has opened included.
 #pragma once
 #include "../math.hpp"
 #include "../outcome.hpp"
@@ -14,12 +15,14 @@ namespace hardlimit::column {
 struct Sequence {
     int n_contacts = 0;  // ball–ball contacts
     double t_first_touch = math::nan;
+    double t_second_touch = math::nan;  // the second floor contact begins
     double t_end = math::nan;
     double t_floor_end = math::nan;          // first release from the floor
     double relative_velocity = math::nan;    // paper's v'_r, at t_end
     double separation_velocity = math::nan;  // once no force acts
     Outcome outcome = Outcome::ok;
 
+    bool one_ball = false;      // no pairs: the floor contact is the sequence
     bool floor_opened = false;  // the floor gap has opened after the first release
     bool met_again = false;     // the second floor contact has begun
     bool finished = false;      // nothing that happens later belongs to the sequence
@@ -30,12 +33,16 @@ struct Sequence {
         if (math::is_nan(t_first_touch)) {
             t_first_touch = t;
         } else if (floor_opened) {
+            if (!met_again) t_second_touch = t;
             met_again = true;
             if (open_pairs == 0) finished = true;
+        } else if (one_ball) {
+            t_end = math::nan;
         }
     }
     HL_FN void floor_ends(double t) {
         if (math::is_nan(t_floor_end)) t_floor_end = t;
+        if (one_ball && !met_again) t_end = t;
     }
     // The floor gap reaches zero from below: the floor contact is over for good.
     HL_FN void floor_opens() { floor_opened = true; }
@@ -75,7 +82,7 @@ struct Sequence {
     }
 
     HL_FN void close() {
-        if (outcome == Outcome::ok && n_contacts == 0) outcome = Outcome::no_contact;
+        if (outcome == Outcome::ok && n_contacts == 0 && !one_ball) outcome = Outcome::no_contact;
     }
 };
 

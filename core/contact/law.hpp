@@ -1,17 +1,17 @@
 // What every contact law states about itself, and what the solvers ask of it.
 //
 // A law is a small value type: the parameters of ONE contact. It provides
-//   onset_power                  p such that the force is a polynomial in s = ξ^(1/p) and ξ̇ (1: linear, 2: Hertz)
-//   force(s, rate)               repulsive force before clipping [N]; any scalar type
-//   elastic_force(s)             its part at rest [N]
-//   energy(s)                    energy stored in the compression [J], elastic_force = dE/dξ
-//   drive(s, rate)               has the sign of force and a simple zero where the contact ends, also when
-//                                force itself vanishes to higher order at ξ = 0 [m]
-//   relaxation_time()            drive = ξ + relaxation_time · ξ̇ [s]
-//   restitution(speed, m)        ratio of speeds of one isolated collision
-//   duration(speed, m)           time from first touch to zero force [s]
-//   from_parameters(...)         contact parameters from the user's
-// and `record`, which the bindings, the command line and the generic tests read.
+//   onset_power              p such that the force is a polynomial in s = ξ^(1/p) and ξ̇ (1: linear, 2: Hertz)
+//   force(s, rate)           repulsive force before clipping [N]; any scalar type
+//   elastic_force(s)         its part at rest [N], which never falls as s grows
+//   energy(s)                energy stored in the compression [J], elastic_force = dE/dξ
+//   slack(rate)              compression up to which the force is zero at this rate (see Slack)
+//   relaxation_time()        only where slack is −relaxation_time · rate exactly, which has closed forms [s]
+//   restitution(speed, m)    ratio of speeds of one isolated collision
+//   duration(speed, m)       time from first touch to zero force [s]
+//   from_parameters(...)     contact parameters from the user's
+//   values(...)              the constants of the contact, in the order of record.constants
+// and `record`, which the bindings, the command line, the documentation and the generic tests read.
 #pragma once
 #include "../math.hpp"
 
@@ -29,6 +29,25 @@ HL_FN double effective(double a, double b) {
     return a == math::infinity ? b : a * b / (a + b);
 }
 
+// ξ^(1/p), the coordinate s of a law; 0 without compression.
+template <int p>
+HL_FN double onset_root(double compression) {
+    static_assert(p >= 1);
+    if constexpr (p == 1) return compression;
+    if (!(compression > 0.0)) return 0.0;
+    if constexpr (p == 2) return math::sqrt(compression);
+    if constexpr (p == 4) return math::sqrt(math::sqrt(compression));
+    return math::pow(compression, 1.0 / p);
+}
+
+// Where a contact ends. At a given rate dξ/dt the bodies push each other exactly while ξ > max(depth, 0). The
+// depth is a continuous function of the rate that never grows with it, positive only where they separate
+// (rate < 0); where it is zero or less, the force lasts down to ξ = 0.
+struct Slack {
+    double depth;  // [m]
+    double slope;  // d depth/d rate [s]; where depth <= 0 it may be zero, else it is the derivative
+};
+
 struct Parameter {
     const char* name;
     const char* unit;
@@ -37,7 +56,15 @@ struct Parameter {
     const char* meaning;
 };
 
-inline constexpr int max_parameters = 4;
+// A constant of one contact, as the law computes it from the user's parameters and the two bodies.
+struct ContactConstant {
+    const char* name;
+    const char* unit;
+    const char* meaning;
+};
+
+inline constexpr int max_parameters = 4;  // of one law: those always needed and those of one alternative
+inline constexpr int max_alternatives = 4;
 
 struct LawRecord {
     const char* name;        // for the command line and files
@@ -47,10 +74,10 @@ struct LawRecord {
     int n_common;
     Parameter common[max_parameters];  // always needed
     int n_alternatives;
-    int n_in_alternative[2];
-    Parameter alternatives[2][max_parameters];  // exactly one set of these
-    int n_contact;
-    const char* contact_parameters[max_parameters];  // attributes of one contact, in the order of values()
+    int n_in_alternative[max_alternatives];
+    Parameter alternatives[max_alternatives][max_parameters];  // exactly one of these sets
+    int n_constants;
+    ContactConstant constants[max_parameters];
 };
 
 }  // namespace hardlimit

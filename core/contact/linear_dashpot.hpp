@@ -67,7 +67,7 @@ struct LinearDashpot {
          {{"damping", "N s/m", 0.0, math::infinity, true, false,
            "dashpot constant γ, the same for every contact"}}},
         2,
-        {"stiffness", "damping"}};
+        {{"stiffness", "N/m", "k"}, {"damping", "N s/m", "γ"}}};
 
     void values(double* out) const {
         out[0] = stiffness;
@@ -95,10 +95,8 @@ struct LinearDashpot {
     T energy(T s) const {
         return 0.5 * stiffness * s * s;
     }
-    template <class T>
-    T drive(T s, T rate) const {
-        return s + relaxation_time() * rate;
-    }
+    // The force ends at ξ + (γ/k) ξ̇ = 0.
+    Slack slack(double rate) const { return {-relaxation_time() * rate, -relaxation_time()}; }
     double relaxation_time() const { return damping / stiffness; }
 
     double damping_ratio(double mass) const {

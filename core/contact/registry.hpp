@@ -2,8 +2,10 @@
 // command line, in the solvers and in the generic tests.
 #pragma once
 #include "linear_dashpot.hpp"
+#include "tsuji.hpp"
 #include "viscoelastic.hpp"
 
 #define HARDLIMIT_LAWS(X) \
     X(LinearDashpot)      \
-    X(Viscoelastic)
+    X(Viscoelastic)       \
+    X(Tsuji)

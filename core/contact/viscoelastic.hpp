@@ -8,7 +8,7 @@
 // integrated here by its Taylor series summed to rounding. For x > 1 the lengths are scaled by x^{−1/3} so that
 // nothing grows with x: dV/dθ = −q σ⁴ − σ² V with q = x^{−5/3}.
 #pragma once
-#include "law.hpp"
+#include "hertz.hpp"
 
 namespace hardlimit::contact {
 
@@ -232,8 +232,7 @@ struct Viscoelastic {
         "Viscoelastic spheres: F = max(0, ρ ξ^(3/2) + (3/2) ρ A √ξ dξ/dt), ρ = 2Y√R_eff/(3(1 − ν²)). A = 0 is Hertz.",
         "Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), Eqs. B1–B3; Brilliantov et al., Phys. Rev. E 53, 5382 (1996)",
         2,
-        {{"youngs_modulus", "Pa", 0.0, math::infinity, false, false, "Young's modulus Y"},
-         {"poisson_ratio", "1", -1.0, 0.5, false, true, "Poisson's ratio ν"}},
+        {youngs_modulus, poisson_ratio},
         2,
         {1, 2},
         {{{"dissipative_time", "s", 0.0, math::infinity, true, false,
@@ -243,7 +242,7 @@ struct Viscoelastic {
           {"impact_speed", "m/s", 0.0, math::infinity, false, false,
            "speed of approach at which ε is given"}}},
         2,
-        {"elastic_prefactor", "dissipative_time"}};
+        {{"elastic_prefactor", "N/m^1.5", "ρ"}, {"dissipative_time", "s", "A"}}};
 
     void values(double* out) const {
         out[0] = elastic_prefactor;
@@ -251,8 +250,7 @@ struct Viscoelastic {
     }
 
     static Viscoelastic from_parameters(int alternative, const double* p, PairGeometry pair) {
-        const double rho =
-            2.0 * p[0] * math::sqrt(pair.effective_radius) / (3.0 * ((1.0 - p[1]) * (1.0 + p[1])));
+        const double rho = hertz_prefactor(p[0], p[1], pair.effective_radius);
         if (alternative == 0) return {rho, p[2]};
         const double x = viscoelastic_argument(-math::log(p[2]));
         return {rho, x / argument_per_time(rho, pair.effective_mass, p[3])};
@@ -275,10 +273,8 @@ struct Viscoelastic {
     T energy(T s) const {
         return 0.4 * elastic_prefactor * (s * s) * (s * s) * s;
     }
-    template <class T>
-    T drive(T s, T rate) const {
-        return s * s + relaxation_time() * rate;
-    }
+    // The force ends at ξ + (3/2) A ξ̇ = 0.
+    Slack slack(double rate) const { return {-relaxation_time() * rate, -relaxation_time()}; }
     double relaxation_time() const { return 1.5 * dissipative_time; }
 
     UniversalCollision collision(double speed, double mass) const {

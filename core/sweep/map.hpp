@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <thread>
 #include <vector>
 
+#include "../parallel.hpp"
 #include "drops.hpp"
 #include "solve_point.hpp"
 #include "viscoelastic_entry.hpp"
@@ -93,11 +92,8 @@ struct Job {
     u64 first, count;
     Outputs out;
     std::atomic<u64> next{0}, done{0};
-    std::atomic<bool> stop{false};
     std::mutex guard;
-    int running = 0;  // threads; under the guard
-    std::condition_variable finished;
-    std::vector<LargeCount> large;
+    std::vector<LargeCount> large;  // under the guard
     std::once_flag begun;
     // Of floor and pair, for each ε of their axis; empty: found block by block.
     std::vector<double> damping[2];
@@ -178,7 +174,7 @@ class VectorBlock {
 public:
     static constexpr int most = 1024;
 
-    VectorBlock(Job& j) : job(j) {
+    VectorBlock(Job& j, Stop& stop_) : job(j), stop(stop_) {
         for (int i = 0; i < parameter_count; ++i) {
             const Axis& k = job.axes.axis[i];
             if (k.size > 1)
@@ -204,6 +200,7 @@ private:
     static constexpr int gap_at = offsetof(Parameters, gap) / sizeof(double);
     static constexpr int room = Drops<most>::room;
     Job& job;
+    Stop& stop;
     Via via;
     int varying[parameter_count], n_varying = 0;
     u64 alike = 0;  // what is not the gap changes at multiples of this only; 0: never
@@ -220,9 +217,9 @@ private:
     void each_run(F f) {
         u64 end = alike == 0 ? most : alike - (job.first + first) % alike;
         for (int i = 0; i < count; end += alike) {
-            const int stop = end < static_cast<u64>(count) ? static_cast<int>(end) : count;
-            f(i, stop);
-            i = stop;
+            const int last = end < static_cast<u64>(count) ? static_cast<int>(end) : count;
+            f(i, last);
+            i = last;
         }
     }
 
@@ -256,7 +253,7 @@ private:
             const double e = restitution_of(job.setting, p);
             column::Start s;
             bool started = false;
-            for (int at = i; at < end && !job.stop; ++at) {
+            for (int at = i; at < end && !stop(); ++at) {
                 bool one;
                 if (started) {
                     column::release_pair(s, gap[at]);
@@ -295,7 +292,7 @@ private:
         give(job.out.restitution_ratio, quotient[1]);
         give(job.out.t_end, out[2]);
         give(job.out.t_floor_end, out[3]);
-        for (int k = 0; k < n && !job.stop; ++k) {
+        for (int k = 0; k < n && !stop(); ++k) {
             if (drops.left(k)) {
                 solve_alone(point[k]);
                 continue;
@@ -334,11 +331,11 @@ void tabulate_damping(Job& job) {
 // Takes blocks until none is left; each result depends on its point alone, so neither the number of threads nor the
 // order matters.
 template <class Law>
-void work(Job& job, u64 block) {
+void work(Job& job, u64 block, Stop& stop) {
     const auto each_block = [&](const auto& solve) {
         for (;;) {
             const u64 begin = job.next.fetch_add(block);
-            if (begin >= job.count || job.stop) break;
+            if (begin >= job.count || stop.now()) break;
             const u64 end = begin + block < job.count ? begin + block : job.count;
             solve(begin, end);
             job.done += end - begin;
@@ -346,24 +343,22 @@ void work(Job& job, u64 block) {
     };
     const auto by_point = [&](u64 begin, u64 end) {
         Cursor at(job.axes, job.first + begin);
-        for (u64 i = begin; i < end && !job.stop; ++i, at.next())
+        for (u64 i = begin; i < end && !stop.now(); ++i, at.next())
             job.put(i, solve_point<Law>(job.setting, at.parameters()));
     };
     if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
         if constexpr (requires { typename Vectorised<Law>::Kernel; }) {
             constexpr int most = VectorBlock<Law>::most;
             std::call_once(job.begun, tabulate_damping<Law>, std::ref(job));
-            const auto lanes = std::make_unique<VectorBlock<Law>>(job);
+            const auto lanes = std::make_unique<VectorBlock<Law>>(job, stop);
             each_block([&](u64 begin, u64 end) {
-                for (u64 i = begin; i < end && !job.stop; i += most)
+                for (u64 i = begin; i < end && !stop(); i += most)
                     lanes->solve(i, static_cast<int>(end - i < most ? end - i : most));
             });
         }
     } else {
         each_block(by_point);
     }
-    const std::lock_guard lock(job.guard);
-    if (--job.running == 0) job.finished.notify_one();
 }
 
 }  // namespace hardlimit::sweep

@@ -1,6 +1,7 @@
 """How far can you trust an event-driven simulation? Collisions and Newton's equations, side by side."""
 
 from . import _core
+from .approximations import restitution_pade, restitution_series, usual_damping
 from .bodies import FLOOR, Ball
 from .column.comparison import Comparison, Verdict, compare
 from .column.result import Result
@@ -12,10 +13,10 @@ from .laws import LAWS
 from .laws import __all__ as _laws
 from .sweep import sweep
 
-__version__ = _core.version
+__version__: str = _core.version
 
 #: Names of the outcome codes, in the order of their numbers.
-OUTCOMES = _core.outcome_names
+OUTCOMES: tuple[str, ...] = _core.outcome_names
 
 __all__ = [
     "FLOOR",
@@ -32,7 +33,10 @@ __all__ = [
     "compare",
     "independent",
     "newton",
+    "restitution_pade",
+    "restitution_series",
     "sweep",
+    "usual_damping",
     *(name for name in _laws if name != "LAWS"),
 ]
 del _laws

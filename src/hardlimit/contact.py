@@ -7,30 +7,34 @@ and hands the physics back to the core.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Self, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _core, validation
 from .bodies import FLOOR, Ball, Floor
 
 RESTITUTION: Final = "restitution"
 
+#: Numbers that give an array of the same shape; a single float gives a float.
+Values = NDArray[Any] | Sequence[Any]
+Floats = NDArray[np.float64]
+
 
 class Contact:
     """One contact of two bodies under a law.
 
-    The law's own constants are attributes: ``stiffness`` and ``damping`` (linear), ``elastic_prefactor`` ρ and
-    ``dissipative_time`` A (viscoelastic).
+    The law's own constants are attributes, such as ``stiffness`` and ``damping`` under ``LinearDashpot``; the law's
+    documentation names them. ``law.between(ball, other)`` makes a contact.
     """
 
     def __init__(self, law: Law, core: _core.Contact) -> None:
         self.law = law
         self.core = core
-        names = law.record["contact_parameters"]
+        names = [constant["name"] for constant in law.record["constants"]]
         self._constants: dict[str, float] = dict(zip(names, core.values(), strict=True))
 
     def __getattr__(self, name: str) -> float:
@@ -45,6 +49,9 @@ class Contact:
         inner = ", ".join(f"{k}={v:.6g}" for k, v in self._constants.items())
         return f"Contact({inner}, effective_mass={self.effective_mass:.6g})"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _contact, (self.law, self.effective_mass, self.effective_radius)
+
     @property
     def effective_mass(self) -> float:
         """m_i m_j/(m_i + m_j) [kg]."""
@@ -55,42 +62,86 @@ class Contact:
         """R_i R_j/(R_i + R_j) [m]."""
         return self.core.effective_radius
 
-    def restitution(self, speed: ArrayLike = 1.0) -> Any:
-        """Coefficient of restitution of an isolated collision at ``speed`` [m/s], same shape (Eqs. 13, B3)."""
+    @overload
+    def restitution(self, speed: float = ...) -> float: ...
+    @overload
+    def restitution(self, speed: Values) -> Floats: ...
+    def restitution(self, speed: float | Values = 1.0) -> float | Floats:
+        """Coefficient of restitution of an isolated collision at ``speed`` [m/s], same shape (Eqs. 13, B3).
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+        """
         return _over_speeds(self.core.restitution, speed)
 
-    def duration(self, speed: ArrayLike = 1.0) -> Any:
-        """Time from first touch to zero force [s] of one isolated collision at ``speed`` [m/s] (Eq. 11)."""
+    @overload
+    def duration(self, speed: float = ...) -> float: ...
+    @overload
+    def duration(self, speed: Values) -> Floats: ...
+    def duration(self, speed: float | Values = 1.0) -> float | Floats:
+        """Time from first touch to zero force [s] of one isolated collision at ``speed`` [m/s] (Eq. 11).
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+        """
         return _over_speeds(self.core.duration, speed)
 
-    def force(self, compression: ArrayLike, rate: ArrayLike = 0.0) -> Any:
-        """Repulsive force [N], never below zero, at ``compression`` ξ [m] and ``rate`` dξ/dt [m/s] (Eqs. 7, B1)."""
-        xi, speed = np.broadcast_arrays(_finite("compression", compression), _finite("rate", rate))
-        flat = self.core.force(np.ascontiguousarray(xi.ravel()), np.ascontiguousarray(speed.ravel()))
-        return _as_given(flat, xi.shape)
+    @overload
+    def force(self, compression: float, rate: float = ...) -> float: ...
+    @overload
+    def force(self, compression: Values, rate: float | Values = ...) -> Floats: ...
+    @overload
+    def force(self, compression: float, rate: Values) -> Floats: ...
+    def force(self, compression: float | Values, rate: float | Values = 0.0) -> float | Floats:
+        """Repulsive force [N], never below zero, at ``compression`` ξ [m] and ``rate`` dξ/dt [m/s] (Eqs. 7, B1).
 
-    def energy(self, compression: ArrayLike) -> Any:
-        """Energy stored at ``compression`` ξ [m], in J."""
-        xi = _finite("compression", compression)
-        return _as_given(self.core.energy(np.ascontiguousarray(xi.ravel())), xi.shape)
+        Arrays are broadcast against each other.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite, or the shapes do not go together.
+        """
+        depth, closing = _numbers("compression", compression), _numbers("rate", rate)
+        try:
+            depth, closing = np.broadcast_arrays(depth, closing)
+        except ValueError:
+            shapes = f"shapes {depth.shape} and {closing.shape}"
+            raise ValueError(f"compression | rate: got {shapes}, must be broadcastable") from None
+        flat = self.core.force(np.ascontiguousarray(depth.ravel()), np.ascontiguousarray(closing.ravel()))
+        return _as_given(flat, depth.shape)
+
+    @overload
+    def energy(self, compression: float) -> float: ...
+    @overload
+    def energy(self, compression: Values) -> Floats: ...
+    def energy(self, compression: float | Values) -> float | Floats:
+        """Energy [J] stored at ``compression`` ξ [m], zero without compression.
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite.
+        """
+        depth = _numbers("compression", compression)
+        return _as_given(self.core.energy(depth.ravel()), depth.shape)
 
 
-def _finite(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    array = np.asarray(values, dtype=np.float64)
-    if not np.all(np.isfinite(array)):
-        raise ValueError(f"{name}: got {array[~np.isfinite(array)].flat[0]:g}, must be finite")
-    return array
+def _numbers(name: str, values: float | Values, **limits: float) -> Floats:
+    return validation.array(name, values, ndim=None, empty_allowed=True, **limits)  # type: ignore[arg-type]
 
 
-def _as_given(flat: NDArray[np.float64], shape: tuple[int, ...]) -> Any:
+def _as_given(flat: Floats, shape: tuple[int, ...]) -> float | Floats:
     return float(flat[0]) if shape == () else flat.reshape(shape)
 
 
-def _over_speeds(function: Any, speed: ArrayLike) -> Any:
-    array = _finite("speed", speed)
-    if not np.all(array > 0.0):
-        raise ValueError(f"speed: got {array[array <= 0.0].flat[0]:g}, must be > 0 and finite")
-    return _as_given(function(np.ascontiguousarray(array.ravel())), array.shape)
+def _over_speeds(function: Callable[[Floats], Floats], speed: float | Values) -> float | Floats:
+    array = _numbers("speed", speed, lowest=0.0)
+    return _as_given(function(array.ravel()), array.shape)
 
 
 class Law:
@@ -158,15 +209,32 @@ class Law:
         return hash((type(self).__name__, tuple(self.parameters.items())))
 
     def replace(self, **changes: float) -> Self:
-        """The law with some parameters changed; naming another alternative drops the present one."""
-        record = self.record
-        kept = dict(self.parameters)
-        for i, choice in enumerate(record["alternatives"]):
-            names = {p["name"] for p in choice}
-            if i != self.alternative and names & set(changes) - set(self.parameters):
-                for p in record["alternatives"][self.alternative]:
-                    kept.pop(p["name"], None)
+        """The law with some parameters changed.
+
+        A parameter of another alternative selects that one, and what it does not share with the present one is
+        dropped: ``LinearDashpot(stiffness=1e6, restitution=0.5).replace(damping=3.0)`` keeps the stiffness.
+
+        Raises
+        ------
+        ValueError
+            As for the law itself.
+        """
+        chosen = self._alternative_for(set(changes))
+        names = {p["name"] for group in (self.record["common"], chosen) for p in group}
+        kept = {name: value for name, value in self.parameters.items() if name in names}
         return type(self)(**(kept | changes))
+
+    def _alternative_for(self, changed: set[str]) -> list[dict[str, Any]]:
+        """The alternative that the changed parameters and the present ones complete, else the present one."""
+        choices: list[list[dict[str, Any]]] = self.record["alternatives"]
+        present = choices[self.alternative]
+        common = {p["name"] for p in self.record["common"]}
+        for choice in (present, *choices):
+            names = {p["name"] for p in choice}
+            if changed - common <= names <= changed | set(self.parameters):
+                return choice
+        knowing = [c for c in choices if changed - common <= {p["name"] for p in c}]
+        return present if present in knowing or not knowing else knowing[0]
 
     @property
     def specified_restitution(self) -> float:
@@ -175,17 +243,19 @@ class Law:
 
     def between(self, ball: Ball, other: Ball | Floor = FLOOR) -> Contact:
         """The contact of two bodies; ``other`` is a Ball or FLOOR."""
-        for body in (ball, other):
-            if not isinstance(body, Ball | Floor):
-                raise ValueError(f"between: got {body!r}, must be a Ball or FLOOR")
-        core = _core.make_contact(
-            self.record["name"],
-            self.alternative,
-            list(self.parameters.values()),
-            _core.effective(ball.mass, other.mass),
-            _core.effective(ball.radius, other.radius),
+        if not isinstance(ball, Ball):
+            raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
+        if not isinstance(other, Ball | Floor):
+            raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
+        return _contact(
+            self, _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
         )
-        return Contact(self, core)
+
+
+def _contact(law: Law, mass: float, radius: float) -> Contact:
+    """The contact of two bodies of this effective mass and radius."""
+    parameters = list(law.parameters.values())
+    return Contact(law, _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius))
 
 
 def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
@@ -206,24 +276,18 @@ def _range_of(parameter: dict[str, Any]) -> str:
 
 def make_law(record: dict[str, Any]) -> type[Law]:
     """The Python class of one registered law."""
+    choices = record["alternatives"]
+    every = {p["name"]: p for group in (record["common"], *choices) for p in group}
     lines = [record["summary"], "", "Parameters", "----------"]
-    alternatives = record["alternatives"]
-    for p in record["common"]:
-        lines += [f"{p['name']} : float [{p['unit']}]", f"    {p['meaning']}; {_range_of(p)}."]
-    for i, choice in enumerate(alternatives):
-        for p in choice:
-            lines += [
-                f"{p['name']} : float [{p['unit']}]",
-                f"    {p['meaning']}; {_range_of(p)}. Alternative {i + 1} of {len(alternatives)}.",
-            ]
-    lines += [
-        "",
-        "Raises",
-        "------",
-        "ValueError",
-        "    If a value is outside its range or not exactly one alternative is given.",
-    ]
-    lines += ["", f"Source: {record['source']}."]
+    for name, p in every.items():
+        lines += [f"{name} : float [{p['unit']}]", f"    {p['meaning']}; {_range_of(p)}."]
+    lines += ["", "Give exactly one of these sets" + (" besides:" if record["common"] else ":"), ""]
+    lines += ["* " + ", ".join(f"``{p['name']}``" for p in choice) for choice in choices]
+    lines += ["", "A contact has the attributes", ""]
+    lines += [f"* ``{c['name']}`` : float [{c['unit']}], {c['meaning']}" for c in record["constants"]]
+    lines += ["", "Raises", "------", "ValueError"]
+    lines += ["    If a value is outside its range or not exactly one of the sets is given."]
+    lines += ["", "Notes", "-----", f"Source: {record['source']}."]
     return type(
         record["class_name"],
         (Law,),

@@ -64,7 +64,7 @@ def number(
     accepted = describe_range(lowest, highest, lowest_allowed, highest_allowed)
     x = _as_float(value)
     if x is None:
-        what = "a finite number" if accepted == "finite" else f"a number {accepted}"
+        what = "a number" if accepted == "finite" else f"a number {accepted}"
         raise ValueError(f"{name}: got {shown(value)}, must be {what}")
     above = x >= lowest if lowest_allowed else x > lowest
     below = x <= highest if highest_allowed else x < highest

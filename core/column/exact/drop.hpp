@@ -1,5 +1,9 @@
 // Two balls in SI units through the exact solver: start of the drop, recording, sampling anywhere.
 #pragma once
+#include <algorithm>
+
+#include "../../stop.hpp"
+#include "../energies.hpp"
 #include "../state.hpp"
 #include "run.hpp"
 #include "scaling.hpp"
@@ -8,13 +12,18 @@ namespace hardlimit::column {
 
 using LinearColumn = Column<contact::LinearDashpot>;
 
-// What a recorded run keeps.
+// What a recorded run keeps: its contacts, and where it can be sampled its nodes, of which there are max_pieces at most.
 struct Recorder {
+    bool keep_nodes = true;
+    Stop* stop = nullptr;
     std::vector<Node> nodes;
     std::vector<Contact> contacts;
     long open[2] = {-1, -1};
 
-    void node(const Node& n) { nodes.push_back(n); }
+    void node(const Node& n) {
+        if (keep_nodes) nodes.push_back(n);
+    }
+    bool stopped() const { return stop && (*stop)(); }
     void begins(int pair, double t) {
         open[pair] = static_cast<long>(contacts.size());
         contacts.push_back({pair, t, math::nan});
@@ -24,17 +33,15 @@ struct Recorder {
 
 struct Drop {
     Start start;
-    Sequence sequence;               // SI
-    std::vector<Contact> contacts;   // SI
-    std::vector<Node> nodes;         // scaled, times from the first floor touch
-    std::vector<double> dissipated;  // [J] up to each node
+    Sequence sequence;              // SI
+    std::vector<Contact> contacts;  // SI
+    std::vector<Node> nodes;        // scaled, times from the first floor touch
 };
 
-// One state on the way, in SI units.
+// One state on the way, in SI units: gaps and forces of floor and pair, velocities of lower and upper ball.
 struct DropSample {
-    double u, w, du, dw;                            // gaps [m] and their rates [m/s]
-    double force_floor, force_pair;                 // [N]
-    double kinetic, potential, stored, dissipated;  // [J]; potential is zero when both gaps are
+    double gap[2], velocity[2], force[2];
+    Energies energies;
 };
 
 namespace drop {
@@ -109,17 +116,37 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
 
 }  // namespace drop
 
-inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until) {
+inline Start start_drop(const LinearColumn& c, Coupling coupling) {
+    return start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
+                          {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
+}
+
+// `until` [s] on the clock of the solver.
+inline double scaled_span(double until, const Units& units) {
+    return math::is_nan(until) ? -math::infinity : until * units.rate;
+}
+
+// Nothing but the sequence, in SI units.
+inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until) {
+    const Start s = start_drop(c, coupling);
+    Sequence q;
+    q.outcome = s.outcome;
+    if (s.outcome != Outcome::ok) return q;
+    NoRecorder none;
+    q = run_two_ball(s.groups, s.first, s.t, scaled_span(until, s.units), none);
+    to_si(q, s.units);
+    return q;
+}
+
+inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, bool keep_nodes, Stop* stop) {
     Drop d;
-    d.start = start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
-                             {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
+    d.start = start_drop(c, coupling);
     d.sequence.outcome = d.start.outcome;
     if (d.start.outcome != Outcome::ok) return d;
     const Units units = d.start.units;
-    Recorder record;
+    Recorder record{keep_nodes, stop, {}, {}};
     if (d.start.t == 0.0 && d.start.fall > 0.0) record.node({-d.start.fall, d.start.released, false, false});
-    const double end = math::is_nan(until) ? -math::infinity : until * units.rate;
-    d.sequence = run_two_ball(d.start.groups, d.start.first, d.start.t, end, record);
+    d.sequence = run_two_ball(d.start.groups, d.start.first, d.start.t, scaled_span(until, units), record);
     const double t0 = math::is_nan(d.sequence.t_first_touch) ? 0.0 : d.sequence.t_first_touch;
     for (Contact& k : record.contacts) k = {k.pair, (k.begin - t0) / units.rate, (k.end - t0) / units.rate};
     for (Node& n : record.nodes) n.t -= t0;
@@ -129,32 +156,35 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until) {
     return d;
 }
 
-// State, forces and energies at time t [s after the first floor touch], within the recorded span.
-inline DropSample sample_drop(const LinearColumn& c, Drop& d, double t) {
+// Dissipated energy up to each node [J].
+inline std::vector<double> dissipated_energy(const LinearColumn& c, const Drop& d) {
+    std::vector<double> sum{0.0};
+    for (std::size_t i = 0; i + 1 < d.nodes.size(); ++i)
+        sum.push_back(sum[i] +
+                      drop::dissipated_over(c, d.start, d.nodes[i], d.nodes[i + 1].t - d.nodes[i].t));
+    return sum;
+}
+
+// State, forces and energies at time t [s after the first floor touch], within the recorded span. `dissipated` is
+// what dissipated_energy() gives.
+inline DropSample sample_drop(const LinearColumn& c, const Drop& d, const std::vector<double>& dissipated,
+                              double t) {
     const TwoBall& s = d.start.groups;
     const Units units = d.start.units;
-    if (d.dissipated.empty()) {
-        d.dissipated.push_back(0.0);
-        for (std::size_t i = 0; i + 1 < d.nodes.size(); ++i)
-            d.dissipated.push_back(d.dissipated[i] + drop::dissipated_over(c, d.start, d.nodes[i],
-                                                                           d.nodes[i + 1].t - d.nodes[i].t));
-    }
-    const double at = t * units.rate;
-    std::size_t lo = 0, hi = d.nodes.size();
-    while (hi - lo > 1) {
-        const std::size_t mid = (lo + hi) / 2;
-        (d.nodes[mid].t <= at ? lo : hi) = mid;
-    }
+    const double at = t * units.rate, length = units.speed / units.rate;
+    const auto after = std::upper_bound(d.nodes.begin() + 1, d.nodes.end(), at,
+                                        [](double time, const Node& n) { return time < n.t; });
+    const std::size_t lo = static_cast<std::size_t>(after - d.nodes.begin()) - 1;
     const Node& n = d.nodes[lo];
     const Gaps x = drop::state_at(s, n, at - n.t);
-    const double length = units.speed / units.rate;
     const drop::Mechanical energy = drop::mechanical_energy(c, units, x);
-    DropSample r{x.u * length, x.w * length,   x.du * units.speed, x.dw * units.speed, 0.0,
-                 0.0,          energy.kinetic, energy.potential,   energy.stored,      0.0};
-    if (n.floor) r.force_floor = math::max(0.0, c.contacts[0].force(-r.u, -r.du));
-    if (n.pair) r.force_pair = math::max(0.0, c.contacts[1].force(-r.w, -r.dw));
-    r.dissipated = d.dissipated[lo] + drop::dissipated_over(c, d.start, n, at - n.t);
-    return r;
+    const double u = x.u * length, w = x.w * length, du = x.du * units.speed, dw = x.dw * units.speed;
+    return {{u, w},
+            {du, du + dw},
+            {n.floor ? math::max(0.0, c.contacts[0].force(-u, -du)) : 0.0,
+             n.pair ? math::max(0.0, c.contacts[1].force(-w, -dw)) : 0.0},
+            {energy.kinetic, energy.potential, energy.stored,
+             dissipated[lo] + drop::dissipated_over(c, d.start, n, at - n.t)}};
 }
 
 }  // namespace hardlimit::column

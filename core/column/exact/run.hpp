@@ -21,8 +21,8 @@ public:
     HL_FN Sequence run() {
         for (long steps = 0; !sequence.finished || t < until; ++steps) {
             observer.node(Node{t, x, phase.floor, phase.pair});
-            if (steps == max_pieces) {
-                if (!sequence.finished) sequence.outcome = Outcome::unresolved;
+            if (steps == max_pieces || observer.stopped()) {
+                sequence.outcome = Outcome::unresolved;
                 break;
             }
             find_next();
@@ -198,6 +198,7 @@ struct NoRecorder {
     HL_FN void node(const Node&) {}
     HL_FN void begins(int, double) {}
     HL_FN void ends(int, double) {}
+    HL_FN bool stopped() { return false; }
 };
 
 }  // namespace hardlimit::column

@@ -62,6 +62,9 @@ HL_FN void to_si(Q& q, R speed, R rate) {
     q.separation_velocity = q.separation_velocity * speed;
     q.t_first_touch = t0 / rate;
 }
-HL_FN void to_si(Sequence& q, const Units& units) { to_si(q, units.speed, units.rate); }
+HL_FN void to_si(Sequence& q, const Units& units) {
+    q.t_second_touch = (q.t_second_touch - q.t_first_touch) / units.rate;
+    to_si(q, units.speed, units.rate);
+}
 
 }  // namespace hardlimit::column

@@ -1,4 +1,4 @@
-// Newton's equations for N balls in a column and any contact law, integrated with high order and every switch
+// Newton's equations for N balls in a column and any contact law, integrated with high order and every event
 // of a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
 //   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v_1),
 //   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
@@ -15,46 +15,48 @@
 // the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
 // method has no memory. p = 1: ξ, g = 1.
 //
-// Switches of pair j, each with the function that falls to zero there (τ_r = relaxation time of the law):
+// Events of pair j, each with the function that falls to zero there (d = depth of the law's slack at this rate):
 //   open → closed      gap                     slack → open      ξ
-//   closed → slack     s − (−τ_r rate)^{1/p}   slack → closed    −(ξ + τ_r rate)      (a new contact)
-// That of closed → slack is ξ + τ_r rate written as a simple zero also for τ_r → 0, where that has a double
-// one. A slack pair overlaps without force. After a switch the state is put exactly on the surface, and the
+//   closed → slack     s − max(d, 0)^{1/p}     slack → closed    −(ξ − d)      (a new contact)
+// That of closed → slack is ξ − d written as a simple zero also for d → 0, where that has a multiple one. A slack
+// pair overlaps without force. After an event the state is put exactly on the surface, and the
 // function that vanishes there counts again once it has become positive; a value below zero while it rises is
-// rounding. A pair with gap and rate exactly 0 beside a closed contact is `touching`: its force law is on,
-// and whether it becomes a contact, from that instant, is decided by the sign of ξ once that stands out from
 // rounding.
+//
+// Touching pairs, gap exactly 0, at release or later. The rate decides: > 0 is a contact now, < 0 is an opening pair
+// without contact, whatever acts beside it. At rate = 0 the acceleration decides. All forces are repulsive and
+// gravity is the same for all, so d(rate_j)/dt = F_{j−1}/m_{j−1} + F_{j+1}/m_j >= 0 (floor: g + F_1/m_1): the pair
+// closes from the instant on at which a contact next to it begins (the floor pair under gravity: at once), and this
+// begins the contacts next to it in turn. Without one it keeps gap and rate 0. Such a contact starts as a high power
+// of time, ξ ~ t^{7/2} for the first one beside a Hertz contact. It is `pressed`: its force law is on, and its end is
+// not looked for until ξ stands out from rounding.
 //
 // A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
 // the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
-// decided. While no force acts the motion is a parabola and everything is in closed form.
+// decided. While no force acts the motion is a parabola, and only slack → closed needs a search.
 //
 // Energy: potential = Σ_j W_j gap_j with W_j the weight above gap j (zero for balls lying on each other), the
 // only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
 // pair gives back of its stored energy is dissipation too.
 //
 // Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
-// with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end
-// only if this reaches min_ξ B_j(ξ) + m_eff (ξ/τ_r)²/2, the least energy with ξ + τ_r rate = 0. Below that it
-// never ends.
+// with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end only if
+// this reaches the least energy without force, min over u of B_j(d(−u)) + m_eff u²/2, the bodies separating at the
+// speed u from the compression d at which this speed ends the force. Below that the contact never ends.
 #pragma once
 #include <algorithm>
 #include <vector>
 
+#include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
 #include "dormand_prince.hpp"
 
 namespace hardlimit::column {
 
-// Energies of the column [J]; potential is zero when all gaps are.
-struct Energies {
-    double kinetic, potential, contact, dissipated;
-};
-
 namespace newton {
 
-enum class Pair : unsigned char { open, touching, slack, closed };
+enum class Pair : unsigned char { open, pressed, slack, closed };
 
 template <int p>
 double power(double x) {
@@ -62,13 +64,6 @@ double power(double x) {
     for (int i = 0; i < p; ++i) product *= x;
     return product;
 }
-template <int p>
-double root(double x) {
-    if constexpr (p == 1) return x;
-    if (!(x > 0.0)) return 0.0;
-    return p == 2 ? math::sqrt(x) : math::pow(x, 1.0 / p);
-}
-
 // s > 0 with f(s) = target for an f that is nearly a power of s: secant steps in the logarithms.
 template <class F>
 double solve_power(const F& f, double target) {
@@ -110,7 +105,7 @@ struct Scales {
     }
 };
 
-// The equations of motion between two switches.
+// The equations of motion between two events.
 template <class Law>
 struct Motion {
     static constexpr int p = Law::onset_power;
@@ -135,7 +130,7 @@ struct Motion {
     int clock() const { return 2 * balls(); }
     int loss() const { return 2 * balls() + 1; }
 
-    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::touching; }
+    bool pushes(int j) const { return pair[j] == Pair::closed || pair[j] == Pair::pressed; }
     bool free() const { return std::find(pair.begin(), pair.end(), Pair::closed) == pair.end(); }
 
     double rate(int j, const double* y) const {
@@ -143,7 +138,7 @@ struct Motion {
         return (j == 0 ? 0.0 : v[j - 1]) - v[j];
     }
     double gap(int j, const double* y) const { return rooted[j] ? -power<p>(y[j]) : y[j]; }
-    double s(int j, const double* y) const { return rooted[j] ? y[j] : root<p>(-y[j]); }
+    double s(int j, const double* y) const { return rooted[j] ? y[j] : onset_root<p>(-y[j]); }
 
     // Returns g and leaves g (ℓ_j/s_j)^{p−1} in factor[j], which is at most 1.
     double clock_rate(const double* y) const {
@@ -241,7 +236,7 @@ struct Motion {
 
     void choose_coordinate(int j, double* y, bool use_root) {
         if (use_root == static_cast<bool>(rooted[j])) return;
-        y[j] = use_root ? root<p>(-y[j]) : -power<p>(y[j]);
+        y[j] = use_root ? onset_root<p>(-y[j]) : -power<p>(y[j]);
         rooted[j] = use_root;
     }
 

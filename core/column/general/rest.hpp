@@ -20,17 +20,36 @@ struct Equilibrium {
             depth[j] = power<p>(s);
             stored[j] = law.energy(s);
             rounding += 1e-13 * above * depth[j];
-            const double time = law.relaxation_time();
-            const double inertia = time > 0.0 ? pair_mass(c, j) / (time * time) : math::infinity;
-            double low = 0.0, high = depth[j];  // of the ξ that costs least
-            for (int i = 0; i < 100 && time > 0.0; ++i) {
-                const double middle = 0.5 * (low + high);
-                const double slope = law.elastic_force(root<p>(middle)) - above + inertia * middle;
-                (slope > 0.0 ? high : low) = middle;
-            }
-            const double kinetic = time > 0.0 ? 0.5 * inertia * low * low : 0.0;
-            barrier = math::min(barrier, excess(law, j, root<p>(low)) + kinetic);
+            barrier = math::min(barrier, release_energy(law, j, pair_mass(c, j)));
         }
+    }
+
+    // Least energy above the equilibrium with which contact j can be without force: the minimum over the speed of
+    // separation, on a grid of octaves and then by golden section between the neighbours of the best one. Coming
+    // apart at ξ = 0 with no speed at all bounds it from above, and so bounds the speed.
+    double release_energy(const Law& law, int j, double mass) const {
+        const double standing = excess(law, j, 0.0);
+        const auto energy = [&](double u) {
+            const double at = math::max(law.slack(-u).depth, 0.0);
+            // Deeper than the equilibrium: the force is zero there as well, where B = 0.
+            const double stored = at < depth[j] ? excess(law, j, onset_root<Law::onset_power>(at)) : 0.0;
+            return stored + 0.5 * mass * u * u;
+        };
+        const double fastest = math::sqrt(2.0 * standing / mass);
+        double best = fastest, least = standing;
+        for (double u = fastest; u > 1e-100 * fastest; u *= 0.5) {
+            if (energy(u) >= least) continue;
+            least = energy(u);
+            best = u;
+        }
+        constexpr double golden = 0.6180339887498949;
+        double low = 0.5 * best, high = 2.0 * best;
+        for (int i = 0; i < 60; ++i) {
+            const double width = golden * (high - low), left = high - width, right = low + width;
+            const bool lower_half = energy(left) < energy(right);
+            (lower_half ? high : low) = lower_half ? right : left;
+        }
+        return math::min(least, energy(0.5 * (low + high)));
     }
 
     double excess(const Law& law, int j, double s) const {

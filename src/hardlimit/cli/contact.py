@@ -9,9 +9,9 @@ import click
 import numpy as np
 
 from .. import validation
+from ..approximations import usual_damping
 from ..bodies import FLOOR, Ball
 from ..column import files
-from ..column.comparison import usual_damping
 from ..column.scenario import Column
 from ..contact import Contact, Law
 from ..laws import LAWS
@@ -20,7 +20,6 @@ from .options import given_law_parameters, law_options, options, output_option, 
 from .printing import console, digits, length, print_json, quantity, show, table
 from .program import Command
 
-UNITS = {"stiffness": "N/m", "damping": "N s/m", "elastic_prefactor": "N/m^1.5", "dissipative_time": "s"}
 SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 
@@ -121,7 +120,7 @@ def obtained(made: Contact, asked: float) -> dict[str, float]:
 
 def constants(made: Contact) -> dict[str, float]:
     """The constants of the law in this contact."""
-    return {name: float(getattr(made, name)) for name in made.law.record["contact_parameters"]}
+    return {c["name"]: float(getattr(made, c["name"])) for c in made.law.record["constants"]}
 
 
 def print_report(
@@ -135,8 +134,10 @@ def print_report(
         bodies += "floor"
     rows = [["effective mass", quantity(made.effective_mass * 1e3, "g")]]
     rows.append(["effective radius", length(made.effective_radius)])
-    for name, value in constants(made).items():
-        rows.append([name.replace("_", " "), f"{digits(value)} {UNITS.get(name, '')}".strip()])
+    for constant in made.law.record["constants"]:
+        unit = "" if constant["unit"] == "1" else constant["unit"]
+        value = f"{digits(getattr(made, constant['name']))} {unit}".strip()
+        rows.append([constant["name"].replace("_", " "), value])
     name = made.law.record["name"]
     show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
     by_speed = [[digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s")] for v in speeds]

@@ -180,14 +180,3 @@ def _percent(error: float) -> str:
         return "0.001 %"
     unit = 10.0 ** math.floor(math.log10(percent))
     return f"{math.ceil(percent / unit * (1.0 - 1e-12)) * unit:.1g} %"
-
-
-def usual_damping(restitution: float, stiffness: float, effective_mass: float) -> float:
-    """Damping γ [N s/m] by the formula in common use, ζ = −ln ε/√(π² + ln² ε), γ = 2 ζ √(k m_eff).
-
-    It follows from a contact that ends when the bodies part, after a phase of attraction. A force that is
-    never attractive lets go earlier, and the restitution comes out larger than asked for: that of
-    ``LinearDashpot(stiffness=…, damping=usual_damping(…))`` is 0.5503 where 0.5 was asked for.
-    """
-    logarithm = abs(math.log(restitution))
-    return 2.0 * logarithm / math.hypot(math.pi, logarithm) * math.sqrt(stiffness * effective_mass)

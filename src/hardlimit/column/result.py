@@ -135,15 +135,13 @@ class Result:
 
     @cached_property
     def rebound_heights(self) -> NDArray[np.float64]:
-        """Height of each centre [m], bottom first, at the top of its flight after the last contact found.
+        """Greatest height of each centre above the floor [m] after the ball's first bounce, bottom first.
 
-        NaN for a ball that does not rise then, if a contact never ends, and without gravity.
+        With ``until`` that up to this time. Else that which the ball reaches if nothing follows the second floor
+        contact of the lowest ball but what the others still do to each other (see docs/definitions.md). NaN for a
+        ball that does not bounce, and for a cradle.
         """
-        after, g = self._after_contacts, self.column.gravity
-        if math.isnan(after) or not g > 0.0:
-            return np.full(len(self.column.balls), math.nan)
-        z, v = (values[0] for values in self._sample(np.array([after]))[:2])
-        return np.where(v > 0.0, z + v**2 / (2.0 * g), math.nan)
+        return np.asarray(self._core.rebound_heights())
 
     @property
     def energy_error(self) -> float:
@@ -224,7 +222,7 @@ class Result:
         last = float(times.max(initial=-math.inf))
         if last > core.t_last:  # beyond what was solved: go on
             core = self._solve(last)
-        return core.sample(times, len(self.column.balls))
+        return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
         """Times that show the contacts well: evenly spaced over the sequence, and every begin and end."""

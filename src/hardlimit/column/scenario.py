@@ -78,6 +78,10 @@ class Column:
         self._set(laws=_checked_laws(law, len(self.balls)))
         v = self.velocities[0]
         if not self.impact_speed > 0.0:
+            if self.gravity == 0.0:
+                raise ValueError(
+                    "gravity | velocities: got 0 and 0, nothing moves: one of them must not be 0"
+                )
             raise ValueError(
                 f"height: got {self.height:.16g}, nothing moves: must be > {lowest:.16g} or velocities not 0"
             )

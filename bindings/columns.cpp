@@ -1,0 +1,223 @@
+// Bindings of the columns: scenario in, Solution out. The solvers run with the interpreter unlocked.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+#include "arrays.hpp"
+#include "column/rebound.hpp"
+#include "contact.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+namespace hl = hardlimit;
+namespace col = hardlimit::column;
+using hl::bindings::Contact;
+using hl::bindings::In;
+using hl::bindings::make_array;
+using hl::bindings::unlocked;
+
+namespace {
+
+// A column under any law; its solutions share it.
+struct Column {
+    hl::bindings::OfEachLaw<col::SharedColumn>::Variant value;
+};
+
+void require_length(const char* name, std::size_t length, std::size_t balls) {
+    if (length == balls) return;
+    throw nb::value_error((std::string(name) + ": got " + std::to_string(length) + " values, must be " +
+                           std::to_string(balls) + ", one for each ball")
+                              .c_str());
+}
+
+template <class Law>
+col::SharedColumn<Law> column_under(bool floor, double gravity, const std::vector<double>& mass,
+                                    const std::vector<double>& radius, const std::vector<Contact>& contacts,
+                                    const std::vector<double>& gaps, const std::vector<double>& velocity) {
+    std::vector<Law> laws;
+    for (const Contact& k : contacts) {
+        const Law* law = std::get_if<Law>(&k.law);
+        if (!law) throw nb::value_error("law: every contact of a column must follow the same kind of law");
+        laws.push_back(*law);
+    }
+    return std::make_shared<const col::Column<Law>>(col::Column<Law>{
+        static_cast<int>(mass.size()), floor, gravity, mass, radius, std::move(laws), gaps, velocity});
+}
+
+Column make_column(bool floor, double gravity, const std::vector<double>& mass,
+                   const std::vector<double>& radius, const std::vector<Contact>& contacts,
+                   const std::vector<double>& gaps, const std::vector<double>& velocity) {
+    if (mass.empty()) throw nb::value_error("mass: got no values, must be one for each ball");
+    require_length("radius", radius.size(), mass.size());
+    require_length("contacts", contacts.size(), mass.size());
+    require_length("gaps", gaps.size(), mass.size());
+    require_length("velocity", velocity.size(), mass.size());
+    return std::visit(
+        [&](const auto& law) {
+            using Law = std::decay_t<decltype(law)>;
+            return Column{column_under<Law>(floor, gravity, mass, radius, contacts, gaps, velocity)};
+        },
+        contacts.front().law);
+}
+
+// What a solver found, and what it was asked.
+struct Solution {
+    Column column;
+    col::Model model;
+    col::SolveOptions options;
+    std::unique_ptr<col::Solution> found;
+    std::size_t balls;
+
+    const col::Sequence& sequence() const { return found->sequence; }
+};
+
+Solution solve(const Column& c, col::Model model, col::SolveOptions options) {
+    return std::visit(
+        [&](const auto& column) {
+            auto found = unlocked([&](hl::Stop& stop) {
+                col::SolveOptions stoppable = options;
+                stoppable.stop = &stop;
+                return col::solve_column(column, model, stoppable);
+            });
+            if (!found)
+                throw nb::value_error(
+                    "column: the adiabatic solution is that of two balls on a floor under the linear law");
+            return Solution{c, model, options, std::move(found), column->mass.size()};
+        },
+        c.value);
+}
+
+Solution newton(const Column& c, double until, bool general, double tolerance) {
+    return solve(c, col::Model::newton, {.until = until, .general = general, .tolerance = tolerance});
+}
+Solution adiabatic(const Column& c, double until) {
+    return solve(c, col::Model::adiabatic, {.until = until});
+}
+Solution independent(const Column& c, double until) {
+    return solve(c, col::Model::independent, {.until = until});
+}
+
+std::vector<double> rebound_heights(const Solution& s) {
+    return std::visit(
+        [&](const auto& column) {
+            return unlocked([&](hl::Stop& stop) {
+                col::SolveOptions options = s.options;
+                options.stop = &stop;
+                return col::rebound_heights(column, s.model, options, *s.found);
+            });
+        },
+        s.column.value);
+}
+
+auto contact_arrays(const Solution& s) {
+    const std::vector<col::Contact>& contacts = s.found->contacts;
+    const std::size_t n = contacts.size();
+    std::vector<int> pair(n);
+    std::vector<double> begin(n), end(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        pair[i] = contacts[i].pair;
+        begin[i] = contacts[i].begin;
+        end[i] = contacts[i].end;
+    }
+    return std::tuple(make_array(std::move(pair), {n}), make_array(std::move(begin), {n}),
+                      make_array(std::move(end), {n}));
+}
+
+std::string in_words(double x) {
+    char text[32];
+    PyOS_snprintf(text, sizeof text, "%.16g", x);
+    return text;
+}
+
+void require_recorded(const col::Solution& s, const double* times, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i)
+        if (!(times[i] >= s.first && times[i] <= s.last))
+            throw nb::value_error(("times: got " + in_words(times[i]) + ", must be >= " + in_words(s.first) +
+                                   " and <= " + in_words(s.last) + ", where the solver ended (" +
+                                   hl::message(s.sequence.outcome) + ")")
+                                      .c_str());
+}
+
+// Rows of what Python is given, filled by a few thousand times at once.
+struct Trajectory {
+    std::vector<double> position, velocity, force, kinetic, potential, stored, dissipated;
+
+    void append(const col::States& s) {
+        const auto add = [](std::vector<double>& to, const std::vector<double>& from) {
+            to.insert(to.end(), from.begin(), from.end());
+        };
+        add(position, s.position);
+        add(velocity, s.velocity);
+        add(force, s.force);
+        for (const col::Energies& e : s.total) {
+            kinetic.push_back(e.kinetic);
+            potential.push_back(e.potential);
+            stored.push_back(e.contact);
+            dissipated.push_back(e.dissipated);
+        }
+    }
+};
+
+// Centre of the first ball of a cradle at release.
+double origin(const Column& c) {
+    return std::visit([](const auto& column) { return column->gaps[0] + column->radius[0]; }, c.value);
+}
+
+auto sample(const Solution& s, In times) {
+    constexpr std::size_t most = 4096;
+    const std::size_t n = times.shape(0), balls = s.balls;
+    const double* t = times.data();
+    require_recorded(*s.found, t, n);
+    Trajectory all = unlocked([&](hl::Stop& stop) {
+        Trajectory rows;
+        for (std::size_t i = 0; i < n && !stop.now(); i += most) {
+            col::States some(std::min(most, n - i), static_cast<int>(balls), origin(s.column));
+            s.found->sample(t + i, some);
+            rows.append(some);
+        }
+        return rows;
+    });
+    return std::tuple(make_array(std::move(all.position), {n, balls}),
+                      make_array(std::move(all.velocity), {n, balls}),
+                      make_array(std::move(all.force), {n, balls}), make_array(std::move(all.kinetic), {n}),
+                      make_array(std::move(all.potential), {n}), make_array(std::move(all.stored), {n}),
+                      make_array(std::move(all.dissipated), {n}));
+}
+
+}  // namespace
+
+void bind_columns(nb::module_& m) {
+    nb::class_<Column>(m, "Column", "A column of balls in SI units.");
+    m.def("make_column", &make_column, "floor"_a, "gravity"_a, "mass"_a, "radius"_a, "contacts"_a, "gaps"_a,
+          "velocity"_a);
+    nb::class_<Solution>(m, "Solution", "What a solver found.")
+        .def_prop_ro("n_contacts", [](const Solution& s) { return s.sequence().n_contacts; })
+        .def_prop_ro("t_end", [](const Solution& s) { return s.sequence().t_end; })
+        .def_prop_ro("t_floor_end", [](const Solution& s) { return s.sequence().t_floor_end; })
+        .def_prop_ro("relative_velocity", [](const Solution& s) { return s.sequence().relative_velocity; })
+        .def_prop_ro("separation_velocity",
+                     [](const Solution& s) { return s.sequence().separation_velocity; })
+        .def_prop_ro("outcome", [](const Solution& s) { return static_cast<int>(s.sequence().outcome); })
+        .def_prop_ro("t_first", [](const Solution& s) { return s.found->first; })
+        .def_prop_ro("t_last", [](const Solution& s) { return s.found->last; })
+        .def_prop_ro("steps", [](const Solution& s) { return s.found->steps; })
+        .def_prop_ro("energy_error", [](const Solution& s) { return s.found->energy_error; })
+        .def("contacts", &contact_arrays)
+        .def("rebound_heights", &rebound_heights,
+             "Greatest height of each centre after its first bounce [m]; NaN where there is none.")
+        .def("sample", &sample, "times"_a);
+    m.def("newton", &newton, "column"_a, "until"_a, "general"_a, "tolerance"_a);
+    m.def("adiabatic", &adiabatic, "column"_a, "until"_a);
+    m.def("independent", &independent, "column"_a, "until"_a);
+    m.def("fall_time", &col::fall_time, "gap"_a, "velocity"_a, "gravity"_a);
+    m.def("impact_speed", &col::impact_speed, "gap"_a, "velocity"_a, "gravity"_a);
+    m.def("effective_restitution", &col::effective_restitution<double>, "relative_velocity"_a,
+          "impact_speed"_a);
+}

@@ -1,0 +1,55 @@
+// The module _core: conversion and release of the interpreter's lock, nothing else.
+#include <nanobind/stl/string.h>
+
+#include <string>
+#include <utility>
+
+#include "arrays.hpp"
+#include "math.hpp"
+#include "outcome.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+namespace hl = hardlimit;
+
+void bind_contacts(nb::module_& m);
+void bind_columns(nb::module_& m);
+void bind_sweep(nb::module_& m);
+
+namespace {
+
+void bind_math(nb::module_& m) {
+    m.def(
+        "math",
+        [](const std::string& name, hl::bindings::In x) {
+            namespace hm = hl::math;
+            const std::pair<const char*, double (*)(double)> functions[] = {{"exp", &hm::exp<double>},
+                                                                            {"log", &hm::log<double>},
+                                                                            {"log1p", &hm::log1p<double>},
+                                                                            {"sin", &hm::sin<double>},
+                                                                            {"cos", &hm::cos<double>}};
+            for (const auto& [known, f] : functions)
+                if (name == known) return hl::bindings::map(x, f);
+            throw nb::value_error("name: exp, log, log1p, sin or cos");
+        },
+        "name"_a, "x"_a, "The core's own elementary functions, for their tests.");
+    m.def("atan2_upper", &hl::math::atan2_upper<double>, "y"_a, "x"_a);
+}
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+    nb::set_leak_warnings(false);  // objects alive at exit, in a traceback say, are no fault
+    m.attr("version") = HARDLIMIT_VERSION;
+    nb::list names, messages;
+    for (const hl::OutcomeRecord& r : hl::outcome_records) {
+        names.append(r.name);
+        messages.append(r.message);
+    }
+    m.attr("outcome_names") = nb::tuple(names);
+    m.attr("outcome_messages") = nb::tuple(messages);
+    bind_contacts(m);
+    bind_math(m);
+    bind_columns(m);
+    bind_sweep(m);
+}

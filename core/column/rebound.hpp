@@ -1,0 +1,216 @@
+// Rebound heights: how high the centre of each ball comes after its first bounce.
+//
+// A ball's first bounce is its first contact with what lies below it, as far as that contact ends after the first floor
+// touch. From there on its greatest height is
+//   * with `until`: that up to `until`;
+//   * without: the one it reaches if the lowest ball is taken away when it meets the floor for the second time. What
+//     the others still do to each other counts, as does the flight to the top: the upper balls are usually on their way
+//     up then, and what the lowest ball does from there on is no part of this rebound.
+// A ball that gravity holds closed for good has the height of the static equilibrium. NaN: no bounce, or no floor.
+#pragma once
+#include "solve.hpp"
+
+namespace hardlimit::column {
+
+namespace rebound {
+
+// The greatest heights so far, and what is still to be looked at.
+struct Heights {
+    std::vector<double> greatest;  // [N] [m]
+    std::vector<double> from;      // [N] end of the first bounce [s]; infinity: none so far
+
+    explicit Heights(int balls)
+        : greatest(static_cast<std::size_t>(balls), math::nan), from(greatest.size(), math::infinity) {}
+    void reach(std::size_t ball, double height) {
+        if (!(height <= greatest[ball])) greatest[ball] = height;
+    }
+};
+
+// End of the first contact of each pair, not before the first floor touch.
+inline void find_bounces(const Solution& s, std::vector<double>& from) {
+    std::vector<bool> met(from.size(), false);
+    for (const Contact& k : s.contacts) {
+        const std::size_t ball = static_cast<std::size_t>(k.pair);
+        if (met[ball]) continue;
+        met[ball] = true;
+        if (from[ball] == math::infinity && !math::is_nan(k.end)) from[ball] = math::max(k.end, 0.0);
+    }
+}
+
+// Height at which a ball that rises at `low` and falls at `high` turns: the zero of its velocity, by false position with
+// the weight of an end that stays halved (Illinois).
+inline double apex(const Solution& s, std::size_t ball, States& at, double low, double rising, double high,
+                   double falling) {
+    const double rounding = 1e-13 * (rising - falling);
+    for (int i = 0, side = 0; i < 100; ++i) {
+        const double t = low + (high - low) * (rising / (rising - falling));
+        s.sample(&t, at);
+        const double v = at.velocity[ball];
+        if (math::abs(v) <= rounding || !(low < t && t < high)) break;
+        if (v > 0.0) {
+            low = t;
+            rising = v;
+            if (side > 0) falling *= 0.5;
+            side = 1;
+        } else {
+            high = t;
+            falling = v;
+            if (side < 0) rising *= 0.5;
+            side = -1;
+        }
+    }
+    return at.position[ball];
+}
+
+// Knots of the run and ends of the windows, in order.
+inline std::vector<double> marks(const Solution& s, const std::vector<double>& from,
+                                 const std::vector<double>& to) {
+    std::vector<double> times = s.knots();
+    times.insert(times.end(), from.begin(), from.end());
+    times.insert(times.end(), to.begin(), to.end());
+    std::erase_if(times, [&](double t) { return !(t >= s.first && t <= s.last); });
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    return times;
+}
+
+// Looks at each ball through its window [from, to] of a run, whose first ball may be of a cradle released at `origin`.
+inline void look_through(const Solution& s, double origin, const std::vector<double>& to, Stop* stop,
+                         Heights& found) {
+    constexpr std::size_t most = 1024;
+    const std::size_t balls = to.size();
+    const std::vector<double> times = marks(s, found.from, to);
+    States one(1, static_cast<int>(balls), origin);
+    for (std::size_t k = 0; k < times.size() && !(stop && stop->now()); k += most - 1) {  // they share an end
+        const double* t = &times[k];
+        States at(std::min(most, times.size() - k), static_cast<int>(balls), origin);
+        s.sample(t, at);
+        for (std::size_t j = 0; j < balls; ++j) {
+            for (std::size_t i = 0; i < at.n; ++i) {
+                if (!(t[i] >= found.from[j] && t[i] <= to[j])) continue;
+                found.reach(j, at.position[i * balls + j]);
+                if (i == 0 || t[i - 1] < found.from[j]) continue;
+                const double before = at.velocity[(i - 1) * balls + j], now = at.velocity[i * balls + j];
+                if (before > 0.0 && now < 0.0) found.reach(j, apex(s, j, one, t[i - 1], before, t[i], now));
+            }
+        }
+    }
+}
+
+// Heights of the static equilibrium. Adiabatic: the lower ball does not feel the upper one.
+template <class Law>
+void lie_still(const Column<Law>& c, Model model, Heights& found) {
+    double above = 0.0;
+    std::vector<double> depth(c.mass.size(), 0.0);
+    for (std::size_t j = c.mass.size(); j-- > 0 && model != Model::independent;) {
+        const double own = c.mass[j] * c.gravity;
+        above = model == Model::adiabatic ? own : above + own;
+        const Law& law = c.contacts[j];
+        depth[j] = newton::power<Law::onset_power>(
+            newton::solve_power([&](double x) { return law.elastic_force(x); }, above));
+    }
+    double z = 0.0;
+    for (std::size_t j = 0; j < depth.size(); ++j) {
+        z += (j > 0 ? c.radius[j - 1] : 0.0) - depth[j] + c.radius[j];
+        found.reach(j, z);
+    }
+}
+
+// No force acts on balls `lowest` and above any more: up to the top of their parabolas.
+inline void fly_to_top(const States& end, std::size_t lowest, double gravity, Heights& found) {
+    for (std::size_t j = lowest; j < end.balls; ++j) {
+        if (found.from[j] == math::infinity) continue;
+        const double v = math::max(end.velocity[j], 0.0);
+        found.reach(j, end.position[j] + (v > 0.0 ? v * v / (2.0 * gravity) : 0.0));
+    }
+}
+
+inline bool some_approach(const States& end, std::size_t lowest) {
+    for (std::size_t j = lowest + 1; j < end.balls; ++j)
+        if (end.velocity[j - 1] > end.velocity[j]) return true;
+    return false;
+}
+
+// All balls but the lowest, in free fall from a state in which they do not overlap.
+template <class Law>
+SharedColumn<Law> without_lowest(const Column<Law>& c, const States& at) {
+    Column<Law> r{c.balls - 1, false, c.gravity, {}, {}, {}, {}, {}};
+    for (std::size_t j = 1; j < at.balls; ++j) {
+        r.mass.push_back(c.mass[j]);
+        r.radius.push_back(c.radius[j]);
+        r.contacts.push_back(c.contacts[j]);
+        r.gaps.push_back(j == 1 ? 0.0 : math::max(at.gap[j], 0.0));
+        r.velocity.push_back(at.velocity[j]);
+    }
+    return std::make_shared<const Column<Law>>(std::move(r));
+}
+
+// What the upper balls do to each other once the lowest has met the floor again.
+template <class Law>
+void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at,
+                          Heights& found) {
+    o.until = math::nan;
+    const SharedColumn<Law> upper = without_lowest(c, at);
+    const std::unique_ptr<Solution> s = solve_column(upper, model, o);
+    const double origin = at.position[1];
+    Heights rest(upper->balls);
+    for (std::size_t j = 1; j < at.balls; ++j)
+        if (found.from[j] < math::infinity) rest.from[j - 1] = 0.0;
+    find_bounces(*s, rest.from);
+    look_through(*s, origin, std::vector<double>(rest.from.size(), s->last), o.stop, rest);
+    States end(1, upper->balls, origin);
+    s->sample(&s->last, end);
+    fly_to_top(end, 0, c.gravity, rest);
+    const bool resolved = s->sequence.outcome != Outcome::unresolved;
+    for (std::size_t j = 1; j < at.balls; ++j)
+        if (rest.from[j - 1] < math::infinity) found.reach(j, resolved ? rest.greatest[j - 1] : math::nan);
+}
+
+// The state at the end of the sequence, or a little later if upper balls still overlap then.
+template <class Law>
+States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const Solution& s) {
+    States end(1, c->balls);
+    s.sample(&s.last, end);
+    const auto overlap = [&] {
+        for (std::size_t j = 2; j < end.balls; ++j)
+            if (end.gap[j] < 0.0) return true;
+        return false;
+    };
+    double later = 1e-3 * s.last;
+    for (int i = 0; i < 12 && overlap(); ++i, later *= 2.0) {
+        o.until = s.last + later;
+        solve_column(c, model, o)->sample(&o.until, end);
+    }
+    return end;
+}
+
+}  // namespace rebound
+
+// [N] [m]; NaN where there is none. `s` is what solve_column(c, model, o) gave.
+template <class Law>
+std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const SolveOptions& o,
+                                    const Solution& s) {
+    using namespace rebound;
+    Heights found(c->balls);
+    const Sequence& q = s.sequence;
+    if (!c->floor || math::is_nan(s.last)) return found.greatest;
+    if (q.outcome == Outcome::unresolved || q.outcome == Outcome::never_lands) return found.greatest;
+    const bool timed = !math::is_nan(o.until);
+    find_bounces(s, found.from);
+    std::vector<double> to(found.from.size(), timed ? math::min(o.until, s.last) : s.last);
+    if (!timed && q.met_again) to[0] = math::min(to[0], q.t_second_touch);
+    look_through(s, 0.0, to, o.stop, found);
+    if (q.outcome == Outcome::at_rest) {
+        lie_still(*c, model, found);
+    } else if (!timed) {
+        const States end = end_of_sequence(c, model, o, s);
+        const std::size_t lowest = q.met_again ? 1 : 0;
+        if (lowest == 1 && some_approach(end, 1))
+            go_on_without_lowest(*c, model, o, end, found);
+        else
+            fly_to_top(end, lowest, c->gravity, found);
+    }
+    return found.greatest;
+}
+
+}  // namespace hardlimit::column

@@ -1,0 +1,230 @@
+// Which solver takes which column, and what each of them found as a Solution.
+#pragma once
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <type_traits>
+#include <utility>
+
+#include "exact/drop.hpp"
+#include "general/sample.hpp"
+#include "independent.hpp"
+#include "solution.hpp"
+
+namespace hardlimit::column {
+
+enum class Model { newton, adiabatic, independent };
+
+struct SolveOptions {
+    double until = math::nan;  // [s] after the first floor touch (cradle: release); NaN: the sequence
+    bool general = false;      // the general solver also where the exact one applies
+    double tolerance = 1e-14;  // of the general solver
+    long max_steps = 2'000'000;
+    bool record = true;  // keep what sample() and knots() need
+    Stop* stop = nullptr;
+};
+
+template <class Law>
+using SharedColumn = std::shared_ptr<const Column<Law>>;
+
+namespace solve {
+
+class Exact final : public Solution {
+public:
+    Exact(SharedColumn<contact::LinearDashpot> c, Coupling coupling, const SolveOptions& o)
+        : column_(std::move(c)), drop_(solve_drop(*column_, coupling, o.until, o.record, o.stop)) {
+        sequence = drop_.sequence;
+        contacts = std::move(drop_.contacts);
+        steps = static_cast<long>(drop_.nodes.size());
+        if (drop_.nodes.empty()) return;
+        first = at(drop_.nodes.front());
+        last = at(drop_.nodes.back());
+        if (math::abs(last - o.until) <= 1e-12 * math::abs(o.until)) last = o.until;  // reached to rounding
+    }
+    void sample(const double* times, States& out) const override {
+        std::call_once(summed_, [this] { dissipated_ = dissipated_energy(*column_, drop_); });
+        for (std::size_t i = 0; i < out.n; ++i) {
+            const DropSample s = sample_drop(*column_, drop_, dissipated_, times[i]);
+            for (std::size_t j = 0; j < 2; ++j) {
+                out.gap[2 * i + j] = s.gap[j];
+                out.velocity[2 * i + j] = s.velocity[j];
+                out.force[2 * i + j] = s.force[j];
+            }
+            out.total[i] = s.energies;
+            out.complete(*column_, i, 0.0);
+        }
+    }
+    std::vector<double> knots() const override {
+        std::vector<double> times;
+        for (const Node& n : drop_.nodes) times.push_back(at(n));
+        return times;
+    }
+
+private:
+    SharedColumn<contact::LinearDashpot> column_;
+    Drop drop_;
+    mutable std::once_flag summed_;  // only a trajectory asks for the dissipated energy
+    mutable std::vector<double> dissipated_;
+
+    double at(const Node& n) const { return n.t / drop_.start.units.rate; }
+};
+
+inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
+    IntegrateOptions options;
+    options.tolerance = o.tolerance;
+    options.max_steps = o.max_steps;
+    options.until = o.until;
+    options.record = record;
+    options.stop = o.stop;
+    return options;
+}
+
+template <class Law>
+class Integrated final : public Solution {
+public:
+    Integrated(SharedColumn<Law> c, const SolveOptions& o) : column_(std::move(c)) {
+        run_ = integrate(*column_, integrate_options(o, o.record));
+        sequence = run_.sequence;
+        contacts = std::move(run_.contacts);
+        steps = run_.steps;
+        energy_error = run_.energy_error;
+        if (run_.intervals.empty()) return;
+        first = run_.intervals.front().t;
+        last = run_.intervals.back().t;
+    }
+    void sample(const double* times, States& out) const override {
+        column::sample(*column_, run_, times, static_cast<long>(out.n),
+                       {out.gap.data(), out.velocity.data(), out.force.data(), out.total.data()});
+        for (std::size_t i = 0; i < out.n; ++i)
+            out.complete(*column_, i, column_->floor ? 0.0 : way(&out.gap[i * out.balls], times[i]));
+    }
+    std::vector<double> knots() const override {
+        std::vector<double> times;
+        for (const newton::Interval& k : run_.intervals) times.push_back(k.t);
+        return times;
+    }
+
+private:
+    SharedColumn<Law> column_;
+    Integration<Law> run_;
+
+    // Of the first ball of a cradle, from the centre of mass: no force of the contacts moves that.
+    double way(const double* gap, double t) const {
+        const Column<Law>& c = *column_;
+        double mass = 0.0, momentum = 0.0, above = 0.0, offset = 0.0;
+        for (std::size_t i = 0; i < c.mass.size(); ++i) {
+            mass += c.mass[i];
+            momentum += c.mass[i] * c.velocity[i];
+        }
+        for (std::size_t i = 1; i < c.mass.size(); ++i) {
+            offset += gap[i] - c.gaps[i];
+            above += c.mass[i] * offset;
+        }
+        return (momentum * t - above) / mass - 0.5 * c.gravity * t * t;
+    }
+};
+
+template <class Law>
+class EventDriven final : public Solution {
+public:
+    EventDriven(SharedColumn<Law> c, const SolveOptions& o)
+        : column_(std::move(c)), run_(solve_independent(*column_, o.until)) {
+        sequence = run_.sequence;
+        contacts = std::move(run_.contacts);
+        steps = static_cast<long>(run_.flights.size());
+        first = run_.flights.front().t;
+        last = run_.flights.back().t;
+        if (o.until > last) last = o.until;
+    }
+    void sample(const double* times, States& out) const override {
+        States released(1, column_->balls);
+        fill(run_.flights.front(), released, 0);
+        const double initial = sum(released, 0);
+        for (std::size_t i = 0; i < out.n; ++i) {
+            const auto after = std::upper_bound(run_.flights.begin() + 1, run_.flights.end(), times[i],
+                                                [](double t, const Flight& f) { return t < f.t; });
+            Flight f = *(after - 1);
+            independent::advance(*column_, f, times[i] - f.t);
+            fill(f, out, i);
+            out.total[i].dissipated = initial - sum(out, i);
+        }
+    }
+    std::vector<double> knots() const override {
+        std::vector<double> times;
+        for (const Flight& f : run_.flights) times.push_back(f.t);
+        if (last > times.back()) times.push_back(last);
+        return times;
+    }
+
+private:
+    SharedColumn<Law> column_;
+    IndependentRun run_;
+
+    static double sum(const States& s, std::size_t i) {
+        double energy = 0.0;
+        for (std::size_t j = 0; j < s.balls; ++j) energy += s.energy[i * s.balls + j];
+        return energy;
+    }
+    void fill(const Flight& f, States& out, std::size_t i) const {
+        const Column<Law>& c = *column_;
+        double kinetic = 0.0, potential = 0.0, height = 0.0;
+        for (std::size_t j = 0; j < out.balls; ++j) {
+            out.gap[i * out.balls + j] = f.gaps[j];
+            out.velocity[i * out.balls + j] = f.velocity[j];
+            out.force[i * out.balls + j] = 0.0;
+            height += j > 0 || c.floor ? f.gaps[j] : 0.0;
+            kinetic += 0.5 * c.mass[j] * f.velocity[j] * f.velocity[j];
+            potential += c.gravity * c.mass[j] * height;
+        }
+        out.complete(c, i, f.lowest - c.gaps[0] - c.radius[0]);
+        out.total[i] = {kinetic, potential, 0.0, 0.0};
+    }
+};
+
+}  // namespace solve
+
+// Whether the exact solver applies: two balls on a floor under the linear law.
+template <class Law>
+bool solved_exactly(const Column<Law>& c) {
+    return std::is_same_v<Law, contact::LinearDashpot> && c.floor && c.balls == 2;
+}
+
+// Only the sequence, and with `contacts` what closed and when: for maps. Newton's equations where the adiabatic model
+// does not apply.
+template <class Law>
+Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
+                        std::vector<Contact>* contacts) {
+    if (model == Model::independent) {
+        IndependentRun run = solve_independent(c, o.until);
+        if (contacts) *contacts = std::move(run.contacts);
+        return run.sequence;
+    }
+    if constexpr (std::is_same_v<Law, contact::LinearDashpot>) {
+        if (solved_exactly(c) && !o.general) {
+            const Coupling coupling = model == Model::adiabatic ? Coupling::adiabatic : Coupling::full;
+            if (!contacts) return solve_drop_sequence(c, coupling, o.until);
+            Drop d = solve_drop(c, coupling, o.until, false, o.stop);
+            *contacts = std::move(d.contacts);
+            return d.sequence;
+        }
+    }
+    Integration<Law> run = integrate(c, solve::integrate_options(o, false));
+    if (contacts) *contacts = std::move(run.contacts);
+    return run.sequence;
+}
+
+// Null where the model does not apply: the adiabatic one is that of the exact solver only.
+template <class Law>
+std::unique_ptr<Solution> solve_column(SharedColumn<Law> c, Model model, const SolveOptions& o) {
+    if (model == Model::independent) return std::make_unique<solve::EventDriven<Law>>(std::move(c), o);
+    if constexpr (std::is_same_v<Law, contact::LinearDashpot>) {
+        const bool adiabatic = model == Model::adiabatic;
+        if (solved_exactly(*c) && (adiabatic || !o.general))
+            return std::make_unique<solve::Exact>(std::move(c),
+                                                  adiabatic ? Coupling::adiabatic : Coupling::full, o);
+    }
+    if (model == Model::newton) return std::make_unique<solve::Integrated<Law>>(std::move(c), o);
+    return nullptr;
+}
+
+}  // namespace hardlimit::column

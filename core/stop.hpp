@@ -1,0 +1,28 @@
+// How a long computation learns that it should give up: it asks at every step, which costs a counter.
+#pragma once
+#include "portable.hpp"
+
+namespace hardlimit {
+
+// Asks whoever waits for the result, at every 64th step; the answer "give up" is final. Without anyone to ask: never.
+class Stop {
+public:
+    using Ask = bool (*)(void*);
+
+    Stop() = default;
+    Stop(Ask ask, void* context) : ask_(ask), context_(context) {}
+
+    // At every step of a computation.
+    bool operator()() { return stopped_ || (ask_ && (++steps_ & 63u) == 0 && now()); }
+    // Where a step takes long.
+    bool now() { return stopped_ = stopped_ || (ask_ && ask_(context_)); }
+    bool stopped() const { return stopped_; }
+
+private:
+    Ask ask_ = nullptr;
+    void* context_ = nullptr;
+    unsigned steps_ = 0;
+    bool stopped_ = false;
+};
+
+}  // namespace hardlimit

@@ -1,0 +1,364 @@
+"""Every argument of every public function against one table of things that are not what it wants.
+
+Each call either is refused with one line that names the parameter, or is a documented acceptance.
+"""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from conftest import law_of, typical
+from hardlimit import validation
+
+
+class Refuses:
+    """Whatever Python asks of it, it raises."""
+
+    def __float__(self):
+        raise RuntimeError("no")
+
+    def __array__(self, *args, **options):
+        raise ZeroDivisionError("no")
+
+    def __repr__(self):
+        raise OSError("no")
+
+
+class Quantity:
+    """What the libraries of units have: numbers beside a unit."""
+
+    units = "mm"
+
+    def __array__(self, *args, **options):
+        return np.array(3.0)
+
+
+ITSELF: list[Any] = []
+ITSELF.append(ITSELF)
+
+BALL, LAW = hl.Ball(0.05, density=840.0), law_of("linear", 0.7)
+
+#: Label → value. Values are made anew for each call: a generator can be used up.
+BAD: dict[str, Callable[[], Any]] = {
+    "None": lambda: None,
+    "True": lambda: True,
+    "False": lambda: False,
+    "text": lambda: "1",
+    "empty text": lambda: "",
+    "bytes": lambda: b"1",
+    "bytearray": lambda: bytearray(b"1"),
+    "memoryview": lambda: memoryview(b"1"),
+    "NaN": lambda: math.nan,
+    "infinity": lambda: math.inf,
+    "-infinity": lambda: -math.inf,
+    "-1": lambda: -1,
+    "0": lambda: 0,
+    "400 digits": lambda: 10**400,
+    "-400 digits": lambda: -(10**400),
+    "5000 digits": lambda: 10**5000,
+    "largest float + 1": lambda: 2**1024 - 1,
+    "complex": lambda: 1 + 2j,
+    "complex without imaginary part": lambda: 1 + 0j,
+    "NumPy complex": lambda: np.complex128(1.0),
+    "Decimal NaN": lambda: Decimal("NaN"),
+    "Decimal signalling NaN": lambda: Decimal("sNaN"),
+    "Decimal infinity": lambda: Decimal("Infinity"),
+    "Decimal of 400 digits": lambda: Decimal("1e400"),
+    "Fraction of 400 digits": lambda: Fraction(10**400),
+    "NumPy bool": lambda: np.True_,
+    "NumPy text": lambda: np.str_("1"),
+    "NumPy bytes": lambda: np.bytes_(b"1"),
+    "NumPy NaN": lambda: np.float32("nan"),
+    "long double": lambda: np.longdouble("1e4000"),
+    "date": lambda: np.datetime64("2011-04-01"),
+    "duration": lambda: np.timedelta64(1, "s"),
+    "structured": lambda: np.zeros(1, dtype=[("a", float)])[0],
+    "masked": lambda: np.ma.masked,
+    "array with a masked entry": lambda: np.ma.array([1.0, 2.0], mask=[False, True]),
+    "array without dimensions, masked": lambda: np.ma.array(1.0, mask=True),
+    "two dimensions": lambda: np.ones((2, 2)),
+    "array of NaN": lambda: np.array([1.0, math.nan]),
+    "array of objects": lambda: np.array([1.0, None], dtype=object),
+    "array of numbers as objects": lambda: np.array([1.0, 2.0], dtype=object),
+    "array of text": lambda: np.array(["1", "2"]),
+    "array of bools": lambda: np.array([True, False]),
+    "array of dates": lambda: np.array(["2011-04-01"], dtype="M8[D]"),
+    "array of durations": lambda: np.array([1, 2], dtype="m8[s]"),
+    "array of complex": lambda: np.array([1.0 + 0.0j, 2.0]),
+    "empty list": lambda: [],
+    "empty tuple": lambda: (),
+    "empty array": lambda: np.array([]),
+    "empty range": lambda: range(0),
+    "generator": lambda: (x for x in (1.0, 2.0)),
+    "iterator": lambda: iter([1.0]),
+    "dict": lambda: {1.0: 2.0},
+    "set": lambda: {1.0},
+    "list of text": lambda: ["1", "2"],
+    "list with a bool": lambda: [1.0, True],
+    "list with None": lambda: [1.0, None],
+    "list with NaN": lambda: [1.0, math.nan],
+    "list with 400 digits": lambda: [1, 10**400],
+    "list with a complex": lambda: [1.0, 1j],
+    "nested list": lambda: [[1.0, 2.0], [3.0, 4.0]],
+    "ragged list": lambda: [[1.0], [2.0, 3.0]],
+    "list that holds itself": lambda: ITSELF,
+    "DataArray of text": lambda: xr.DataArray(["a"]),
+    "DataArray of two dimensions": lambda: xr.DataArray(np.ones((2, 2))),
+    "Dataset": lambda: xr.Dataset({"a": 1.0}),
+    "pandas NA": lambda: pd.NA,
+    "pandas NaT": lambda: pd.NaT,
+    "pandas Timestamp": lambda: pd.Timestamp("2011-04-01"),
+    "Series with NA": lambda: pd.Series([1, None], dtype="Int64"),
+    "DataFrame": lambda: pd.DataFrame({"a": [1.0, 2.0]}),
+    "quantity": Quantity,
+    "list of quantities": lambda: [Quantity(), Quantity()],
+    "Ball": lambda: BALL,
+    "list of a Ball and a number": lambda: [BALL, 1.0],
+    "FLOOR": lambda: hl.FLOOR,
+    "law": lambda: LAW,
+    "class Ball": lambda: hl.Ball,
+    "class of a law": lambda: hl.LinearDashpot,
+    "class float": lambda: float,
+    "function": lambda: math.sqrt,
+    "module": lambda: math,
+    "object": object,
+    "Ellipsis": lambda: ...,
+    "raises when converted": Refuses,
+    "list of what raises": lambda: [Refuses()],
+}  # fmt: skip
+
+EMPTY = {"empty list", "empty tuple", "empty array", "empty range"}
+SIGNED = {"-1", "0"}
+
+#: What an argument may take besides its good value, as its documentation says.
+ACCEPTED = {
+    "number": SIGNED,
+    "optional number": SIGNED | {"None"},
+    "one number for each": SIGNED,
+    "optional number for each": SIGNED | {"None"},
+    "optional numbers": SIGNED | EMPTY | {"None"},
+    "numbers of any shape": SIGNED
+    | EMPTY
+    | {"two dimensions", "nested list", "DataArray of two dimensions", "DataFrame"},
+    "law": {"law"},
+    "optional law": {"law", "None"},
+    "ball": {"Ball"},
+    "body": {"Ball", "FLOOR"},
+    "balls": set(),
+    "optional balls": {"None"},
+    "column": set(),
+    "word": set(),
+}
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument of one function: how to call it, what it takes, a good value."""
+
+    function: str
+    name: str
+    kind: str
+    call: Callable[..., Any]
+    good: Any
+    others: dict[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return f"{self.function}({self.name})"
+
+    def __call__(self, value: Any) -> Any:
+        return self.call(**{**self.others, self.name: value})
+
+
+COLUMN = hl.Column.paper()
+CRADLE = hl.Column.cradle([BALL, BALL], [1.0, 0.0], LAW)
+RESULT = hl.newton(COLUMN)
+CONTACT = LAW.between(BALL)
+PHYSICS = {"restitution": 0.5, "stiffness": 1e6, "effective_mass": 0.1}
+
+
+def arguments() -> list[Argument]:
+    n, o = "number", "optional number"
+    found = [
+        Argument("Ball", "radius", n, hl.Ball, 0.1, {"mass": 1.0}),
+        Argument("Ball", "mass", n, hl.Ball, 1.0, {"radius": 0.1}),
+        Argument("Ball", "density", n, hl.Ball, 840.0, {"radius": 0.1}),
+        Argument("Ball.resized", "radius", n, BALL.resized, 0.1),
+        Argument("law.between", "ball", "ball", LAW.between, BALL),
+        Argument("law.between", "other", "body", LAW.between, BALL, {"ball": BALL}),
+        Argument("Contact.restitution", "speed", "numbers of any shape", CONTACT.restitution, 1.0),
+        Argument("Contact.duration", "speed", "numbers of any shape", CONTACT.duration, 1.0),
+        Argument("Contact.energy", "compression", "numbers of any shape", CONTACT.energy, 1e-3),
+        Argument("Contact.force", "compression", "numbers of any shape", CONTACT.force, 1e-3),
+        Argument("Contact.force", "rate", "numbers of any shape", CONTACT.force, 1.0, {"compression": 1e-3}),
+        Argument("Result.trajectory", "times", "optional numbers", RESULT.trajectory, 1e-4),
+        Argument("compare", "column", "column", hl.compare, COLUMN),
+        *(
+            Argument("usual_damping", name, "number", hl.usual_damping, value, PHYSICS)
+            for name, value in PHYSICS.items()
+        ),
+    ]
+    whole = {"balls": [BALL, BALL], "gaps": 1e-3, "height": 0.6, "law": LAW}
+    kinds = {"balls": "balls", "gaps": "one number for each", "height": n, "law": "law",
+             "velocities": "one number for each", "gravity": n}  # fmt: skip
+    good = whole | {"velocities": -1.0, "gravity": 9.81}
+    for name, kind in kinds.items():
+        found.append(Argument("Column", name, kind, hl.Column, good[name], whole))
+        optional = f"optional {kind.removeprefix('one ')}"
+        found.append(Argument("Column.replace", name, optional, COLUMN.replace, good[name]))
+    row = {"balls": [BALL, BALL], "velocities": [1.0, 0.0], "law": LAW, "gaps": 1e-3}
+    for name in row:
+        found.append(Argument("Column.cradle", name, kinds[name], hl.Column.cradle, row[name], row))
+    for name, value in {
+        "gap": 1e-3,
+        "radius_2": 0.02,
+        "density": 840.0,
+        "height": 1.0,
+        "gravity": 9.81,
+    }.items():
+        found.append(Argument("Column.paper", name, n, hl.Column.paper, value))
+    for name, value in {"restitution": 0.5, "radius_ratio": 3.0, "radius_1": 0.2, "stiffness": 1e6}.items():
+        found.append(Argument("Column.paper", name, o, hl.Column.paper, value))
+    found.append(Argument("Column.paper", "law", "optional law", hl.Column.paper, LAW))
+    for solve in (hl.newton, hl.adiabatic, hl.independent):
+        found.append(Argument(solve.__name__, "column", "column", solve, COLUMN))
+        found.append(Argument(solve.__name__, "until", o, solve, 1e-4, {"column": COLUMN}))
+    found.append(Argument("newton", "method", "word", hl.newton, "general", {"column": COLUMN}))
+    found.append(Argument("newton", "tolerance", n, hl.newton, 1e-12, {"column": COLUMN}))
+    return found + [argument for kind in hl.LAWS for argument in arguments_of_law(kind)]
+
+
+def arguments_of_law(kind: str) -> list[Argument]:
+    """Every parameter of a law in every way of giving it, and in ``replace``."""
+    law, found = hl.LAWS[kind], []
+    for choice in law.record["alternatives"]:
+        given = {p["name"]: typical(p) for p in [*law.record["common"], *choice]}
+        for name, value in given.items():
+            rest = {key: other for key, other in given.items() if key != name}
+            found.append(Argument(law.__name__, name, "number", law, value, rest))
+            found.append(Argument(f"{law.__name__}.replace", name, "number", law(**given).replace, value))
+    return found
+
+
+ARGUMENTS = arguments()
+every_argument = pytest.mark.parametrize("argument", ARGUMENTS, ids=str)
+
+
+@every_argument
+def test_bad_values_are_refused_or_documented(argument):
+    assert argument(argument.good) is not None
+    for label, make in BAD.items():
+        try:
+            argument(make())
+        except ValueError as error:
+            named = str(error).partition(": ")[0]
+            assert re.search(rf"\b{argument.name}\b", named), (label, str(error))
+            assert "\n" not in str(error) and len(str(error)) < 300, (label, str(error))
+        except Exception as error:
+            pytest.fail(f"{label}: {type(error).__name__}: {error}")
+        else:
+            assert label in ACCEPTED[argument.kind], f"{label} was taken"
+
+
+SPELLINGS: dict[str, Callable[[float], Any]] = {
+    "NumPy scalar": np.float64,
+    "array without dimensions": np.array,
+    "DataArray without dimensions": xr.DataArray,
+    "long double": np.longdouble,
+    "Fraction": Fraction,
+    "Decimal": Decimal,
+    "one masked array without masked entries": lambda x: np.ma.array(x, mask=False),
+}
+
+NUMERIC = [a for a in ARGUMENTS if "number" in a.kind and isinstance(a.good, float)]
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_one_number_in_every_spelling(spelling):
+    """However a number is written, it is that number."""
+    for argument in NUMERIC:
+        plain, spelled = argument(argument.good), argument(SPELLINGS[spelling](argument.good))
+        assert repr(spelled) == repr(plain), (argument, spelling)
+
+
+def test_whole_numbers_are_numbers():
+    for integer in (1, np.int64(1), np.uint8(1), np.array(1), Fraction(1), Decimal(1), np.float16(1)):
+        assert hl.Ball(integer, mass=integer) == hl.Ball(1.0, mass=1.0)
+
+
+# ---- the conversions themselves ----------------------------------------------------------------------------
+
+LISTS = {
+    "list": list,
+    "tuple": tuple,
+    "array": np.array,
+    "DataArray": xr.DataArray,
+    "Series": pd.Series,
+    "masked array without masked entries": np.ma.array,
+    "array read backwards": lambda x: np.array(x[::-1])[::-1],
+    "single precision": lambda x: np.array(x, dtype=np.float32),
+    "list of NumPy scalars": lambda x: [np.float64(v) for v in x],
+    "list of Fractions": lambda x: [Fraction(v) for v in x],
+}
+
+
+@pytest.mark.parametrize("kind", LISTS)
+def test_arrays_of_every_kind(kind):
+    values = [0.5, 2.0, 0.25]
+    found = validation.array("x", LISTS[kind](values), lowest=0.0)
+    assert type(found) is np.ndarray and found.dtype == np.float64 and found.flags.c_contiguous
+    assert found.tolist() == values
+    assert validation.numbers("x", LISTS[kind](values), 3) == tuple(values)
+
+
+@pytest.mark.parametrize("label", BAD)
+def test_bad_arrays(label):
+    """What is refused as an array, and what comes back otherwise."""
+    taken = {"-1": (), "0": ()}
+    try:
+        found = validation.array("x", BAD[label]())
+    except ValueError as error:
+        assert str(error).startswith("x: got ") and "\n" not in str(error)
+        assert label not in taken
+    else:
+        assert found.shape == taken[label]
+
+
+def test_shapes_of_arrays():
+    assert validation.array("x", 3).shape == ()
+    assert validation.array("x", [[1, 2], [3, 4]], ndim=2).tolist() == [[1.0, 2.0], [3.0, 4.0]]
+    assert validation.array("x", np.ones((2, 3, 4)), ndim=None).shape == (2, 3, 4)
+    assert validation.array("x", [], empty_allowed=True).shape == (0,)
+    with pytest.raises(ValueError, match="x: got 3 dimensions, must be a number or an array of numbers"):
+        validation.array("x", np.ones((2, 3, 4)), ndim=2)
+    with pytest.raises(ValueError, match=r"^x: got 2, must be in \[0, 1\)$"):
+        validation.array("x", [0.0, 0.5, 2.0], lowest=0.0, highest=1.0, lowest_allowed=True)
+    with pytest.raises(ValueError, match=r"^x: got 0, must be in \(0, 1\)$"):
+        validation.array("x", [0.0, 0.5], lowest=0.0, highest=1.0)
+
+
+@pytest.mark.parametrize(
+    "value", [1.0, True, "1", None, 0, 11, 10**400, np.timedelta64(3), 1.5, np.float64(2)]
+)
+def test_whole_refuses(value):
+    with pytest.raises(ValueError, match=r"^n: got .*, must be a whole number in \[1, 10\]$"):
+        validation.whole("n", value, 1, 10)
+
+
+@pytest.mark.parametrize("value", [3, np.int8(3), np.uint64(3)])
+def test_whole_takes(value):
+    assert validation.whole("n", value, 1, 10) == 3 and type(validation.whole("n", value, 1, 10)) is int
+
+
+def test_values_in_messages_are_short():
+    assert validation.shown("a\nb" * 1000).count("\n") == 0 and len(validation.shown("a" * 1000)) <= 60
+    assert validation.shown(Refuses()) == "a Refuses" and validation.shown(10**5000) == "a int"

@@ -1,0 +1,47 @@
+"""What ``import hardlimit`` offers: the public names, and nothing that leaked in."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import hardlimit as hl
+
+PUBLIC = {
+    "FLOOR", "LAWS", "OUTCOMES", "PAPER_DENSITY", "Ball", "Column", "Comparison", "Contact", "Result", "Verdict",
+    "adiabatic", "compare", "independent", "newton", "sweep",
+}  # fmt: skip
+
+
+def test_nothing_leaks():
+    """Every name is public, a dunder, or a module of the package."""
+    listing = "import hardlimit; print(*dir(hardlimit))"
+    names = set(
+        subprocess.run(
+            [sys.executable, "-c", listing], capture_output=True, text=True, check=True
+        ).stdout.split()
+    )
+    folder = Path(hl.__file__).parent
+    modules = {
+        path.name.split(".")[0] for path in folder.iterdir() if path.suffix in (".py", ".so", ".pyd", "")
+    }
+    dunders = {name for name in names if name.startswith("__") and name.endswith("__")}
+    assert names - dunders - modules == set(hl.__all__) - modules
+    assert set(hl.__all__) <= names
+
+
+def test_public_names():
+    laws = {law.__name__ for law in hl.LAWS.values()}
+    assert set(hl.__all__) >= PUBLIC | laws
+    assert len(hl.__all__) == len(set(hl.__all__)) and not any(name.startswith("_") for name in hl.__all__)
+    for name in hl.__all__:
+        assert getattr(hl, name) is not None
+        assert name.isupper() or getattr(hl, name).__doc__, name
+
+
+def test_import_is_light():
+    """No drawing, no tables, no maps on disk before they are asked for."""
+    listing = "import hardlimit, sys; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", listing], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not {"matplotlib", "rich", "xarray", "zarr", "h5py", "click"} & set(loaded)
