@@ -99,6 +99,7 @@ def column_from(base: files.Scenario, options: dict[str, Any]) -> Column:
     "--until", type=NUMBER, help="Follow the contacts to this time [s] after the first floor touch."
 )
 @click.option("--plot", metavar="FILE", help="Forces and heights over time (png, pdf, svg, …).")
+@click.option("--dpi", type=NUMBER, help="Resolution of --plot.  [default: 200]")
 @click.option("--animate", metavar="FILE", help="Slow-motion film (mp4, gif).")
 @click.option("--save", metavar="FILE.nc", help="Trajectory and contacts of all models as NetCDF.")
 @click.option("--toml", metavar="FILE", help="The column as a TOML file that this command reads.")
@@ -107,6 +108,7 @@ def drop(
     file: str | None,
     until: float | None,
     plot: str | None,
+    dpi: float | None,
     animate: str | None,
     save: str | None,
     toml: str | None,
@@ -130,7 +132,7 @@ def drop(
         from ..pictures import plots
 
         picture = found if until is None else compare(column)
-        plots.save(plots.drop(shown, picture.independent, picture.adiabatic), outputs["plot"])
+        plots.save(plots.drop(shown, picture.independent, picture.adiabatic), outputs["plot"], dpi)
     if film:
         from ..pictures.animation import animate as write_film
 

@@ -123,8 +123,9 @@ def geometry_options(function: Callable[..., None]) -> Callable[..., None]:
 @click.option("--resume", is_flag=True, help="Go on with the Zarr store of an interrupted sweep.")
 @click.option("--plot", metavar="FILE", help="Map of the first variable, contacts by default (png, pdf, …).")
 @click.option("--difference", metavar="FILE", help="Map of v'r, Newton − independent collisions.")
+@click.option("--dpi", type=float, help="Resolution of the maps.  [default: 200]")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
-def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None:
+def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **options: Any) -> None:
     """Compute a map over any parameters of two balls.
 
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors. What is not
@@ -155,7 +156,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **options: Any) -> None
         ds = compute(column, store=store, progress=report, **run, **swept)
     if out is not None and store is None:
         save(ds, out)
-    draw(ds, column, run, swept, pictures)
+    draw(ds, column, run, swept, pictures, dpi)
     summary = summarise(ds, out)
     if as_json:
         print_json(summary)
@@ -259,6 +260,7 @@ def draw(
     run: dict[str, Any],
     swept: dict[str, Any],
     pictures: dict[str, Path | None],
+    dpi: float | None,
 ) -> None:
     """The pictures asked for; the difference needs the other model as well."""
     if not any(pictures.values()):
@@ -267,7 +269,7 @@ def draw(
 
     if pictures["plot"]:
         variable = run["variables"][0] if run["variables"] else "n_contacts"
-        plots.save(plots.sweep_map(ds, variable), pictures["plot"])
+        plots.save(plots.sweep_map(ds, variable), pictures["plot"], dpi)
     if pictures["difference"]:
         # A tolerance is that of the map there is: the other model takes none.
         needed = {**run, "tolerance": None, "variables": ("relative_velocity",)}
@@ -275,7 +277,8 @@ def draw(
             model: ds if model == run["model"] else compute(column, **{**needed, "model": model}, **swept)
             for model in ("newton", "independent")
         }
-        plots.save(plots.difference_map(models["newton"], models["independent"]), pictures["difference"])
+        figure = plots.difference_map(models["newton"], models["independent"])
+        plots.save(figure, pictures["difference"], dpi)
 
 
 def blocks(ds: xr.Dataset, points: int = 2_000_000) -> Iterator[xr.Dataset]:

@@ -98,7 +98,7 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     ending = target.suffix.lstrip(".").lower()
     if ending not in known:
         raise ValueError(f"plot: got {str(path)!r}, must end in one of .{' .'.join(sorted(known))}")
-    resolution = STYLE["savefig.dpi"] if dpi is None else _resolution(dpi)
+    resolution = checked_resolution(dpi)
     try:
         with style():
             figure.savefig(target, dpi=resolution)
@@ -107,7 +107,10 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     return target
 
 
-def _resolution(dpi: float) -> float:
+def checked_resolution(dpi: float | None) -> float:
+    """``dpi`` [dots per inch], 200 for None; a ValueError if it is outside [20, 2400]."""
+    if dpi is None:
+        return float(STYLE["savefig.dpi"])
     return validation.number("dpi", dpi, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)
 
 
