@@ -13,7 +13,15 @@ from ..column.result import Result
 from ..column.solvers import newton
 from ..progress import bar
 from .drop_report import as_mapping, print_report, save_results
-from .options import column_from, column_options, options, output_option, quantity_option, writable
+from .options import (
+    column_from,
+    column_options,
+    dpi_option,
+    options,
+    output_option,
+    quantity_option,
+    writable,
+)
 from .printing import print_json
 from .program import Command
 
@@ -21,6 +29,7 @@ OUTPUTS = ("plot", "animate", "save", "toml")
 
 output_options = options(
     output_option("--plot", "Forces and heights over time (png, pdf, svg, …)."),
+    dpi_option,
     output_option("--animate", "Slow-motion film (gif; mp4 with the extra hardlimit[film])."),
     output_option("--save", "Trajectory and contacts of all models as NetCDF.", "FILE.nc"),
     output_option("--toml", "The column as a TOML file that this command reads."),
@@ -38,7 +47,7 @@ output_options = options(
     "--until", unit="s", help="Follow the contacts to this time [s] after the first floor touch."
 )
 @output_options
-def drop(file: str | None, until: float | None, as_json: bool, **given: Any) -> None:
+def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **given: Any) -> None:
     """Drop a column of balls: contacts, and Newton beside event-driven.
 
     Without a file, the column is that of Fig. 2 of the paper: radii 10 cm and 1 cm, density 840 kg/m³, gap
@@ -50,7 +59,7 @@ def drop(file: str | None, until: float | None, as_json: bool, **given: Any) -> 
     check_film(outputs["animate"])
     found = compare(column)
     shown = newton(column, until) if until is not None else found.newton
-    write_outputs(found, shown, outputs)
+    write_outputs(found, shown, outputs, dpi)
     if as_json:
         print_json(as_mapping(found, shown))
     else:
@@ -69,14 +78,16 @@ def check_film(path: Path | None) -> None:
         raise ImportError("--animate: an mp4 needs ffmpeg: pip install 'hardlimit[film]', or write a gif")
 
 
-def write_outputs(found: Comparison, shown: Result, outputs: dict[str, Path | None]) -> None:
+def write_outputs(
+    found: Comparison, shown: Result, outputs: dict[str, Path | None], dpi: float | None
+) -> None:
     """The files asked for; ``shown`` is Newton's result, to the time asked for."""
     if outputs["toml"]:
         files.write(shown.column, outputs["toml"])
     if outputs["plot"]:
         from ..pictures import plots
 
-        plots.save(plots.drop(shown, found.independent, found.adiabatic), outputs["plot"])
+        plots.save(plots.drop(shown, found.independent, found.adiabatic), outputs["plot"], dpi)
     if outputs["animate"]:
         from ..pictures.animation import animate
 

@@ -159,6 +159,12 @@ def writable(option: str, path: str | None) -> Path | None:
     return target
 
 
+def dpi_option(function: F) -> F:
+    """``--dpi`` of the pictures a command writes; None takes the usual resolution."""
+    option = click.option("--dpi", type=Quantity(), help="Resolution of the pictures.  [default: 200]")
+    return option(function)
+
+
 def file_name(option: str, path: str) -> Path:
     """The path, if the system takes the name and its folder exists.
 

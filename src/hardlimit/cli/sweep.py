@@ -12,7 +12,7 @@ from ..sweep import ENGINES, VARIABLES
 from ..sweep import sweep as compute
 from .axes import Axis, geometry_options
 from .job import Job, make_job
-from .options import law_options, options, output_option
+from .options import dpi_option, law_options, options, output_option
 from .printing import print_json
 from .program import Command
 from .sweep_report import print_summary, save, summarise
@@ -37,6 +37,7 @@ settings_options = options(
     click.option("--resume", is_flag=True, help="Go on with the Zarr store of an interrupted sweep."),
     output_option("--plot", "Map of the first variable, contacts by default (png, pdf, …)."),
     output_option("--difference", "Map of v'r, Newton − independent collisions."),
+    dpi_option,
     click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON."),
 )
 
@@ -49,7 +50,7 @@ settings_options = options(
 @geometry_options
 @law_options(Axis)
 @settings_options
-def sweep(file: str | None, resume: bool, as_json: bool, **given: Any) -> None:
+def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **given: Any) -> None:
     """Compute a map over any parameters of two balls.
 
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors; numbers may
@@ -65,7 +66,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **given: Any) -> None:
         ds = compute(job.column, store=store, progress=report, **job.run, **job.axes)
     if job.out is not None and store is None:
         save(ds, job.out)
-    draw(ds, job)
+    draw(ds, job, dpi)
     summary = summarise(ds, job.out)
     if as_json:
         print_json(summary)
@@ -73,7 +74,7 @@ def sweep(file: str | None, resume: bool, as_json: bool, **given: Any) -> None:
         print_summary(ds, summary)
 
 
-def draw(ds: xr.Dataset, job: Job) -> None:
+def draw(ds: xr.Dataset, job: Job, dpi: float | None) -> None:
     """The pictures asked for; the difference needs the other model as well."""
     if not any(job.pictures.values()):
         return
@@ -81,7 +82,7 @@ def draw(ds: xr.Dataset, job: Job) -> None:
 
     if job.pictures["plot"]:
         variable = job.run["variables"][0] if job.run["variables"] else "n_contacts"
-        plots.save(plots.sweep_map(ds, variable), job.pictures["plot"])
+        plots.save(plots.sweep_map(ds, variable), job.pictures["plot"], dpi)
     if job.pictures["difference"]:
         # A tolerance is that of the map there is: the other model takes none.
         needed = {**job.run, "tolerance": None, "variables": ("relative_velocity",)}
@@ -89,4 +90,4 @@ def draw(ds: xr.Dataset, job: Job) -> None:
             ds if model == job.run["model"] else compute(job.column, **{**needed, "model": model}, **job.axes)
             for model in ("newton", "independent")
         )
-        plots.save(plots.difference_map(newton, independent), job.pictures["difference"])
+        plots.save(plots.difference_map(newton, independent), job.pictures["difference"], dpi)
