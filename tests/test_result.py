@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, law_of
+from conftest import columns, law_of, laws
 from hardlimit import html
 
 PAPER = hl.Column.paper(0.7)
@@ -347,6 +348,20 @@ def test_pickles_are_small_whatever_was_asked_before():
     assert len(result.contacts.pair) > 1 and len(pickle.dumps(result)) == before < 3000
 
 
+def test_nobody_changes_what_a_result_remembers():
+    result = hl.newton(PAPER)
+    for name in ("positions", "velocities", "final_velocities", "rebound_heights"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(result, name)[0] = 7.0
+    for name in ("pair", "begin", "end"):
+        with pytest.raises(ValueError, match="read-only"):
+            result.contacts[name].values[0] = 7
+    mine = result.contacts
+    mine["begin"] = mine["begin"] + 1.0
+    mine.attrs["title"] = "mine"
+    assert result.contacts.identical(hl.newton(PAPER).contacts)
+
+
 def test_results_go_through_a_process_pool():
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         there = pool.submit(hl.newton, PAPER, method="general")
@@ -488,6 +503,63 @@ def test_paper_preset():
     assert column.initial_positions.tolist() == [0.6, 0.6 + 0.1 + 1e-4 + 0.01]
 
 
+# ---- rebound and final velocities --------------------------------------------------------------------------
+
+
+def highest(result, begin, end, ball):
+    """Greatest height of a ball on a fine grid of times."""
+    return float(result.trajectory(np.linspace(begin, end, 20001)).position.values[:, ball].max())
+
+
+@pytest.mark.parametrize("solve", [hl.newton, hl.independent])
+def test_rebound_of_the_textbook(solve):
+    """A light ball on a heavy one, nothing lost: nine times as high; under Newton in the limit of stiff contacts."""
+    law = hl.LinearDashpot(stiffness=1e13, restitution=1.0)
+    balls = [hl.Ball(0.1, mass=1.0), hl.Ball(0.01, mass=1e-9)]
+    column = hl.Column(balls, 1e-3, 0.6, law)
+    r1, r2, z2 = 0.1, 0.01, float(column.initial_positions[1])
+    found = solve(column).rebound_heights
+    assert found[1] == pytest.approx(9.0 * z2 - 8.0 * (2.0 * r1 + r2), rel=5e-3)
+    assert found[0] == pytest.approx(0.6, rel=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["exact", "general", "adiabatic", "independent"])
+def test_rebound_of_two_balls_that_part(kind):
+    """The top of the free flight after the sequence."""
+    result = RESULTS[kind]
+    z = result.trajectory([result.t_end + 2e-3])
+    z, v = z.position.values[0], z.velocity.values[0]
+    assert v.min() > 0.0 and result.rebound_heights == pytest.approx(z + v**2 / (2.0 * 9.81), rel=1e-9)
+
+
+@settings(max_examples=25)
+@given(columns(law=laws(st.floats(0.3, 1.0)), least=1, most=4))
+def test_rebound_until_is_the_greatest_height(column):
+    """With `until`, what a fine grid of times shows, from the end of the first bounce on."""
+    until = 0.7 * column.impact_speed / column.gravity
+    result = hl.newton(column, until)
+    for ball, height in enumerate(result.rebound_heights):
+        own = result.contacts.pair.values == ball
+        if not own.any() or math.isnan(result.contacts.end.values[own][0]):
+            continue
+        begin = result.contacts.end.values[own][0]
+        if begin >= until:
+            continue
+        grid = highest(result, begin, until, ball)
+        assert grid - 1e-12 <= height <= grid + 1e-5 * abs(grid)
+
+
+@every_result
+def test_final_velocities_are_those_after_the_last_contact(kind):
+    result = RESULTS[kind]
+    last = float(result.contacts.end.max())
+    assert (result.final_velocities == result.trajectory([last]).velocity.values[0]).all()
+    if not result.column.floor:
+        momentum = [ball.mass for ball in result.column.balls] @ result.final_velocities
+        assert momentum == pytest.approx(0.1, rel=1e-12)
+        assert np.isnan(result.rebound_heights).all()
+
+
 LINEAR = law_of("linear", 0.5)
 SOFT = law_of("viscoelastic", 0.5)
 
@@ -541,6 +613,21 @@ BAD_COLUMNS = {
         ("method", "'magic'"),
     ),
     "exact for Hertz": (lambda: hl.newton(three_balls(), method="exact"), ("method", "exact")),
+    "endless height": (lambda: hl.Column(BALLS, [0.0], 1e101, LINEAR), ("height", "1e+101", "1e+100]")),
+    "endless gap": (lambda: hl.Column(BALLS, [2e100], 1.0, LINEAR), ("gaps[0]", "2e+100", "1e+100]")),
+    "endless speed": (
+        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, velocities=[0.0, -1e308]),
+        ("velocities[1]", "-1e+308", "[-1e+100"),
+    ),
+    "nothing falls": (
+        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, gravity=0.0),
+        ("gravity | velocities", "nothing moves"),
+    ),
+    "until before release": (lambda: hl.newton(PAPER, until=-1.0), ("until", "-1", "release")),
+    "until before a cradle": (
+        lambda: hl.independent(RESULTS["cradle"].column, until=-1e-9),
+        ("until", "-1e-09", ">= 0"),
+    ),
     "NaN until": (lambda: hl.newton(PAPER, until=math.nan), ("until", "nan", "finite")),
     "infinite until": (lambda: hl.independent(PAPER, until=math.inf), ("until", "inf", "finite")),
     "wild tolerance": (lambda: hl.newton(PAPER, method="general", tolerance=1.0), ("tolerance", "1", "in [")),

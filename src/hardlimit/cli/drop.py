@@ -70,12 +70,12 @@ def check_film(path: Path | None) -> None:
     """Refuse a film that cannot be written before anything is computed."""
     if path is None:
         return
-    from importlib.util import find_spec
-
     if path.suffix.lower() not in (".mp4", ".gif"):
         raise ValueError(f"--animate: got {str(path)!r}, must end in .mp4 or .gif")
-    if path.suffix.lower() == ".mp4" and find_spec("imageio_ffmpeg") is None:
-        raise ImportError("--animate: an mp4 needs ffmpeg: pip install 'hardlimit[film]', or write a gif")
+    if path.suffix.lower() == ".mp4":
+        from ..pictures.video import require_ffmpeg
+
+        require_ffmpeg()
 
 
 def write_outputs(

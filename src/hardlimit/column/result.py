@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 class Result:
     """Outcome of one drop under one model. Times in s after the first floor touch (cradle: after release).
 
-    A copy, or a result that was sent to another process, is solved again when it is first asked for a value, and
-    has the same bits.
+    It never changes, and its arrays are read-only. A copy, or a result that was sent to another process, is solved
+    again when it is first asked for a value, and has the same bits.
     """
 
     column: Column
@@ -130,8 +130,7 @@ class Result:
         after = self._after_contacts
         if math.isnan(after):
             return np.full(len(self.column.balls), math.nan)
-        velocities: NDArray[np.float64] = self._sample(np.array([after]))[1][0]
-        return velocities
+        return _fixed(self._sample(np.array([after]))[1][0])
 
     @cached_property
     def rebound_heights(self) -> NDArray[np.float64]:
@@ -141,14 +140,14 @@ class Result:
         contact of the lowest ball but what the others still do to each other (see docs/definitions.md). NaN for a
         ball that does not bounce, and for a cradle.
         """
-        return np.asarray(self._core.rebound_heights())
+        return _fixed(np.asarray(self._core.rebound_heights()))
 
     @property
     def energy_error(self) -> float:
         """Largest error of the energy balance relative to the initial energy; NaN unless integrated."""
         return self._core.energy_error
 
-    @cached_property
+    @property
     def contact_times(self) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
         """Pair, begin [s] and end [s] of each contact: ``contacts`` as plain arrays, without loading xarray."""
         pair, begin, end = self._core.contacts()
@@ -157,25 +156,25 @@ class Result:
         kept = begin <= self.until
         return pair[kept], begin[kept], end[kept]
 
-    @cached_property
+    @property
     def contacts(self) -> xr.Dataset:
         """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin``, ``end`` [s].
 
         ``end`` is NaN for a contact that never ends. With ``until``, the contacts that began up to it.
         """
+        return self._contacts.copy()
+
+    @cached_property
+    def _contacts(self) -> xr.Dataset:
         import xarray as xr
 
         pair, begin, end = self.contact_times
         seconds = {"units": "s", "long_name": self._since}
         return xr.Dataset(
             {
-                "pair": (
-                    "contact",
-                    pair,
-                    {"long_name": PAIRS},
-                ),
-                "begin": ("contact", begin, seconds),
-                "end": ("contact", end, seconds),
+                "pair": ("contact", _fixed(pair), {"long_name": PAIRS}),
+                "begin": ("contact", _fixed(begin), seconds),
+                "end": ("contact", _fixed(end), seconds),
             },
             attrs=self._attributes("Contacts"),
         )
@@ -204,8 +203,8 @@ class Result:
             at = self.until
         if math.isnan(at):
             at = self._core.t_last
-        sampled = self._sample(np.array([at]))
-        return sampled[0][0], sampled[1][0]
+        sampled = self._sample(np.array([max(at, self._core.t_first)]))
+        return _fixed(sampled[0][0]), _fixed(sampled[1][0])
 
     @property
     def positions(self) -> NDArray[np.float64]:
@@ -301,6 +300,12 @@ class Result:
         from ..pictures import animation
 
         return animation.animate(self, path, **options)
+
+
+def _fixed(array: NDArray[Any]) -> NDArray[Any]:
+    """The array, read-only: a result remembers it."""
+    array.flags.writeable = False
+    return array
 
 
 def quantities(result: Result) -> list[tuple[str, float]]:

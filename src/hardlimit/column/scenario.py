@@ -22,6 +22,9 @@ PAPER_DENSITY: Final = 840.0
 
 STANDARD_GRAVITY: Final = 9.81
 
+#: Lengths, speeds and accelerations beyond this are refused: their squares would overflow.
+LARGEST: Final = 1e100
+
 T = TypeVar("T")
 
 
@@ -47,7 +50,7 @@ class Column:
     Raises
     ------
     ValueError
-        If a value is outside its range, or nothing would ever move.
+        If a value is outside its range (none may be larger than 1e100), or nothing would ever move.
     """
 
     balls: tuple[Ball, ...]
@@ -70,6 +73,7 @@ class Column:
         self._set(floor=True, **_checked_balls(balls, gaps, velocities, least=1))
         self._set(gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True))
         self._set(height=validation.number("height", height))
+        _refuse_too_large(height=self.height, gravity=self.gravity)
         lowest = self.balls[0].radius
         if not self.height >= lowest:
             raise ValueError(
@@ -235,6 +239,13 @@ class Column:
         return _core.impact_speed(self.drop_height, self.velocities[0], self.gravity)
 
     @property
+    def release_time(self) -> float:
+        """When the balls are released [s] on the clock of the results: before the first floor touch at 0."""
+        if not self.floor:
+            return 0.0
+        return -_core.fall_time(self.drop_height, self.velocities[0], self.gravity)
+
+    @property
     def specified_restitution(self) -> float:
         """The one ε given for all contacts, else NaN."""
         values = {law.specified_restitution for law in self.laws}
@@ -277,11 +288,17 @@ def _checked_balls(balls: Any, gaps: Any, velocities: Any, least: int) -> dict[s
     if len(checked) < least:
         raise ValueError(f"balls: got {len(checked)}, must be {'one' if least == 1 else 'two'} or more")
     n = len(checked)
-    return {
-        "balls": checked,
-        "gaps": validation.numbers("gaps", gaps, n - 1, lowest=0.0, lowest_allowed=True),
-        "velocities": validation.numbers("velocities", velocities, n),
-    }
+    between = validation.numbers("gaps", gaps, n - 1, lowest=0.0, lowest_allowed=True)
+    speeds = validation.numbers("velocities", velocities, n)
+    _refuse_too_large(**{f"gaps[{i}]": gap for i, gap in enumerate(between)})
+    _refuse_too_large(**{f"velocities[{i}]": v for i, v in enumerate(speeds)})
+    return {"balls": checked, "gaps": between, "velocities": speeds}
+
+
+def _refuse_too_large(**values: float) -> None:
+    for name, value in values.items():
+        if abs(value) > LARGEST:
+            raise ValueError(f"{name}: got {value:.16g}, must be in [-{LARGEST:g}, {LARGEST:g}]")
 
 
 def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:

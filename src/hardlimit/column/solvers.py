@@ -24,7 +24,7 @@ def newton(
     ----------
     column : Column
     until : float [s], optional
-        Go on to this time after the first floor touch and record every contact up to it.
+        Go on to this time after the first floor touch and record every contact up to it; not before release.
     method : {"auto", "exact", "general"}
         ``"exact"``: piecewise closed form, two balls on a floor under the linear law. ``"general"``: adaptive
         Runge–Kutta method of order 8. ``"auto"`` takes the exact one where it applies.
@@ -59,7 +59,8 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
     Raises
     ------
     ValueError
-        If the column is not two balls on a floor under the linear law, or ``until`` is not a finite number.
+        If the column is not two balls on a floor under the linear law, or ``until`` lies before release or is not
+        finite.
     """
     end = _checked(ADIABATIC, column, until)
     return _solved(Result(column, ADIABATIC.name, "piecewise exact, lower ball unaffected", end))
@@ -74,7 +75,7 @@ def independent(column: Column, until: float | None = None) -> Result:
     Raises
     ------
     ValueError
-        If ``column`` is not a Column, or ``until`` is not a finite number.
+        If ``column`` is not a Column, or ``until`` lies before release or is not finite.
     """
     end = _checked(INDEPENDENT, column, until)
     return _solved(Result(column, INDEPENDENT.name, "event-driven", end))
@@ -85,7 +86,12 @@ def _checked(model: Model, column: Any, until: Any) -> float | None:
     if not isinstance(column, Column):
         raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
     model.check(column)
-    return None if until is None else validation.number("until", until)
+    if until is None:
+        return None
+    end, first = validation.number("until", until), column.release_time
+    if end < first:
+        raise ValueError(f"until: got {end:.16g}, must be >= {first:.16g}, the release")
+    return end
 
 
 def _solved(result: Result) -> Result:

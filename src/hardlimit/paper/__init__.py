@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from .. import validation
+from .. import saving, validation
 from ..column.scenario import PAPER_DENSITY
 from . import density as inference
 from . import misprints, statements
@@ -94,7 +94,7 @@ def run(
     report.rows += [*inference.rows(setup, scan), *misprints.rows(setup)]
     report.wall_time = time.perf_counter() - started
     page = folder / "report.md"
-    page.write_text(report.to_markdown(), encoding="utf-8")
+    saving.write(page, report.to_markdown().encode())
     report.files.append(page)
     track.end()
     return report
@@ -174,14 +174,7 @@ def _write_data(data: xr.Dataset, path: Path) -> Path:
         for name, v in data.variables.items()
         if v.size > 10_000
     }
-    # Made in memory: a disk that is full then ends in one OSError, not inside the HDF5 library.
-    content = data.to_netcdf(engine="h5netcdf", encoding=large)
-    try:
-        path.write_bytes(content)
-    except OSError as error:
-        path.unlink(missing_ok=True)
-        raise ValueError(f"out: got {str(path)!r}, must be writable: {error.strerror or error}") from None
-    return path
+    return saving.dataset(data, path, large)
 
 
 class _Track:

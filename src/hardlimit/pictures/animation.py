@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from .. import validation
+from .. import saving, validation
 from ..column.solvers import independent
 from . import video
 from .stage import STYLE, CloseUp, Frame, Wide
@@ -55,8 +55,10 @@ def animate(
     Raises
     ------
     ValueError
-        If the ending is unknown, a number is outside its range, the file cannot be written, or MP4 is asked
-        for without imageio-ffmpeg (``pip install 'hardlimit[film]'``); GIF needs nothing more.
+        If the ending is unknown, a number is outside its range, or MP4 is asked for without imageio-ffmpeg
+        (``pip install 'hardlimit[film]'``); GIF needs nothing more.
+    OSError
+        If the file cannot be written; names it.
     """
     target = Path(path)
     film = target.suffix.lower() == ".mp4"
@@ -70,14 +72,9 @@ def animate(
     pixels = _whole("width", width, 1280 if film else 640, WIDTHS) // 32 * 32  # 16:9, and even
     other = independent(result.column, result.until) if ghost is None else ghost
     pictures = frames(result, other, pixels, rate, progress)
-    draft = target.with_name(f".{target.stem}.part{target.suffix}")
-    try:
-        (video.write_mp4 if film else video.write_gif)(draft, pictures, (pixels, pixels * 9 // 16), rate)
-        draft.replace(target)
-    except OSError as error:
-        raise ValueError(f"animate: {str(path)!r} cannot be written: {error.strerror or error}") from None
-    finally:
-        draft.unlink(missing_ok=True)
+    with saving.whole(target) as unfinished:
+        write = video.write_mp4 if film else video.write_gif
+        write(unfinished, pictures, (pixels, pixels * 9 // 16), rate)
     return target
 
 

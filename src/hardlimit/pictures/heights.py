@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..models import MODELS
 from .forces import window
-from .labels import line_of_model, name_of_model, scaled
+from .labels import LINES, scaled
 from .style import PAGE_WIDTH, ball_colour, style
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
     length, metres = (1.0, "m") if floor else scaled(largest, "m")
     for result, (times, z) in zip(results, shown, strict=True):
         for i in range(z.shape[1]):
-            line = line_of_model(result.model)
+            line = LINES[result.model]
             ax.plot(times * factor, z[:, i] * length, color=ball_colour(i + 1), ls=line)
         if floor:
             _mark_tops(ax, result, float(times[-1]), factor)
@@ -128,9 +129,9 @@ def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
     """Entries of the legend: the models by line, with the height of the top ball, and the balls by colour."""
     for result in results:
         highest = float(tops(result)[1][-1])
-        name = name_of_model(result.model)
+        name = MODELS[result.model].label
         label = name if math.isnan(highest) else f"{name}, top ball rebounds to {highest:.3g} m"
-        ax.plot([], [], color="black", ls=line_of_model(result.model), label=label)
+        ax.plot([], [], color="black", ls=LINES[result.model], label=label)
     if len(results[0].column.balls) <= MOST_NAMED:
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")

@@ -1,4 +1,4 @@
-"""What stands on the pictures: names of models and quantities, units with prefixes."""
+"""What stands on the pictures: lines of models, names of quantities, units with prefixes."""
 
 from __future__ import annotations
 
@@ -6,22 +6,8 @@ import math
 import re
 from typing import Any, Final
 
-#: How a model is called in a picture, and the line it is drawn with.
-MODELS: Final[dict[str, tuple[str, Any]]] = {
-    "newton": ("Newton’s equations", "-"),
-    "independent": ("independent collisions", (0, (5, 2))),
-    "adiabatic": ("adiabatic", (0, (1, 1.2))),
-}
-
-
-def name_of_model(model: str) -> str:
-    """How a model is called in a picture."""
-    return MODELS[model][0]
-
-
-def line_of_model(model: str) -> Any:
-    """The line style of a model."""
-    return MODELS[model][1]
+#: The line that a model is drawn with.
+LINES: Final[dict[str, Any]] = {"newton": "-", "independent": (0, (5, 2)), "adiabatic": (0, (1, 1.2))}
 
 
 # Label and unit of what can be swept or mapped. A unit among a variable's own attributes comes first.

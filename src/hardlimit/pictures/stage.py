@@ -10,8 +10,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
+from ..models import MODELS
 from .forces import draw_forces, pairs_of, window
-from .labels import name_of_model, scaled
+from .labels import scaled
 from .storyboard import Scene, gaps_at, round_up
 from .style import ball_colour
 
@@ -85,7 +86,7 @@ class _Stage:
         self.figure.text(0.645, 0.875, f"{speed}\n{text}", fontsize=9, color="#333333", va="top")
 
     def title_models(self) -> None:
-        names = (name_of_model(self.result.model), name_of_model(self.ghost.model))
+        names = (MODELS[self.result.model].label, MODELS[self.ghost.model].label)
         for ax, name in zip(self.axes, names, strict=True):
             ax.set_title(name, fontsize=10.5, pad=6)
 

@@ -14,7 +14,7 @@ from cycler import cycler
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 
-from .. import validation
+from .. import saving, validation
 
 #: Okabe and Ito's palette (2008), by name.
 PALETTE: Final = {
@@ -91,19 +91,20 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     Raises
     ------
     ValueError
-        If the ending is unknown, the resolution is outside [20, 2400], or the file cannot be written.
+        If the ending is unknown, the folder does not exist, or the resolution is outside [20, 2400].
+    OSError
+        If the file cannot be written; names it.
     """
     target = Path(path)
     known = figure.canvas.get_supported_filetypes()
     ending = target.suffix.lstrip(".").lower()
     if ending not in known:
         raise ValueError(f"plot: got {str(path)!r}, must end in one of .{' .'.join(sorted(known))}")
+    if not target.parent.is_dir():
+        raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
     resolution = checked_resolution(dpi)
-    try:
-        with style():
-            figure.savefig(target, dpi=resolution)
-    except OSError as error:
-        raise ValueError(f"plot: got {str(path)!r}, must be writable: {error.strerror or error}") from None
+    with style(), saving.whole(target) as unfinished:
+        figure.savefig(unfinished, dpi=resolution, format=ending)
     return target
 
 
