@@ -4,7 +4,7 @@ import gc
 import math
 import sys
 from dataclasses import dataclass, field
-from itertools import combinations, pairwise
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,12 +12,12 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 import hardlimit as hl
 from hardlimit.column.comparison import compare
 from hardlimit.pictures import animation, forces, heights, labels, maps, plots, stage, storyboard, style
+from legible import assert_legible
 
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.7, impact_speed=3.0)
 STEEL = hl.Ball(0.02, density=7800.0)
@@ -103,38 +103,6 @@ class OneBall:
 
 def texts(figure) -> str:
     return "\n".join(t.get_text() for t in figure.findobj(mpl.text.Text))
-
-
-def boxes(figure) -> list[tuple[str, mpl.transforms.Bbox]]:
-    """Every text that is seen, with the rectangle that it takes [pixels]; ticks outside the axes are not."""
-    with style.style():
-        FigureCanvasAgg(figure).draw()
-    axes = [*figure.axes, *(child for ax in figure.axes for child in ax.child_axes)]
-    ticks = {
-        label: low - 1e-9 * (high - low) <= at <= high + 1e-9 * (high - low)
-        for ax in axes
-        for i, axis in enumerate((ax.xaxis, ax.yaxis))
-        for low, high in [sorted(axis.get_view_interval())]
-        for label in axis.get_ticklabels(which="both")
-        for at in [label.get_position()[i]]
-    }
-    found = []
-    for text in figure.findobj(mpl.text.Text):
-        if text.get_text().strip() and text.get_visible() and ticks.get(text, True):
-            # A text box holds the room of ascenders and descenders: what overlaps by less is no overlap.
-            found.append((text.get_text(), text.get_window_extent().padded(-1.0)))
-    return found
-
-
-def assert_legible(figure) -> None:
-    """No text runs into another one or off the picture."""
-    page = figure.bbox.padded(2.0)
-    shown = boxes(figure)
-    for text, box in shown:
-        assert page.x0 <= box.x0 and box.x1 <= page.x1, f"{text!r} runs off the picture"
-        assert page.y0 <= box.y0 and box.y1 <= page.y1, f"{text!r} runs off the picture"
-    for (one, first), (other, second) in combinations(shown, 2):
-        assert not first.overlaps(second), f"{one!r} and {other!r} overlap"
 
 
 @pytest.mark.parametrize("name", drops())
@@ -271,7 +239,8 @@ def test_frames_can_be_read() -> None:
         for scene in storyboard.storyboard(newton, newton, 2):
             kind = stage.CloseUp if scene.close_up else stage.Wide
             with style.style(**stage.STYLE):
-                assert_legible(kind(newton, newton, scene, 1280).figure)
+                figure = kind(newton, newton, scene, 1280).figure
+            assert_legible(figure, **stage.STYLE)
 
 
 def test_a_ball_alone_can_be_drawn() -> None:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ..bodies import FLOOR
@@ -522,7 +521,7 @@ def _only_there(data: Data) -> Finding:
     shares = []
     for name in ("gap", "radius_ratio"):
         values = maps[f"restitution_ratio_over_{name}"].values
-        shares.append((share(values > 1.0, *figure4.axes(maps, name)), *_highest(maps, name)))
+        shares.append((share(values > 1.0, *figure4.axes(maps, name)), *_highest(data, name)))
     (upper, upper_top, _), (lower, lower_top, where) = shares
     return Finding(
         f"{elsewhere}, on {100 * upper:.0f} % of the upper map of Fig. 4 (up to {upper_top:.4f}) and "
@@ -537,7 +536,7 @@ def _range(data: Data) -> Finding:
     curves = [data.figure(n)["restitution_ratio"].values for n in (5, 6)]
     both = np.sort(np.concatenate(curves))
     hole = int(np.argmax(np.diff(both)))
-    (upper, _), (lower, where) = (_highest(data.figure(4), name) for name in ("gap", "radius_ratio"))
+    (upper, _), (lower, where) = (_highest(data, name) for name in ("gap", "radius_ratio"))
     shown = "; ".join(
         f"Fig. {n} (ε = {epsilon:g}): {curve.min():.1e} to {curve.max():.4f}"
         for n, epsilon, curve in zip((5, 6), (RESTITUTION_5, RESTITUTION_6), curves, strict=True)
@@ -554,13 +553,23 @@ def _range(data: Data) -> Finding:
     )
 
 
-def _highest(maps: xr.Dataset, name: str) -> tuple[float, str]:
-    """The largest ε_eff/ε on a map of Fig. 4, and where it lies."""
+def _highest(data: Data, name: str) -> tuple[float, str]:
+    """The largest ε_eff/ε on a map of Fig. 4, and where it lies.
+
+    The map shows at which ε; the ridge is narrower than its cells, and is sampled again along that ε.
+    """
+    maps = data.figure(4)
     values = maps[f"restitution_ratio_over_{name}"].values
-    i, j = np.unravel_index(int(np.nanargmax(values)), values.shape)
-    other = float(maps[name].values[j])
-    place = f"Δh = {other * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {other:.2f}"
-    return float(values[i, j]), f"at ε = {float(maps['restitution'].values[i]):.2f}, {place}"
+    epsilon = float(maps["restitution"].values[np.nanargmax(np.nanmax(values, axis=1))])
+    low, high = figure4.GAPS if name == "gap" else figure4.RATIOS
+    fine = np.geomspace(low, high, POINTS) if name == "gap" else np.linspace(low, high, POINTS)
+    swept: dict[str, Any] = {name: fine}
+    row = sweep(data.setup.linear(epsilon), variables=["restitution_ratio"], **swept)[
+        "restitution_ratio"
+    ].values
+    i = int(np.nanargmax(row))
+    place = f"Δh = {fine[i] * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {fine[i]:.2f}"
+    return float(row[i]), f"at ε = {epsilon:.2f}, {place}"
 
 
 # --- Appendices ---------------------------------------------------------------------------------------------
