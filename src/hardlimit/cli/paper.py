@@ -33,7 +33,7 @@ MARKS = {
 @click.option("--format", "picture", default="png", show_default=True, help="png, pdf or svg.")
 @dpi_option
 @click.option("--infer-density", is_flag=True, help="Repeat the inference of the density.")
-@click.option("--all", "everything", is_flag=True, help="Print every statement, also those that hold.")
+@click.option("--all", "everything", is_flag=True, help="Print every statement, also those that agree.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def paper(
     figures: str | None,
@@ -48,7 +48,7 @@ def paper(
     """Compute Figures 2–8 of the paper and check what its text states.
 
     Müller and Pöschel, Phys. Rev. E 83, 041304 (2011). Writes every figure as a picture and as data (NetCDF),
-    and report.md with every statement and what comes out; prints those that hold only in part, or not.
+    and report.md with every statement and what comes out; prints those that agree only in part, or not.
     """
     from ..paper import run
 
@@ -78,15 +78,15 @@ def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
 
 
 def print_report(found: Report, everything: bool = False) -> None:
-    """What deviates from the paper first; with ``everything`` also what holds; the summary last."""
+    """What deviates from the paper first; with ``everything`` also what agrees; the summary last."""
     from rich.text import Text
 
     out = console()
     out.print(legend())
     out.print()
-    tables = [("Statements that do not hold, or only in part", found.chosen("statement", "no", "partly"))]
+    tables = [("Statements that do not agree, or only in part", found.chosen("statement", "no", "partly"))]
     if everything:
-        tables.append(("Statements that hold", found.chosen("statement", "yes")))
+        tables.append(("Statements that agree", found.chosen("statement", "yes")))
     tables += [("Density", found.chosen("density")), ("Misprints", found.chosen("misprint"))]
     for title, rows in tables:
         if rows:

@@ -10,10 +10,10 @@ Agreement = Literal["yes", "partly", "no", "misprint"]
 
 #: What a verdict means, in the order in which a reader should see them: what deviates first.
 VERDICTS: Final[dict[Agreement, str]] = {
-    "no": "does not hold",
-    "partly": "holds in part",
-    "yes": "holds",
-    "misprint": "misprint: as printed it contradicts the numbers",
+    "no": "does not agree",
+    "partly": "agrees in part",
+    "yes": "agrees",
+    "misprint": "misprint, contradicted by the numbers",
 }
 
 
@@ -61,12 +61,12 @@ class Report:
         return [row for row in self.rows if row.kind == kind and (not agrees or row.agrees in agrees)]
 
     def summary(self) -> str:
-        """How many statements hold, in one sentence."""
+        """How many statements agree, in one sentence."""
         stated = self.chosen("statement")
         count = {verdict: len(self.chosen("statement", verdict)) for verdict in VERDICTS}
         misprints = len(self.chosen("misprint", "misprint"))
         return (
-            f"{count['yes']} of {len(stated)} statements hold, {count['partly']} in part, {count['no']} not; "
+            f"{count['yes']} of {len(stated)} statements agree, {count['partly']} in part, {count['no']} not; "
             f"{misprints} misprints"
         )
 
@@ -80,9 +80,9 @@ class Report:
             "Verdicts: " + "; ".join(f"**{verdict}**: {means}" for verdict, means in VERDICTS.items()) + ".",
         ]
         lines += _section(
-            "Statements that do not hold, or only in part", self.chosen("statement", "no", "partly")
+            "Statements that do not agree, or only in part", self.chosen("statement", "no", "partly")
         )
-        lines += _section("Statements that hold", self.chosen("statement", "yes"))
+        lines += _section("Statements that agree", self.chosen("statement", "yes"))
         lines += _section("Density", self.chosen("density"))
         lines += _section("Misprints", self.chosen("misprint"))
         lines += ["", "## Figures, and what they mean for event-driven simulations", ""]

@@ -33,5 +33,5 @@ def drop(newton: Result, independent: Result, adiabatic: Result | None = None) -
             left.supxlabel(NOTE, fontsize=8.5, color="#555555")
         ax = right.subplots()
         draw_heights(ax, results, None)
-        add_legend(right, ax, 2 if len(pairs) > 3 else 1)
+        add_legend(right, ax, 1)
     return figure

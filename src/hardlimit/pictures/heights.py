@@ -100,7 +100,10 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
             _mark_tops(ax, result, float(times[-1]), factor)
     ax.set_xlim(start * factor, max(stops) * factor)
     if floor:
-        ax.set_ylim(0.0, 1.06 * largest)
+        lowest = min(
+            float(z.min()) for _, z in shown
+        )  # below the floor only if a ball is flattened to nothing
+        ax.set_ylim(min(0.0, 1.06 * lowest), 1.06 * largest)
         ax.set_ylabel(f"height of the centre [{metres}]")
         ax.set_xlabel(f"time after the first floor touch [{unit}]")
     else:

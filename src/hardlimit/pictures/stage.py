@@ -96,7 +96,7 @@ class _Stage:
         height = 0.6 / len(pairs)
         axes = []
         for k in range(len(pairs)):
-            box = (0.7, 0.12 + (len(pairs) - 1 - k) * height, 0.275, height - 0.045)
+            box = (0.725, 0.12 + (len(pairs) - 1 - k) * height, 0.25, height - 0.045)
             axes.append(self.figure.add_axes(box))
         draw_forces(axes, self.result, self.ghost)
         for ax in axes[:-1]:
@@ -153,7 +153,7 @@ class Wide(_Stage):
                 ax.text(0.5, 0.975, text, transform=ax.transAxes, ha="center", va="top", fontsize=9.5)
         self.axes[0].set_ylabel("height [m]")
         self.title_models()
-        self.caption("true sizes and heights; dotted: release of the top ball")
+        self.caption("true sizes and heights\ndotted: release of the top ball")
         self.balls = [
             _make_balls(ax, [b.radius for b in column.balls], k == 1) for k, ax in enumerate(self.axes)
         ]

@@ -117,7 +117,7 @@ def _label_spikes(ax: Axes, tips: NDArray[np.float64]) -> None:
             groups.append([tip])
     right = ax.get_xlim()[1]
     for group in groups:
-        names = r",\ ".join(f"{tip:.3f}" for tip in group)
+        names = r"$, $".join(f"{tip:.3f}" for tip in group)
         several = len(group) > 1
         ax.annotate(
             rf"{'spikes' if several else 'spike'}, $\varepsilon<{names}$",
