@@ -69,7 +69,7 @@ def test_each_help_shows_an_example(name: str) -> None:
 def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        "hardlimit.pictures.plots.save", lambda figure, path: path
+        "hardlimit.pictures.plots.save", lambda figure, path, *look: path
     )  # pictures have their own tests
     example = run(name, "--help").stdout.partition("Example:\n")[2].splitlines()[0]
     words = example.partition(">")[0].split()

@@ -57,7 +57,9 @@ def write(path: str | Path, content: bytes | memoryview) -> Path:
     return Path(path)
 
 
-def dataset(data: xr.Dataset, path: str | Path, encoding: Mapping[Any, Mapping[str, Any]] | None = None) -> Path:
+def dataset(
+    data: xr.Dataset, path: str | Path, encoding: Mapping[Any, Mapping[str, Any]] | None = None
+) -> Path:
     """Write a Dataset as NetCDF; ``encoding`` is that of ``xarray.Dataset.to_netcdf``.
 
     The file is made in memory: HDF5 crashes Python when a disk fills up under an open file.
