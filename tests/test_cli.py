@@ -17,6 +17,7 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import hardlimit as hl
+from conftest import law_of
 from hardlimit.cli import main
 from hardlimit.cli.axes import axis
 from hardlimit.column import files
@@ -236,6 +237,17 @@ def test_contact_over_speeds() -> None:
     assert "dissipative time" in text and "\n3 " in text
 
 
+@pytest.mark.parametrize("law", sorted(hl.LAWS))
+def test_speeds_are_shown_where_they_matter(law: str) -> None:
+    """A duration may depend on the speed where the restitution does not."""
+    made = law_of(law, 0.7)
+    given = [f"--{name.replace('_', '-')}={value!r}" for name, value in made.parameters.items()]
+    text = run("contact", "--law", law, *given).stdout
+    contact = made.between(hl.Ball(0.01, density=840))
+    same = all(f(0.01) == pytest.approx(f(10.0), rel=1e-12) for f in (contact.restitution, contact.duration))
+    assert ("At any speed" in text) == same and ("\n0.01 " in text) == (not same)
+
+
 @pytest.mark.parametrize("law", [[], [*HERTZ, "--dissipative-time", 1e-5]])
 def test_contact_plot(law: list[str], tmp_path: Path) -> None:
     run("contact", *law, "--plot", tmp_path / "contact.pdf")
@@ -386,6 +398,10 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["drop", "--height", 0.05], "height: got 0.05, must be >= 0.1"),
         (["drop", "--height", 0.1], "height: got 0.1, nothing moves"),
         (["drop", "--radius", 0.1, "--radius-1", 0.1], "got both"),
+        (
+            ["drop", "--radius", 0.1, "--gap", "1mm"],
+            "gap: got 0.001, must be left out for a column of one ball",
+        ),
         (["drop", "--radius-1", 0.1, "--radius-ratio", 3], "radius_ratio | radius_1: got both"),
         (["drop", "--density", 1, "--mass", 1], "density | mass: got both"),
         (["drop", "--gap", 0.1, "--gap", 0.1], "gap: got 2 values, must be 1"),

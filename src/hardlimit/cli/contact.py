@@ -95,9 +95,18 @@ def other_ball(ball: Ball, radius: float | None, density: float | None, mass: fl
     return make_ball("other_", radius, density, mass, ball.radius, ball.density)
 
 
+def depends_on_speed(made: Contact) -> bool:
+    """Whether restitution or duration change with the speed of impact."""
+    slow, fast = SPEEDS[0], SPEEDS[-1]
+    return not (
+        math.isclose(made.restitution(slow), made.restitution(fast), rel_tol=1e-12)
+        and math.isclose(made.duration(slow), made.duration(fast), rel_tol=1e-12)
+    )
+
+
 def default_speeds(made: Contact) -> list[float]:
-    """One speed where the restitution does not depend on it, else some decades and the one given."""
-    if math.isclose(made.restitution(SPEEDS[0]), made.restitution(SPEEDS[-1]), rel_tol=1e-12):
+    """One speed where nothing depends on it, else some decades and the one given."""
+    if not depends_on_speed(made):
         return [1.0]
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
@@ -141,8 +150,7 @@ def print_report(
     name = made.law.record["name"]
     show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
     by_speed = [[digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s")] for v in speeds]
-    independent = usual is not None or (len(speeds) == 1 and made.law.record["name"] == "linear")
-    title = "At any speed" if independent else "Over the speed of impact"
+    title = "Over the speed of impact" if depends_on_speed(made) else "At any speed"
     show(out, title, table(["speed [m/s]", "restitution ε", "duration"], by_speed))
     if usual:
         print_usual(out, made, usual)

@@ -337,6 +337,8 @@ def with_motion(
     if scenario.cradle and gravity is not None:
         raise ValueError("gravity: a cradle has none, must be left out")
     n = len(scenario.balls)
+    if gaps and n == 1:
+        raise ValueError(f"gap: got {gaps[0]:.16g}, must be left out for a column of one ball")
     return replace(
         scenario,
         gaps=_fitting("gap", gaps, scenario.gaps, n - 1),
