@@ -137,11 +137,12 @@ std::string in_words(double x) {
 }
 
 void require_recorded(const col::Solution& s, const double* times, std::size_t n) {
+    const hl::Outcome outcome = s.sequence.outcome;
+    const std::string why = outcome == hl::Outcome::ok ? "" : std::string(": ") + hl::message(outcome);
     for (std::size_t i = 0; i < n; ++i)
         if (!(times[i] >= s.first && times[i] <= s.last))
             throw nb::value_error(("times: got " + in_words(times[i]) + ", must be >= " + in_words(s.first) +
-                                   " and <= " + in_words(s.last) + ", where the solver ended (" +
-                                   hl::message(s.sequence.outcome) + ")")
+                                   " and <= " + in_words(s.last) + ", where the solution ends" + why)
                                       .c_str());
 }
 

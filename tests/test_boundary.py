@@ -75,3 +75,76 @@ BAD_MAPS: dict[str, dict[str, Any]] = {
 def test_a_sweep_refuses_what_no_plan_says(name: str) -> None:
     with pytest.raises(ValueError, match=f"^{name}: "):
         run_map({"t_end": np.empty(COUNT)}, **BAD_MAPS[name])
+
+
+def test_a_force_needs_as_many_rates_as_compressions() -> None:
+    contact = hl.LinearDashpot(stiffness=1e6, restitution=0.5).between(hl.Ball(0.01, mass=0.1)).core
+    with pytest.raises(ValueError, match="rate: got 2 values, must be 3"):
+        contact.force(np.ones(3), np.ones(2))
+    strided = contact.force(np.arange(6.0)[::2], np.zeros(3))
+    assert strided.tolist() == [0.0, 2e6, 4e6]
+    with pytest.raises(TypeError):
+        contact.force(np.ones((2, 2)), np.ones((2, 2)))
+
+
+@pytest.mark.parametrize("parameters", [[], [1e6], [1e6, 0.5, 1.0]])
+def test_a_contact_needs_the_parameters_of_its_law(parameters: list[float]) -> None:
+    with pytest.raises(ValueError, match=f"parameters: got {len(parameters)} values, must be 2"):
+        _core.make_contact("linear", 0, parameters, 0.1, 0.01)
+
+
+@pytest.mark.parametrize("alternative", [-1, 2, 1000])
+def test_a_contact_needs_an_alternative_of_its_law(alternative: int) -> None:
+    with pytest.raises(ValueError, match=f"alternative: got {alternative}, must be"):
+        _core.make_contact("linear", alternative, [1e6, 0.5], 0.1, 0.01)
+
+
+@pytest.mark.parametrize("name", ["radius", "contacts", "gaps", "velocity"])
+@pytest.mark.parametrize("length", [0, 1, 3])
+def test_a_column_needs_one_value_for_each_ball(name: str, length: int) -> None:
+    contact = _core.make_contact("linear", 0, [1e6, 0.5], 0.1, 0.01)
+    values: dict[str, Any] = {
+        "mass": [1.0] * 2,
+        "radius": [0.1] * 2,
+        "contacts": [contact] * 2,
+        "gaps": [0.1] * 2,
+        "velocity": [0.0] * 2,
+    }
+    values[name] = (values[name] * 2)[:length]
+    with pytest.raises(ValueError, match=f"{name}: got {length} values, must be 2"):
+        _core.make_column(True, 9.81, **values)
+
+
+def test_a_column_needs_a_ball() -> None:
+    with pytest.raises(ValueError, match="mass: got no values"):
+        _core.make_column(True, 9.81, [], [], [], [], [])
+
+
+@pytest.mark.parametrize("method", ["auto", "general"])
+@pytest.mark.parametrize("time", [-1.0, 1.0, 1e308, math.inf, math.nan])
+def test_a_solution_is_sampled_where_it_is_known(method: Any, time: float) -> None:
+    result = hl.newton(hl.Column.paper(restitution=0.7), method=method)
+    core = result._core
+    with pytest.raises(ValueError, match="times: got "):
+        core.sample(np.array([0.0, time]))
+    for wrong in (np.zeros((2, 2)), "0.0", None):
+        with pytest.raises(TypeError):
+            core.sample(wrong)
+    once = core.sample(np.array([0.0, 1e-4]))
+    again = core.sample(np.array([0.0, 9.0, 1e-4, 9.0])[::2])
+    assert all((a == b).all() for a, b in zip(once, again, strict=True))
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.5, 0.9, 1.0])
+@pytest.mark.parametrize("model", [hl.newton, hl.adiabatic, hl.independent])
+def test_a_trajectory_far_from_now_ends(model: Any, restitution: float) -> None:
+    """At rest, or refused in one line that says how far the solution goes."""
+    result = model(hl.Column.paper(restitution=restitution))
+    for time in (1e4, 1e12, 1e308):
+        try:
+            position = result.trajectory([time]).position.values[0]
+        except ValueError as refusal:
+            assert str(refusal).startswith("times: got ") and "\n" not in str(refusal)
+            assert time > 1e4 and (time > 1e9 or restitution == 1.0)
+        else:
+            assert restitution == 1.0 or position == pytest.approx([0.1, 0.21], abs=1e-5)

@@ -527,7 +527,7 @@ BAD_BALLS = {
     "neither density nor mass": (lambda: hl.Ball(0.1), ("density | mass", "neither")),
     "density and mass": (lambda: hl.Ball(0.1, density=1.0, mass=1.0), ("density | mass", "both")),
     "mass beyond numbers": (lambda: hl.Ball(1e80, density=1e3), ("radius", "1e+80", "must be")),
-    "no body": (lambda: law_of("linear", 0.5).between(3.0), ("3.0", "Ball or FLOOR")),
+    "no body": (lambda: law_of("linear", 0.5).between(3.0), ("ball: got 3.0", "must be a Ball")),
     "zero speed": (lambda: contact().restitution(0.0), ("speed", "0", "> 0")),
     "one negative speed": (
         lambda: contact().duration([1.0, -2.0]),

@@ -1,6 +1,8 @@
 """The independent-collisions model: Eqs. 1–6 with the corrected v12, cascades, event-driven sequence."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from conftest import columns, law_of
+from hardlimit import _core
 
 G = 9.81
 
@@ -154,8 +157,6 @@ def test_viscoelastic_collisions_take_the_restitution_at_their_speed():
 
 def test_inverse_of_equation_4():
     """ε_eff = (√(1 + 4 v'_r/V) − 1)/2, also where this form would lose its digits."""
-    from hardlimit import _core
-
     for e in (1e-12, 1e-6, 0.1, 0.5, 0.9, 1.0, 1.2):
         assert _core.effective_restitution(e * (1.0 + e) * 3.0, 3.0) == pytest.approx(e, rel=1e-14)
     assert math.isnan(_core.effective_restitution(math.nan, 3.0))
@@ -187,13 +188,172 @@ def test_thrown_up_from_the_floor(model):
     assert result.trajectory([-1.0 / G]).position.values[0, 0] == pytest.approx(0.05 + 0.5 / G, rel=1e-9)
 
 
-def test_inelastic_collapse_has_an_outcome():
-    """Three balls with ε below 7 − 4√3 collide infinitely often in a finite time."""
-    law = law_of("linear", 0.05)
-    column = hl.Column.cradle([hl.Ball(0.01, mass=1.0)] * 3, [1.0, 0.0, -1.0], law, gaps=[0.1, 0.15])
+COLLAPSE = hl.OUTCOMES.index("collapse")
+
+
+@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9])
+def test_a_bouncing_ball_comes_to_rest(restitution):
+    """Its bounces take 2 ε^k V/g each, 2 ε V/(g (1 − ε)) together; then it lies on the floor for good."""
+    column = two_balls(0.1, restitution, gap=1e5)
+    rest = 2.0 * restitution * column.impact_speed / (G * (1.0 - restitution))
+    result = hl.independent(column, until=rest + 1.0)
+    assert result.outcome_code == COLLAPSE
+    assert result.contacts.begin.values[-1] == pytest.approx(rest, rel=1e-7)
+    late = result.trajectory(np.linspace(rest * (1.0 + 1e-7), 10.0 * rest, 50))
+    assert (late.position.values[:, 0] == 0.1).all() and (late.velocity.values[:, 0] == 0.0).all()
+    shortly = hl.independent(column, until=0.9 * rest)
+    assert shortly.outcome_code != COLLAPSE
+
+
+@pytest.mark.parametrize(("restitution", "until"), [(0.5, 1.0), (0.5, 100.0), (0.9, 10.0), (0.9, 300.0)])
+def test_the_papers_drop_never_falls_through_the_floor(restitution, until):
+    result = hl.independent(hl.Column.paper(restitution=restitution), until=until)
+    assert result.outcome_code == COLLAPSE
+    assert result.positions[0] == 0.1 and result.velocities[0] == 0.0
+    assert result.positions[1] >= 0.21
+    if until > 99.0:
+        assert result.positions == pytest.approx([0.1, 0.21], abs=1e-12)
+
+
+def test_a_law_that_grows_elastic_at_small_speed_comes_to_rest_too():
+    """Viscoelastic: 1 − ε ~ v^(1/5), so the flights shrink as 1/n⁵, infinitely many in a finite time."""
+    law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.4, impact_speed=3.0)
+    balls = [hl.Ball(0.05, density=840.0), hl.Ball(0.02, density=840.0)]
+    column = hl.Column(balls, [1e4], 0.5, law)
+    floor = column.contacts[0]
+    v, rest = column.impact_speed, 0.0
+    while v > 1e-8 * column.impact_speed:
+        v *= floor.restitution(v)
+        rest += 2.0 * v / G
+    result = hl.independent(column, until=2.0 * rest)
+    assert result.outcome_code == COLLAPSE
+    assert result.contacts.begin.values[-1] == pytest.approx(rest, rel=1e-9)
+    assert result.positions[0] == 0.05 and result.velocities[0] == 0.0
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.07])
+def test_balls_that_collapse_in_flight_go_on_together(restitution):
+    """Three equal balls with ε below 7 − 4√3 = 0.0718 collide infinitely often in a finite time."""
+    law = law_of("linear", restitution)
+    column = hl.Column.cradle([hl.Ball(0.01, mass=1.0)] * 3, [1.0, 0.0, -0.9], law, gaps=[0.1, 0.15])
     result = hl.independent(column)
-    assert result.outcome_code in (hl.OUTCOMES.index("collapse"), hl.OUTCOMES.index("ok"))
-    assert np.isfinite(result.velocities).all()
+    assert result.outcome_code == COLLAPSE
+    assert result.velocities == pytest.approx([0.1 / 3.0] * 3, rel=1e-6)
+    at = result.trajectory([result.t_end, 10.0, 1e4])
+    assert np.diff(at.position.values, axis=1) == pytest.approx(np.full((3, 2), 0.02), abs=1e-12)
+    assert (np.diff(at.velocity.values) == 0.0).all()
+
+
+@pytest.mark.parametrize("restitution", [0.08, 0.2])
+def test_balls_above_the_threshold_part(restitution):
+    law = law_of("linear", restitution)
+    column = hl.Column.cradle([hl.Ball(0.01, mass=1.0)] * 3, [1.0, 0.0, -1.0], law, gaps=[0.1, 0.1])
+    result = hl.independent(column)
+    assert result.outcome == "ok"
+    assert (np.diff(result.velocities) > 0.0).all()
+
+
+def test_elastic_balls_do_not_collapse():
+    """At μ = 1/3 the lower ball stops to rounding: what is left of its motion is no collapse."""
+    result = hl.independent(two_balls(1.0 / 3.0, 1.0, 0.0), until=0.5)
+    assert result.outcome == "ok"
+    assert result.positions[0] == pytest.approx(0.1, abs=1e-14)
+
+
+def test_beyond_the_limit_of_collisions_nothing_is_known():
+    """An elastic ball bounces for ever: what was not computed is NaN, not a fall through the floor."""
+    column = two_balls(0.1, 1.0, gap=1e-3, fall=1e-3)
+    result = hl.independent(column, until=1e6)
+    assert result.outcome_code == hl.OUTCOMES.index("unresolved")
+    assert np.isnan(result.positions).all() and np.isnan(result.velocities).all()
+    known = result.trajectory(np.linspace(0.0, result._core.t_last * (1.0 - 1e-9), 100))
+    assert known.position.values[:, 0].min() >= 0.1 - 1e-9
+
+
+def test_three_hundred_collapsing_balls_need_little_memory():
+    """Kept is what is needed to compute the states again, not each of them."""
+    code = """if True:
+        import resource, hardlimit as hl
+        column = hl.Column([hl.Ball(0.01, density=1000.0)] * 300, 1e-3, 0.5,
+                           hl.LinearDashpot(stiffness=1e7, restitution=0.5))
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        result = hl.independent(column, until=0.1)
+        after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        print(result._core.steps, (after - before) / 1024)
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    collisions, megabytes = done.stdout.split()
+    assert int(collisions) > 30_000
+    assert float(megabytes) < 60.0
+
+
+@settings(max_examples=40)
+@given(columns(law=st.floats(0.3, 0.95).map(lambda e: law_of("linear", e)), most=4), st.randoms())
+def test_states_are_the_same_in_any_order(column, random):
+    result = hl.independent(column, until=0.5)
+    times = np.linspace(result._core.t_first, 0.5, 60)
+    order = list(range(len(times)))
+    random.shuffle(order)
+    ascending, shuffled = result.trajectory(times), result.trajectory(times[order])
+    assert (ascending.position.values[order] == shuffled.position.values).all()
+    assert (ascending.velocity.values[order] == shuffled.velocity.values).all()
+
+
+@st.composite
+def piles(draw) -> hl.Column:
+    """Columns that collapse: gaps and speeds of zero, release from the floor, restitutions of all sizes."""
+    n = draw(st.integers(2, 4))
+    balls = [hl.Ball(draw(st.sampled_from([0.01, 0.02, 0.03])), density=2000.0) for _ in range(n)]
+    gaps = [draw(st.sampled_from([0.0, 1e-6, 1e-3, 0.05])) for _ in range(n - 1)]
+    velocities = [draw(st.sampled_from([-1.0, 0.0, 0.0, 0.5, 1.0])) for _ in range(n)]
+    height = balls[0].radius + draw(st.sampled_from([0.0, 1e-3, 0.1]))
+    gravity = draw(st.sampled_from([9.81, 9.81, 0.0]))
+    if height == balls[0].radius or gravity == 0.0:
+        velocities[0] = -0.5
+    law = law_of("linear", draw(st.one_of(st.floats(0.1, 0.9), st.sampled_from([1.0, 0.01, 0.5]))))
+    return hl.Column(balls, gaps, height, law, velocities=velocities, gravity=gravity)
+
+
+@settings(max_examples=150)
+@given(piles(), st.sampled_from([0.02, 0.5, 3.0]))
+def test_no_ball_is_ever_inside_another_and_energy_never_rises(column, until):
+    result = hl.independent(column, until=until)
+    first, last = result._core.t_first, min(until, result._core.t_last)
+    times = np.unique(np.concatenate([np.linspace(first, last, 300), result.contacts.begin.values[:300]]))
+    t = result.trajectory(times[times <= last])
+    radii = np.array([b.radius for b in column.balls])
+    position = t.position.values
+    assert np.isfinite(position).all()
+    assert position[:, 0].min() >= radii[0] - 1e-12
+    assert (np.diff(position, axis=1) - (radii[1:] + radii[:-1])).min() >= -1e-9
+    energy = (t.kinetic_energy + t.potential_energy).values
+    assert np.diff(energy).max() <= 1e-12 * max(1e-3, np.abs(energy).max())
+    if result.outcome_code == COLLAPSE:  # and whatever happens later
+        late = result.trajectory([last, 2.0 * last, 10.0])
+        assert late.position.values[:, 0].min() >= radii[0] - 1e-12
+
+
+def one_ball(restitution: float, fall: float, velocity: float = 0.0, gravity: float = G):
+    contact = law_of("linear", restitution).between(hl.Ball(0.02, mass=0.1))
+    return _core.make_column(True, gravity, [0.1], [0.02], [contact.core], [fall], [velocity])
+
+
+def test_one_ball():
+    """The sequence of a single ball is its first collision with the floor; later it bounces until it rests."""
+    v = math.sqrt(2.0 * G * 0.3)
+    once = _core.independent(one_ball(0.8, 0.3), math.nan)
+    assert _core.outcome_names[once.outcome] == "ok"
+    assert once.n_contacts == 0 and once.t_end == once.t_floor_end == 0.0
+    assert once.contacts()[0].tolist() == [0]
+    assert once.sample(np.array([0.0]), 1)[1][0, 0] == pytest.approx(0.8 * v, rel=1e-14)
+    rest = 2.0 * 0.8 * v / (G * 0.2)
+    result = _core.independent(one_ball(0.8, 0.3), 10.0)
+    assert _core.outcome_names[result.outcome] == "collapse"
+    assert result.contacts()[1][-1] == pytest.approx(rest, rel=1e-7)
+    position, velocity, *_ = result.sample(np.array([1.001 * rest, 10.0]), 1)
+    assert (position == 0.02).all() and (velocity == 0.0).all()
+    gone = _core.independent(one_ball(0.8, 0.3, -1.0, 0.0), math.nan)
+    assert _core.outcome_names[gone.outcome] == "ok" and gone.t_end == 0.0
 
 
 @settings(max_examples=80)

@@ -1,5 +1,6 @@
 """A model is described once; everyone reads that description, and it says what the core does."""
 
+import html
 import re
 from pathlib import Path
 
@@ -39,9 +40,10 @@ def test_numbers_are_those_of_the_core():
 @every_model
 def test_a_model_names_itself(model):
     assert MODELS[model.name] is model
-    for text in (model.label, model.short, model.summary, model.limits, model.needs):
+    for text in (model.label, model.short, model.limits, model.needs):
         assert text and "\n" not in text
-    assert solve(model, hl.Column.paper()).model == model.name
+    result = solve(model, hl.Column.paper())
+    assert result.model == model.name and html.escape(model.limits) in result._repr_html_()
     with pytest.raises(TypeError):
         MODELS[model.name] = None
 

@@ -2,8 +2,14 @@
 
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
+from numpy.typing import NDArray
+
+import hardlimit as hl
 
 
 def run(program: str) -> subprocess.CompletedProcess[str]:
@@ -37,3 +43,101 @@ print(np.array_equal(ds.t_end, few.t_end), np.array_equal(ds.n_contacts, few.n_c
 """
     )
     assert (done.returncode, done.stdout) == (0, "True True\n"), done.stderr
+
+
+SOLVES = {
+    "exact": "hl.newton(elastic, until=2e5)",
+    "adiabatic": "hl.adiabatic(elastic, until=2e5)",
+    "general": "hl.newton(elastic, until=1e4, method='general')",
+    "independent": "hl.independent(tall, until=1e5)",
+    "trajectory": "result.trajectory(times)",
+    "restitution": "soft.restitution(times[::10])",
+}
+
+
+@pytest.mark.parametrize("which", SOLVES)
+def test_signals_are_handled_while_a_solver_works(which: str) -> None:
+    """A timer rings every 10 ms: were it only heard once the solver returns, its handler would run once."""
+    done = run(
+        f"""
+import signal
+import numpy as np
+import hardlimit as hl
+elastic = hl.Column.paper(restitution=1.0)
+tall = hl.Column([hl.Ball(0.01, mass=1.0)] * 200, [0.1] * 199, 0.5, hl.LinearDashpot(stiffness=1e6, restitution=1.0))
+soft = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=1e-6).between(hl.Ball(0.01, mass=1.0))
+times = np.linspace(0.001, 1.0, 200_000)
+result = hl.newton(elastic, until=1.0)
+calls = 0
+def count(number, frame):
+    global calls
+    calls += 1
+signal.signal(signal.SIGALRM, count)
+signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
+{SOLVES[which]}
+heard = calls
+signal.setitimer(signal.ITIMER_REAL, 0.0)
+print(heard > 1)
+"""
+    )
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+def test_ctrl_c_ends_a_solve_that_would_take_hours() -> None:
+    done = run(
+        """
+import signal
+import hardlimit as hl
+balls = [hl.Ball(0.01, mass=0.01)] * 1000
+row = hl.Column.cradle(balls, [1.0] + [0.0] * 999, hl.LinearDashpot(stiffness=1e6, restitution=0.9), gaps=1e-3)
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+signal.setitimer(signal.ITIMER_REAL, 0.05)
+try:
+    hl.newton(row, until=1e3)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    )
+    assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
+
+
+def test_the_interpreter_ends_while_daemon_threads_solve() -> None:
+    done = run(
+        """
+import threading
+import hardlimit as hl
+balls = [hl.Ball(0.01, mass=0.01)] * 40
+column = hl.Column(balls, [1e-4] * 39, 0.5, hl.LinearDashpot(stiffness=1e6, restitution=0.99))
+working = threading.Semaphore(0)
+def solve():
+    while True:
+        hl.newton(column, until=0.005)
+        working.release()
+for _ in range(4):
+    threading.Thread(target=solve, daemon=True).start()
+for _ in range(8):
+    working.acquire()
+print("end")
+"""
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "end\n", "")
+
+
+def test_threads_may_share_a_fresh_result() -> None:
+    """The dissipated energy is summed when it is first asked for, here by four threads at once."""
+    column = hl.Column.paper(restitution=0.5)
+    times = np.linspace(-0.1, 0.0008, 40)
+    expected = hl.newton(column).trajectory(times).dissipated_energy.values
+    together = threading.Barrier(4)
+
+    def ask(result: hl.Result) -> NDArray[np.float64]:
+        core = result._core
+        together.wait()
+        dissipated: NDArray[np.float64] = core.sample(times)[6]
+        return dissipated
+
+    with ThreadPoolExecutor(4) as pool:
+        for _ in range(1500):
+            fresh = hl.newton(column)
+            for found in pool.map(ask, [fresh] * 4):
+                np.testing.assert_array_equal(found, expected)

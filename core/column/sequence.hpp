@@ -40,6 +40,11 @@ struct Sequence {
             t_end = math::nan;
         }
     }
+    // Time counts from the first floor touch from now on.
+    HL_FN void clock_restarts() {
+        t_end -= t_first_touch;
+        t_first_touch = 0.0;
+    }
     HL_FN void floor_ends(double t) {
         if (math::is_nan(t_floor_end)) t_floor_end = t;
         if (one_ball && !met_again) t_end = t;

@@ -52,7 +52,7 @@ public:
     virtual ~Solution() = default;
     // The states at out.n times within [first, last]. Safe to call from several threads at once.
     virtual void sample(const double* times, States& out) const = 0;
-    // Times between which nothing begins or ends, in order, from first to last [s].
+    // Times from first to last [s] between which nothing begins or ends.
     virtual std::vector<double> knots() const = 0;
 
 protected:

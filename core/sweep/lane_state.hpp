@@ -77,7 +77,10 @@ HL_FN void floor_begins(State<R>& q, Mask<R> m) {
     raise(q.floor, m);
     clear(q.floor_open, m);
     const Mask<R> first = m & math::is_nan(q.t_first), second = m & negation(first) & q.opened;
-    assign<R>(first, q.t_first, q.t);
+    // From the first touch on time counts from there.
+    assign<R>(first, q.t_end, q.t_end - q.t);
+    assign<R>(first, q.t_first, R{});
+    assign<R>(first, q.t, R{});
     raise(q.met, second);
     finish<R>(q, second & negation(q.counted));
 }
@@ -290,6 +293,11 @@ HL_FN void start(State<R>& q, Mask<R> m) {
     for (Mask<R>* flag : yes) raise(*flag, m);
     set(q.on_u, m, q.x.u == 0.0);
     set(q.on_w, m, q.x.w == 0.0);
+    // The momentum of an upper ball on a light one would lose its digits, and squares of a large gravity overflow.
+    const Mask<R> extreme =
+        m & ((1.0 - q.s.a2 < column::light_below) | (q.s.gravity > column::strongest_gravity));
+    raise(q.left, extreme);
+    finish<R>(q, extreme);
     floor_begins<R>(q, m & (q.x.u == 0.0) & (q.x.du < 0.0));
 }
 

@@ -38,7 +38,6 @@ class Model:
     name: str  #: as in ``hardlimit.sweep(model=…)``
     label: str  #: in a legend
     short: str  #: at the head of a column of a table
-    summary: str
     limits: str  #: what it leaves out, or where it fails
     solve: Callable[..., _core.Solution]  #: (core column, until or NaN, …) → solution
     applies: Callable[[Scenario], bool] = lambda column: True
@@ -56,32 +55,32 @@ class Model:
             raise ValueError(f"column: the {self.name} model is that of {self.needs}")
 
 
+#: Newton's equations (Eq. 14), with a force for as long as a contact lasts.
 NEWTON: Final = Model(
     number=0,
     name="newton",
     label="Newton’s equations",
     short="Newton",
-    summary="Newton's equations (Eq. 14) with a force for as long as a contact lasts.",
     limits="none beyond those of the contact law",
     solve=_core.newton,
 )
+#: Appendix A: the upper ball does not act on the lower one.
 ADIABATIC: Final = Model(
     number=1,
     name="adiabatic",
     label="adiabatic",
     short="adiabatic",
-    summary="Appendix A: the upper ball does not act on the lower one.",
     limits="exact for R1 ≫ R2; the error falls as the mass ratio m2/m1",
     solve=_core.adiabatic,
     applies=solvable_exactly,
     needs="two balls on a floor under the linear law",
 )
+#: Instantaneous collisions of two bodies at a time (Eqs. 1–6): the event-driven sequence.
 INDEPENDENT: Final = Model(
     number=2,
     name="independent",
     label="independent collisions",
     short="independent",
-    summary="Instantaneous collisions of two bodies at a time (Eqs. 1–6): the event-driven sequence.",
     limits="right if every contact is over before the next one begins; may end in inelastic collapse",
     solve=_core.independent,
 )

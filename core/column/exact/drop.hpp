@@ -24,6 +24,10 @@ struct Recorder {
         if (keep_nodes) nodes.push_back(n);
     }
     bool stopped() const { return stop && (*stop)(); }
+    void clock_restarts(double t) {
+        for (Node& n : nodes) n.t -= t;
+        for (Contact& k : contacts) k = {k.pair, k.begin - t, k.end - t};
+    }
     void begins(int pair, double t) {
         open[pair] = static_cast<long>(contacts.size());
         contacts.push_back({pair, t, math::nan});
@@ -121,9 +125,10 @@ inline Start start_drop(const LinearColumn& c, Coupling coupling) {
                           {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
 }
 
-// `until` [s] on the clock of the solver.
+// `until` [s] on the clock of the solver, at most 2^52: later a double does not tell one instant of a contact from the
+// next.
 inline double scaled_span(double until, const Units& units) {
-    return math::is_nan(until) ? -math::infinity : until * units.rate;
+    return math::is_nan(until) ? -math::infinity : math::min(until * units.rate, 0x1p52);
 }
 
 // Nothing but the sequence, in SI units.

@@ -11,12 +11,31 @@ struct Groups {
     R c1, c2;   // damping times γ/k of floor and pair
     R gravity;  // G = g/(V ω)
 };
-using TwoBall = Groups<double>;
+
+// Below this share of the upper ball the lower one is light, and 1 − a2 has lost its digits.
+inline constexpr double light_below = 1.0 / 512.0;
+
+// Above this gravity squares overflow: the contacts are so soft that a ball sinks in by 1e100 times its own impact.
+inline constexpr double strongest_gravity = 1e100;
+
+// The groups of one problem, with b2: the pair force on the upper ball, as a2 is on the lower one, s̈ = −G − b2 L2 for
+// its height s = u + w. b2 = 1 − a2 in exact numbers. Far below 1 that difference would lose its digits, and with them
+// the momentum of a heavy upper ball; b2 is then m_eff/m2.
+struct TwoBall : Groups<double> {
+    double b2;
+    // The lower ball is much the lighter one: the velocity of the upper ball is then followed by its own momentum.
+    HL_FN bool light() const { return b2 < light_below; }
+};
 
 // Units of the scaled problem: length speed/rate, time 1/rate.
 struct Units {
     double speed, rate;
 };
+
+HL_FN double upper_share(double reduced, double m1, double m2) {
+    const double rest = 1.0 - reduced / m1;
+    return rest < light_below ? reduced / m2 : rest;
+}
 
 // Fully coupled balls: time in units of the pair's own 1/ω12.
 HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
@@ -24,8 +43,9 @@ HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact:
     const double reduced = effective(m1, m2);
     const double rate = math::sqrt(pair.stiffness / reduced);
     units = {speed, rate};
-    return {(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1, floor.relaxation_time() * rate,
-            pair.relaxation_time() * rate, gravity / (speed * rate)};
+    return {{(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1,
+             floor.relaxation_time() * rate, pair.relaxation_time() * rate, gravity / (speed * rate)},
+            upper_share(reduced, m1, m2)};
 }
 
 // Appendix A of the paper: the upper ball does not act on the lower one (exact for R1 ≫ R2).
@@ -40,8 +60,9 @@ HL_FN TwoBall adiabatic_groups(const contact::LinearDashpot& floor, const contac
                                double m1, double m2, double gravity, double speed, Units& units) {
     const double rate = math::sqrt(pair.stiffness / m2);
     units = {speed, rate};
-    return {(floor.stiffness / pair.stiffness) * (m2 / m1), 0.0, floor.relaxation_time() * rate,
-            pair.relaxation_time() * rate, gravity / (speed * rate)};
+    return {{(floor.stiffness / pair.stiffness) * (m2 / m1), 0.0, floor.relaxation_time() * rate,
+             pair.relaxation_time() * rate, gravity / (speed * rate)},
+            1.0};
 }
 
 // Gaps of floor and pair, and their rates.

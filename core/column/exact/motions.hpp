@@ -105,6 +105,13 @@ HL_FN GapState<R> evaluate(const Series<R, N>& p, R theta) {
             slope_at<N>(p.w, theta) / p.h};
 }
 
+// ∫ L2 dt from the start of a piece to θ.
+HL_FN double impulse(const Piece& p, double theta) {
+    double sum = 0.0;
+    for (int n = order - 1; n >= 0; --n) sum = sum * theta + p.l2[n] / (n + 1.0);
+    return p.h * theta * sum;
+}
+
 // The parabola of motion A.
 template <class R>
 HL_FN GapState<R> fly(const Groups<R>& s, const GapState<R>& x, R t) {
@@ -142,52 +149,6 @@ HL_FN Gaps lie_on_floor(const TwoBall& s, const Gaps& x, double t) {
     const double upper = x.u + x.w, upper_rate = x.du + x.dw;  // the upper ball falls freely
     const double u = u0 + y;
     return {u, dy, (upper + t * (upper_rate - 0.5 * s.gravity * t)) - u, (upper_rate - s.gravity * t) - dy};
-}
-
-// Motion C over any time: exp(M t) about the static equilibrium, its factor for one piece raised to a power by squaring.
-struct Propagator {
-    double m[4][4];
-
-    HL_FN static Propagator of(const TwoBall& s, double h) {
-        TwoBall weightless = s;
-        weightless.gravity = 0.0;
-        Propagator p;
-        for (int j = 0; j < 4; ++j) {
-            Piece piece;
-            expand(weightless,
-                   Gaps{j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0, j == 3 ? 1.0 : 0.0}, true,
-                   true, h, piece);
-            const Gaps x = evaluate(piece, 1.0);
-            const double column[4] = {x.u, x.du, x.w, x.dw};
-            for (int i = 0; i < 4; ++i) p.m[i][j] = column[i];
-        }
-        return p;
-    }
-    HL_FN Propagator squared() const {
-        Propagator p;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) {
-                p.m[i][j] = 0.0;
-                for (int k = 0; k < 4; ++k) p.m[i][j] += m[i][k] * m[k][j];
-            }
-        return p;
-    }
-    HL_FN Gaps times(const Gaps& x) const {
-        const auto row = [&](int i) {
-            return m[i][0] * x.u + m[i][1] * x.du + m[i][2] * x.w + m[i][3] * x.dw;
-        };
-        return {row(0), row(1), row(2), row(3)};
-    }
-};
-
-HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
-    const double w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
-    double pieces = 1.0;
-    while (t / pieces > piece_length(s, true, true)) pieces *= 2.0;
-    Propagator p = Propagator::of(s, t / pieces);
-    for (; pieces > 1.0; pieces *= 0.5) p = p.squared();
-    const Gaps y = p.times({x.u - u0, x.du, x.w - w0, x.dw});
-    return {y.u + u0, y.du, y.w + w0, y.dw};
 }
 
 }  // namespace exact

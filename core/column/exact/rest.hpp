@@ -1,20 +1,25 @@
 // When gravity holds contacts closed for good, and what still happens then.
+//
+// Two bounds show it, both from an energy that never rises. The energy about the static equilibrium bounds L1 and L2
+// themselves. The derivatives of the motion obey the same equations without gravity, so their energy never rises
+// either: it bounds the accelerations, and a contact pushes as long as no ball falls as fast as a free one. The second
+// bound is sharp for a ball that creeps, overdamped, long before the first one is.
 #pragma once
 #include "motions.hpp"
 
 namespace hardlimit::column::exact {
 
-// Gravity holds both contacts closed for good: the energy about the static equilibrium (never rising) is too
-// small for L1 or L2 to reach zero. Adiabatic: the floor is judged alone and must be still before the pair is.
+// The energy about the equilibrium is too small for L1 or L2 to reach zero. `upper` is b2. Adiabatic: the floor is
+// judged alone and must be still before the pair is.
 template <class R>
-HL_FN Mask<R> rests_on_both(const Groups<R>& s, const GapState<R>& x) {
-    const R w0 = -s.gravity / (1.0 - s.a2), u0 = w0 / s.a1;
+HL_FN Mask<R> rests_on_both(const Groups<R>& s, R upper, const GapState<R>& x) {
+    const R w0 = -s.gravity / upper, u0 = w0 / s.a1;
     const R y = x.u - u0, v = x.w - w0, sum = x.du + x.dw;
     const R floor = x.du * x.du + s.a1 * y * y,
             pair = x.dw * x.dw + v * v;  // twice the energies over the masses
     const R floor_reach = 1.0 / math::sqrt<R>(s.a1) + s.c1, pair_reach = 1.0 + s.c2;
     // Coupled: twice the energy in units of m_eff V² bounds both amplitudes.
-    const R amplitude = math::sqrt<R>(floor / s.a2 + sum * sum / (1.0 - s.a2) + v * v);
+    const R amplitude = math::sqrt<R>(floor / s.a2 + sum * sum / upper + v * v);
     const Mask<R> coupled =
         (amplitude * math::sqrt<R>(s.a2) * floor_reach < -u0) & (amplitude * pair_reach < -w0);
     const R damping = math::min<R>(broadcast<R>(1.0), s.a1 * s.c1 + s.c2);
@@ -29,6 +34,99 @@ HL_FN Mask<R> rests_on_floor(const Groups<R>& s, const GapState<R>& x) {
     const R u0 = -s.gravity / s.a1, y = x.u - u0;
     const R amplitude = math::sqrt<R>(x.du * x.du + s.a1 * y * y);
     return (s.gravity > 0.0) & (amplitude * (1.0 / math::sqrt<R>(s.a1) + s.c1) < -u0);
+}
+
+// d^n/dt^n of u, w and s = u + w, n = 2 … 4, while both contacts are closed, and the first derivatives of L1 and L2.
+struct Derivatives {
+    double u[5], w[5], s[5], l1[2], l2[2];
+};
+
+HL_FN Derivatives derivatives(const TwoBall& s, const Gaps& x) {
+    Derivatives d{};
+    d.u[0] = x.u;
+    d.u[1] = x.du;
+    d.w[0] = x.w;
+    d.w[1] = x.dw;
+    double weight = s.gravity;
+    for (int n = 0; n < 3; ++n) {
+        const double l1 = d.u[n] + s.c1 * d.u[n + 1], l2 = d.w[n] + s.c2 * d.w[n + 1];
+        if (n < 2) {
+            d.l1[n] = l1;
+            d.l2[n] = l2;
+        }
+        d.w[n + 2] = s.a1 * l1 - l2;
+        d.s[n + 2] = -weight - s.b2 * l2;
+        d.u[n + 2] = s.light() ? d.s[n + 2] - d.w[n + 2] : (s.a2 * l2 - s.a1 * l1) - weight;
+        weight = 0.0;
+    }
+    return d;
+}
+
+// √ of twice the energy of the nth derivative, in units of m_eff; never rises. Coupled balls only.
+HL_FN double amplitude(const TwoBall& s, const Derivatives& d, int n) {
+    const double floor = d.u[n + 1] * d.u[n + 1] + s.a1 * (d.u[n] * d.u[n]);
+    return math::sqrt(floor / s.a2 + d.s[n + 1] * d.s[n + 1] / s.b2 + d.w[n] * d.w[n]);
+}
+// The same of the lower ball on the floor alone.
+HL_FN double floor_amplitude(const TwoBall& s, const Derivatives& d, int n) {
+    return math::sqrt(d.u[n + 1] * d.u[n + 1] + s.a1 * (d.u[n] * d.u[n]));
+}
+
+// In units in which gravity is 1: no square overflows or vanishes, however soft the contacts are.
+HL_FN void in_units_of_gravity(TwoBall& s, Gaps& x) {
+    x = {x.u / s.gravity, x.du / s.gravity, x.w / s.gravity, x.dw / s.gravity};
+    s.gravity = 1.0;
+}
+
+// The lower ball alone stays on the floor: |ü| < G for good. Of the energies of u̇ and ü either may show it: the first
+// is less sharp, but less sensitive to rounding.
+HL_FN bool creeps_on_floor(TwoBall s, Gaps x) {
+    if (!(s.gravity > 0.0)) return false;
+    in_units_of_gravity(s, x);
+    const double u2 = -1.0 - s.a1 * (x.u + s.c1 * x.du), u3 = -s.a1 * (x.du + s.c1 * u2);
+    return u2 * u2 + s.a1 * (x.du * x.du) < 1.0 || u3 * u3 + s.a1 * (u2 * u2) < s.a1;
+}
+
+// Bounds on |d²u/dt²|, and on both |d³u/dt³| and ∫|d⁴u/dt⁴| dt, of an overdamped lower ball on the floor, from its two
+// modes.
+struct FloorCreep {
+    double acceleration, jerk;
+};
+HL_FN bool overdamped_floor(const TwoBall& s) { return s.a1 * (s.c1 * s.c1) > 4.0; }
+HL_FN FloorCreep floor_creep(const TwoBall& s, const Gaps& x) {
+    const double half = 0.5 * s.a1 * s.c1, root = math::sqrt(half * half - s.a1);
+    const double fast = half + root, slow = s.a1 / fast, y = x.u + s.gravity / s.a1;
+    const double a = math::abs(fast * y + x.du) / (2.0 * root), b = math::abs(slow * y + x.du) / (2.0 * root);
+    return {slow * slow * a + fast * fast * b, slow * slow * slow * a + fast * fast * fast * b};
+}
+
+// Both contacts stay closed: the upper ball never falls freely, nor, with the upper one on it, does the lower ball.
+HL_FN bool creeps_on_both(TwoBall s, Gaps x) {
+    if (!(s.gravity > 0.0)) return false;
+    in_units_of_gravity(s, x);
+    const Derivatives d = derivatives(s, x);
+    if (s.a2 > 0.0)
+        return amplitude(s, d, 1) * math::sqrt(s.b2) < 1.0 ||
+               amplitude(s, d, 2) * math::sqrt(1.0 + s.a2 / s.a1) < 1.0;
+    // Adiabatic: the second derivative of w is an oscillator that d⁴u/dt⁴ drives.
+    if (!overdamped_floor(s)) return false;
+    const FloorCreep floor = floor_creep(s, x);
+    const double pair = math::sqrt(d.w[3] * d.w[3] + d.w[2] * d.w[2]) + floor.jerk;
+    return floor.acceleration + pair < 1.0;
+}
+
+// A time within which a slack pair contact, overlapping without force above a lower ball that stays on the floor, neither
+// opens nor pushes again: w stays below a parabola, and L2 above one.
+HL_FN double slack_for(const TwoBall& s, const Gaps& x) {
+    const double u2 = -s.gravity - s.a1 * (x.u + s.c1 * x.du), u3 = -s.a1 * (x.du + s.c1 * u2);
+    double jerk = math::sqrt(u3 * u3 + s.a1 * (u2 * u2));
+    const double acceleration =
+        math::min(jerk / math::sqrt(s.a1), math::sqrt(u2 * u2 + s.a1 * (x.du * x.du)));
+    if (overdamped_floor(s)) jerk = math::min(jerk, floor_creep(s, x).jerk);
+    const double ddw = -s.gravity - u2, rate = x.dw + s.c2 * ddw;  // of L2
+    const double opens = first_rise(x.w, x.dw, math::max(s.gravity - acceleration, 0.0));
+    const double pushes = first_fall(x.w + s.c2 * x.dw, rate, (s.gravity + acceleration) + s.c2 * jerk);
+    return 0.99 * math::min(opens, pushes);
 }
 
 // Time at which the pair gap closes on a lower ball that rests on the floor. w is concave there; Newton's method

@@ -2,7 +2,7 @@
 #pragma once
 #include "../sequence.hpp"
 #include "events.hpp"
-#include "rest.hpp"
+#include "glide.hpp"
 
 namespace hardlimit::column {
 
@@ -14,14 +14,20 @@ class Run {
 public:
     HL_FN Run(const TwoBall& groups, const Gaps& start, double time, double span_, Observer& seen)
         : s(groups), x(start), t(time), span(span_), until(span_ > -never ? never : -never), observer(seen) {
+        if (s.gravity > strongest_gravity) {
+            unit = s.gravity;
+            in_units_of_gravity(s, x);
+        }
         on.u = x.u == 0.0;
         on.w = x.w == 0.0;
+        rise = x.du + x.dw;
     }
 
     HL_FN Sequence run() {
         for (long steps = 0; !sequence.finished || t < until; ++steps) {
-            observer.node(Node{t, x, phase.floor, phase.pair});
-            if (steps == max_pieces || observer.stopped()) {
+            see();
+            const bool finite = math::is_finite(x.u + x.du + x.w + x.dw);
+            if (steps == max_pieces || !finite || observer.stopped()) {
                 sequence.outcome = Outcome::unresolved;
                 break;
             }
@@ -30,17 +36,22 @@ public:
             move();
             throw_switch();
         }
-        observer.node(Node{t, x, phase.floor, phase.pair});
+        see();
         sequence.close();
+        sequence.relative_velocity *= unit;
+        sequence.separation_velocity *= unit;
         return sequence;
     }
 
 private:
-    enum class Motion { flight, floor_rest, rest, series };
+    enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
+    // Pieces without an event after which a contact is examined for creep, and after which it is glided over.
+    static constexpr long creeps_after = 32, glides_after = 256;
 
-    const TwoBall& s;
+    TwoBall s;
     Gaps x;
-    double t, span, until;  // `until` is on the clock of t: known once the floor has been touched
+    double unit = 1.0;      // of lengths and velocities here
+    double t, span, until;  // `until` is known once the floor has been touched
     Observer& observer;
     Sequence sequence;
     Phase phase;
@@ -52,20 +63,46 @@ private:
     Piece piece;
     Next next;
     double dt = 0.0;
+    long lasting = 0;   // pieces since the last event
+    double rise = 0.0;  // velocity of the upper ball by its own momentum, for a light lower ball
+    Powers powers;
+    int doublings = 0;  // of a piece, to glide over
+
+    HL_FN void see() {
+        observer.node(Node{t, {x.u * unit, x.du * unit, x.w * unit, x.dw * unit}, phase.floor, phase.pair});
+    }
+
+    HL_FN Motion next_motion() {
+        if (!phase.floor && !phase.pair) return Motion::flight;
+        if (!phase.floor) return Motion::series;
+        const bool creeping = lasting > creeps_after;
+        if (!phase.pair) {
+            const bool alone = phase.pair_open && !on.w;
+            if (alone && rests_on_floor(s, x)) return Motion::floor_rest;
+            if (!creeping || !creeps_on_floor(s, x)) return Motion::series;
+            if (alone) return Motion::floor_rest;
+            dt = phase.pair_open ? 0.0 : slack_for(s, x);
+            return dt > 8.0 * piece_length(s, true, false) ? Motion::floor_glide : Motion::series;
+        }
+        if (rests_on_both(s, s.b2, x) || (creeping && creeps_on_both(s, x))) return Motion::rest;
+        doublings = lasting > glides_after ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
+        return doublings >= 0 ? Motion::glide : Motion::series;
+    }
 
     HL_FN void find_next() {
         next = Next{};
-        const bool alone = phase.floor && !phase.pair && phase.pair_open && !on.w;
-        motion = !phase.floor && !phase.pair                        ? Motion::flight
-                 : alone && rests_on_floor(s, x)                    ? Motion::floor_rest
-                 : phase.floor && phase.pair && rests_on_both(s, x) ? Motion::rest
-                                                                    : Motion::series;
+        motion = next_motion();
+        ++lasting;
         if (motion == Motion::flight)
             find_in_flight();
         else if (motion == Motion::floor_rest)
             next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
         else if (motion == Motion::rest)
             rest();
+        else if (motion == Motion::floor_glide)
+            ;  // for the time already found
+        else if (motion == Motion::glide)
+            dt = math::exp2_integer(static_cast<double>(doublings)) * piece_length(s, true, true);
         else
             find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
@@ -102,15 +139,48 @@ private:
 
     HL_FN void move() {
         if (!(dt > 0.0)) return;  // what lies on an event surface stays there
-        x = motion == Motion::flight       ? fly<double>(s, x, dt)
-            : motion == Motion::floor_rest ? lie_on_floor(s, x, dt)
-            : motion == Motion::rest       ? lie_together(s, x, dt)
-                                           : evaluate(piece, dt / piece.h);
+        if (s.light()) follow_upper_ball();
+        switch (motion) {
+            case Motion::flight:
+                x = fly<double>(s, x, dt);
+                break;
+            case Motion::floor_rest:
+            case Motion::floor_glide:
+                x = lie_on_floor(s, x, dt);
+                break;
+            case Motion::rest:
+                x = lie_together(s, x, dt);
+                break;
+            case Motion::glide:
+                x = powers.of(s, doublings).moved(s, x);
+                break;
+            case Motion::series:
+                x = evaluate(piece, dt / piece.h);
+                break;
+        }
+        if (s.light()) match_upper_ball();
         t += dt;
         on = OnSurface{};
     }
 
+    // Gravity and the force of the pair act on it. In u and w, each of which moves fast with the light ball between,
+    // the slow change of its velocity would be a small difference of large ones.
+    HL_FN void follow_upper_ball() {
+        rise -= s.gravity * dt;
+        if (motion == Motion::series && phase.pair) rise -= s.b2 * impulse(piece, dt / piece.h);
+    }
+    // The velocity of the light ball below, or without a pair force that of the gap, is what is left.
+    HL_FN void match_upper_ball() {
+        if (motion == Motion::glide || motion == Motion::rest)
+            rise = x.du + x.dw;
+        else if (phase.pair)
+            x.du = rise - x.dw;
+        else if (phase.floor)
+            x.dw = rise - x.du;
+    }
+
     HL_FN void throw_switch() {
+        if (next.what != Switch::none) lasting = 0;
         switch (next.what) {
             case Switch::none:
                 break;
@@ -142,9 +212,17 @@ private:
         on.l1 = !phase.floor_open || s.c1 == 0.0 || x.du == 0.0;
         phase.floor = true;
         phase.floor_open = false;
+        const bool first = math::is_nan(sequence.t_first_touch);
         sequence.floor_begins(t);
-        until = span + sequence.t_first_touch;
+        if (first) restart_clock();
         observer.begins(0, t);
+    }
+    // From the first touch on time counts from there: a long flight before would cost digits.
+    HL_FN void restart_clock() {
+        observer.clock_restarts(t);
+        sequence.clock_restarts();
+        t = 0.0;
+        until = span;
     }
     HL_FN void floor_ends() {
         x.u = -s.c1 * x.du;
@@ -196,6 +274,7 @@ HL_FN Sequence run_two_ball(const TwoBall& s, const Gaps& start, double t, doubl
 // For maps: nothing but the sequence itself.
 struct NoRecorder {
     HL_FN void node(const Node&) {}
+    HL_FN void clock_restarts(double) {}
     HL_FN void begins(int, double) {}
     HL_FN void ends(int, double) {}
     HL_FN bool stopped() { return false; }

@@ -56,13 +56,18 @@ struct Equilibrium {
         return (law.energy(s) - stored[j]) - weight[j] * (power<Law::onset_power>(s) - depth[j]);
     }
 
-    bool holds(const Motion<Law>& motion, const double* y) const {
+    // Energy above the equilibrium [J]; all contacts are closed.
+    double energy(const Motion<Law>& motion, const double* y) const {
         double total = motion.energies(y).kinetic;
         for (int j = 0; j < motion.balls(); ++j) {
             total += excess(motion.column->contacts[j], j, motion.s(j, y));
         }
-        return total < barrier || total < rounding;
+        return total;
     }
+
+    // With this energy no contact ends any more; all motion is over.
+    bool holds(double energy) const { return energy < barrier || settled(energy); }
+    bool settled(double energy) const { return energy < rounding; }
 };
 
 }  // namespace hardlimit::column::newton

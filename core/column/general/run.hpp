@@ -20,13 +20,17 @@ struct IntegrateOptions {
 
 namespace newton {
 
-// Start of an interval without events. State: N coordinates (gap or s), N velocities, time, dissipated
-// energy.
-struct Interval {
-    double t, length;  // length in τ
-    std::vector<double> y;
+// What changes at events only.
+struct Modes {
     std::vector<Pair> pair;
     std::vector<unsigned char> rooted;  // whether the coordinate is s
+    bool operator==(const Modes&) const = default;
+};
+
+// An interval without events.
+struct Interval {
+    double t, length;   // begin [s] after the first floor touch (cradle: release); length in τ
+    std::size_t modes;  // index
 };
 
 }  // namespace newton
@@ -40,7 +44,9 @@ struct Integration {
     std::vector<double> velocity;   // [N] [m/s]
     long steps = 0;                 // integration steps, rejected ones included, and events
     double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
-    std::vector<newton::Interval> intervals;  // with `record`; the last has length 0
+    std::vector<newton::Interval> intervals;  // with `record`; one of length 0 keeps its state
+    std::vector<double> states;               // [intervals × (2N + 2)] where they begin, as in Motion
+    std::vector<newton::Modes> modes;
 };
 
 namespace newton {
@@ -59,7 +65,7 @@ public:
     }
 
     Integration<Law> integrate() {
-        if (!(motion.scales.speed > 0.0)) {
+        if (!(motion.scales.speed > 0.0 && math::is_finite(motion.scales.time))) {
             sequence().outcome = Outcome::invalid;
             return finish();
         }
@@ -129,7 +135,11 @@ private:
     }
 
     void record(double length) {
-        if (options.record) result.intervals.push_back({now(), length, y, motion.pair, motion.rooted});
+        if (!options.record) return;
+        Modes modes{motion.pair, motion.rooted};
+        if (result.modes.empty() || result.modes.back() != modes) result.modes.push_back(std::move(modes));
+        result.intervals.push_back({now(), length, result.modes.size() - 1});
+        result.states.insert(result.states.end(), y.begin(), y.end());
     }
 
     void keep(const std::vector<double>& state) {
@@ -347,9 +357,9 @@ private:
             c.begin -= t;
             c.end -= t;
         }
-        for (Interval& i : result.intervals) {
-            i.t -= t;
-            i.y[motion.clock()] -= t;
+        for (std::size_t i = 0; i < result.intervals.size(); ++i) {
+            result.intervals[i].t -= t;
+            result.states[i * y.size() + static_cast<std::size_t>(motion.clock())] -= t;
         }
         sequence().t_end -= t;
         y[motion.clock()] -= t;
@@ -381,15 +391,30 @@ private:
     // ---- the end ------------------------------------------------------------------------------------------
 
     bool rests() {
-        if (!column.floor || !(column.gravity > 0.0) || sequence().outcome == Outcome::at_rest) return false;
+        if (!column.floor || !(column.gravity > 0.0)) return false;
         for (const Pair pair : motion.pair) {
             if (pair != Pair::closed) return false;
         }
         if (equilibrium.empty()) equilibrium.emplace_back(column);
-        if (!equilibrium.front().holds(motion, y.data())) return false;
+        const double energy = equilibrium.front().energy(motion, y.data());
+        if (!equilibrium.front().holds(energy)) return false;
         if (!sequence().finished) sequence().comes_to_rest(column.balls > 1);
         stopped = complete();
+        if (!stopped && equilibrium.front().settled(energy)) stand_still();
         return stopped;
+    }
+
+    // From now to `until`: an interval of length 0 keeps its state.
+    void stand_still() {
+        for (int j = 0; j < column.balls; ++j) {
+            motion.choose_coordinate(j, y.data(), false);
+            y[j] = -equilibrium.front().depth[j];
+            y[column.balls + j] = 0.0;
+        }
+        record(0.0);
+        y[motion.clock()] = math::max(now(), options.until);
+        keep(y);
+        stopped = true;
     }
 
     Integration<Law> finish() {

@@ -29,10 +29,16 @@ void sample(const Column<Law>& column, const Integration<Law>& run, const double
         const bool known = after != run.intervals.begin() && times[i] <= run.intervals.back().t;
         if (known) {
             const newton::Interval& from = *(after - 1);
-            motion.pair = from.pair;
-            motion.rooted = from.rooted;
-            motion(from.y.data(), k.data());
-            motion.reach(from.y.data(), k.data(), from.length, times[i], y.data());
+            const double* start =
+                run.states.data() + (after - 1 - run.intervals.begin()) * motion.dimension();
+            motion.pair = run.modes[from.modes].pair;
+            motion.rooted = run.modes[from.modes].rooted;
+            motion(start, k.data());
+            if (from.length > 0.0) {
+                motion.reach(start, k.data(), from.length, times[i], y.data());
+            } else {
+                std::copy(start, start + motion.dimension(), y.begin());
+            }
         } else {
             std::fill(y.begin(), y.end(), math::nan);
         }

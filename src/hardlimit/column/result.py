@@ -56,7 +56,8 @@ class Result:
     def _repr_html_(self) -> str:
         rows = [[label, html.number(value)] for label, value in quantities(self)]
         rows.append(["outcome", self.outcome])
-        return html.table(f"{MODELS[self.model].label}: {self.method}", ["", ""], rows)
+        model = MODELS[self.model]
+        return html.table(f"{model.label}: {self.method}", ["", ""], rows, f"Limits: {model.limits}.")
 
     @property
     def n_contacts(self) -> int:
@@ -118,19 +119,14 @@ class Result:
         """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
         return self._core.outcome
 
-    @property
-    def _after_contacts(self) -> float:
-        """The first instant [s] after the last contact found; NaN if one never ends or there was none."""
-        end = self.contact_times[2]
-        return float(end.max()) if end.size else math.nan
-
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
-        """Velocities [m/s], upwards, bottom first, after the last contact found; NaN if a contact never ends."""
-        after = self._after_contacts
-        if math.isnan(after):
-            return np.full(len(self.column.balls), math.nan)
-        return _fixed(self._sample(np.array([after]))[1][0])
+        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest."""
+        ends = self.contact_times[2]
+        ends = ends[np.isfinite(ends)]
+        if not ends.size or _core.outcome_names[self.outcome_code] == "at_rest":
+            return _fixed(np.full(len(self.column.balls), math.nan))
+        return _fixed(self._sample(np.array([ends.max()]))[1][0])
 
     @cached_property
     def rebound_heights(self) -> NDArray[np.float64]:
@@ -160,7 +156,8 @@ class Result:
     def contacts(self) -> xr.Dataset:
         """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin``, ``end`` [s].
 
-        ``end`` is NaN for a contact that never ends. With ``until``, the contacts that began up to it.
+        ``end`` is NaN for a contact that never ends, or that was not followed: the floor contact that ends the run
+        of more than two balls. With ``until``, the contacts that began up to it.
         """
         return self._contacts.copy()
 

@@ -115,9 +115,23 @@ class Column:
     ) -> Column:
         """The drop of Fig. 2: R1 = 10 cm, R2 = 1 cm, Δh = 0.1 mm, z1(0) = 0.6 m, k = 5e7 N/m, ε = 0.7.
 
-        ``density`` is 840 kg/m³: inferred from the paper's stated facts, since it prints none. ``radius_ratio``
-        R1/R2 changes the lower radius. ``law`` replaces the linear dashpot with ``stiffness`` and
-        ``restitution``.
+        Parameters
+        ----------
+        restitution : float
+            ε of both contacts.
+        gap : float [m]
+            Δh.
+        radius_ratio : float
+            R1/R2; changes the lower radius.
+        radius_1, radius_2 : float [m]
+        density : float [kg/m³]
+            840: inferred from the paper's stated facts, since it prints none.
+        stiffness : float [N/m]
+        height : float [m]
+            z1(0).
+        gravity : float [m/s²]
+        law : Law, or one Law for each contact
+            Replaces the linear dashpot with ``stiffness`` and ``restitution``.
 
         Raises
         ------
@@ -152,7 +166,13 @@ class Column:
     ) -> Column:
         """Balls in a row without floor and gravity (Newton's cradle); time zero is release.
 
-        ``law`` is one law, or one for each ball–ball contact.
+        Parameters
+        ----------
+        balls : sequence of Ball, two or more
+        velocities : sequence of float [m/s]
+            At release; a ball moves towards the next one if positive.
+        law : Law, or one Law for each ball–ball contact
+        gaps : float or sequence of float [m]
 
         Raises
         ------

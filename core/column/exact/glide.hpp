@@ -1,0 +1,136 @@
+// Gliding over a lasting contact of both balls (motion C): many pieces in one step where nothing can happen.
+//
+// d²L/dt² is bounded by energies of the derivatives, which never rise (rest.hpp). So L1 and L2 stay below parabolas;
+// while these are negative no contact ends, and the state goes on by a power of exp(M h).
+#pragma once
+#include "rest.hpp"
+
+namespace hardlimit::column::exact {
+
+// exp(M t) − 1 for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
+// s = u + w, whose slow motion would drown in the rounding of the other's. Without the 1 a slow motion keeps its
+// digits in many squarings.
+struct Propagator {
+    double m[4][4];
+
+    // Over one piece, by the Taylor series of its columns.
+    HL_FN static Propagator of(const TwoBall& s, double h) {
+        Propagator p;
+        for (int j = 0; j < 4; ++j) {
+            double q0 = j == 0, q1 = j == 1 ? h : 0.0, w0 = j == 2, w1 = j == 3 ? h : 0.0;
+            double q = 0.0, dq = 0.0, w = 0.0, dw = 0.0, share = 1.0;  // share: 1/n!
+            for (int n = 1; n <= order; ++n) {
+                const double u0 = s.light() ? q0 - w0 : q0, u1 = s.light() ? q1 - w1 : q1;
+                const double l1 = h * h * u0 + h * s.c1 * u1, l2 = h * h * w0 + h * s.c2 * w1;
+                const double q2 = s.light() ? -s.b2 * l2 : s.a2 * l2 - s.a1 * l1, w2 = s.a1 * l1 - l2;
+                share /= n;
+                q += share * q1;
+                dq += share * q2;
+                w += share * w1;
+                dw += share * w2;
+                q0 = q1;
+                q1 = q2;
+                w0 = w1;
+                w1 = w2;
+            }
+            const double column[4] = {q, dq / h, w, dw / h};
+            for (int i = 0; i < 4; ++i) p.m[i][j] = column[i];
+        }
+        return p;
+    }
+    // (1 + m)² − 1
+    HL_FN Propagator squared() const {
+        Propagator p;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) {
+                double sum = 0.0;
+                for (int k = 0; k < 4; ++k) sum += m[i][k] * m[k][j];
+                p.m[i][j] = 2.0 * m[i][j] + sum;
+            }
+        return p;
+    }
+    HL_FN Gaps moved(const TwoBall& s, const Gaps& x) const {
+        const double w0 = -s.gravity / s.b2, u0 = w0 / s.a1;
+        const double y = x.u - u0, v = x.w - w0;
+        const double from[4] = {s.light() ? y + v : y, s.light() ? x.du + x.dw : x.du, v, x.dw};
+        double change[4] = {};
+        for (int i = 0; i < 4; ++i)
+            for (int k = 0; k < 4; ++k) change[i] += m[i][k] * from[k];
+        const double u = s.light() ? change[0] - change[2] : change[0],
+                     du = s.light() ? change[1] - change[3] : change[1];
+        return {x.u + u, x.du + du, x.w + change[2], x.dw + change[3]};
+    }
+};
+
+inline constexpr int most_doublings = 200;
+
+// Motion C over any time.
+HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
+    const double h = piece_length(s, true, true);
+    int doublings = 0;
+    double piece = t;
+    for (; piece > h && doublings < most_doublings; ++doublings) piece *= 0.5;
+    Propagator p = Propagator::of(s, math::min(piece, h));
+    for (; doublings > 0; --doublings) p = p.squared();
+    return p.moved(s, x);
+}
+
+// Bounds on L1 and L2 from now on.
+struct Glide {
+    double l1, l2, rate1, rate2;  // L1, L2 and their rates now
+    double level1, level2;        // bounds on the rates
+    double bend1, bend2;          // bounds on the second derivatives
+    double own, gain;  // another one for L2, as the pair alone under the drive of the floor: own + gain t
+
+    HL_FN static Glide of(const TwoBall& s, const Gaps& x) {
+        const Derivatives d = derivatives(s, x);
+        Glide g{d.l1[0], d.l2[0], d.l1[1], d.l2[1], never, never, never, never, never, never};
+        const double reach = 1.0 / math::sqrt(s.a1) + s.c1;
+        if (s.a2 > 0.0) {
+            const double second = amplitude(s, d, 2), third = amplitude(s, d, 3);
+            const double to_floor = math::sqrt(s.a2 / s.b2) / s.a1, to_pair = 1.0 / math::sqrt(s.b2);
+            g.level1 = second * to_floor;
+            g.level2 = second * to_pair;
+            g.bend1 = math::min(third * to_floor, second * math::sqrt(s.a2) * reach);
+            g.bend2 = math::min(third * to_pair, second * (1.0 + s.c2));
+        } else {
+            const double second = floor_amplitude(s, d, 2), third = floor_amplitude(s, d, 3);
+            g.level1 = second / s.a1;
+            g.bend1 = math::min(third / s.a1, second * reach);
+        }
+        g.own = (1.0 + s.c2) * math::sqrt(d.w[3] * d.w[3] + d.w[2] * d.w[2]);
+        g.gain = (1.0 + s.c2) * (s.a1 * g.bend1);
+        return g;
+    }
+    // No contact ends within t.
+    HL_FN bool holds(double t) const {
+        const double half = 0.5 * t * t, bend = math::min(bend2, own + gain * t);
+        return (l1 + level1 * t < 0.0 || l1 + rate1 * t + bend1 * half < 0.0) &&
+               (l2 + level2 * t < 0.0 || l2 + rate2 * t + bend * half < 0.0);
+    }
+};
+
+// Powers of the propagator of one piece, found as they are asked for.
+class Powers {
+    static constexpr int most = 64;
+    Propagator power[most];
+    int known = 0;
+
+public:
+    // Doublings of a piece for which nothing can happen and that fit into `span`; −1: none worth it.
+    HL_FN static int doublings(const TwoBall& s, const Gaps& x, double span) {
+        constexpr int least = 3;
+        const Glide g = Glide::of(s, x);
+        double t = 8.0 * piece_length(s, true, true);
+        int n = least - 1;
+        for (; n + 1 < most && t <= span && g.holds(t); t *= 2.0) ++n;
+        return n >= least ? n : -1;
+    }
+    HL_FN const Propagator& of(const TwoBall& s, int doublings) {
+        if (known == 0) power[known++] = Propagator::of(s, piece_length(s, true, true));
+        for (; known <= doublings; ++known) power[known] = power[known - 1].squared();
+        return power[doublings];
+    }
+};
+
+}  // namespace hardlimit::column::exact
