@@ -2,11 +2,13 @@
 
 import json
 import os
+import re
+import resource
 import runpy
 import signal
+import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +17,11 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import hardlimit as hl
+from conftest import law_of
 from hardlimit.cli import main
-from hardlimit.cli.sweep import axis
+from hardlimit.cli.axes import axis
 from hardlimit.column import files
+from hardlimit.contact import law_parameters
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 HERTZ = ["--youngs-modulus", "5e7", "--poisson-ratio", "0.45"]
@@ -44,7 +48,7 @@ def printed(*args: object) -> dict:
 
 # --- help ---------------------------------------------------------------------------------------------------
 
-COMMANDS = ["drop", "contact", "paper", "sweep", "explore"]
+COMMANDS = ["drop", "contact", "paper", "sweep", "explore", "completion"]
 
 
 def test_help_lists_the_commands() -> None:
@@ -60,6 +64,18 @@ def test_each_help_shows_an_example(name: str) -> None:
     assert max(map(len, text.splitlines())) <= 100
 
 
+@pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"explore"}))
+def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(
+        "hardlimit.pictures.plots.save", lambda figure, path, *look: path
+    )  # pictures have their own tests
+    example = run(name, "--help").stdout.partition("Example:\n")[2].splitlines()[0]
+    words = example.partition(">")[0].split()
+    assert words[0] == "hardlimit"
+    run(*words[1:])
+
+
 def test_version() -> None:
     assert hl.__version__ in run("--version").stdout
 
@@ -67,7 +83,7 @@ def test_version() -> None:
 def test_options_of_laws_follow_the_records() -> None:
     text = run("drop", "--help").stdout
     for law in hl.LAWS.values():
-        for name in files.law_parameters(law):
+        for name in law_parameters(law):
             assert f"--{name.replace('_', '-')} " in text
 
 
@@ -162,6 +178,45 @@ def test_cradle_has_no_floor() -> None:
     assert "floor" not in text.replace("event-driven", "") and "final velocity of ball 5" in text
 
 
+@pytest.mark.parametrize("options", [["--json"], []])
+def test_one_ball(options: list[str]) -> None:
+    text = run("drop", "--radius", 0.05, "--restitution", 0.8, *options).stdout
+    if options:
+        found = json.loads(text)
+        assert len(found["column"]["balls"]) == 1 and found["models"].keys() == {"newton", "independent"}
+        speed = found["impact_speed"]
+        for model in found["models"].values():
+            assert model["rebound_heights"][0] == pytest.approx(0.05 + 0.64 * speed**2 / 2 / 9.81, rel=1e-3)
+    else:
+        assert "ball 1" in text and "ball 2" not in text and "nan" not in text
+        assert max(map(len, text.splitlines())) <= 100
+
+
+@pytest.mark.parametrize(
+    ("options", "where", "value"),
+    [
+        (["--gap", "1mm"], "gaps", [1e-3]),
+        (["--gap", "10 um"], "gaps", [1e-5]),
+        (["--height", "70 cm"], "height", 0.7),
+        (["--gravity", "1.62 m/s^2"], "gravity", 1.62),
+        (["--gravity", "162cm/s²"], "gravity", 1.62),
+        (["--velocity", "-50 cm/s"], "velocities", [-0.5, -0.5]),
+    ],
+)
+def test_units_of_options(options: list[str], where: str, value: object) -> None:
+    assert printed("drop", *options)["column"][where] == value
+
+
+def test_units_of_balls_and_laws() -> None:
+    column = printed("drop", "--density", "0.84 g/cm^3", "--stiffness", "5e4 N/mm", "--radius-2", "1 cm")[
+        "column"
+    ]
+    assert column == printed("drop")["column"]
+    law = ["--youngs-modulus", "50 MPa", "--poisson-ratio", "0.45", "--dissipative-time", "10 us"]
+    law_table = printed("drop", *law)["column"]["law"]
+    assert law_table["youngs_modulus"] == 5e7 and law_table["dissipative_time"] == 1e-5
+
+
 # --- contact ------------------------------------------------------------------------------------------------
 
 
@@ -180,6 +235,17 @@ def test_contact_over_speeds() -> None:
     assert found["effective_radius"] == pytest.approx(0.01 * 0.02 / 0.03)
     text = run("contact", *law).stdout
     assert "dissipative time" in text and "\n3 " in text
+
+
+@pytest.mark.parametrize("law", sorted(hl.LAWS))
+def test_speeds_are_shown_where_they_matter(law: str) -> None:
+    """A duration may depend on the speed where the restitution does not."""
+    made = law_of(law, 0.7)
+    given = [f"--{name.replace('_', '-')}={value!r}" for name, value in made.parameters.items()]
+    text = run("contact", "--law", law, *given).stdout
+    contact = made.between(hl.Ball(0.01, density=840))
+    same = all(f(0.01) == pytest.approx(f(10.0), rel=1e-12) for f in (contact.restitution, contact.duration))
+    assert ("At any speed" in text) == same and ("\n0.01 " in text) == (not same)
 
 
 @pytest.mark.parametrize("law", [[], [*HERTZ, "--dissipative-time", 1e-5]])
@@ -255,10 +321,18 @@ def test_sweep_of_another_law() -> None:
 
 @pytest.mark.parametrize(
     ("text", "values"),
-    [("0.5", 0.5), ("1,2,4", [1, 2, 4]), ("0:1:3", [0, 0.5, 1]), ("1:100:3:log", [1, 10, 100])],
+    [
+        ("1mm", 1e-3),
+        ("1 mm,2e-3,3mm", [1e-3, 2e-3, 3e-3]),
+        ("0mm:2mm:3", [0, 1e-3, 2e-3]),
+        ("0.5", 0.5),
+        ("1,2,4", [1, 2, 4]),
+        ("0:1:3", [0, 0.5, 1]),
+        ("1:100:3:log", [1, 10, 100]),
+    ],
 )
 def test_axis(text: str, values: object) -> None:
-    np.testing.assert_allclose(axis("gap", text), values)
+    np.testing.assert_allclose(axis("gap", text, "m"), values)
 
 
 # --- paper and explore --------------------------------------------------------------------------------------
@@ -297,6 +371,26 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["drop", "--restitution", 1.5], "restitution: got 1.5, must be in (0, 1]"),
         (["drop", "--restitution", "nan"], "restitution: got nan, must be in (0, 1]"),
         (["drop", "--restitution", "much"], "got 'much', must be a number"),
+        (["drop", "--restitution", "70 cm"], "restitution: got '70 cm', must be a number without unit"),
+        (["drop", "--gap", "1 s"], "gap: got '1 s', must be a number [m] or a length with its unit"),
+        (["drop", "--gap", "1 furlong"], "gap: got '1 furlong', must be a number [m] or a length"),
+        (["drop", "--gap", "9**9**9 m"], "gap: got '9**9**9 m', must be a number [m] or a length"),
+        (["drop", "--gap", "1e9999 mm"], "gap: got '1e9999 mm', must be finite"),
+        (["drop", "--stiffness", "5 MPa"], "stiffness: got '5 MPa', must be a number [N/m] or a stiffness"),
+        (["drop", "--radius", "1e200"], "radius"),
+        (["drop", "--radius", "1cm", "--height", "1m", "--radius-2", "1cm"], "got both"),
+        (["drop", "--plot", "a" * 400], "--plot: got 'aaaa"),
+        (["sweep", *MAP, "--out", "a" * 400 + ".zarr"], "must be the name of a file: File name too long"),
+        (["drop", "--plot", "a\0b"], "must be the name of a file: embedded null"),
+        (["drop", "--plot", ""], "--plot: got '', must be the name of a file"),
+        (["sweep", "--gap", "1mm:1s:3"], "gap: got '1s', must be a number [m] or a length"),
+        (["sweep", "--gap", "1,,2"], "gap: got '', must be a number"),
+        (["sweep", "--gap", "1:2:99999999999"], "gap: got 99999999999 points, must be in [1, 1e+08]"),
+        (
+            ["sweep", "--velocity", "-1e308:1e308:3"],
+            "velocity: got '-1e308:1e308:3', must span a finite range",
+        ),
+        (["completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
         (["drop", "--restitution", 0.5, "--damping", 3], "restitution | damping"),
         (["drop", "--law", "viscoelastic"], "youngs_modulus: missing"),
         (["drop", *HERTZ], "dissipative_time | restitution + impact_speed: got neither"),
@@ -304,6 +398,10 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["drop", "--height", 0.05], "height: got 0.05, must be >= 0.1"),
         (["drop", "--height", 0.1], "height: got 0.1, nothing moves"),
         (["drop", "--radius", 0.1, "--radius-1", 0.1], "got both"),
+        (
+            ["drop", "--radius", 0.1, "--gap", "1mm"],
+            "gap: got 0.001, must be left out for a column of one ball",
+        ),
         (["drop", "--radius-1", 0.1, "--radius-ratio", 3], "radius_ratio | radius_1: got both"),
         (["drop", "--density", 1, "--mass", 1], "density | mass: got both"),
         (["drop", "--gap", 0.1, "--gap", 0.1], "gap: got 2 values, must be 1"),
@@ -349,6 +447,76 @@ def test_bad_input(args: list[object], message: str, tmp_path: Path, monkeypatch
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('model = "newton"', "out = 1", "sweep.out: got 1, must be a text"),
+        ('model = "newton"', "plot = true", "sweep.plot: got True, must be a text"),
+        ('model = "newton"', "variables = 3", "sweep.variables: got 3, must be a text or a list"),
+        ('model = "newton"', "variables = [3]", "sweep.variables[0]: got 3, must be a text"),
+        ('model = "newton"', "threads = 1.5", "sweep.threads: got 1.5, must be a whole number"),
+        ('model = "newton"', "colour = 1", "sweep.colour: unknown, must be one of model, engine"),
+        ('"0.4:1:60"', "[]", "restitution: got an empty list, must hold at least one number"),
+        ('"0.4:1:60"', "[[1]]", "sweep.axes.restitution[0]: got [1], must be a number or a text"),
+        ('"0.4:1:60"', "true", "sweep.axes.restitution: got True, must be a number"),
+        ('"0.4:1:60"', "1979-05-27", "sweep.axes.restitution: got datetime.date"),
+        ("[sweep]", "[[sweep]]", "sweep: got [{"),
+        ("[sweep.axes]", "[sweep.axis]", "sweep.axis: unknown"),
+        (
+            "restitution = 0.7",
+            "restitution = 0.7\nself = 1",
+            "law.self: unknown, must be one of name, stiffness",
+        ),
+        ("radius = 0.1", "radius = 1e200", "balls[0].radius"),
+        ("radius = 0.1", "self = 1", "balls[0].self: unknown, must be one of radius, density, mass"),
+        ("radius = 0.1", f"radius = {'9' * 400}", "balls[0].radius: got 9999"),
+        ("radius = 0.1", f"radius = {'9' * 5000}", "not valid TOML: Exceeds the limit"),
+        ("radius = 0.1", 'radius = "1 s"', "balls[0].radius: got '1 s', must be a number [m] or a length"),
+        ("height = 0.6", f"height = {'[' * 5000}{']' * 5000}", "not valid TOML"),
+        ("height = 0.6", "height = {}", "height: got {}, must be a number or a text"),
+        ("gaps = [1e-4]", "gaps = {}", "gaps: got {}, must be a number or a text or a list"),
+        ('name = "linear"', "name = 3", "law.name: got 3, must be a text"),
+        ('name = "linear"', "", "law.name: missing"),
+    ],
+)
+def test_bad_job(old: str, new: str, message: str, tmp_path: Path) -> None:
+    text = (EXAMPLES / "map.toml").read_text(encoding="utf-8")
+    assert old in text
+    path = tmp_path / "job.toml"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert message in refused("sweep", path)
+
+
+def test_quantities_of_a_file(tmp_path: Path) -> None:
+    text = (EXAMPLES / "map.toml").read_text(encoding="utf-8")
+    for old, new in (
+        ("height = 0.6", 'height = "60 cm"'),
+        ("gaps = [1e-4]", 'gaps = ["0.1 mm"]'),
+        ("radius = 0.1\n", 'radius = "10 cm"\n'),
+        ("density = 840.0", 'density = "0.84 g/cm^3"'),
+        ("stiffness = 5e7", 'stiffness = "5e4 N/mm"'),
+        ('gap = "1e-6:1e-2:60:log"', 'gap = "1um:1cm:60:log"'),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "job.toml"
+    path.write_text(text, encoding="utf-8")
+    assert printed("sweep", path)["ranges"] == printed("sweep", EXAMPLES / "map.toml")["ranges"]
+    path.write_text(text.partition("[sweep]")[0], encoding="utf-8")
+    assert files.read(path) == hl.Column.paper()
+
+
+@pytest.mark.parametrize("option", ["--radius-2", "--radius-ratio"])
+def test_a_second_ball_of_a_column_of_one(option: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.toml"
+    text = (EXAMPLES / "map.toml").read_text(encoding="utf-8").partition("[sweep]")[0]
+    ball = "[[balls]]\nradius = 0.01\ndensity = 840.0\n"
+    assert ball in text
+    path.write_text(text.replace(ball, "").replace("gaps = [1e-4]", "gaps = []"), encoding="utf-8")
+    assert "must be left out for a column of one ball" in refused("drop", path, option, 0.5)
+    run("drop", path)
+
+
 def test_broken_toml_is_one_line(tmp_path: Path) -> None:
     path = tmp_path / "broken.toml"
     path.write_text("height = \n", encoding="utf-8")
@@ -378,14 +546,148 @@ def test_module_runs_and_errors_go_to_stderr() -> None:
     assert ended.stderr == "hardlimit drop: gap: got -1, must be >= 0 and finite\n"
 
 
+def process(
+    *args: object, encoding: str = "utf-8", stdout: int = subprocess.PIPE, most_bytes: int | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    """The command as a process; ``most_bytes`` is where a file it writes hits a limit, as on a full disk."""
+
+    def limit() -> None:
+        if most_bytes is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+
+    return subprocess.run(
+        [sys.executable, "-m", "hardlimit", *map(str, args)],
+        env={**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"},
+        stdout=stdout,
+        stderr=subprocess.PIPE,
+        timeout=120,
+        preexec_fn=limit,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
+@pytest.mark.parametrize("args", [["--help"], ["drop", "--help"], ["drop"], ["drop", "--gap", "Δ"]])
+def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
+    ended = process(*args, encoding=encoding)
+    assert ended.returncode == (2 if "Δ" in args else 0)
+    assert len(ended.stderr.splitlines()) == (1 if "Δ" in args else 0)
+
+
+@pytest.mark.parametrize(
+    "args", [["--help"], ["drop", "--help"], ["drop"], ["drop", "--json"], ["--version"]]
+)
+def test_standard_output_on_a_full_device(args: list[str]) -> None:
+    with open("/dev/full", "wb") as full:
+        ended = process(*args, stdout=full.fileno())
+    assert ended.returncode == 1
+    assert re.fullmatch(rb"hardlimit.*: output: cannot be written: No space left on device\n", ended.stderr)
+
+
+@pytest.mark.parametrize("most_bytes", [0, 1000, 20_000])
+@pytest.mark.parametrize(
+    "args",
+    [
+        ["drop", "--save", "a.nc"],
+        ["drop", "--toml", "a.toml"],
+        ["sweep", "--gap", "1e-6:1e-2:3000:log", "--out", "a.nc"],
+    ],
+)
+def test_a_full_disk_leaves_nothing(args: list[str], most_bytes: int, tmp_path: Path) -> None:
+    target = tmp_path / args[-1]
+    ended = process(*args[:-1], target, most_bytes=most_bytes)
+    if args[-1] == "a.toml" and most_bytes:
+        assert ended.returncode == 0 and files.read(target) == hl.Column.paper()
+        return
+    assert ended.returncode == 1
+    assert re.fullmatch(rb"hardlimit \w+: .*a\.\w+: cannot be written: [\w ]+\n", ended.stderr), ended.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_was_there_survives_a_full_disk(tmp_path: Path) -> None:
+    target = tmp_path / "a.nc"
+    target.write_bytes(b"precious")
+    assert process("drop", "--save", target, most_bytes=20_000).returncode == 1
+    assert target.read_bytes() == b"precious" and list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("option", ["--save", "--toml"])
+def test_a_device_is_written_as_it_is(option: str) -> None:
+    assert (
+        "/dev/full: cannot be written: No space left on device"
+        in run("drop", option, "/dev/full", code=1).stderr
+    )
+    assert Path("/dev/full").is_char_device()
+
+
+def test_drop_loads_only_what_it_needs() -> None:
+    """A drop that prints a table starts fast: what draws, stores and labels stays where it is."""
+    code = "import sys; from hardlimit.cli import main; main(['drop'], 'hardlimit', standalone_mode=False); "
+    code += "print(*sys.modules)"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    loaded = set(printed.splitlines()[-1].split())
+    slow = {"xarray", "pandas", "matplotlib", "zarr", "h5py", "pint", "msgspec", "dask", "scipy", "asyncio"}
+    assert loaded & slow == set()
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion(shell: str) -> None:
+    script = run("completion", shell).stdout
+    assert script.startswith("# Install with: hardlimit completion ") and f"{shell}_complete" in script
+    answer = subprocess.run(
+        [sys.executable, "-m", "hardlimit"],
+        env={
+            **os.environ,
+            "_HARDLIMIT_COMPLETE": f"{shell}_complete",
+            "COMP_WORDS": "hardlimit drop --rad",
+            "COMP_CWORD": "--rad" if shell == "fish" else "2",
+        },
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert {"--radius", "--radius-1", "--radius-ratio"} <= set(re.findall(r"--[\w-]+", answer))
+
+
+def test_bash_reads_the_completion() -> None:
+    script = run("completion", "bash").stdout
+    ended = subprocess.run(["bash", "-n"], input=script, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_explore_on_a_busy_port() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as busy:
+        port = busy.getsockname()[1]
+        assert f"port: got {port}, must be free" in refused("explore", "--port", port, "--no-browser")
+
+
+def test_a_film_without_ffmpeg_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert "pip install 'hardlimit[film]'" in refused("drop", "--animate", tmp_path / "film.mp4")
+
+
+#: A sweep that says when it has begun to compute.
+ANNOUNCED = """
+import contextlib, sys
+from hardlimit.cli import main
+
+@contextlib.contextmanager
+def announce(*title):
+    yield lambda done, total: print("computing", flush=True)
+
+sys.modules["hardlimit.cli.sweep"].bar = announce
+main(sys.argv[1:], "hardlimit")
+"""
+
+
 def test_ctrl_c_ends_with_130() -> None:
     axes = ["--restitution", "0.4:1:30000", "--gap", "1e-6:1e-2:30000:log", "--variable", "n_contacts"]
-    command = [sys.executable, "-m", "hardlimit", "sweep", *axes]
+    command = [sys.executable, "-c", ANNOUNCED, "sweep", *axes]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        time.sleep(3.0)
+        assert process.stdout is not None and process.stdout.readline() == "computing\n"
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
-    assert process.returncode == 130 and out == "" and err.strip() == "interrupted"
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 130 and err.strip() == "interrupted"
 
 
 # --- examples -----------------------------------------------------------------------------------------------

@@ -83,7 +83,7 @@ def test_file(tmp_path: Path) -> None:
         ("restitution = 0.7", "bounce = 0.7", "law.bounce: unknown"),
         ('name = "linear"', 'name = "cubic"', "law.name: got 'cubic', must be one of linear, viscoelastic"),
         ("[law]", "[later]", "later: unknown"),
-        ("gaps = [1e-4]", "gaps = [1e-4]\ncradle = true", "height: unknown for a cradle"),
+        ("gaps = [1e-4]", "gaps = [1e-4]\ncradle = true", "height: got 0.6, must be left out for a cradle"),
         ("gaps = [1e-4]", "gaps = [1e-4]\nlaws = []", "law | laws: got both"),
         ("[law]", "[law", "not valid TOML"),
     ],
@@ -126,7 +126,7 @@ def test_not_text(tmp_path: Path) -> None:
 
 
 def test_unwritable_file(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="cannot be written"):
+    with pytest.raises(OSError, match="cannot be written"):
         files.write(hl.Column.paper(), tmp_path / "no folder" / "column.toml")
 
 

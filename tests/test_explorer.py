@@ -1,10 +1,12 @@
 """The explorer's page and its server. What the page does in a browser is tested by web/ci.sh."""
 
+import contextlib
 import http.client
 import json
 import math
 import re
 import shutil
+import socket
 import struct
 import subprocess
 import threading
@@ -20,14 +22,20 @@ ROOT = Path(__file__).resolve().parents[1]
 GOLDEN = ROOT / "tests" / "data" / "golden_wasm.json"
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[tuple[str, int]]:
-    with server.PageServer(0) as running:
+@contextlib.contextmanager
+def serving(running: server.PageServer) -> Iterator[server.PageServer]:
+    with running:
         thread = threading.Thread(target=running.serve_forever)
         thread.start()
-        yield (server.HOST, running.server_address[1])
+        yield running
         running.shutdown()
         thread.join()
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[tuple[str, int]]:
+    with serving(server.PageServer(0)) as running:
+        yield (server.HOST, running.server_address[1])
 
 
 def get(
@@ -87,9 +95,99 @@ def test_serve_says_where_and_opens_the_browser(
     assert opened[0] in capsys.readouterr().out
 
 
-def test_a_busy_port_is_an_error(address: tuple[str, int]) -> None:
-    with pytest.raises(OSError):
+def test_a_busy_port_is_refused(address: tuple[str, int]) -> None:
+    with pytest.raises(
+        ValueError, match=rf"port: got {address[1]}, must be free \(0 takes any that is\): \w"
+    ):
         server.serve(address[1], open_browser=False)
+
+
+def exchange(address: tuple[str, int], request: bytes) -> bytes:
+    """The whole answer to raw bytes, up to the moment at which the server closes the connection."""
+    with socket.create_connection(address, timeout=30) as connection:
+        connection.sendall(request)
+        return b"".join(iter(lambda: connection.recv(65536), b""))
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "localhost:1", "[::1]:{port}", ""]
+)
+def test_a_foreign_host_is_not_answered(address: tuple[str, int], host: str) -> None:
+    """What a page of another site sends after its name was made to resolve to this machine."""
+    lines = ["GET / HTTP/1.1", f"Host: {host.format(port=address[1])}", "Connection: close", "", ""]
+    answer = exchange(address, "\r\n".join(lines).encode())
+    assert answer.startswith(b"HTTP/1.1 421 ") and b"<html" not in answer
+    without = exchange(address, b"GET / HTTP/1.1\r\nConnection: close\r\n\r\n")
+    assert without.startswith(b"HTTP/1.1 421 ")
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost", "LocalHost"])
+def test_this_machine_is_answered(address: tuple[str, int], name: str) -> None:
+    lines = ["GET / HTTP/1.1", f"Host: {name}:{address[1]}", "Connection: close", "", ""]
+    assert exchange(address, "\r\n".join(lines).encode()).startswith(b"HTTP/1.1 200 ")
+
+
+@pytest.mark.parametrize(
+    "path", ["http://[::1/x", "//[", "http://]/", "/%ff%00", "*", "?", "#", "/index.html/"]
+)
+def test_no_address_leaves_a_trace(
+    address: tuple[str, int], path: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    lines = [f"GET {path} HTTP/1.1", f"Host: 127.0.0.1:{address[1]}", "Connection: close", "", ""]
+    status = exchange(address, "\r\n".join(lines).encode()).split(b" ", 2)[1]
+    assert status == (b"200" if path in ("?", "#") else b"404")
+    assert capfd.readouterr().err == ""
+
+
+class Ends:
+    """Counts the connections that a server has done with, so that a test can wait for one."""
+
+    def __init__(self, running: server.PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.done = threading.Semaphore(0)
+        shutdown = running.shutdown_request
+
+        def ended(request: socket.socket) -> None:
+            shutdown(request)
+            self.done.release()
+
+        monkeypatch.setattr(running, "shutdown_request", ended)
+
+    def wait(self) -> bool:
+        return self.done.acquire(timeout=60)
+
+
+def test_a_browser_that_goes_away_leaves_no_trace(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with serving(server.PageServer(0)) as running:
+        running.files = {"index.html": bytes(50_000_000)}  # more than the sockets hold
+        ends = Ends(running, monkeypatch)
+        address = (server.HOST, running.server_address[1])
+        with socket.create_connection(address, timeout=30) as browser:
+            browser.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # close by reset
+            browser.sendall(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{address[1]}\r\n\r\n".encode())
+            assert browser.recv(100).startswith(b"HTTP/1.1 200")
+        assert ends.wait()
+    assert capfd.readouterr().err == ""
+
+
+def test_other_errors_of_the_server_are_reported(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with serving(server.PageServer(0)) as running:
+        monkeypatch.setattr(running, "files", None)
+        ends = Ends(running, monkeypatch)
+        address = (server.HOST, running.server_address[1])
+        exchange(address, f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{address[1]}\r\n\r\n".encode())
+        assert ends.wait()
+    assert "AttributeError" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("sent", [b"", b"GET / HT", b"GET / HTTP/1.1\r\nHost: 127", b"GET / HTTP/1.1\r\n"])
+def test_a_silent_connection_is_closed(sent: bytes, capfd: pytest.CaptureFixture[str]) -> None:
+    with serving(server.PageServer(0, silence=0.1)) as running:
+        assert exchange((server.HOST, running.server_address[1]), sent) == b""
+    assert capfd.readouterr().err == ""
 
 
 def test_the_page_asks_nobody_else() -> None:

@@ -1,16 +1,23 @@
 """Pictures: drawn for every kind of result, with what they must show; films are written and show motion."""
 
+import gc
+import math
+import sys
+from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from PIL import Image
 
 import hardlimit as hl
 from hardlimit.column.comparison import compare
-from hardlimit.pictures import animation, plots
+from hardlimit.pictures import animation, forces, heights, labels, maps, plots, stage, storyboard, style
+from legible import assert_legible
 
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.7, impact_speed=3.0)
 STEEL = hl.Ball(0.02, density=7800.0)
@@ -28,6 +35,70 @@ def drops() -> dict[str, hl.Column]:
         "touching": hl.Column.paper(gap=0.0),
         "moving without gravity": hl.Column([STEEL] * 2, 1e-3, 0.1, linear, -1.0, 0.0),
     }
+
+
+def random_column(seed: int) -> hl.Column:
+    """2 to 6 balls under either law, every fifth a cradle; ε = 1 and touching balls among them."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.choice([2, 2, 2, 3, 3, 4, 6]))
+    balls = [hl.Ball(10 ** rng.uniform(-3, -0.7), density=10 ** rng.uniform(2, 4)) for _ in range(n)]
+    gaps = [0.0 if rng.random() < 0.2 else 10 ** rng.uniform(-6, -2) for _ in range(n - 1)]
+    epsilon = 1.0 if rng.random() < 0.2 else rng.uniform(0.5, 0.99)
+    if rng.random() < 0.5:
+        law = hl.LinearDashpot(stiffness=10 ** rng.uniform(4, 8), restitution=epsilon)
+    else:
+        law = hl.Viscoelastic(
+            youngs_modulus=10 ** rng.uniform(7, 10), poisson_ratio=0.3, restitution=epsilon, impact_speed=2.0
+        )
+    if seed % 5 == 4:
+        return hl.Column.cradle(balls, [1.0] + [0.0] * (n - 1), law, gaps)
+    return hl.Column(balls, gaps, balls[0].radius + rng.uniform(0.05, 2.0), law)
+
+
+SEEDS = range(10)
+
+
+@dataclass
+class OneBall:
+    """A ball alone that bounces once: what pictures ask of a result, for a column without a second ball."""
+
+    restitution: float = 0.8
+    model: str = "newton"
+    until: float | None = None
+    outcome: str = "ok"
+    n_contacts: int = 0
+    t_end: float = math.nan
+    t_floor_end: float = 1e-3
+    column: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(
+            balls=(hl.Ball(0.1, density=840.0),),
+            floor=True,
+            gravity=9.81,
+            impact_speed=3.0,
+            initial_positions=np.array([0.1 + 3.0**2 / 2 / 9.81]),
+        )
+    )
+
+    @property
+    def _core(self) -> SimpleNamespace:
+        return SimpleNamespace(t_first=-3.0 / 9.81, t_last=self.t_floor_end)
+
+    @property
+    def contacts(self) -> xr.Dataset:
+        row = {"pair": [0], "begin": [0.0], "end": [self.t_floor_end]}
+        return xr.Dataset({name: ("contact", np.array(values)) for name, values in row.items()})
+
+    def trajectory(self, times) -> xr.Dataset:
+        t = np.atleast_1d(np.asarray(times, dtype=float))
+        up = 3.0 * self.restitution
+        v = np.where(t <= 0.0, -3.0, up) - 9.81 * t
+        z = 0.1 + np.where(t <= 0.0, -3.0, up) * t - 9.81 * t**2 / 2
+        force = np.where((t > 0.0) & (t < self.t_floor_end), 1e4, 0.0)
+        return xr.Dataset(
+            {"position": (("time", "ball"), z[:, None]), "velocity": (("time", "ball"), v[:, None])}
+            | {"force": (("time", "pair"), force[:, None])},
+            {"time": t, "ball": [1], "pair": [0]},
+        )
 
 
 def texts(figure) -> str:
@@ -54,6 +125,7 @@ def test_forces_name_all_pairs_and_the_end() -> None:
         "$F_{23}$",
         "$t_f$",
         "[kN]",
+        "balls 2–3: ",
         "time after the first floor touch [ms]",
     ):
         assert part in shown
@@ -74,10 +146,111 @@ def test_heights() -> None:
 
 def test_force_curve_has_the_jump_and_returns_to_zero() -> None:
     result = hl.newton(hl.Column.paper())
-    times, forces = plots.force_curve(result, 0, 1e-3)
-    assert forces[0] == 0.0 and forces[1] > 0.2 * forces.max()  # the dashpot's jump at first touch
-    assert forces[-1] == 0.0 and times[-1] == result.contacts["end"].values[0]
-    assert forces.min() >= 0.0 and np.all(np.diff(times) >= 0.0)
+    times, force = forces.force_curve(result, 0, 1e-3)
+    assert force[0] == 0.0 and force[1] > 0.2 * force.max()  # the dashpot's jump at first touch
+    assert force[-1] == 0.0 and times[-1] == result.contacts["end"].values[0]
+    assert force.min() >= 0.0 and np.all(np.diff(times) >= 0.0)
+
+
+# --- what holds for every column ----------------------------------------------------------------------------
+
+
+def seconds_per_unit(label: str) -> float:
+    return {"[s]": 1.0, "[ms]": 1e-3, "[µs]": 1e-6}[label.split()[-1]]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_every_apex_is_in_view(seed: int) -> None:
+    """Time and height of the top of every flight lie within the axes, and each line goes past its top."""
+    column = random_column(seed)
+    result = hl.newton(column)
+    ax = plots.heights(result).axes[0]
+    unit = seconds_per_unit(ax.get_xlabel())
+    marks = np.concatenate([result.contacts[name].values for name in ("begin", "end")])
+    after = float(np.nanmax(marks))
+    state = result.trajectory(after)
+    balls = [line for line in ax.lines if len(line.get_xdata()) > 100]
+    assert len(balls) == len(column.balls)
+    reached = 0
+    for i, line in enumerate(balls):
+        t, height = (np.asarray(values) for values in line.get_data())
+        assert ax.get_ylim()[0] <= height.min() and height.max() < ax.get_ylim()[1]
+        v, z = float(state["velocity"][0, i]), float(state["position"][0, i])
+        if column.gravity == 0.0 or v <= 0.0:
+            continue
+        top, highest = after + v / column.gravity, z + v**2 / (2 * column.gravity)
+        assert ax.get_xlim()[0] < top / unit < ax.get_xlim()[1]
+        if float(result.trajectory(top)["position"][0, i]) == pytest.approx(
+            highest, rel=1e-6
+        ):  # not hit before
+            assert highest < ax.get_ylim()[1]
+            assert np.any(np.diff(height[t * unit >= after]) < 0.0)  # it falls again
+            reached += 1
+    assert reached or column.gravity == 0.0 or np.isnan(marks).any()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_forces_of_every_column_share_one_unit_and_can_be_read(seed: int) -> None:
+    figure = plots.forces(hl.newton(random_column(seed)))
+    units = {ax.get_ylabel().split()[-1] for ax in figure.axes}
+    assert len(units) == 1
+    assert_legible(figure)
+
+
+@pytest.mark.parametrize("seed", [0, 4, 7])
+def test_drops_can_be_read(seed: int) -> None:
+    """Elastic, so that the hard spheres do not collapse."""
+    column = random_column(seed)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+    if column.floor:
+        column = hl.Column(column.balls, column.gaps, column.height, law)
+    else:
+        column = hl.Column.cradle(column.balls, column.velocities, law, column.gaps)
+    assert_legible(plots.drop(hl.newton(column), hl.independent(column)))
+
+
+def test_the_papers_drop_can_be_read_and_says_how_high() -> None:
+    found = compare(hl.Column.paper())
+    figure = plots.drop(found.newton, found.independent, found.adiabatic)
+    assert_legible(figure)
+    shown = texts(figure)
+    assert "Newton’s equations, top ball rebounds to 0.484 m" in shown
+    assert "independent collisions, top ball rebounds to 1.99 m" in shown
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_film_shows_the_whole_rebound(seed: int) -> None:
+    column = random_column(seed)
+    newton = hl.newton(column)
+    scenes = storyboard.storyboard(newton, newton, 2)
+    assert all(np.all(np.diff(scene.times) >= 0.0) for scene in scenes)
+    for top in heights.tops(newton)[0]:
+        if not math.isnan(top):
+            assert top <= scenes[-1].times[-1] and scenes[-1].rebound
+    assert (
+        not scenes[-1].rebound
+        or np.nanmax(newton.trajectory(scenes[-1].times)["position"]) <= scenes[-1].highest
+    )
+
+
+def test_frames_can_be_read() -> None:
+    for name in ("paper", "three viscoelastic", "cradle"):
+        newton = hl.newton(drops()[name])
+        for scene in storyboard.storyboard(newton, newton, 2):
+            kind = stage.CloseUp if scene.close_up else stage.Wide
+            with style.style(**stage.STYLE):
+                figure = kind(newton, newton, scene, 1280).figure
+            assert_legible(figure, **stage.STYLE)
+
+
+def test_a_ball_alone_can_be_drawn() -> None:
+    alone = OneBall()
+    figure = plots.drop(alone, OneBall(restitution=0.7, model="independent"))
+    assert_legible(figure)
+    assert "$F_{01}$" in texts(figure) and "ball 1" in texts(figure) and "$t_f$" not in texts(figure)
+    assert "top ball rebounds to 0.394 m" in texts(figure)
+    pictures = list(animation.frames(alone, alone, 320, 1))
+    assert any(np.any(a != b) for a, b in pairwise(pictures))
 
 
 def test_result_plot_is_the_forces() -> None:
@@ -98,6 +271,22 @@ def test_a_count_has_one_colour() -> None:
     colours = {many[0](many[1](count)) for count in range(16)}
     assert len(colours) == 16
     assert plots.count_colours(40)[0].N == 16
+    assert plots.count_colours(6, 3)[0].N == 4
+
+
+def lightness(colour: tuple[float, float, float]) -> float:
+    """CIE L* of an sRGB colour, 0 black to 100 white."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in colour]
+    y = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    return 116 * y ** (1 / 3) - 16 if y > 216 / 24389 else 24389 / 27 * y
+
+
+def test_the_more_contacts_the_darker() -> None:
+    """Counts keep their order in grey, and neighbours differ by more than can just be seen."""
+    steps = -np.diff([lightness(style.count_colour(n)) for n in range(1, 16)])
+    assert np.all(steps > 2.5)
+    assert style.count_colour(99) == style.count_colour(15)
+    assert lightness(style.count_colour(0)) > 90
 
 
 def sweep_of(values: np.ndarray, name: str) -> xr.Dataset:
@@ -114,10 +303,14 @@ def test_maps() -> None:
     collisions = hl.sweep(hl.Column.paper(), model="independent", **axes)
     counts = plots.count_map(newton)
     assert counts.axes[0].get_yscale() == "log" and counts.axes[0].get_xscale() == "linear"
-    assert r"initial gap $\Delta h$ [m]" in texts(counts) and "ball–ball contacts" in texts(counts)
+    assert r"initial gap $\Delta h$ [mm]" in texts(counts) and "ball–ball contacts" in texts(counts)
     assert r"\varepsilon_\mathrm{eff}" in texts(plots.count_map(newton, "restitution_ratio"))
     assert "[m/s]: Newton − independent" in texts(plots.difference_map(newton, collisions))
-    plots.count_map(newton, "t_end").savefig("/dev/null", format="png")
+    assert "$t_f$ [ms]" in texts(plots.count_map(newton, "t_end"))
+    shown = counts.axes[1].get_yticks()
+    assert shown.min() == newton.n_contacts.min() == 1 and shown.max() == newton.n_contacts.max()
+    for figure in (counts, plots.count_map(newton, "t_end"), plots.difference_map(newton, collisions)):
+        assert_legible(figure)
     line = plots.sweep_map(newton.isel(restitution=0))
     assert line.axes[0].get_xscale() == "log"
 
@@ -132,7 +325,7 @@ def test_counts_are_written_into_their_regions() -> None:
 def test_large_map_is_thinned_out() -> None:
     figure = plots.count_map(sweep_of(np.ones((5001, 3)), "t_end"), "t_end")
     mesh = figure.axes[0].collections[0]
-    assert mesh.get_array().size <= 3 * plots.MOST_CELLS
+    assert mesh.get_array().size <= 3 * maps.MOST_CELLS
 
 
 def test_missing_values_and_constant_maps_are_drawn() -> None:
@@ -153,6 +346,23 @@ def test_bad_maps_are_refused() -> None:
         plots.difference_map(ds, ds.assign_coords(gap=ds.gap * 2.0), "t_end")
 
 
+def test_resolution_and_pdf(tmp_path: Path) -> None:
+    figure = plots.forces(hl.newton(hl.Column.paper()))
+    for dpi in (100, 300):
+        with Image.open(plots.save(figure, tmp_path / "picture.png", dpi)) as picture:
+            width = figure.get_size_inches()[0]
+            assert picture.size[0] == pytest.approx(dpi * width, abs=1)
+            assert picture.info["dpi"][0] == pytest.approx(dpi, rel=1e-3)
+    assert plots.save(figure, tmp_path / "picture.pdf", 300).read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("dpi", [0, -1, 19.9, 2401, math.nan, math.inf, "300", True])
+def test_bad_resolutions_are_refused(dpi, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"^dpi: got .*, must be .*20.*2400") as refused:
+        plots.save(plots.forces(hl.newton(hl.Column.paper())), tmp_path / "picture.png", dpi)
+    assert "\n" not in str(refused.value) and not any(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize("name", ["picture.xyz", "picture", "no folder/picture.png"])
 def test_unwritable_pictures_are_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="plot: got") as refused:
@@ -164,7 +374,7 @@ def test_unwritable_pictures_are_refused(name: str, tmp_path: Path) -> None:
     ("value", "expected"), [(0.0, "N"), (35e3, "kN"), (1e-3, "mN"), (999.9, "N"), (1e3, "kN")]
 )
 def test_prefixes(value: float, expected: str) -> None:
-    assert plots.scaled(value, "N")[1] == expected
+    assert labels.scaled(value, "N")[1] == expected
 
 
 # --- films --------------------------------------------------------------------------------------------------
@@ -172,7 +382,7 @@ def test_prefixes(value: float, expected: str) -> None:
 
 def test_storyboard() -> None:
     newton, hard = hl.newton(hl.Column.paper()), hl.independent(hl.Column.paper())
-    fall, contacts, rebound = animation.storyboard(newton, hard, 30)
+    fall, contacts, rebound = storyboard.storyboard(newton, hard, 30)
     assert [s.close_up for s in (fall, contacts, rebound)] == [False, True, False]
     assert (
         fall.times[0] < -0.3
@@ -182,7 +392,7 @@ def test_storyboard() -> None:
     assert contacts.times[0] < 0.0 and contacts.times[-1] > newton.t_floor_end
     assert contacts.slowed == 10_000.0
     cradle = drops()["cradle"]
-    assert len(animation.storyboard(hl.newton(cradle), hl.independent(cradle), 30)) == 1
+    assert len(storyboard.storyboard(hl.newton(cradle), hl.independent(cradle), 30)) == 1
 
 
 @pytest.mark.parametrize("ending", [".mp4", ".gif"])
@@ -215,6 +425,44 @@ def test_interrupted_film_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt):
         hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=320, progress=interrupt)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_mp4_without_ffmpeg_names_the_extra_and_gif_needs_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    result = hl.newton(hl.Column.paper())
+    with pytest.raises(ValueError, match=r"pip install 'hardlimit\[film\]'") as refused:
+        result.animate(tmp_path / "film.mp4", width=320, frames_per_second=2)
+    assert "\n" not in str(refused.value) and not any(tmp_path.iterdir())
+    film = result.animate(tmp_path / "film.gif", width=160, frames_per_second=1)
+    assert film.stat().st_size > 1000
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # imageio-ffmpeg leaves its pipe to the collector
+def test_ffmpeg_that_fails_is_reported_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
+    with pytest.raises(ValueError, match=r"animate: .* cannot be written: ffmpeg") as refused:
+        hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=320, frames_per_second=2)
+    assert "\n" not in str(refused.value) and not any(tmp_path.iterdir())
+    del refused
+    gc.collect()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [({"width": 0}, "width: got 0"), ({"width": 5000}, "width: got 5000")]
+    + [({"frames_per_second": n}, "frames_per_second: got") for n in (0, -5, 1000, math.nan)],
+)
+def test_impossible_films_are_refused(options, message, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=message):
+        hl.newton(hl.Column.paper()).animate(tmp_path / "film.gif", **options)
+
+
+@pytest.mark.parametrize("width", [160, 350, 337])
+def test_films_of_any_width(width: int, tmp_path: Path) -> None:
+    path = hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=width, frames_per_second=1)
+    assert path.stat().st_size > 1000
 
 
 @pytest.mark.parametrize("name", ["film.avi", "film", "no folder/film.mp4"])

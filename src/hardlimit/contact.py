@@ -258,6 +258,12 @@ def _contact(law: Law, mass: float, radius: float) -> Contact:
     return Contact(law, _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius))
 
 
+def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
+    """The records of all parameters that a law knows, by name."""
+    choices = law.record["alternatives"]
+    return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
+
+
 def _law(kind: type[Law], parameters: dict[str, float]) -> Law:
     return kind(**parameters)
 

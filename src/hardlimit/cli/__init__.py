@@ -1,15 +1,16 @@
-"""The command line: ``hardlimit drop | contact | paper | sweep | explore``. It computes nothing itself."""
+"""The command line: ``hardlimit drop | contact | paper | sweep | explore | completion``. It computes nothing itself."""
 
 from __future__ import annotations
 
 import click
 
 from .. import __version__
-from .common import Program
+from .completion import completion
 from .contact import contact
 from .drop import drop
 from .explore import explore
 from .paper import paper
+from .program import Program
 from .sweep import sweep
 
 
@@ -17,7 +18,7 @@ from .sweep import sweep
     cls=Program,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
-    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1e-3 --plot drop.png",
+    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png",
 )
 @click.version_option(__version__, "--version", prog_name="hardlimit")
 @click.pass_context
@@ -25,11 +26,11 @@ def main(context: click.Context) -> None:
     """How far can you trust an event-driven simulation?
 
     Columns of balls as instantaneous collisions and under Newton's equations, side by side. Quantities are in
-    SI units.
+    SI units, or bear their unit: 1e-3 or 1mm.
     """
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 
 
-for command in (drop, contact, paper, sweep, explore):
+for command in (drop, contact, paper, sweep, explore, completion):
     main.add_command(command)

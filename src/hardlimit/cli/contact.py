@@ -13,66 +13,48 @@ from ..approximations import usual_damping
 from ..bodies import FLOOR, Ball
 from ..column import files
 from ..column.scenario import Column
-from ..contact import Contact
+from ..contact import Contact, Law
 from ..laws import LAWS
-from .common import (
-    NUMBER,
-    Command,
-    console,
-    digits,
-    given_law_parameters,
-    law_options,
-    length,
-    print_json,
-    quantity,
-    show,
-    table,
-    writable,
-)
-from .drop import law_text
+from .drop_report import law_text
+from .options import given_law_parameters, law_options, options, output_option, quantity_option, writable
+from .printing import console, digits, length, print_json, quantity, show, table
+from .program import Command
 
 SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 
+body_options = options(
+    quantity_option("--radius", unit="m", help="Of the ball [m].  [default: 0.01]"),
+    quantity_option("--density", unit="kg/m3", help="[kg/m³].  [default: 840]"),
+    quantity_option("--mass", unit="kg", help="[kg], instead of the density."),
+    quantity_option(
+        "--other-radius", unit="m", help="Of a second ball [m]; without it, the ball meets the floor."
+    ),
+    quantity_option("--other-density", unit="kg/m3", help="[kg/m³].  [default: as the ball's]"),
+    quantity_option("--other-mass", unit="kg", help="[kg], instead of the density."),
+)
+
+
 @click.command(
-    cls=Command, epilog="\b\nExample:\n  hardlimit contact --restitution 0.5 --radius 0.01 --density 2500"
+    cls=Command, epilog="\b\nExample:\n  hardlimit contact --restitution 0.5 --radius 1cm --density 2500"
 )
-@click.option("--radius", type=NUMBER, help="Of the ball [m].  [default: 0.01]")
-@click.option("--density", type=NUMBER, help="[kg/m³].  [default: 840]")
-@click.option("--mass", type=NUMBER, help="[kg], instead of the density.")
-@click.option(
-    "--other-radius", type=NUMBER, help="Of a second ball [m]; without it, the ball meets the floor."
-)
-@click.option("--other-density", type=NUMBER, help="[kg/m³].  [default: as the ball's]")
-@click.option("--other-mass", type=NUMBER, help="[kg], instead of the density.")
+@body_options
 @law_options()
-@click.option("--speed", "speeds", type=NUMBER, multiple=True, help="Of impact [m/s]; repeat for a table.")
-@click.option("--plot", metavar="FILE", help="Restitution as a picture (png, pdf, svg, …).")
+@quantity_option("--speed", "speeds", unit="m/s", multiple=True, help="Of impact [m/s]; repeat for a table.")
+@output_option("--plot", "Restitution as a picture (png, pdf, svg, …).")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def contact(
-    radius: float | None,
-    density: float | None,
-    mass: float | None,
-    other_radius: float | None,
-    other_density: float | None,
-    other_mass: float | None,
-    law: str | None,
-    speeds: tuple[float, ...],
-    plot: str | None,
-    as_json: bool,
-    **options: Any,
+    law: str | None, speeds: tuple[float, ...], plot: str | None, as_json: bool, **given: Any
 ) -> None:
     """One contact: duration, restitution, damping, and what the usual damping formula would give.
 
     Without options: a ball of radius 1 cm and density 840 kg/m³ meets the floor, linear law with stiffness
-    5e7 N/m and restitution 0.7.
+    5e7 N/m and restitution 0.7. A number may bear a unit, such as 1cm.
     """
-    base = files.of_column(Column.paper())
-    parameters = given_law_parameters(options)
-    rule = files.with_law(base, law, parameters).laws[0] if law or parameters else base.laws[0]
-    ball = make_ball("", radius, density, mass, 0.01, 840.0)
-    partner = other_ball(ball, other_radius, other_density, other_mass)
     picture = writable("plot", plot)
+    rule = chosen_law(law, given_law_parameters(given))
+    ball = make_ball("", given["radius"], given["density"], given["mass"], 0.01, 840.0)
+    partner = other_ball(ball, given["other_radius"], given["other_density"], given["other_mass"])
     made = rule.between(ball, partner)
     v = np.array([validation.number("speed", s, 0.0) for s in speeds] or default_speeds(made))
     usual = usual_formula(made)
@@ -82,6 +64,14 @@ def contact(
         print_json(as_mapping(made, v, usual))
     else:
         print_report(made, ball, partner, v, usual)
+
+
+def chosen_law(name: str | None, parameters: dict[str, float]) -> Law:
+    """The law of Fig. 2, or what the options make of it."""
+    base = files.of_column(Column.paper())
+    if name is not None or parameters:
+        base = files.with_law(base, name, parameters)
+    return base.laws[0]
 
 
 def make_ball(
@@ -105,9 +95,18 @@ def other_ball(ball: Ball, radius: float | None, density: float | None, mass: fl
     return make_ball("other_", radius, density, mass, ball.radius, ball.density)
 
 
+def depends_on_speed(made: Contact) -> bool:
+    """Whether restitution or duration change with the speed of impact."""
+    slow, fast = SPEEDS[0], SPEEDS[-1]
+    return not (
+        math.isclose(made.restitution(slow), made.restitution(fast), rel_tol=1e-12)
+        and math.isclose(made.duration(slow), made.duration(fast), rel_tol=1e-12)
+    )
+
+
 def default_speeds(made: Contact) -> list[float]:
-    """One speed where the restitution does not depend on it, else some decades and the one given."""
-    if math.isclose(made.restitution(SPEEDS[0]), made.restitution(SPEEDS[-1]), rel_tol=1e-12):
+    """One speed where nothing depends on it, else some decades and the one given."""
+    if not depends_on_speed(made):
         return [1.0]
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
@@ -151,8 +150,7 @@ def print_report(
     name = made.law.record["name"]
     show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
     by_speed = [[digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s")] for v in speeds]
-    independent = usual is not None or (len(speeds) == 1 and made.law.record["name"] == "linear")
-    title = "At any speed" if independent else "Over the speed of impact"
+    title = "Over the speed of impact" if depends_on_speed(made) else "At any speed"
     show(out, title, table(["speed [m/s]", "restitution ε", "duration"], by_speed))
     if usual:
         print_usual(out, made, usual)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .common import Command
+from .program import Command
 
 
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit explore --port 8765 --no-browser")

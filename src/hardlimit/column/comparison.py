@@ -65,9 +65,8 @@ def compare(column: Column) -> Comparison:
 
 def overlapping_contacts(result: Result) -> int:
     """Ball–ball contacts of the sequence during which another contact lasts as well."""
-    table = result.contacts
-    pair, begin = table["pair"].values, table["begin"].values
-    end = np.where(np.isnan(table["end"].values), math.inf, table["end"].values)
+    pair, begin, end = result.contact_times
+    end = np.where(np.isnan(end), math.inf, end)
     last = math.inf if math.isnan(result.t_end) else result.t_end
     return sum(
         bool(np.any((np.arange(len(pair)) != i) & (begin < end[i]) & (begin[i] < end)))

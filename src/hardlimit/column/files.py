@@ -3,25 +3,25 @@
 The file has the top-level keys ``height`` and ``gravity``, ``gaps``, ``velocities``, one ``[[balls]]`` table
 for each ball, bottom first (``radius``, and ``density`` or ``mass``), and one ``[law]`` (``name`` and its
 parameters) or one ``[[laws]]`` for each contact, the floor's first. ``cradle = true`` leaves out floor,
-height and gravity (which may stand there as 0).
+height and gravity (which may stand there as 0). A quantity is a number in SI units or a text with its unit,
+such as ``"1 mm"``.
 """
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from .. import validation
+from .. import saving, toml, units, validation
 from ..bodies import Ball
-from ..contact import Law
+from ..contact import Law, law_parameters
 from ..laws import LAWS
 from .scenario import STANDARD_GRAVITY, Column
 
-KEYS: Final = ("cradle", "height", "gravity", "gaps", "velocities", "balls", "law", "laws")
-BALL_KEYS: Final = ("radius", "density", "mass")
+if TYPE_CHECKING:
+    from msgspec import Struct
 
 T = TypeVar("T")
 
@@ -87,19 +87,9 @@ def read(path: str | Path) -> Column:
 
 def read_with(path: str | Path, *other: str) -> tuple[Scenario, dict[str, Any]]:
     """The scenario in a TOML file, and its top-level entries named in ``other`` as they stand."""
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: not valid TOML: not a text in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ValueError(f"{path}: not valid TOML: {error}") from None
+    content = toml.read(path)
     extra = {name: content.pop(name) for name in other if name in content}
-    try:
-        return from_mapping(content), extra
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    return prefixed(f"{path}: ", lambda: from_mapping(content)), extra
 
 
 def loads(text: str) -> Column:
@@ -110,7 +100,7 @@ def loads(text: str) -> Column:
     ValueError
         If it is not TOML, has an unknown key or a bad value.
     """
-    return from_mapping(tomllib.loads(text)).column()
+    return from_mapping(toml.parse(text)).column()
 
 
 def dumps(column: Column) -> str:
@@ -142,15 +132,10 @@ def write(column: Column, path: str | Path) -> Path:
 
     Raises
     ------
-    ValueError
-        If the file cannot be written.
+    OSError
+        If the file cannot be written; names it.
     """
-    target = Path(path)
-    try:
-        target.write_text(dumps(column), encoding="utf-8")
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be written: {error.strerror or error}") from None
-    return target
+    return saving.write(path, dumps(column).encode())
 
 
 def from_mapping(content: Mapping[str, Any]) -> Scenario:
@@ -159,72 +144,82 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
     Raises
     ------
     ValueError
-        For an unknown or missing key and for a value outside its range.
+        For an unknown or missing key, a value of another type and one outside its range.
     """
-    _refuse_unknown("", content, KEYS)
-    cradle = content.get("cradle", False)
-    if not isinstance(cradle, bool):
-        raise ValueError(f"cradle: got {cradle!r}, must be true or false")
-    if cradle:
-        _refuse_unknown("", content, [key for key in KEYS if key != "height"], " for a cradle")
-        if content.get("gravity", 0) != 0:
-            raise ValueError(f"gravity: got {content['gravity']!r}, must be 0 or left out for a cradle")
-    balls = tuple(_ball(i, table) for i, table in enumerate(_tables("balls", content.get("balls"))))
-    height = content.get("height")
-    if height is None and not cradle:
-        raise ValueError("height: missing, must be the height [m] of the lowest centre at release")
-    if "gaps" not in content and not cradle:
-        raise ValueError(f"gaps: missing, must be a list of {len(balls) - 1}")
+    from .schema import ColumnTable
+
+    table = toml.convert(content, ColumnTable)
+    balls = tuple(_ball(i, ball) for i, ball in enumerate(table.balls))
+    laws = _laws(table)
     n = len(balls)
+    if table.cradle:
+        _check_cradle(table)
+    elif table.height is None:
+        raise ValueError("height: missing, must be the height [m] of the lowest centre at release")
+    elif table.gaps is None and n > 1:
+        raise ValueError(f"gaps: missing, must be a list of {n - 1}")
+    gravity = STANDARD_GRAVITY if table.gravity is None else _quantity("gravity", table.gravity, "m/s2")
     return Scenario(
         balls=balls,
-        gaps=validation.numbers("gaps", content.get("gaps", 0.0), n - 1, lowest=0.0, lowest_allowed=True),
-        laws=_laws(content),
-        height=0.0 if cradle else validation.number("height", height),
-        velocities=validation.numbers("velocities", content.get("velocities", 0.0), n),
-        gravity=validation.number(
-            "gravity", content.get("gravity", STANDARD_GRAVITY), 0.0, lowest_allowed=True
-        ),
-        cradle=cradle,
+        gaps=_quantities("gaps", table.gaps, "m", n - 1, lowest=0.0, lowest_allowed=True),
+        laws=laws,
+        height=0.0 if table.cradle else validation.number("height", _quantity("height", table.height, "m")),
+        velocities=_quantities("velocities", table.velocities, "m/s", n),
+        gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True),
+        cradle=table.cradle,
     )
 
 
-def _refuse_unknown(where: str, table: Mapping[str, Any], known: Collection[str], in_what: str = "") -> None:
-    for key in table:
-        if key not in known:
-            raise ValueError(f"{where}{key}: unknown{in_what}, must be one of {', '.join(known)}")
+def _check_cradle(table: Any) -> None:
+    if table.height is not None:
+        raise ValueError(f"height: got {table.height!r}, must be left out for a cradle")
+    if table.gravity is not None and _quantity("gravity", table.gravity, "m/s2") != 0.0:
+        raise ValueError(f"gravity: got {table.gravity!r}, must be 0 or left out for a cradle")
 
 
-def _tables(name: str, value: Any) -> list[Mapping[str, Any]]:
-    if value is None:
-        raise ValueError(f"{name}: missing, must be two or more [[{name}]] tables")
-    if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
-        raise ValueError(f"{name}: got {value!r}, must be [[{name}]] tables")
-    return value
+def _quantity(name: str, value: float | str, unit: str) -> float:
+    """The number, or the one that a text gives with its unit."""
+    return units.with_unit(name, value, unit) if isinstance(value, str) else value
 
 
-def _ball(i: int, table: Mapping[str, Any]) -> Ball:
-    _refuse_unknown(f"balls[{i}].", table, BALL_KEYS)
-    if "radius" not in table:
-        raise ValueError(f"balls[{i}].radius: missing, must be > 0 and finite")
-    return prefixed(f"balls[{i}].", lambda: Ball(**table))
+def _quantities(name: str, values: Any, unit: str, count: int, **limits: Any) -> tuple[float, ...]:
+    """``count`` numbers; one value stands for all of them, none at all means 0."""
+    if isinstance(values, list):
+        numbers: Any = [_quantity(f"{name}[{i}]", value, unit) for i, value in enumerate(values)]
+    else:
+        numbers = 0.0 if values is None else _quantity(name, values, unit)
+    return validation.numbers(name, numbers, count, **limits)
 
 
-def _laws(content: Mapping[str, Any]) -> tuple[Law, ...]:
-    if ("law" in content) == ("laws" in content):
-        count = "both" if "law" in content else "neither"
+def _given(table: Struct, where: str, units_of: Mapping[str, str]) -> dict[str, float]:
+    """The entries of a table that are given, as numbers."""
+    entries = {name: getattr(table, name) for name in units_of}
+    return {
+        name: _quantity(f"{where}{name}", value, units_of[name])
+        for name, value in entries.items()
+        if value is not None
+    }
+
+
+def _ball(i: int, table: Any) -> Ball:
+    given = _given(table, f"balls[{i}].", {"radius": "m", "density": "kg/m3", "mass": "kg"})
+    return prefixed(f"balls[{i}].", lambda: Ball(**given))
+
+
+def _laws(table: Any) -> tuple[Law, ...]:
+    if (table.law is None) == (table.laws is None):
+        count = "neither" if table.law is None else "both"
         raise ValueError(f"law | laws: got {count}, must be one [law] or one [[laws]] for each contact")
-    if "laws" in content:
-        return tuple(_law(f"laws[{i}].", t) for i, t in enumerate(_tables("laws", content["laws"])))
-    if not isinstance(content["law"], Mapping):
-        raise ValueError(f"law: got {content['law']!r}, must be a [law] table")
-    return (_law("law.", content["law"]),)
+    if table.law is not None:
+        return (_law("law.", table.law),)
+    return tuple(_law(f"laws[{i}].", one) for i, one in enumerate(table.laws))
 
 
-def _law(where: str, table: Mapping[str, Any]) -> Law:
-    parameters = dict(table)
-    kind = law_class(parameters.pop("name", None), f"{where}name")
-    return prefixed(where, lambda: kind(**parameters))
+def _law(where: str, table: Struct) -> Law:
+    kind = LAWS[str(table.__struct_config__.tag)]
+    units_of = {name: record["unit"] for name, record in law_parameters(kind).items()}
+    given = _given(table, where, units_of)
+    return prefixed(where, lambda: kind(**given))
 
 
 def law_class(name: Any, parameter: str = "law") -> type[Law]:
@@ -263,12 +258,6 @@ def with_law(scenario: Scenario, name: str | None, parameters: Mapping[str, floa
     return replace(scenario, laws=tuple(law.replace(**parameters) for law in scenario.laws))
 
 
-def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
-    """The records of all parameters that a law knows, by name."""
-    choices = law.record["alternatives"]
-    return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
-
-
 def _law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
     laws = [law for law in (present, *LAWS.values()) if law is not None]
     for law in laws:
@@ -302,12 +291,16 @@ def with_balls(
         raise ValueError("radius | radius_1, radius_2, radius_ratio: got both, must be at most one of them")
     sizes = [validation.number(f"radius[{i}]", r, 0.0) for i, r in enumerate(radii)]
     sizes = sizes or [ball.radius for ball in scenario.balls]
+    for name, value in (("radius_2", radius_2), ("radius_ratio", radius_ratio)):
+        if value is not None and len(sizes) < 2:
+            raise ValueError(f"{name}: got {value:.16g}, must be left out for a column of one ball")
     if radius_1 is not None:
         sizes[0] = validation.number("radius_1", radius_1, 0.0)
     if radius_2 is not None:
         sizes[1] = validation.number("radius_2", radius_2, 0.0)
     if radius_ratio is not None:
-        sizes[0] = validation.number("radius_ratio", radius_ratio, 0.0) * sizes[1]
+        ratio = validation.number("radius_ratio", radius_ratio, 0.0)
+        sizes[0] = validation.number("radius_ratio × radius_2", ratio * sizes[1], 0.0)
     return replace(scenario, balls=tuple(_made_of(scenario.balls, sizes, densities, masses)))
 
 
@@ -344,6 +337,8 @@ def with_motion(
     if scenario.cradle and gravity is not None:
         raise ValueError("gravity: a cradle has none, must be left out")
     n = len(scenario.balls)
+    if gaps and n == 1:
+        raise ValueError(f"gap: got {gaps[0]:.16g}, must be left out for a column of one ball")
     return replace(
         scenario,
         gaps=_fitting("gap", gaps, scenario.gaps, n - 1),

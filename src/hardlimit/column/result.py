@@ -122,7 +122,7 @@ class Result:
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
         """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest."""
-        ends = self._contacts["end"].values
+        ends = self.contact_times[2]
         ends = ends[np.isfinite(ends)]
         if not ends.size or _core.outcome_names[self.outcome_code] == "at_rest":
             return _fixed(np.full(len(self.column.balls), math.nan))
@@ -144,6 +144,15 @@ class Result:
         return self._core.energy_error
 
     @property
+    def contact_times(self) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
+        """Pair, begin [s] and end [s] of each contact: ``contacts`` as plain arrays, without loading xarray."""
+        pair, begin, end = self._core.contacts()
+        if self.until is None:
+            return pair, begin, end
+        kept = begin <= self.until
+        return pair[kept], begin[kept], end[kept]
+
+    @property
     def contacts(self) -> xr.Dataset:
         """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin``, ``end`` [s].
 
@@ -156,10 +165,7 @@ class Result:
     def _contacts(self) -> xr.Dataset:
         import xarray as xr
 
-        pair, begin, end = self._core.contacts()
-        if self.until is not None:
-            kept = begin <= self.until
-            pair, begin, end = pair[kept], begin[kept], end[kept]
+        pair, begin, end = self.contact_times
         seconds = {"units": "s", "long_name": self._since}
         return xr.Dataset(
             {

@@ -1,13 +1,20 @@
 """Serves the explorer page on this machine: static files, nothing computed, nothing fetched."""
 
 import contextlib
+import sys
 import webbrowser
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib import resources
-from urllib.parse import urlsplit
 
 HOST = "127.0.0.1"
+
+#: Names under which a browser on this machine may ask for the page. Any other name in the Host header is that of
+#: a foreign site that was made to resolve to this machine (DNS rebinding).
+OWN_NAMES = (HOST, "localhost")
+
+#: Seconds after which a connection that says nothing is closed.
+SILENCE = 30.0
 
 # The page's own <meta> says the same, for copies served by others; frame-ancestors only works as a header.
 CONTENT_SECURITY_POLICY = (
@@ -36,23 +43,54 @@ def page_files() -> dict[str, bytes]:
 
 
 class PageServer(ThreadingHTTPServer):
-    """Holds the files in memory: no request can reach anything else."""
+    """Holds the files in memory: no request can reach anything else.
+
+    Parameters
+    ----------
+    port : int
+        0 takes a free one.
+    silence : float [s]
+        After this time without a byte a connection is closed.
+
+    Raises
+    ------
+    OSError
+        If the port is taken or may not be used.
+    """
 
     daemon_threads = True
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, silence: float = SILENCE) -> None:
         self.files = page_files()
+        self.silence = silence
         super().__init__((HOST, port), PageHandler)
 
     @property
     def url(self) -> str:
         return f"http://{HOST}:{self.server_address[1]}/"
 
+    @property
+    def own_hosts(self) -> frozenset[str]:
+        """Host headers that mean this server; browsers leave out port 80."""
+        port = self.server_address[1]
+        names = {f"{name}:{port}" for name in OWN_NAMES}
+        return frozenset(names | set(OWN_NAMES) if port == 80 else names)
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """A browser that goes away in the middle of an answer is no error; everything else is reported."""
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
+            super().handle_error(request, client_address)  # type: ignore[arg-type]
+
 
 class PageHandler(BaseHTTPRequestHandler):
     protocol_version = "HTTP/1.1"
     server_version = "hardlimit"
     sys_version = ""
+    server: PageServer
+
+    def setup(self) -> None:
+        super().setup()
+        self.connection.settimeout(self.server.silence)
 
     def do_GET(self) -> None:
         self.reply(with_body=True)
@@ -61,15 +99,21 @@ class PageHandler(BaseHTTPRequestHandler):
         self.reply(with_body=False)
 
     def reply(self, with_body: bool) -> None:
-        assert isinstance(self.server, PageServer)
-        name = urlsplit(self.path).path.lstrip("/") or "index.html"
+        if self.headers.get("Host", "").lower() not in self.server.own_hosts:
+            self.answer(
+                HTTPStatus.MISDIRECTED_REQUEST, "text/plain; charset=utf-8", b"another host\n", with_body
+            )
+            return
+        name = self.path.partition("?")[0].partition("#")[0].removeprefix("/") or "index.html"
         body = self.server.files.get(name)
-        found = body is not None
         if body is None:
-            body = b"not found\n"
-        self.send_response(HTTPStatus.OK if found else HTTPStatus.NOT_FOUND)
-        ending = name[name.rfind(".") :]
-        self.send_header("Content-Type", TYPES[ending] if found else "text/plain; charset=utf-8")
+            self.answer(HTTPStatus.NOT_FOUND, "text/plain; charset=utf-8", b"not found\n", with_body)
+        else:
+            self.answer(HTTPStatus.OK, TYPES[name[name.rfind(".") :]], body, with_body)
+
+    def answer(self, status: HTTPStatus, content_type: str, body: bytes, with_body: bool) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", content_type)
         self.send_header("Content-Length", str(len(body)))
         self.send_header("Content-Security-Policy", CONTENT_SECURITY_POLICY)
         self.send_header("Cross-Origin-Resource-Policy", "same-origin")
@@ -85,8 +129,20 @@ class PageHandler(BaseHTTPRequestHandler):
 
 
 def serve(port: int, open_browser: bool) -> None:
-    """Serve the page until interrupted. Port 0 takes a free one."""
-    with PageServer(port) as server:
+    """Serve the page until interrupted. Port 0 takes a free one.
+
+    Raises
+    ------
+    ValueError
+        If the port is taken or may not be used.
+    """
+    try:
+        server = PageServer(port)
+    except OSError as error:
+        raise ValueError(
+            f"port: got {port}, must be free (0 takes any that is): {error.strerror or error}"
+        ) from None
+    with server:
         print(f"The explorer is at {server.url} (Ctrl-C ends it)", flush=True)
         if open_browser:
             webbrowser.open(server.url)

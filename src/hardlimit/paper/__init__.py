@@ -1,7 +1,7 @@
 """Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), end to end: every figure, and what the text states.
 
 ``setup`` holds the paper's columns, ``figure2`` … ``figure8`` compute the data of one figure each,
-``drawing`` draws them, ``statements``, ``misprints`` and ``density`` compare with the text.
+``drawings`` draws them, ``statements``, ``misprints`` and ``density`` compare with the text.
 """
 
 from __future__ import annotations
@@ -9,15 +9,19 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from .. import validation
+from .. import saving, validation
 from ..column.scenario import PAPER_DENSITY
 from . import density as inference
 from . import misprints, statements
 from .data import FIGURES, Data
 from .report import Report, Row
 from .setup import Setup
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
 
 __all__ = ["FIGURES", "FORMATS", "Report", "Row", "run"]
 
@@ -37,6 +41,7 @@ def run(
     format: str = "png",
     infer_density: bool = False,
     progress: Progress | None = None,
+    dpi: float | None = None,
 ) -> Report:
     """Compute the figures and the statements of the paper and write them to a folder.
 
@@ -53,17 +58,21 @@ def run(
         Scan the density for the facts that the paper states; also writes ``density.png`` and ``density.nc``.
     progress : callable(part, text), optional
         ``part`` runs from 0 to 1.
+    dpi : float, optional
+        Resolution of the pictures [dots per inch], 20 to 2400; 200 by default, 300 is what journals ask for.
 
     Raises
     ------
     ValueError
-        For an unknown figure or format, a density that is not positive, or a folder that cannot be written.
+        For an unknown figure or format, a density or a resolution outside its range, or a folder that cannot be
+        written.
     """
     started = time.perf_counter()
     chosen = _figures(figures)
     setup = Setup(validation.number("density", density, 0.0))
     if format not in FORMATS:
         raise ValueError(f"format: got {format!r}, must be one of {', '.join(FORMATS)}")
+    look = _Look(format, _resolution(dpi))
     folder = _writable(out)
     steps: list[Any] = [*chosen, "statements", *(["density"] if infer_density else [])]
     track = _Track(steps, progress)
@@ -72,7 +81,7 @@ def run(
     data = Data(setup, track.within)
     for number in chosen:
         track.begin(number, f"Fig. {number}")
-        report.files += _write_figure(folder, number, data, format)
+        report.files += _write_figure(folder, number, data, look)
         report.meanings[number] = str(data.figure(number).attrs["meaning"])
         report.choices[number] = str(data.figure(number).attrs["choices"])
     track.begin("statements", "statements of the text")
@@ -81,14 +90,20 @@ def run(
     if infer_density:
         track.begin("density", "density")
         scan = inference.infer(track.within)
-        report.files += _write_density(folder, scan.assign_attrs(data.attributes("Fig. 3 and text")), format)
+        report.files += _write_density(folder, scan.assign_attrs(data.attributes("Fig. 3 and text")), look)
     report.rows += [*inference.rows(setup, scan), *misprints.rows(setup)]
     report.wall_time = time.perf_counter() - started
     page = folder / "report.md"
-    page.write_text(report.to_markdown(), encoding="utf-8")
+    saving.write(page, report.to_markdown().encode())
     report.files.append(page)
     track.end()
     return report
+
+
+def _resolution(dpi: float | None) -> float:
+    from ..pictures.style import checked_resolution  # drawing is imported when something is drawn
+
+    return checked_resolution(dpi)
 
 
 def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
@@ -124,33 +139,42 @@ def _writable(out: str | Path) -> Path:
     return folder
 
 
-def _write_figure(folder: Path, number: int, data: Data, format: str) -> list[Path]:
-    from ..pictures import plots  # drawing is imported when something is drawn
-    from . import drawing
+class _Look(NamedTuple):
+    """How the pictures are written."""
 
-    picture = plots.save(drawing.draw(number, data.figure(number)), folder / f"fig{number}.{format}")
-    return [picture, _write_data(data.figure(number), folder / f"fig{number}.nc")]
-
-
-def _write_density(folder: Path, scan: Any, format: str) -> list[Path]:
-    from ..pictures import plots
-    from . import drawing
-
-    picture = plots.save(drawing.density(scan), folder / f"density.{format}")
-    return [picture, _write_data(scan, folder / "density.nc")]
+    format: str
+    dpi: float
 
 
-def _write_data(data: Any, path: Path) -> Path:
+def _write_figure(folder: Path, number: int, data: Data, look: _Look) -> list[Path]:
+    from . import drawings
+
+    return _write(
+        folder / f"fig{number}", drawings.draw(number, data.figure(number)), data.figure(number), look
+    )
+
+
+def _write_density(folder: Path, scan: xr.Dataset, look: _Look) -> list[Path]:
+    from . import drawings
+
+    return _write(folder / "density", drawings.density(scan), scan, look)
+
+
+def _write(stem: Path, figure: Figure, data: xr.Dataset, look: _Look) -> list[Path]:
+    """One figure as a picture and as data."""
+    from ..pictures.style import save
+
+    picture = save(figure, stem.with_name(f"{stem.name}.{look.format}"), look.dpi)
+    return [picture, _write_data(data, stem.with_name(f"{stem.name}.nc"))]
+
+
+def _write_data(data: xr.Dataset, path: Path) -> Path:
     large = {
         name: {"zlib": True, "complevel": 4, "shuffle": True}
         for name, v in data.variables.items()
         if v.size > 10_000
     }
-    try:
-        data.to_netcdf(path, engine="h5netcdf", encoding=large)
-    except OSError as error:
-        raise ValueError(f"out: got {str(path)!r}, must be writable: {error.strerror or error}") from None
-    return path
+    return saving.dataset(data, path, large)
 
 
 class _Track:

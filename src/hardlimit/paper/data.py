@@ -10,8 +10,9 @@ from typing import Final
 import xarray as xr
 
 from .._core import version
+from ..column.scenario import Column
 from . import figure2, figure3, figure4, figure5, figure6, figure7, figure8
-from .setup import Setup
+from .setup import RESTITUTION_2, RESTITUTION_5, RESTITUTION_6, Setup
 
 FIGURES: Final[dict[int, ModuleType]] = {
     2: figure2,
@@ -60,15 +61,34 @@ class Data:
         }
 
     def _parameters(self, number: int) -> dict[str, str | float]:
-        """The column behind a figure; what varies over the figure is in its coordinates."""
+        """The column behind a figure: its numbers but for what the figure varies, and as an expression."""
         setup = self.setup
-        column = {
-            5: setup.linear(0.9),
-            6: setup.linear(0.8),
-            7: setup.viscoelastic(0.7),
-            8: setup.same_material(1e-6),
-        }.get(number, setup.linear())
-        parameters: dict[str, str | float] = {"density_kg_m3": setup.density, "column": repr(column)}
+        column, varied = {
+            3: (setup.linear(), ("restitution",)),
+            4: (setup.linear(), ("restitution", "gap_m", "radius_1_m")),
+            5: (setup.linear(RESTITUTION_5), ("gap_m",)),
+            6: (setup.linear(RESTITUTION_6), ("radius_1_m",)),
+            7: (setup.viscoelastic(RESTITUTION_2), ("restitution",)),
+            8: (setup.same_material(1e-6), ("dissipative_time_s",)),
+        }.get(number, (setup.linear(), ()))
+        fixed = {name: value for name, value in parameters_of(column).items() if name not in varied}
+        found: dict[str, str | float] = {**fixed, "density_kg_m3": setup.density, "column": repr(column)}
         if number == 7:
-            parameters["column_inset"] = repr(setup.viscoelastic_inset(0.7))
-        return parameters
+            found["column_inset"] = repr(setup.viscoelastic_inset(RESTITUTION_2))
+        return found
+
+
+def parameters_of(column: Column) -> dict[str, float]:
+    """The numbers that make one of the paper's columns, by name and unit."""
+    lower, upper = column.balls
+    law = {f"{name}{_UNITS.get(name, '')}": value for name, value in column.laws[0].parameters.items()}
+    geometry = {"gap_m": column.gaps[0], "radius_1_m": lower.radius, "radius_2_m": upper.radius}
+    return {**law, **geometry, "height_m": column.height}
+
+
+_UNITS: Final = {
+    "stiffness": "_N_m",
+    "youngs_modulus": "_N_m2",
+    "impact_speed": "_m_s",
+    "dissipative_time": "_s",
+}

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from .sampling import counts_of, refine, sequences
-from .setup import INPUT_SPEED, Setup
+from .setup import INPUT_SPEED, YOUNGS_MODULUS_INSET, Setup
 
 TITLE = "Sequence of contacts, viscoelastic spheres"
 CHOICES = (
@@ -32,6 +32,11 @@ def compute(setup: Setup) -> xr.Dataset:
     ]
     data = xr.merge(parts, join="exact")
     data["input_speed"] = ((), INPUT_SPEED, {"units": "m/s", "long_name": "speed at which ε sets A"})
+    geometry = setup.viscoelastic_inset(0.7)
+    length = {"units": "m", "long_name": "radius of the upper ball in the inset"}
+    data["inset_radius_2"] = ((), geometry.balls[1].radius, length)
+    modulus = {"units": "N/m2", "long_name": "Young's modulus in the inset"}
+    data["inset_youngs_modulus"] = ((), YOUNGS_MODULUS_INSET, modulus)
     speed = setup.viscoelastic(0.7).impact_speed
     data["impact_speed"] = ((), speed, {"units": "m/s", "long_name": "speed at the floor in the drop"})
     data.attrs["choices"] = f"{CHOICES} The drop itself meets the floor at {speed:.2f} m/s."

@@ -35,6 +35,7 @@ def compute(setup: Setup) -> xr.Dataset:
         epsilon = np.array([pair[i].restitution(INPUT_SPEED) for pair in contacts])
         text = {"units": "1", "long_name": f"restitution of the {name} contact at {INPUT_SPEED:g} m/s"}
         data[f"restitution_{name}"] = ("dissipative_time", epsilon, text)
+    data["input_speed"] = ((), INPUT_SPEED, {"units": "m/s", "long_name": "speed to which the ε belong"})
     for name in ("dissipative_time", "dissipative_time_outline"):
         data[name].attrs.update(units="s", long_name="dissipative time A")
     return data

@@ -14,7 +14,7 @@ from .setup import Setup
 
 
 def rows(setup: Setup) -> list[Row]:
-    """One row for each misprint; "no": what is printed does not agree with the numbers."""
+    """One row for each misprint; "yes" if what is printed agreed with the numbers after all."""
     return [
         _velocity_at_meeting(setup),
         _end_of_contact(setup),
@@ -25,7 +25,7 @@ def rows(setup: Setup) -> list[Row]:
 
 
 def _row(text: str, where: str, result: str, printed_holds: bool) -> Row:
-    return Row(text, where, result, "yes" if printed_holds else "no", "misprint")
+    return Row(text, where, result, "yes" if printed_holds else "misprint", "misprint")
 
 
 def _velocity_at_meeting(setup: Setup) -> Row:

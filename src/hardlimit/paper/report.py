@@ -4,9 +4,17 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
-Agreement = Literal["yes", "no", "partly"]
+Agreement = Literal["yes", "partly", "no", "misprint"]
+
+#: What a verdict means, in the order in which a reader should see them: what deviates first.
+VERDICTS: Final[dict[Agreement, str]] = {
+    "no": "does not agree",
+    "partly": "agrees in part",
+    "yes": "agrees",
+    "misprint": "misprint, contradicted by the numbers",
+}
 
 
 @dataclass(frozen=True)
@@ -48,31 +56,47 @@ class Report:
             "wall_time_s": self.wall_time,
         }
 
+    def chosen(self, kind: str, *agrees: Agreement) -> list[Row]:
+        """The rows of one kind, with one of the verdicts if any are named, in the order of the paper."""
+        return [row for row in self.rows if row.kind == kind and (not agrees or row.agrees in agrees)]
+
+    def summary(self) -> str:
+        """How many statements agree, in one sentence."""
+        stated = self.chosen("statement")
+        count = {verdict: len(self.chosen("statement", verdict)) for verdict in VERDICTS}
+        misprints = len(self.chosen("misprint", "misprint"))
+        return (
+            f"{count['yes']} of {len(stated)} statements agree, {count['partly']} in part, {count['no']} not; "
+            f"{misprints} misprints"
+        )
+
     def to_markdown(self) -> str:
-        """The report as a page of text."""
+        """The report as a page of text: what deviates first, then the rest, then the figures."""
         lines = [
             "# Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), computed",
             "",
-            f"Density {self.density:g} kg/m³ (the paper prints none).",
+            f"Density {self.density:g} kg/m³ (the paper prints none). {self.summary()}.",
             "",
-            "## Figures, and what they mean for event-driven simulations",
-            "",
+            "Verdicts: " + "; ".join(f"**{verdict}**: {means}" for verdict, means in VERDICTS.items()) + ".",
         ]
+        lines += _section(
+            "Statements that do not agree, or only in part", self.chosen("statement", "no", "partly")
+        )
+        lines += _section("Statements that agree", self.chosen("statement", "yes"))
+        lines += _section("Density", self.chosen("density"))
+        lines += _section("Misprints", self.chosen("misprint"))
+        lines += ["", "## Figures, and what they mean for event-driven simulations", ""]
         for number, sentence in self.meanings.items():
             lines.append(f"* **Fig. {number}.** {sentence} {self.choices.get(number, '')}".rstrip())
-        titles = {"statement": "Statements", "density": "Density", "misprint": "Misprints"}
-        for kind, title in titles.items():
-            rows = [row for row in self.rows if row.kind == kind]
-            if not rows:
-                continue
-            lines += [
-                "",
-                f"## {title}",
-                "",
-                "| statement | where | what comes out | agrees |",
-                "|---|---|---|---|",
-            ]
-            for row in rows:
-                cells = (row.statement, row.where, row.result, row.agrees)
-                lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         return "\n".join(lines) + "\n"
+
+
+def _section(title: str, rows: list[Row]) -> list[str]:
+    """A table under its heading; nothing without rows."""
+    if not rows:
+        return []
+    lines = ["", f"## {title}", "", "| verdict | statement | where | what comes out |", "|---|---|---|---|"]
+    for row in rows:
+        cells = (row.agrees, row.statement, row.where, row.result)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return lines

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -112,3 +113,32 @@ def maxima(counts: Counts) -> int:
     runs = counts[np.flatnonzero(np.diff(counts, prepend=counts[0] - 1))]
     padded = np.concatenate([[-1], runs, [-1]])
     return int(np.sum((padded[1:-1] > padded[:-2]) & (padded[1:-1] > padded[2:])))
+
+
+#: One axis of a share: the points, and whether equal factors count alike rather than equal differences.
+Axis = tuple[Array, bool]
+
+
+def share(holds: NDArray[np.bool_], *axes: Axis) -> float:
+    """Part of a line, or of the area of a map, on which a condition holds; one axis for each dimension.
+
+    Each point stands for the stretch of its axis that is nearest to it, so that the share does not depend on
+    where the points crowd.
+    """
+    weights = np.ones(())
+    for points, logarithmic in axes:
+        weights = np.multiply.outer(weights, _stretches(np.log(points) if logarithmic else points))
+    return float(np.sum(weights[holds]) / np.sum(weights))
+
+
+def _stretches(x: Array) -> Array:
+    """Length of what is nearest to each of the ascending points, between the first and the last."""
+    borders = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
+    return np.diff(borders)
+
+
+def middles(low: float, high: float, number: int, logarithmic: bool = False) -> Array:
+    """The middles of ``number`` equal parts of an axis: the mean over them is a mean over the axis."""
+    if logarithmic:
+        return np.exp(middles(math.log(low), math.log(high), number))
+    return low + (high - low) * (np.arange(number) + 0.5) / number

@@ -1,0 +1,100 @@
+"""How a command ends: one line on stderr and an exit code, never a traceback."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, TextIO
+
+import click
+
+FAILURE = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+class Program(click.Group):
+    """Ends with one line on stderr: exit code 2 for bad input, 130 for Ctrl-C, 1 for everything else."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
+        run = partial(super().main, args, prog_name, complete_var, standalone_mode=False, **extra)
+        if not standalone_mode:
+            return run()
+        for stream in (sys.stdout, sys.stderr):
+            if isinstance(stream, io.TextIOWrapper):
+                stream.reconfigure(errors="replace")  # Greek letters and signs on a terminal without them
+        code = ended(run)
+        for stream in (sys.stdout, sys.stderr):
+            give_up_if_full(stream)
+        sys.exit(code)
+
+
+class Command(click.Command):
+    """A command whose bad input, missing extras and failing disks end in one line, not in a traceback."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:
+            raise
+        except ValueError as error:
+            raise click.UsageError(str(error), ctx) from error
+        except (ImportError, OSError, RuntimeError, MemoryError) as error:
+            failure = click.ClickException(reason(error))
+            failure.ctx = ctx  # type: ignore[attr-defined]
+            raise failure from error
+
+
+def reason(error: Exception) -> str:
+    """What went wrong, in words; the system names no file if it was standard output."""
+    if isinstance(error, OSError) and error.strerror and error.filename is None:
+        return f"output: cannot be written: {error.strerror}"
+    return str(error) or type(error).__name__
+
+
+def ended(run: Callable[[], Any]) -> int:
+    """The exit code of a run; what went wrong is said on stderr."""
+    try:
+        code = run()
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except click.Abort:
+        complain("interrupted")
+        return INTERRUPTED
+    except click.ClickException as error:
+        context = getattr(error, "ctx", None)
+        complain(f"{context.command_path if context else 'hardlimit'}: {error.format_message()}")
+        return error.exit_code
+    except OSError as error:
+        complain(f"hardlimit: {reason(error)}")
+        return FAILURE
+    return code if isinstance(code, int) else 0
+
+
+def complain(message: str) -> None:
+    """One line on stderr, if that can be written."""
+    with contextlib.suppress(OSError):
+        click.echo(" ".join(message.split()), err=True)
+
+
+def give_up_if_full(stream: TextIO | None) -> None:
+    """What is left for a full device goes nowhere: Python would try again at its end, and complain."""
+    if stream is None:
+        return
+    try:
+        stream.flush()
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)

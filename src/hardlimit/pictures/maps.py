@@ -1,0 +1,235 @@
+"""Maps and lines: one variable of a sweep over one or two parameters."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator, NullLocator
+
+from .labels import axis_label, axis_scale
+from .style import MISSING, MOST_COUNTED, PAGE_WIDTH, PALETTE, count_colours, style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+MOST_CELLS: Final = 2000  #: of a map along one side; more cannot be seen
+RATIOS: Final = ("restitution_ratio", "restitution_ratio_at_separation")
+
+
+def count_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
+    """Map of one variable of a two-dimensional sweep; the first dimension runs to the right.
+
+    Contact counts have the colours of :func:`count_colours` and are written into their regions; ratios are
+    centred at 1.
+
+    Raises
+    ------
+    ValueError
+        If the variable is missing or does not have two dimensions.
+    """
+    array = _plane(ds, variable)
+    if variable == "n_contacts":
+        return _draw_counts(array)
+    finite = array.values[np.isfinite(array.values)]
+    factor, label = _scaled_label(variable, array.attrs, finite)
+    values, finite = array.values * factor, finite * factor
+    if variable in RATIOS:
+        top = max(float(finite.max(initial=1.0)), 1.1)
+        return _draw_plane(array, values, label, _white_at(0.0, 1.0, top), Normalize(0.0, top))
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    norm = Normalize(low, high if high > low else low + 1.0)
+    return _draw_plane(array, values, label, "cividis", norm)
+
+
+def _scaled_label(name: str, attrs: dict[str, Any], values: NDArray[Any]) -> tuple[float, str]:
+    """Factor for the values, and the label with the unit that they then have."""
+    largest = float(np.abs(np.asarray(values, dtype=float)).max(initial=0.0))
+    return axis_scale(name, attrs, largest)[0], axis_label(name, attrs, largest)
+
+
+def difference_map(
+    newton: xr.Dataset, independent: xr.Dataset, variable: str = "relative_velocity"
+) -> Figure:
+    """Map of newton − independent of one variable of two sweeps over the same two axes; white is agreement.
+
+    Raises
+    ------
+    ValueError
+        If the variable is missing in one, or the axes differ.
+    """
+    first, second = _plane(newton, variable), _plane(independent, variable)
+    if first.dims != second.dims or any(not np.array_equal(first[d], second[d]) for d in first.dims):
+        raise ValueError("independent: its axes differ from those of newton, must be the same")
+    difference = first.values.astype(float) - second.values.astype(float)
+    finite = difference[np.isfinite(difference)]
+    factor, name = _scaled_label(variable, dict(newton[variable].attrs), finite)
+    difference, finite = difference * factor, finite * factor
+    low = float(finite.min(initial=0.0))
+    high = max(float(finite.max(initial=0.0)), 1e-3 * abs(low)) or 1.0
+    label = f"{name}: Newton − independent"
+    return _draw_plane(first, difference, label, _white_at(low, 0.0, high), Normalize(low, high))
+
+
+def _plane(ds: xr.Dataset, variable: str) -> xr.DataArray:
+    """The variable of a map, thinned out to what a picture can show."""
+    if variable not in ds:
+        raise ValueError(f"variable: got {variable!r}, must be one of {', '.join(map(str, ds.data_vars))}")
+    if ds[variable].ndim != 2:
+        raise ValueError(f"{variable}: got {ds[variable].ndim} dimensions, a map must have 2")
+    step = [slice(None, None, math.ceil(n / MOST_CELLS)) for n in ds[variable].shape]
+    return ds[variable][step[0], step[1]].load()
+
+
+def _white_at(low: float, middle: float, high: float) -> Colormap:
+    """Blue below ``middle``, white there, orange above; equal distances are equally strong on both sides."""
+    distance = np.linspace(low, high, 512) - middle
+    strength = distance / max(middle - low, high - middle)
+    below = mpl.colormaps["Blues"](np.clip(-strength, 0.0, 1.0))
+    above = mpl.colormaps["Oranges"](np.clip(strength, 0.0, 1.0))
+    colours = np.where((distance < 0.0)[:, None], below, above)
+    faint = np.clip(np.abs(strength) / 0.02, 0.0, 1.0)[:, None]  # both maps start off white
+    return ListedColormap(1.0 - faint * (1.0 - colours)).with_extremes(bad=MISSING)
+
+
+def is_logarithmic(values: NDArray[Any]) -> bool:
+    """Whether points on an axis are spread by factors rather than by differences."""
+    v = np.asarray(values, dtype=float)
+    if v.size < 3 or not np.all(v > 0.0) or v.max() < 20.0 * v.min():
+        return False
+    factors, differences = np.diff(np.log(v)), np.diff(v)
+    return bool(np.std(factors) / abs(np.mean(factors)) < np.std(differences) / abs(np.mean(differences)))
+
+
+def _edges(values: NDArray[Any]) -> tuple[NDArray[np.float64], bool]:
+    """Borders of the cells around points, halfway in the scale of the axis, and whether that is log."""
+    logarithmic = is_logarithmic(values)
+    v = np.log(values) if logarithmic else np.asarray(values, dtype=float)
+    if v.size == 1:
+        edges = np.array([v[0] - 0.5, v[0] + 0.5])
+    else:
+        middle = 0.5 * (v[1:] + v[:-1])
+        edges = np.concatenate([[2 * v[0] - middle[0]], middle, [2 * v[-1] - middle[-1]]])
+    return (np.exp(edges) if logarithmic else edges), logarithmic
+
+
+def _draw_plane(
+    array: xr.DataArray, values: NDArray[Any], label: str, cmap: Any, norm: Normalize, **bar: Any
+) -> Figure:
+    """A map with its colour bar; axes that are lengths or times have the unit that suits them."""
+    with style(xtick__direction="out", ytick__direction="out", xtick__top=False, ytick__right=False):
+        figure = Figure(figsize=(PAGE_WIDTH * 0.68, PAGE_WIDTH * 0.5))
+        ax = figure.subplots()
+        axes = [_axis(array, str(dim)) for dim in array.dims]
+        edges = [_edges(points) for points, _ in axes]
+        cells = np.ma.masked_invalid(values.T)
+        mesh = ax.pcolormesh(*(e for e, _ in edges), cells, cmap=cmap, norm=norm, rasterized=True)
+        mesh.set_antialiased(False)
+        ax.set_facecolor(MISSING)
+        ax.set_xscale("log" if edges[0][1] else "linear")
+        ax.set_yscale("log" if edges[1][1] else "linear")
+        ax.set_xlim(edges[0][0][0], edges[0][0][-1])
+        ax.set_ylim(edges[1][0][0], edges[1][0][-1])
+        ax.set_xlabel(axes[0][1])
+        ax.set_ylabel(axes[1][1])
+        colorbar = figure.colorbar(mesh, ax=ax, pad=0.02, **bar)
+        colorbar.set_label(label)
+        colorbar.ax.minorticks_off()
+    return figure
+
+
+def _axis(array: xr.DataArray | xr.Dataset, dim: str) -> tuple[NDArray[np.float64], str]:
+    """The points of an axis in the unit of its label, and the label; without coordinates, their numbers."""
+    points = np.asarray(array[dim].values, dtype=float)
+    factor, label = _scaled_label(dim, dict(array[dim].attrs), points)
+    return points * factor, label
+
+
+def _draw_counts(array: xr.DataArray) -> Figure:
+    """Counts in their colours; the colour bar shows those that occur and what lies between them."""
+    counts = array.values
+    lowest, highest = (int(counts.min()), int(counts.max())) if counts.size else (0, 1)
+    cmap, norm = count_colours(highest, lowest)
+    shown = np.arange(max(min(lowest, MOST_COUNTED), 0), min(max(highest, 1), MOST_COUNTED) + 1)
+    label = axis_label("n_contacts", dict(array.attrs))
+    beyond = "max" if highest > MOST_COUNTED else "neither"
+    figure = _draw_plane(array, counts, label, cmap, norm, extend=beyond, ticks=shown)
+    with style():
+        x, y = (_axis(array, str(dim))[0] for dim in array.dims)
+        label_regions(figure.axes[0], x, y, counts)
+    return figure
+
+
+def label_regions(
+    ax: Axes, x: NDArray[Any], y: NDArray[Any], counts: NDArray[Any], smallest: float = 0.022
+) -> None:
+    """Write each count into the widest part of its region of a map ``counts[i, j]`` at ``x[i]``, ``y[j]``.
+
+    Regions that are narrower than ``smallest`` of the map stay without a label.
+    """
+    step = tuple(max(1, n // 250) for n in counts.shape)
+    coarse = counts[:: step[0], :: step[1]]
+    for count in np.unique(coarse):
+        inside = np.pad(coarse == count, 1)
+        depth = 0
+        while True:  # peel the region until nothing is left: what goes last lies deepest
+            peeled = inside & np.roll(inside, 1, 0) & np.roll(inside, -1, 0)
+            peeled &= np.roll(inside, 1, 1) & np.roll(inside, -1, 1)
+            depth += 1
+            if not peeled.any():
+                break
+            inside = peeled
+        if depth < smallest * min(coarse.shape):
+            continue
+        where = np.argwhere(inside) - 1
+        i, j = where[len(where) // 2]
+        text = ax.text(
+            x[:: step[0]][i],
+            y[:: step[1]][j],
+            str(count),
+            ha="center",
+            va="center",
+            fontsize=9,
+            color="black",
+            clip_on=True,
+        )
+        text.set_path_effects([withStroke(linewidth=1.8, foreground="white")])
+
+
+def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
+    """One variable of a sweep over one or two parameters: a line or a map.
+
+    Raises
+    ------
+    ValueError
+        If the variable is missing or has more than two dimensions.
+    """
+    if variable not in ds or ds[variable].ndim != 1:
+        return count_map(ds, variable)
+    dim = str(ds[variable].dims[0])
+    x, x_label = _axis(ds, dim)
+    values = ds[variable].values
+    factor, y_label = _scaled_label(variable, dict(ds[variable].attrs), values[np.isfinite(values)])
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH * 0.62, 3.2))
+        ax = figure.subplots()
+        if variable == "n_contacts":
+            ax.step(x, values, where="mid", color=PALETTE["blue"])
+            ax.yaxis.set_major_locator(MaxNLocator(integer=True))
+            ax.yaxis.set_minor_locator(NullLocator())
+        else:
+            ax.plot(x, values * factor, color=PALETTE["blue"])
+        if is_logarithmic(x):
+            ax.set_xscale("log")
+        if x.size > 1:
+            ax.set_xlim(x.min(), x.max())
+        ax.set_xlabel(x_label)
+        ax.set_ylabel(y_label)
+    return figure

@@ -1,0 +1,115 @@
+"""Numbers with a unit, such as ``1 mm`` or ``3.2e9Pa``, in SI units."""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from . import validation
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+#: Units that the column's quantities are written in, for pint. Decimal factors keep ``10 us`` at 1e-5 to the bit.
+#: Pint's own list takes another 0.3 s to read, and holds units with an offset and logarithmic ones.
+DEFINITIONS: Final = (
+    *("nano- = 1e-9 = n-", "micro- = 1e-6 = µ- = μ- = u-", "milli- = 1e-3 = m-", "centi- = 1e-2 = c-"),
+    *("deci- = 1e-1 = d-", "hecto- = 1e2 = h-", "kilo- = 1e3 = k-", "mega- = 1e6 = M-", "giga- = 1e9 = G-"),
+    *("meter = [length] = m = metre", "second = [time] = s = sec", "gram = [mass] = g"),
+    *("inch = 0.0254 * meter = in", "foot = 0.3048 * meter = ft"),
+    *("minute = 60 * second = min", "hour = 3600 * second = h = hr"),
+    *("tonne = 1e6 * gram = t", "pound = 453.59237 * gram = lb", "liter = 1e-3 * meter ** 3 = l = L = litre"),
+    *("newton = 1e3 * gram * meter / second ** 2 = N", "pascal = newton / meter ** 2 = Pa"),
+    *("bar = 1e5 * pascal", "joule = newton * meter = J", "percent = 0.01 = %"),
+)
+
+#: What the unit of a parameter measures.
+KINDS: Final = {
+    "m": ("a length", "1 mm"),
+    "kg": ("a mass", "50 g"),
+    "s": ("a time", "10 us"),
+    "kg/m3": ("a density", "7.8 g/cm^3"),
+    "m/s": ("a velocity", "3 cm/s"),
+    "m/s2": ("an acceleration", "1.62 m/s^2"),
+    "N/m": ("a stiffness", "50 N/mm"),
+    "N s/m": ("a damping", "3 N s/m"),
+    "Pa": ("a pressure", "210 GPa"),
+    "1": ("without unit", "0.7"),
+}
+
+_NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,6})?"
+_FACTOR: Final = r"[A-Za-zµμ%]{1,12}(?:(?:\^|\*\*)?-?\d(?:\.\d)?|[²³])?"
+_QUANTITY: Final = re.compile(rf"({_NUMBER})\s*({_FACTOR}(?:\s?[ */·]\s?{_FACTOR}){{0,5}})", re.ASCII)
+_POWER: Final = re.compile(r"([A-Za-zµμ%])(?:\^|\*\*)?(-?\d(?:\.\d)?)", re.ASCII)
+
+
+def number(name: str, text: str, unit: str) -> float:
+    """The number in ``text`` in the SI unit ``unit``; without a unit the text is in that unit.
+
+    Raises
+    ------
+    ValueError
+        If it is neither a number nor one with a unit, or the unit measures something else.
+    """
+    try:
+        return float(text)
+    except ValueError:
+        return with_unit(name, text, unit)
+
+
+def with_unit(name: str, text: str, unit: str) -> float:
+    """As :func:`number` for a text that must have a unit.
+
+    Raises
+    ------
+    ValueError
+        If it has none, an unknown one or one that measures something else.
+    """
+    found = _QUANTITY.fullmatch(text.strip())
+    if found is None:
+        raise ValueError(f"{name}: got {validation.shown(text)}, must be {_expected(unit)}")
+    value = _convert(found[1], found[2], unit)
+    if value is None:
+        raise ValueError(f"{name}: got {validation.shown(text)}, must be {_expected(unit)}")
+    if not math.isfinite(value):
+        raise ValueError(f"{name}: got {validation.shown(text)}, must be finite")
+    return value
+
+
+def _expected(unit: str) -> str:
+    kind, example = KINDS.get(unit, (f"a quantity in {unit}", f"1 {unit}"))
+    if unit == "1":
+        return "a number without unit"
+    return f"a number [{unit}] or {kind} with its unit, such as '{example}'"
+
+
+def _convert(digits: str, given: str, wanted: str) -> float | None:
+    """The value in the wanted unit; None for an unknown unit or one of another kind."""
+    import pint
+
+    registry = _registry()
+    try:
+        unit = registry.parse_units(_normal(given))
+        value = registry.Quantity(Decimal(digits), unit)
+        return float(value.m_as("" if wanted == "1" else _normal(wanted)))
+    except (pint.PintError, ArithmeticError, ValueError, AttributeError):
+        return None
+
+
+def _normal(unit: str) -> str:
+    """The unit with its products and powers written out: ``N s/m3`` as ``N*s/m**3``."""
+    plain = unit.replace("²", "2").replace("³", "3").replace("·", "*").replace(" / ", "/").replace(" * ", "*")
+    return _POWER.sub(r"\1**\2", plain).replace("/ ", "/").replace(" /", "/").replace(" ", "*")
+
+
+@cache
+def _registry() -> UnitRegistry[Any]:
+    import pint
+
+    registry: UnitRegistry[Any] = pint.UnitRegistry(None, non_int_type=Decimal)
+    for definition in DEFINITIONS:
+        registry.define(definition)
+    return registry
