@@ -83,11 +83,11 @@ Solved& solved(int model) {
 // Row of a state: [n] position, velocity, gap, force, kinetic and potential energy of each ball, then the energy stored
 // in the contacts and the energy dissipated so far.
 int state_size(int n) { return 5 * n + 2; }
-void write_row(const col::States& s, double* row) {
+void write_row(const col::States& s, std::size_t i, double* row) {
     for (const std::vector<double>* values : {&s.position, &s.velocity, &s.gap, &s.force, &s.energy})
-        row = std::copy(values->begin(), values->end(), row);
-    *row++ = s.total[0].contact;
-    *row = s.total[0].dissipated;
+        row = std::copy_n(values->data() + i * s.balls, s.balls, row);
+    *row++ = s.total[i].contact;
+    *row = s.total[i].dissipated;
 }
 
 double landing_speed() {
@@ -357,13 +357,11 @@ int row_size() { return state_size(balls()); }
 // States at n times (rows of row_size()); times outside the run are moved to its ends.
 void sample(int model, long n, const double* times, double* out) {
     const col::Solution& s = *solved(model).found;
-    const int size = row_size();
-    col::States state(1, balls());
-    for (long i = 0; i < n; ++i) {
-        const double t = hl::math::clamp(times[i], s.first, s.last);
-        s.sample(&t, state);
-        write_row(state, out + i * size);
-    }
+    std::vector<double> inside(times, times + n);
+    for (double& t : inside) t = hl::math::clamp(t, s.first, s.last);
+    col::States states(inside.size(), balls());
+    s.sample(inside.data(), states);
+    for (std::size_t i = 0; i < states.n; ++i, out += row_size()) write_row(states, i, out);
 }
 
 // Rebound heights of the balls in the last run [m]; NaN where there is none.

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, falling, law_of, laws
+from conftest import columns, falling, law_of, laws, log_floats
+from hardlimit import _core
 
 every_law = pytest.mark.parametrize("name", sorted(hl.LAWS))
 
@@ -124,6 +125,154 @@ def test_touching_is_the_limit_of_a_vanishing_gap(name, restitution):
     close = hl.newton(hl.Column(balls, 1e-15, 0.3, law), until=until)
     assert touching.n_contacts == close.n_contacts
     assert np.abs(touching.velocities - close.velocities).max() < 1e-8
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-15])
+def test_a_touching_pair_that_opens_is_no_contact(gap):
+    """Balls 2 and 3 touch and part while balls 1 and 2 collide: one collision, of the given restitution."""
+    balls = [hl.Ball(0.02, mass=0.1)] * 3
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.3)
+    result = hl.newton(hl.Column.cradle(balls, [1.0, 0.0, 1.0], law, gap))
+    assert result.n_contacts == 1
+    assert result.velocities == pytest.approx([0.35, 0.65, 1.0], abs=1e-12)
+    hertz = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.0)
+    result = hl.newton(hl.Column.cradle(balls, [0.0, 1.0, 0.2], hertz, gap))
+    assert result.n_contacts == 1
+    assert result.velocities == pytest.approx([0.0, 0.2, 1.0], abs=1e-12)
+
+
+@every_law
+@pytest.mark.parametrize("upper", [1.0, 0.0])
+def test_released_on_the_floor_with_the_upper_ball_rising(name, upper):
+    """The kernel of the sweeps and the solver agree on how many contacts follow: none here."""
+    balls = [hl.Ball(0.02, mass=0.1)] * 2
+    column = hl.Column(balls, 0.0, 0.02, law_of(name, 0.6), velocities=[-0.5, upper])
+    result = hl.newton(column, method="general")
+    meets = law_of(name, 0.6).between(balls[0]).restitution(0.5) * 0.5 > upper
+    assert result.n_contacts == int(meets)
+    assert int(hl.sweep(column, gap=[0.0]).n_contacts[0]) == result.n_contacts
+
+
+@every_law
+def test_a_touching_pair_is_dated_to_when_it_begins_to_close(name):
+    """The floor pushes ball 1 first; the upper pair is pushed when balls 1 and 2 meet, and from that instant on."""
+    balls = [hl.Ball(0.02, mass=0.1)] * 3
+    result = hl.newton(hl.Column(balls, [1e-4, 0.0], 0.3, law_of(name, 0.9)))
+    begin, pair = result.contacts.begin.values, result.contacts.pair.values
+    assert begin[pair == 0][0] == 0.0
+    assert begin[pair == 1][0] > 1e-5
+    assert begin[pair == 2][0] == begin[pair == 1][0]
+    together = hl.newton(hl.Column(balls, 0.0, 0.3, law_of(name, 0.9)))
+    assert together.contacts.begin.values[:3].tolist() == [0.0, 0.0, 0.0]
+
+
+def approaching(velocities: list[float]) -> list[float]:
+    """Velocities with which some neighbours approach each other."""
+    if min(np.diff(velocities)) < 0.0:
+        return velocities
+    return [velocities[1] + 0.5, *velocities[1:]]
+
+
+@st.composite
+def ties(draw):
+    """A function from the width of its closed gaps to a column full of ties: equal velocities, touching pairs,
+    a release on the floor."""
+    n = draw(st.integers(2, 4))
+    radius = st.sampled_from([0.02, 0.02, 0.007, 0.035])
+    balls = [hl.Ball(draw(radius), density=2000.0) for _ in range(n)]
+    touching = [draw(st.booleans()) for _ in range(n - 1)]
+    touching[draw(st.integers(0, n - 2))] = True
+    gaps = [draw(log_floats(1e-7, 1e-4)) for _ in range(n - 1)]
+    velocities = [draw(st.sampled_from([-1.0, -0.5, 0.0, 0.0, 0.5, 1.0])) for _ in range(n)]
+    law = draw(laws(restitution=st.one_of(st.floats(0.05, 1.0), st.sampled_from([1.0, 0.3, 0.01]))))
+    height = balls[0].radius + draw(st.sampled_from([0.0, 0.0, 1e-3, 0.1]))
+    gravity = draw(st.sampled_from([0.0, 9.81]))
+    cradle = draw(st.booleans())
+    if cradle:
+        velocities = approaching(velocities)
+    if not cradle and velocities[0] >= 0.0:
+        velocities[0] = -0.25
+
+    def column(width: float) -> hl.Column:
+        widths = [width if t else gap for t, gap in zip(touching, gaps, strict=True)]
+        if cradle:
+            return hl.Column.cradle(balls, velocities, law, widths)
+        return hl.Column(balls, widths, height, law, velocities=velocities, gravity=gravity)
+
+    return column
+
+
+@settings(max_examples=300)
+@given(ties())
+def test_any_tie_is_the_limit_of_vanishing_gaps(column):
+    """Counts of every pair and velocities, where the limit itself has been reached."""
+    until = 6.0 * max(contact.duration(1.0) for contact in column(0.0).contacts)
+    tie, near, nearer = (hl.newton(column(gap), until=until, method="general") for gap in (0.0, 1e-14, 1e-16))
+    assert np.isfinite(tie.velocities).all() and tie.energy_error < 1e-10
+
+    def pairs(result):
+        return sorted(result.contacts.pair.values.tolist())
+
+    change = np.abs(near.velocities - nearer.velocities).max()
+    if pairs(near) == pairs(nearer) and change < 1e-6:
+        assert pairs(tie) == pairs(nearer) and tie.outcome_code == nearer.outcome_code
+        assert np.abs(tie.velocities - nearer.velocities).max() < 1e-7 + 2.0 * change
+
+
+@settings(max_examples=100)
+@given(ties(), st.sampled_from([0.0, 1e-6]))
+def test_a_mirrored_cradle_moves_as_its_mirror_image(column, gap):
+    scene = column(gap)
+    balls, law, gaps = list(scene.balls), scene.laws[0], list(scene.gaps)
+    v = approaching(list(scene.velocities))
+    there = hl.Column.cradle(balls, v, law, gaps)
+    back = hl.Column.cradle(balls[::-1], [-x for x in reversed(v)], law, gaps[::-1])
+    until = 6.0 * max(contact.duration(1.0) for contact in there.contacts)
+    one, other = hl.newton(there, until=until), hl.newton(back, until=until)
+    assert one.n_contacts == other.n_contacts
+    assert np.abs(one.velocities + other.velocities[::-1]).max() < 1e-8
+
+
+def one_ball(law: hl.contact.Law, fall: float, velocity: float = 0.0, gravity: float = 9.81):
+    """The core's column of a single ball above a floor, and its contact."""
+    contact = law.between(hl.Ball(0.02, mass=0.1))
+    return _core.make_column(True, gravity, [0.1], [0.02], [contact.core], [fall], [velocity]), contact
+
+
+@every_law
+@pytest.mark.parametrize("restitution", [1.0, 0.6, 0.1])
+def test_one_ball_bounces_once(name, restitution):
+    """The sequence of a single ball is its contact with the floor."""
+    column, contact = one_ball(law_of(name, restitution, speed=2.0), 0.0, -2.0, 0.0)
+    result = _core.newton(column, math.nan, False, 1e-14)
+    assert _core.outcome_names[result.outcome] == "ok"
+    assert result.n_contacts == 0
+    pair, begin, end = result.contacts()
+    assert pair.tolist() == [0] and begin.tolist() == [0.0]
+    assert end[0] == result.t_end == result.t_floor_end == pytest.approx(contact.duration(2.0), rel=1e-9)
+    velocity = result.sample(np.array([result.t_end]), 1)[1]
+    assert velocity[0, 0] == pytest.approx(2.0 * restitution, rel=1e-12)
+
+
+@every_law
+def test_one_ball_until_it_rests(name):
+    """It bounces ever lower, energy is accounted for, and in the end the floor carries its weight."""
+    column, _ = one_ball(law_of(name, 0.5), 0.1)
+    result = _core.newton(column, 5.0, False, 1e-14)
+    pair, begin, end = result.contacts()
+    assert (pair == 0).all() and len(pair) > 5 and math.isnan(end[-1])
+    assert (np.diff(begin) > 0.0).all()
+    assert result.t_end == end[0] and result.energy_error < 1e-10
+    _, velocity, force, *_ = result.sample(np.array([5.0]), 1)
+    assert abs(velocity[0, 0]) < 1e-6 and force[0, 0] == pytest.approx(0.1 * 9.81, rel=1e-3)
+
+
+@every_law
+def test_one_ball_laid_on_the_floor(name):
+    column, _ = one_ball(law_of(name, 0.02), 0.0, -1e-6)
+    result = _core.newton(column, math.nan, False, 1e-14)
+    assert _core.outcome_names[result.outcome] == "at_rest"
+    assert math.isnan(result.t_end) and result.n_contacts == 0
 
 
 @every_law

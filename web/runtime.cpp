@@ -20,3 +20,4 @@ void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
 void std::__libcpp_verbose_abort(const char*, ...) { __builtin_trap(); }
 
 extern "C" void __cxa_pure_virtual() { __builtin_trap(); }
+extern "C" void abort_message(const char*, ...) { __builtin_trap(); }

@@ -5,29 +5,53 @@
 // the two-ball drop, Eq. 4 gives v'_r = ε (1 + ε) V for every gap and every pair of masses once v12 is read as
 // v'10 − g (t12 − t10) (the printed v12 = v'10 − g t12 contradicts Eq. 5); its inverse is effective_restitution.
 // The sequence is event-driven for any number of balls: it does not stop after the upward cascade.
+//
+// Collapse. Infinitely many collisions can happen in a finite time: a ball on the floor bounces for 2 ε V/(g (1 − ε)),
+// a law with ε → 1 at small speed also sums to a finite time, and so do three balls between each other. A collision
+// slower than 1e-8 of the fastest one so far is therefore the last of its pair: it joins the two, perfectly inelastic,
+// together with all that touches them and moves with them to within that speed. The energy and the heights that this
+// leaves out are 1e-16 of the fastest collision's, which is rounding. Balls joined in flight stay together, gap and rate
+// 0, since they fall alike, until one of them is hit; then the rules for touching balls apply. Balls joined with the
+// floor rest on it, and a ball above them falls onto a floor that they are, until a collision sets the uppermost of
+// them in motion. The outcome says collapse if ε < 1 and the collisions did accumulate: a slow collision after a wait
+// longer than all the time before is balls of nearly one velocity that meet late.
 #pragma once
+#include <algorithm>
+
+#include "../stop.hpp"
 #include "effective_restitution.hpp"
 #include "sequence.hpp"
 #include "state.hpp"
 
 namespace hardlimit::column {
 
-// A collision-free stretch: state at its beginning. Times from the first floor touch (cradle: from release).
+// A state without collision, t after release; gaps[0] is the height of the lowest ball's underside (a cradle's: its
+// displacement).
 struct Flight {
     double t;
     std::vector<double> gaps, velocity;
-    double lowest;  // position of ball 1 [m]
+    int resting = 0;       // so many balls, the lowest ones, rest on the floor
+    double fastest = 0.0;  // speed of approach in the fastest collision so far [m/s]
 };
 
 struct IndependentRun {
+    // States kept: one in so many collisions (more balls, fewer states), the ones between being computed again.
+    static constexpr std::size_t stride = 64;
+
     Sequence sequence;
-    std::vector<Contact> contacts;
-    std::vector<Flight> flights;
+    std::vector<Contact> contacts;  // all collisions
+    std::vector<Flight> states;     // that before the collisions 0, s, 2s, …; s as every() says
+    double origin = 0.0;            // time of the first floor touch after release (cradle: 0)
+    double t_first = 0.0;  // release, and up to where the motion is known; after the first floor touch
+    double t_last = 0.0;
+
+    static std::size_t every(int balls) { return std::max(stride, static_cast<std::size_t>(balls)); }
 };
 
 namespace independent {
 
-inline constexpr int max_events = 200'000;
+inline constexpr long max_events = 1'000'000;
+inline constexpr double joining_speed = 1e-8;  // in units of the fastest collision so far
 
 struct Event {
     double in;
@@ -38,41 +62,84 @@ struct Event {
 template <class Law>
 Event next_event(const Column<Law>& c, const Flight& f) {
     Event e{math::infinity, -1};
-    if (c.floor) {
+    if (c.floor && f.resting == 0) {
         const double fall = fall_time(f.gaps[0], f.velocity[0], c.gravity);
-        if (fall < e.in && (fall > 0.0 || f.velocity[0] < 0.0)) e = {fall, 0};
+        if (fall < e.in) e = {fall, 0};
     }
-    for (int j = 1; j < c.balls; ++j) {
+    if (f.resting > 0 && f.resting < c.balls) {
+        const int j = f.resting;
+        const double fall = fall_time(f.gaps[j], f.velocity[j], c.gravity);
+        if (fall < e.in) e = {fall, j};
+    }
+    for (int j = f.resting + 1; j < c.balls; ++j) {
         const double rate = f.velocity[j] - f.velocity[j - 1];
+        if (!(rate < 0.0)) continue;
         const double wait = math::max(0.0, f.gaps[j]) / -rate;
-        if (rate < 0.0 && wait <= e.in) e = {wait, j};
+        if (wait <= e.in) e = {wait, j};
     }
     return e;
 }
 
 template <class Law>
 void advance(const Column<Law>& c, Flight& f, double dt) {
-    const double drift = dt * (f.velocity[0] - 0.5 * c.gravity * dt);
-    f.lowest += drift;
-    f.gaps[0] += drift;
-    for (int j = 1; j < c.balls; ++j) f.gaps[j] += dt * (f.velocity[j] - f.velocity[j - 1]);
-    for (double& v : f.velocity) v -= c.gravity * dt;
+    const int lowest = f.resting;  // of the balls that move, and the pair below it
+    if (lowest < c.balls) f.gaps[lowest] += dt * (f.velocity[lowest] - 0.5 * c.gravity * dt);
+    for (int j = lowest + 1; j < c.balls; ++j) f.gaps[j] += dt * (f.velocity[j] - f.velocity[j - 1]);
+    for (int i = lowest; i < c.balls; ++i) f.velocity[i] -= c.gravity * dt;
     f.t += dt;
 }
 
 template <class Law>
-void collide(const Column<Law>& c, Flight& f, int pair) {
-    f.gaps[pair] = 0.0;
-    if (pair == 0) {
-        const double speed = -f.velocity[0];
-        f.velocity[0] = c.contacts[0].restitution(speed, c.mass[0]) * speed;
-        return;
+double approach_speed(const Flight& f, int pair) {
+    return (pair == 0 ? 0.0 : f.velocity[pair - 1]) - f.velocity[pair];
+}
+
+template <class Law>
+double restitution(const Column<Law>& c, int pair, double speed) {
+    const double mass = pair == 0 ? c.mass[0] : effective(c.mass[pair - 1], c.mass[pair]);
+    return c.contacts[pair].restitution(speed, mass);
+}
+
+// The balls of a pair, and all that touch them and move with them to within `speed`, take one velocity.
+template <class Law>
+void join(const Column<Law>& c, Flight& f, int pair, double speed) {
+    const auto together = [&](int j) {
+        return f.gaps[j] == 0.0 && math::abs(f.velocity[j] - f.velocity[j - 1]) <= speed;
+    };
+    int low = math::max(pair - 1, 0), high = pair;
+    while (high + 1 < c.balls && together(high + 1)) ++high;
+    while (low > 0 && together(low)) --low;
+    const bool on_floor = pair == 0 || low < f.resting;
+    double momentum = 0.0, mass = 0.0;
+    for (int i = low; i <= high; ++i) {
+        momentum += c.mass[i] * f.velocity[i];
+        mass += c.mass[i];
     }
-    const double m1 = c.mass[pair - 1], m2 = c.mass[pair], reduced = effective(m1, m2);
-    const double speed = f.velocity[pair - 1] - f.velocity[pair];
-    const double impulse = (1.0 + c.contacts[pair].restitution(speed, reduced)) * reduced * speed;
+    for (int i = low; i <= high; ++i) f.velocity[i] = on_floor ? 0.0 : momentum / mass;
+    if (on_floor) f.resting = high + 1;
+}
+
+// Returns whether the pair is joined.
+template <class Law>
+bool collide(const Column<Law>& c, Flight& f, int pair) {
+    f.gaps[pair] = 0.0;
+    const double speed = approach_speed<Law>(f, pair);
+    const double slow = joining_speed * f.fastest;
+    f.fastest = math::max(f.fastest, speed);
+    if (!(speed > slow)) {
+        join(c, f, pair, slow);
+        return true;
+    }
+    if (pair == 0) {
+        f.velocity[0] = restitution(c, 0, speed) * speed;
+        return false;
+    }
+    const double m1 = c.mass[pair - 1], m2 = c.mass[pair];
+    const double impulse = (1.0 + restitution(c, pair, speed)) * effective(m1, m2) * speed;
     f.velocity[pair - 1] -= impulse / m1;
     f.velocity[pair] += impulse / m2;
+    f.resting = std::min(f.resting, pair - 1);
+    return false;
 }
 
 // Pairs separate for good, as far as the sequence goes.
@@ -83,57 +150,143 @@ double slowest_opening(const Column<Law>& c, const Flight& f) {
     return rate;
 }
 
-}  // namespace independent
-
 template <class Law>
-IndependentRun solve_independent(const Column<Law>& c, double until) {
-    using namespace independent;
-    IndependentRun run;
-    Sequence& q = run.sequence;
-    Flight f{0.0, c.gaps, c.velocity, c.gaps[0] + c.radius[0]};
-    if (!c.floor) {
+class Run {
+public:
+    Run(const Column<Law>& column, double until, Stop* stop)
+        : c(column), until_(until), stop_(stop), f{0.0, column.gaps, column.velocity} {
+        q.one_ball = c.balls == 1;
+        if (c.floor) return;
         q.t_first_touch = 0.0;
         q.floor_opened = true;
     }
-    const bool timed = !math::is_nan(until);
-    run.flights.push_back(f);
-    for (int i = 0;; ++i) {
-        const double opening = slowest_opening(c, f);
-        q.moves_freely(opening, q.floor_opened);
-        const double origin = math::is_nan(q.t_first_touch) ? math::infinity : q.t_first_touch;
-        if (q.finished && !(timed && f.t < origin + until)) break;
-        const Event e = next_event(c, f);
-        if (e.pair < 0) {
-            if (math::is_nan(q.t_first_touch)) q.outcome = Outcome::never_lands;
-            break;
+
+    IndependentRun solve() {
+        for (long i = 0; !over(); ++i) {
+            const Event e = next_event(c, f);
+            known_ = f.t + e.in;
+            if (e.pair < 0) {
+                if (math::is_nan(q.t_first_touch)) q.outcome = Outcome::never_lands;
+                break;
+            }
+            if (q.finished && known_ > end()) break;
+            if (i == max_events) {
+                q.outcome = Outcome::unresolved;
+                break;
+            }
+            if (i % IndependentRun::every(c.balls) == 0) run.states.push_back(f);
+            meet(e);
         }
-        if (i == max_events) {
-            q.outcome = Outcome::collapse;
-            break;
-        }
-        if (q.finished && f.t + e.in > origin + until) break;
+        if (run.states.empty()) run.states.push_back(f);
+        finish();
+        return std::move(run);
+    }
+
+private:
+    const Column<Law>& c;
+    const double until_;
+    Stop* const stop_;
+    IndependentRun run;
+    Sequence& q = run.sequence;
+    Flight f;
+    double known_ = 0.0;  // time after release of the next collision
+
+    double end() const {
+        return math::is_nan(q.t_first_touch) ? math::infinity
+                                             : q.t_first_touch + until_;  // NaN without `until`
+    }
+
+    bool over() {
+        if (stop_ && (*stop_)()) return true;
+        if (!q.finished) q.moves_freely(slowest_opening(c, f), q.floor_opened);
+        return q.finished && !(f.t < end());
+    }
+
+    void meet(const Event& e) {
+        const double before = f.t;
         advance(c, f, e.in);
-        collide(c, f, e.pair);
+        const double speed = approach_speed<Law>(f, e.pair);
+        const bool joined = collide(c, f, e.pair);
+        if (joined && e.in <= before && speed > 0.0 && restitution(c, e.pair, speed) < 1.0)
+            q.outcome = Outcome::collapse;
         run.contacts.push_back({e.pair, f.t, f.t});
         if (e.pair == 0) {
             q.floor_begins(f.t);
+            if (f.resting > 0) return;
             q.floor_ends(f.t);
             q.floor_opens();
         } else if (q.pair_begins()) {
             q.pair_ends(f.t, c.balls == 2 ? f.velocity[1] - f.velocity[0] : math::nan);
         }
-        run.flights.push_back(f);
     }
-    const double origin = math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
-    for (Contact& k : run.contacts) k = {k.pair, k.begin - origin, k.end - origin};
-    for (Flight& k : run.flights) k.t -= origin;
-    q.t_second_touch -= origin;
-    q.t_end -= origin;
-    q.t_floor_end -= origin;
-    if (c.balls != 2) q.relative_velocity = q.separation_velocity = math::nan;
-    if (!c.floor) q.t_floor_end = math::nan;
-    q.close();
-    return run;
+
+    void finish() {
+        const double origin = run.origin = math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
+        for (Contact& k : run.contacts) k = {k.pair, k.begin - origin, k.end - origin};
+        run.t_first = -origin;
+        run.t_last = f.t - origin;
+        if (q.outcome == Outcome::unresolved) {
+            run.t_last = known_ - origin;
+        } else if (!math::is_nan(until_)) {
+            run.t_last = math::max(until_, run.t_last);
+        }
+        q.t_second_touch -= origin;
+        q.t_end -= origin;
+        q.t_floor_end -= origin;
+        if (c.balls != 2) q.relative_velocity = q.separation_velocity = math::nan;
+        if (!c.floor) q.t_floor_end = math::nan;
+        q.close();
+    }
+};
+
+}  // namespace independent
+
+// `until` in s after the first floor touch (cradle: release), NaN for the sequence alone. A run that `stop` has stopped
+// holds nothing of use.
+template <class Law>
+IndependentRun solve_independent(const Column<Law>& c, double until, Stop* stop = nullptr) {
+    return independent::Run<Law>(c, until, stop).solve();
 }
+
+// States of a run at any time, quickest in ascending order; both arguments must outlive it.
+template <class Law>
+class IndependentMotion {
+public:
+    IndependentMotion(const Column<Law>& column, const IndependentRun& of)
+        : c(column), run(of), f(of.states[0]) {}
+
+    // At `time` [s] after the first floor touch (cradle: release), between t_first and t_last of the run; at the
+    // instant of a collision the state after it, beyond t_last NaN.
+    Flight at(double time) {
+        const std::size_t every = IndependentRun::every(c.balls);
+        const auto after = std::upper_bound(run.states.begin() + 1, run.states.end(), time,
+                                            [&](double t, const Flight& s) { return t < s.t - run.origin; });
+        const std::size_t kept = static_cast<std::size_t>(after - run.states.begin()) - 1;
+        const bool past = next > 0 && run.contacts[next - 1].begin > time;
+        if (past || next < kept * every) {
+            next = kept * every;
+            f = run.states[kept];
+        }
+        for (; next < run.contacts.size() && run.contacts[next].begin <= time; ++next) {
+            const independent::Event e = independent::next_event(c, f);
+            independent::advance(c, f, e.in);
+            independent::collide(c, f, e.pair);
+        }
+        Flight state = f;
+        independent::advance(c, state, time - (f.t - run.origin));
+        state.t = time;
+        if (!(time <= run.t_last)) {  // the limit on collisions was reached before
+            std::fill(state.gaps.begin(), state.gaps.end(), math::nan);
+            std::fill(state.velocity.begin(), state.velocity.end(), math::nan);
+        }
+        return state;
+    }
+
+private:
+    const Column<Law>& c;
+    const IndependentRun& run;
+    Flight f;
+    std::size_t next = 0;  // collision after f
+};
 
 }  // namespace hardlimit::column

@@ -1,8 +1,8 @@
 // Which solver takes which column, and what each of them found as a Solution.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <memory>
-#include <mutex>
 #include <type_traits>
 #include <utility>
 
@@ -41,10 +41,11 @@ public:
         last = at(drop_.nodes.back());
         if (math::abs(last - o.until) <= 1e-12 * math::abs(o.until)) last = o.until;  // reached to rounding
     }
+    ~Exact() override { delete dissipated_.load(); }
     void sample(const double* times, States& out) const override {
-        std::call_once(summed_, [this] { dissipated_ = dissipated_energy(*column_, drop_); });
+        const std::vector<double>& dissipated = dissipated_up_to_nodes();
         for (std::size_t i = 0; i < out.n; ++i) {
-            const DropSample s = sample_drop(*column_, drop_, dissipated_, times[i]);
+            const DropSample s = sample_drop(*column_, drop_, dissipated, times[i]);
             for (std::size_t j = 0; j < 2; ++j) {
                 out.gap[2 * i + j] = s.gap[j];
                 out.velocity[2 * i + j] = s.velocity[j];
@@ -63,10 +64,17 @@ public:
 private:
     SharedColumn<contact::LinearDashpot> column_;
     Drop drop_;
-    mutable std::once_flag summed_;  // only a trajectory asks for the dissipated energy
-    mutable std::vector<double> dissipated_;
+    mutable std::atomic<const std::vector<double>*> dissipated_{nullptr};  // null: not asked for yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
+
+    // Only a trajectory asks for it. Threads that ask at once each compute the same; the first to finish sets it.
+    const std::vector<double>& dissipated_up_to_nodes() const {
+        if (const std::vector<double>* known = dissipated_.load()) return *known;
+        auto sum = std::make_unique<const std::vector<double>>(dissipated_energy(*column_, drop_));
+        const std::vector<double>* first_set = nullptr;
+        return dissipated_.compare_exchange_strong(first_set, sum.get()) ? *sum.release() : *first_set;
+    }
 };
 
 inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
@@ -128,31 +136,27 @@ template <class Law>
 class EventDriven final : public Solution {
 public:
     EventDriven(SharedColumn<Law> c, const SolveOptions& o)
-        : column_(std::move(c)), run_(solve_independent(*column_, o.until)) {
+        : column_(std::move(c)), run_(solve_independent(*column_, o.until, o.stop)) {
         sequence = run_.sequence;
-        contacts = std::move(run_.contacts);
-        steps = static_cast<long>(run_.flights.size());
-        first = run_.flights.front().t;
-        last = run_.flights.back().t;
-        if (o.until > last) last = o.until;
+        contacts = run_.contacts;
+        steps = static_cast<long>(contacts.size()) + 1;
+        first = run_.t_first;
+        last = run_.t_last;
     }
     void sample(const double* times, States& out) const override {
         States released(1, column_->balls);
-        fill(run_.flights.front(), released, 0);
+        fill(run_.states.front(), released, 0);
         const double initial = sum(released, 0);
+        IndependentMotion<Law> motion(*column_, run_);
         for (std::size_t i = 0; i < out.n; ++i) {
-            const auto after = std::upper_bound(run_.flights.begin() + 1, run_.flights.end(), times[i],
-                                                [](double t, const Flight& f) { return t < f.t; });
-            Flight f = *(after - 1);
-            independent::advance(*column_, f, times[i] - f.t);
-            fill(f, out, i);
+            fill(motion.at(times[i]), out, i);
             out.total[i].dissipated = initial - sum(out, i);
         }
     }
     std::vector<double> knots() const override {
-        std::vector<double> times;
-        for (const Flight& f : run_.flights) times.push_back(f.t);
-        if (last > times.back()) times.push_back(last);
+        std::vector<double> times{first};
+        for (const Contact& k : contacts) times.push_back(k.begin);
+        times.push_back(last);
         return times;
     }
 
@@ -176,7 +180,7 @@ private:
             kinetic += 0.5 * c.mass[j] * f.velocity[j] * f.velocity[j];
             potential += c.gravity * c.mass[j] * height;
         }
-        out.complete(c, i, f.lowest - c.gaps[0] - c.radius[0]);
+        out.complete(c, i, f.gaps[0] - c.gaps[0]);
         out.total[i] = {kinetic, potential, 0.0, 0.0};
     }
 };
@@ -195,7 +199,7 @@ template <class Law>
 Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
                         std::vector<Contact>* contacts) {
     if (model == Model::independent) {
-        IndependentRun run = solve_independent(c, o.until);
+        IndependentRun run = solve_independent(c, o.until, o.stop);
         if (contacts) *contacts = std::move(run.contacts);
         return run.sequence;
     }
