@@ -375,6 +375,8 @@ def random_law(random: np.random.Generator, kind: str) -> Law:
     restitution = float(random.uniform(0.3, 1.0))
     if kind == "linear":
         return hl.LinearDashpot(stiffness=float(10 ** random.uniform(6, 8)), restitution=restitution)
+    if kind == "tsuji":
+        return hl.Tsuji(elastic_prefactor=float(10 ** random.uniform(7, 9)), restitution=restitution)
     return hl.Viscoelastic(
         youngs_modulus=float(10 ** random.uniform(7, 9)),
         poisson_ratio=0.3,
@@ -411,7 +413,7 @@ OF_ANY_COLUMN = ["n_contacts", "t_end", "t_floor_end", "outcome", "rebound_heigh
 
 
 @pytest.mark.parametrize("model", ["newton", "independent"])
-@pytest.mark.parametrize("kind", ["linear", "viscoelastic"])
+@pytest.mark.parametrize("kind", ["linear", "viscoelastic", "tsuji"])
 @pytest.mark.parametrize("balls", [1, 3, 4])
 def test_a_point_of_any_column_is_that_column(balls: int, kind: str, model: str) -> None:
     random = np.random.default_rng([balls, len(kind), len(model)])
@@ -430,6 +432,7 @@ def test_a_point_of_any_column_is_that_column(balls: int, kind: str, model: str)
         ("linear", "independent"),
         ("viscoelastic", "newton"),
         ("viscoelastic", "independent"),
+        ("tsuji", "newton"),
     ],
 )
 def test_the_values_of_each_of_two_balls_are_those_of_the_column(kind: str, model: str) -> None:
