@@ -7,7 +7,9 @@
 
 #include "contact/registry.hpp"
 #include "interpreter.hpp"
+#include "sweep/column_map.hpp"
 #include "sweep/map.hpp"
+#include "sweep/parameter_table.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -26,7 +28,7 @@ T* output(const nb::dict& out, const char* name, hl::u64 count) {
     using Array = nb::ndarray<T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
     if (!out.contains(name)) return nullptr;
     Array array;
-    const std::string type = sizeof(T) == 1 ? "uint8" : "float64";
+    const std::string type = sizeof(T) == 1 ? "uint8" : sizeof(T) == 4 ? "uint32" : "float64";
     if (!nb::try_cast(out[name], array, false))
         throw nb::type_error(("out: " + std::string(name) + " must be a contiguous, writable array of " +
                               type + " in one dimension")
@@ -58,16 +60,19 @@ const hardlimit_abi::Kernel* kernel_named(const std::string& name) {
     throw nb::value_error(("instruction_set: " + name + " is not available here").c_str());
 }
 
-using Worker = void (*)(sw::Job&, hl::u64, hl::Stop&);
-
+// What the maps need of a law.
 struct LawEntry {
     const hl::LawRecord& record;
-    Worker worker;
+    void (*work)(sw::Job&, hl::u64, hl::Stop&);
+    void (*work_columns)(sw::ColumnJob&, hl::u64, hl::Stop&);
+    bool (*has_kernel)(sw::Model);
 };
 
 LawEntry law_named(const std::string& law) {
-#define HL_LAW(Law) \
-    if (law == hl::contact::Law::record.name) return {hl::contact::Law::record, &sw::work<hl::contact::Law>};
+#define HL_LAW(Law)                                                                                         \
+    if (law == hl::contact::Law::record.name)                                                               \
+        return {hl::contact::Law::record, &sw::work<hl::contact::Law>, &sw::work_columns<hl::contact::Law>, \
+                &sw::Vectorised<hl::contact::Law>::covers};
     HARDLIMIT_LAWS(HL_LAW)
 #undef HL_LAW
     throw nb::value_error(("law: unknown name " + law).c_str());
@@ -77,14 +82,23 @@ void require(bool met, const char* what) {
     if (!met) throw nb::value_error(what);
 }
 
-void set_axes(sw::Axes& axes, const std::vector<Values>& values, const std::vector<hl::u64>& strides) {
-    require(values.size() == sw::parameter_count, "values: wrong number of parameters");
-    require(strides.size() == sw::parameter_count, "strides: wrong number of parameters");
-    for (std::size_t i = 0; i < sw::parameter_count; ++i) {
+sw::Model model_of(int number) {
+    require(number >= 0 && number <= static_cast<int>(sw::Model::independent), "model: must be 0, 1 or 2");
+    return static_cast<sw::Model>(number);
+}
+
+std::vector<sw::Axis> axes_of(int balls, const std::vector<Values>& values,
+                              const std::vector<hl::u64>& strides) {
+    const auto numbers = static_cast<std::size_t>(sw::law_of(balls, balls));
+    require(values.size() == numbers, "values: wrong number of parameters");
+    require(strides.size() == numbers, "strides: wrong number of parameters");
+    std::vector<sw::Axis> axes;
+    for (std::size_t i = 0; i < numbers; ++i) {
         require(values[i].shape(0) > 0, "values: must not be empty");
         require(strides[i] > 0, "strides: must be >= 1");
-        axes.axis[i] = {values[i].data(), strides[i], values[i].shape(0)};
+        axes.push_back({values[i].data(), strides[i], values[i].shape(0)});
     }
+    return axes;
 }
 
 sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
@@ -99,9 +113,12 @@ sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
 }
 
 // Works through the job with the interpreter unlocked; what the caller's `progress` or a signal handler raises ends it.
-void run(sw::Job& job, Worker worker, int threads, const nb::object& progress) {
+template <class Job>
+void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int threads,
+         const nb::object& progress) {
+    require(threads >= 1, "threads: must be >= 1");
     const hl::u64 share = job.count / (8 * static_cast<hl::u64>(threads)) + 1;
-    const hl::u64 block = std::min<hl::u64>(4096, share), blocks = (job.count + block - 1) / block;
+    const hl::u64 block = std::min<hl::u64>(most, share), blocks = (job.count + block - 1) / block;
     bool raised = false;
     {
         hl::bindings::Unlocked open;
@@ -120,45 +137,109 @@ void run(sw::Job& job, Worker worker, int threads, const nb::object& progress) {
             return raised;
         };
         const int wanted = static_cast<int>(std::min<hl::u64>(static_cast<hl::u64>(threads), blocks));
-        hl::Team().run(wanted, open.period, [&](hl::Stop& stop) { worker(job, block, stop); }, watch);
+        hl::Team().run(wanted, open.period, [&](hl::Stop& stop) { work(job, block, stop); }, watch);
     }
     if (raised) throw nb::python_error();
 }
 
-// Points first … first + count − 1 of the map. Returns the contact counts above 255 as (point, count).
+void require_alternative(const hl::LawRecord& record, int alternative) {
+    require(alternative >= 0 && alternative < record.n_alternatives,
+            "alternative: the law has no such set of parameters");
+}
+
+// Points first … first + count − 1 of a map of two balls. Returns the contact counts above 255 as (point, count).
 nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2,
                  int restitution_at, const std::vector<Values>& values, const std::vector<hl::u64>& strides,
                  hl::u64 first, hl::u64 count, int threads, double tolerance, const nb::dict& out,
                  nb::object progress, const std::string& instruction_set) {
     const LawEntry entry = law_named(law);
-    require(model >= 0 && model <= static_cast<int>(sw::Model::independent), "model: must be 0, 1 or 2");
-    require(alternative >= 0 && alternative < entry.record.n_alternatives,
-            "alternative: the law has no such set of parameters");
+    require_alternative(entry.record, alternative);
     require(restitution_at >= -1 && restitution_at < hl::max_parameters,
             "restitution_at: must be a place among the parameters of the law, or -1");
-    require(threads >= 1, "threads: must be >= 1");
     sw::Job job{};
-    set_axes(job.axes, values, strides);
-    job.setting = {static_cast<sw::Model>(model), alternative, density_1, density_2, restitution_at};
+    job.axes = axes_of(2, values, strides);
+    job.setting = {model_of(model), alternative, density_1, density_2, restitution_at};
+    if (!entry.has_kernel(job.setting.model) && !hl::math::is_nan(tolerance))
+        job.setting.tolerance = tolerance;
     job.kernel = kernel_named(instruction_set);
     job.log2_tolerance = hl::math::log(tolerance) / hl::math::log(2.0);
     job.first = first;
     job.count = count;
     job.out = outputs(out, count);
-    run(job, entry.worker, threads, progress);
+    run(job, entry.work, 4096, threads, progress);
     nb::list large;
     for (const sw::LargeCount& k : job.large) large.append(nb::make_tuple(k.point, k.count));
     return large;
 }
 
+// The same of columns of any number of balls, point by point; `density` has one entry for each ball.
+void run_columns(const std::string& law, int model, int alternative, const std::vector<bool>& density,
+                 const std::vector<Values>& values, const std::vector<hl::u64>& strides, hl::u64 first,
+                 hl::u64 count, int threads, double tolerance, const nb::dict& out, nb::object progress) {
+    const LawEntry entry = law_named(law);
+    require_alternative(entry.record, alternative);
+    require(!density.empty(), "density: must have an entry for each ball");
+    const int balls = static_cast<int>(density.size());
+    require(model_of(model) != sw::Model::adiabatic || (balls == 2 && entry.has_kernel(sw::Model::adiabatic)),
+            "model: the adiabatic one is that of two balls under the linear law");
+    const hl::u64 of_balls = count * density.size();
+    sw::ColumnJob job{};
+    job.axes = axes_of(balls, values, strides);
+    job.first = first;
+    job.count = count;
+    job.out = {output<std::uint32_t>(out, "n_contacts", count),
+               output<std::uint8_t>(out, "outcome", count),
+               output<double>(out, "t_end", count),
+               output<double>(out, "t_floor_end", count),
+               output<double>(out, "rebound_height", of_balls),
+               output<double>(out, "final_velocity", of_balls)};
+    job.setting = {static_cast<hl::column::Model>(model), alternative,
+                   {density.begin(), density.end()},      tolerance,
+                   job.out.rebound_height != nullptr,     job.out.final_velocity != nullptr};
+    run(job, entry.work_columns, 64, threads, progress);
+}
+
+// The names that can be swept for a column of so many balls, with the places of their numbers in a point.
+nb::list swept_parameters(int balls) {
+    require(balls >= 1, "balls: must be >= 1");
+    nb::list rows;
+    for (const sw::SweptRecord& r : sw::swept_records) {
+        nb::dict d;
+        d["name"] = r.name;
+        d["per"] = sw::per(r.place) == sw::Per::ball  ? "ball"
+                   : sw::per(r.place) == sw::Per::gap ? "gap"
+                                                      : "column";
+        d["first"] = sw::first_of(r.place, balls);
+        d["count"] = sw::count_of(r.place, balls);
+        d["unit"] = r.unit;
+        d["meaning"] = r.meaning;
+        d["lowest"] = r.lowest;
+        d["lowest_allowed"] = r.lowest_allowed;
+        rows.append(d);
+    }
+    return rows;
+}
+
 }  // namespace
 
 void bind_sweep(nb::module_& m) {
-    m.attr("sweep_parameters") = sw::parameter_count;
-    m.attr("max_law_parameters") = hl::max_parameters;
+    m.def("swept_parameters", &swept_parameters, "balls"_a,
+          "The parameters of a column that can be swept: name, places in a point, unit, meaning and range.");
+    m.def(
+        "law_place", &sw::law_of, "contact"_a, "balls"_a,
+        "Where the law of a contact begins in a point, 0 = floor; of contact = balls, the length of a point.");
+    m.def(
+        "ball_mass", [](double density, double radius) { return sw::ball_mass(density, true, radius); },
+        "density"_a, "radius"_a, "Mass of a solid sphere [kg].");
     m.def("run_map", &run_map, "law"_a, "model"_a, "alternative"_a, "density_1"_a, "density_2"_a,
           "restitution_at"_a, "values"_a, "strides"_a, "first"_a, "count"_a, "threads"_a, "tolerance"_a,
           "out"_a, "progress"_a.none(), "instruction_set"_a = "auto");
+    m.def("run_columns", &run_columns, "law"_a, "model"_a, "alternative"_a, "density"_a, "values"_a,
+          "strides"_a, "first"_a, "count"_a, "threads"_a, "tolerance"_a, "out"_a, "progress"_a.none());
+    m.def(
+        "has_kernel",
+        [](const std::string& law, int model) { return law_named(law).has_kernel(model_of(model)); }, "law"_a,
+        "model"_a, "Whether points of two balls go through a vector kernel under this law and model.");
     m.def("instruction_sets", [] {
         std::vector<std::string> names;
         for (const hardlimit_abi::Kernel* k : kernels()) names.emplace_back(k->name);

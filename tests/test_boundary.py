@@ -19,8 +19,8 @@ def run_map(out: dict[str, Any], **changed: Any) -> None:
         "law": plan.law,
         "model": 0,
         "alternative": plan.alternative,
-        "density_1": plan.density_1,
-        "density_2": plan.density_2,
+        "density_1": plan.densities[0],
+        "density_2": plan.densities[1],
         "restitution_at": plan.restitution_at,
         "values": list(plan.values),
         "strides": list(plan.strides),
@@ -65,8 +65,8 @@ BAD_MAPS: dict[str, dict[str, Any]] = {
     "restitution_at": {"restitution_at": 4},
     "threads": {"threads": 0},
     "law": {"law": "glue"},
-    "values": {"values": [np.empty(0)] * _core.sweep_parameters},
-    "strides": {"strides": [0] * _core.sweep_parameters},
+    "values": {"values": [np.empty(0)] * _core.law_place(2, 2)},
+    "strides": {"strides": [0] * _core.law_place(2, 2)},
     "instruction_set": {"instruction_set": "abacus"},
 }
 

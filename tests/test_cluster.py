@@ -19,7 +19,7 @@ pytest.importorskip("distributed")
 from distributed import Client, LocalCluster
 
 import hardlimit as hl
-from hardlimit.sweep import chunks as tiling
+from hardlimit.sweep import chunks as chunking
 from hardlimit.sweep.engines import dask as cluster
 from hardlimit.sweep.plan import make_plan
 from test_store import files
@@ -37,9 +37,9 @@ def one_worker() -> LocalCluster:
 
 
 @pytest.fixture(autouse=True)
-def small_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tiling, "POINTS", 120)
-    monkeypatch.setattr(tiling, "POINTS_INTEGRATED", 200)
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunking, "POINTS", 120)
+    monkeypatch.setattr(chunking, "POINTS_INTEGRATED", 200)
 
 
 class Processes:
@@ -125,7 +125,7 @@ def test_the_same_store_as_without_a_cluster(tmp_path: Path) -> None:
     assert files(tmp_path / "here") == files(tmp_path / "there")
 
 
-def test_counts_above_a_byte_in_some_tiles() -> None:
+def test_counts_above_a_byte_in_some_chunks() -> None:
     column = hl.Column.paper(restitution=1.0, radius_2=1e-4, radius_1=0.1, height=4.0)
     swept = {"gap": np.geomspace(1e-3, 1e-11, 241)}
     here, there = hl.sweep(column, **swept), hl.sweep(column, engine="dask", **swept)
@@ -154,19 +154,19 @@ def test_an_error_here_ends_the_work_there() -> None:
         with_deadline(lambda: not any(client.processing().values()))
 
 
-def test_a_tile_with_much_to_send_is_no_cause_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_chunk_with_much_to_send_is_no_cause_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of points brings its parameters along; from 10 MiB on distributed takes that for a mistake."""
-    monkeypatch.setattr(tiling, "POINTS", 1 << 20)
+    monkeypatch.setattr(chunking, "POINTS", 1 << 20)
     points = {"gap": xr.DataArray(np.geomspace(1e-6, 1e-2, 700_000), dims="point")}
     points["height"] = xr.DataArray(np.linspace(0.3, 0.6, 700_000), dims="point")
     swept = {"model": "independent", "variables": ["n_contacts"], **points}
     assert same_bits(hl.sweep(PAPER, engine="dask", **swept), hl.sweep(PAPER, **swept))
 
 
-def test_every_tile_comes_once() -> None:
+def test_every_chunk_comes_once() -> None:
     plan = make_plan(PAPER, "newton", None, GRID)
-    tiles = tiling.Tiles.of(plan)
-    came = [tile for tile, _ in cluster.compute(plan, tiles, range(len(tiles)), 1, None)]
+    chunks = chunking.Chunks.of(plan)
+    came = [chunk for chunk, _ in cluster.compute(plan, chunks, range(len(chunks)), 1)]
     assert sorted(came) == list(range(20))
 
 
@@ -197,7 +197,7 @@ def test_a_worker_of_another_version_is_refused() -> None:
 
 
 def test_a_worker_is_killed(processes: Processes, tmp_path: Path) -> None:
-    """In mid-sweep, with tiles done, under way and waiting: nothing is lost, nothing comes twice."""
+    """In mid-sweep, with chunks done, under way and waiting: nothing is lost, nothing comes twice."""
     workers = two_workers(processes)
     told: list[int] = []
 
@@ -267,9 +267,9 @@ INTERRUPTED = """
     import sys
     import numpy as np
     import hardlimit as hl
-    from hardlimit.sweep import chunks as tiles
+    from hardlimit.sweep import chunks
 
-    tiles.POINTS_INTEGRATED = {tile}
+    chunks.POINTS_INTEGRATED = {chunk}
     soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
     hl.sweep(soft, store=sys.argv[1], engine="dask", gap=np.geomspace(1e-6, 1e-2, {points}),
              progress=lambda done, _: print(done, flush=True))
@@ -277,12 +277,12 @@ INTERRUPTED = """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("tile", [200, 3_000_000])
-def test_interrupted_it_stops_soon(tmp_path: Path, tile: int) -> None:
-    script = textwrap.dedent(INTERRUPTED.format(tile=tile, points=6_000_000))
+@pytest.mark.parametrize("chunk", [200, 3_000_000])
+def test_interrupted_it_stops_soon(tmp_path: Path, chunk: int) -> None:
+    script = textwrap.dedent(INTERRUPTED.format(chunk=chunk, points=6_000_000))
     command = [sys.executable, "-c", script, str(tmp_path / "map.zarr")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
-        for _ in range(1 if tile > 1000 else 5):
+        for _ in range(1 if chunk > 1000 else 5):
             run.stdout.readline()
         time.sleep(1.0)
         began = time.perf_counter()

@@ -20,13 +20,13 @@ import xarray as xr
 
 import hardlimit as hl
 from emulated_gpu import Emulated, build
-from hardlimit.sweep import VARIABLES
 from hardlimit.sweep.engines import cuda, cuda_device
 from hardlimit.sweep.plan import Plan, make_plan
+from hardlimit.sweep.variables import OF_POINT
 
 HERE = Path(__file__).parent
 PAPER = hl.Column.paper()
-ALL = list(VARIABLES)
+ALL = list(OF_POINT)
 
 needs_compiler = pytest.mark.skipif(
     not (util.find_spec("cuda") and util.find_spec("cuda.core")),

@@ -9,7 +9,8 @@ import xarray as xr
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.sweep.plan import MODELS, VARIABLES, make_plan
+from hardlimit.sweep.plan import MODELS, make_plan
+from hardlimit.sweep.variables import OF_POINT
 
 Results = dict[str, np.ndarray]
 
@@ -29,9 +30,9 @@ def random_list(n: int, seed: int) -> dict[str, xr.DataArray]:
 def compute(
     swept: dict[str, xr.DataArray], instruction_set: str, threads: int = 1, model: str = "newton"
 ) -> Results:
-    plan = make_plan(hl.Column.paper(), model, list(VARIABLES), swept)
-    out: Results = {name: np.empty(plan.size, VARIABLES[name][0]) for name in plan.variables}
-    where = (plan.density_1, plan.density_2, plan.restitution_at, list(plan.values), list(plan.strides))
+    plan = make_plan(hl.Column.paper(), model, list(OF_POINT), swept)
+    out: Results = {name: np.empty(plan.size, OF_POINT[name].dtype) for name in plan.variables}
+    where = (*plan.densities, plan.restitution_at, list(plan.values), list(plan.strides))
     _core.run_map(
         plan.law,
         MODELS.index(model),
@@ -49,7 +50,7 @@ def compute(
 
 
 def digest(results: Results) -> str:
-    return hashlib.sha256(b"".join(results[name].tobytes() for name in VARIABLES)).hexdigest()
+    return hashlib.sha256(b"".join(results[name].tobytes() for name in OF_POINT)).hexdigest()
 
 
 @pytest.mark.parametrize("model", ["newton", "adiabatic"])

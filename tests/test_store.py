@@ -8,6 +8,10 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
+import warnings
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +19,10 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
-from hardlimit.sweep import chunks as tiling
+from hardlimit.sweep import chunks as chunking
 from hardlimit.sweep import store as storing
+from hardlimit.sweep.computation import Computation, Coordinate, Values, Variable
+from hardlimit.sweep.engines import ENGINES
 from hardlimit.sweep.plan import make_plan
 from hardlimit.sweep.store import Store
 
@@ -25,10 +31,10 @@ GRID = {"restitution": np.linspace(0.3, 1.0, 9), "gap": np.geomspace(1e-6, 1e-2,
 
 
 @pytest.fixture(autouse=True)
-def small_tiles(monkeypatch: pytest.MonkeyPatch) -> None:
-    """GRID makes five tiles, the last of them smaller."""
-    monkeypatch.setattr(tiling, "POINTS", 10)
-    monkeypatch.setattr(tiling, "POINTS_INTEGRATED", 10)
+def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """GRID makes five chunks, the last of them smaller."""
+    monkeypatch.setattr(chunking, "POINTS", 10)
+    monkeypatch.setattr(chunking, "POINTS_INTEGRATED", 10)
 
 
 def files(folder: Path) -> dict[str, str]:
@@ -70,7 +76,7 @@ def test_it_opens_with_xarray_alone(tmp_path: Path) -> None:
     assert ds.n_contacts.dims == ("restitution", "gap")
     np.testing.assert_array_equal(ds.gap, GRID["gap"])
     assert float(ds.height) == 0.7 and "height" in ds.coords
-    assert ds.gap.attrs == {"units": "m", "long_name": "gap between the balls Δh"}
+    assert ds.gap.attrs == {"units": "m", "long_name": "gap between neighbouring balls Δh"}
     assert ds.t_end.attrs["units"] == "s" and ds.t_end.dtype == np.float64
     assert ds.outcome.flag_meanings.split()[0] == "ok" and ds.outcome.flag_values[0] == 0
     assert ds.attrs["model"] == "newton" and ds.attrs["column"] == repr(PAPER)
@@ -104,17 +110,17 @@ def test_counts_above_a_byte_have_room(tmp_path: Path) -> None:
     xr.testing.assert_equal(stored, plain)
 
 
-def test_tiles_without_a_result_are_written_too(tmp_path: Path) -> None:
-    """All NaN is what an array holds before it is written; it must not be taken for a missing tile."""
+def test_chunks_without_a_result_are_written_too(tmp_path: Path) -> None:
+    """All NaN is what an array holds before it is written; it must not be taken for a missing chunk."""
     swept = {**GRID, "height": 0.05}
     assert bool(hl.sweep(PAPER, store=tmp_path / "map.zarr", **swept).t_end.isnull().all())
-    with Store(tmp_path / "map.zarr", *plan_and_tiles(swept)) as store:
+    with Store(tmp_path / "map.zarr", *plan_and_chunks(swept)) as store:
         assert store.missing() == []
 
 
-def plan_and_tiles(swept: dict[str, object]) -> tuple:
+def plan_and_chunks(swept: dict[str, object]) -> tuple:
     plan = make_plan(PAPER, "newton", None, swept)
-    return plan, tiling.Tiles.of(plan)
+    return plan, chunking.Chunks.of(plan)
 
 
 def test_an_unfinished_store_says_what_is_missing(tmp_path: Path) -> None:
@@ -151,7 +157,7 @@ def test_lost_and_empty_files_are_replaced(tmp_path: Path, name: str, torn: bool
     chunk.unlink()
     if torn:
         chunk.touch()
-    (chunk.parent / "0.abc.partial").write_bytes(b"half")
+    (chunk.parent / f"0.{'ab' * 16}.partial").write_bytes(b"half")
     told: list[int] = []
     hl.sweep(PAPER, store=path, progress=lambda done, _: told.append(done), **GRID)
     assert told == [40, 45]
@@ -169,11 +175,11 @@ KILLED_AT_EVERY_STEP = """
     from pathlib import Path
     import numpy as np
     import hardlimit as hl, zarr, xarray
-    from hardlimit.sweep import chunks as tiles
+    from hardlimit.sweep import chunks
     sys.path.insert(0, {tests!r})
     from test_store import GRID, PAPER, files
 
-    tiles.POINTS = 20
+    chunks.POINTS = 20
     swept = dict(GRID, restitution=GRID["restitution"][:5])
     folder, steps, limit = Path({folder!r}), 0, None
 
@@ -226,9 +232,9 @@ SLOW_SWEEP = """
     import sys
     import numpy as np
     import hardlimit as hl
-    from hardlimit.sweep import chunks as tiles
+    from hardlimit.sweep import chunks
 
-    tiles.POINTS_INTEGRATED = {tile}
+    chunks.POINTS_INTEGRATED = {chunk}
     soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
     print("ready", flush=True)
     hl.sweep(soft, store=sys.argv[1], gap=np.geomspace(1e-6, 1e-2, {points}),
@@ -236,8 +242,8 @@ SLOW_SWEEP = """
 """
 
 
-def slow_sweep(path: Path, tile: int, points: int) -> subprocess.Popen:
-    script = textwrap.dedent(SLOW_SWEEP.format(tile=tile, points=points))
+def slow_sweep(path: Path, chunk: int, points: int) -> subprocess.Popen:
+    script = textwrap.dedent(SLOW_SWEEP.format(chunk=chunk, points=points))
     return subprocess.Popen(
         [sys.executable, "-c", script, str(path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
@@ -245,7 +251,7 @@ def slow_sweep(path: Path, tile: int, points: int) -> subprocess.Popen:
 
 @pytest.mark.slow
 def test_killed_again_and_again_it_ends_with_the_same_bytes(tmp_path: Path) -> None:
-    size = {"tile": 100, "points": 4000}
+    size = {"chunk": 100, "points": 4000}
     assert slow_sweep(tmp_path / "whole.zarr", **size).communicate()[1] == ""
     kills, last = 0, ""
     while last != f"{size['points']}\n":
@@ -260,10 +266,10 @@ def test_killed_again_and_again_it_ends_with_the_same_bytes(tmp_path: Path) -> N
 
 
 def test_interrupted_it_stops_within_a_second(tmp_path: Path) -> None:
-    """The one tile would take much longer."""
+    """The one chunk would take much longer."""
     import time
 
-    run = slow_sweep(tmp_path / "map.zarr", tile=3_000_000, points=3_000_000)
+    run = slow_sweep(tmp_path / "map.zarr", chunk=3_000_000, points=3_000_000)
     assert run.stdout.readline() == "ready\n"
     while not (tmp_path / "map.zarr").exists():
         time.sleep(0.05)
@@ -274,6 +280,144 @@ def test_interrupted_it_stops_within_a_second(tmp_path: Path) -> None:
     assert time.perf_counter() - began < 1.0
     assert errors.rstrip().endswith("KeyboardInterrupt")
     assert bool((xr.open_zarr(tmp_path / "map.zarr").outcome == 255).all())
+
+
+# --- damage -------------------------------------------------------------------------------------------------
+
+SMALL = {"restitution": np.linspace(0.3, 1.0, 4), "gap": np.geomspace(1e-6, 1e-2, 5), "height": 0.7}
+KEPT = {"variables": ["n_contacts", "final_velocity"], **SMALL}
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A store of two chunks that nothing has happened to."""
+    path = tmp_path_factory.mktemp("finished") / "map.zarr"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(chunking, "POINTS", 10)
+        hl.sweep(PAPER, store=path, **KEPT)
+    return path
+
+
+@cache
+def undamaged() -> xr.Dataset:
+    """What every damaged store must come back to."""
+    return hl.sweep(PAPER, **KEPT)
+
+
+def damaged(path: Path, finished: Path, *, said: bool) -> None:
+    """The sweep goes on with the right results and the bytes of an undamaged store, or is refused in one line."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            ds = hl.sweep(PAPER, store=path, **KEPT)
+        except ValueError as refused:
+            assert str(refused).startswith(f"store: {path} ") and "\n" not in str(refused)
+            return
+    xr.testing.assert_equal(ds.load(), undamaged())
+    assert files(path) == files(finished)
+    words = [str(warning.message) for warning in caught]
+    assert len(words) <= 1 and all(w.startswith(f"store: {path}: ") and "\n" not in w for w in words)
+    assert words or not said
+
+
+def every_file(folder: Path) -> list[Path]:
+    return sorted(f.relative_to(folder) for f in folder.rglob("*") if f.is_file())
+
+
+def test_a_flipped_byte_anywhere_is_found(tmp_path: Path, finished: Path) -> None:
+    for number, file in enumerate(every_file(finished)):
+        length = (finished / file).stat().st_size
+        for at in {*range(0, length, 1 + length // 3), length - 2}:
+            path = tmp_path / f"{number}-{at}"
+            shutil.copytree(finished, path)
+            content = bytearray((path / file).read_bytes())
+            content[at] ^= 1 << (at % 8)
+            (path / file).write_bytes(content)
+            damaged(path, finished, said=file.name != "zarr.json")  # there, the layout does not matter
+
+
+def test_a_file_cut_short_or_replaced_is_found(tmp_path: Path, finished: Path) -> None:
+    for number, file in enumerate(every_file(finished)):
+        content = (finished / file).read_bytes()
+        for name, other in {
+            "short": content[:-1],
+            "half": content[: len(content) // 2],
+            "list": b"[]",
+            "longer": content + content,
+        }.items():
+            path = tmp_path / f"{number}-{name}"
+            shutil.copytree(finished, path)
+            (path / file).write_bytes(other)
+            damaged(path, finished, said=True)
+
+
+def test_what_is_gone_is_made_anew(tmp_path: Path, finished: Path) -> None:
+    """Each file and each folder in turn; of a chunk that is not there nobody knows whether it ever was."""
+    everything = sorted(f.relative_to(finished) for f in finished.rglob("*"))
+    for number, gone in enumerate(everything):
+        path = tmp_path / str(number)
+        shutil.copytree(finished, path)
+        shutil.rmtree(path / gone) if (path / gone).is_dir() else (path / gone).unlink()
+        damaged(path, finished, said=gone.name == "zarr.json")
+
+
+def test_damaged_chunks_are_counted(tmp_path: Path, finished: Path) -> None:
+    path = tmp_path / "map.zarr"
+    shutil.copytree(finished, path)
+    file = path / "final_velocity" / "c" / "1" / "0" / "0"
+    file.write_bytes(file.read_bytes()[:-1] + b"x")
+    told: list[int] = []
+    with pytest.warns(UserWarning, match=r"1 of 2 chunks are damaged and computed anew"):
+        hl.sweep(PAPER, store=path, progress=lambda done, _: told.append(done), **KEPT)
+    assert told[0] == 10 and told[-1] == 20
+
+
+def test_without_its_group_a_store_with_chunks_is_refused(tmp_path: Path, finished: Path) -> None:
+    """Nobody can tell any more whose chunks these are."""
+    path = tmp_path / "map.zarr"
+    shutil.copytree(finished, path)
+    (path / "zarr.json").write_text("[]")
+    with pytest.raises(
+        ValueError, match=r"holds something else, must be a store of hl\.sweep with its zarr\.json"
+    ):
+        hl.sweep(PAPER, store=path, **KEPT)
+
+
+@pytest.mark.parametrize("group", [None, b""], ids=["lost", "empty"])
+def test_labels_without_a_group_are_completed(tmp_path: Path, finished: Path, group: bytes | None) -> None:
+    """What a power cut can leave of a store that had just been made."""
+    path = tmp_path / "map.zarr"
+    shutil.copytree(
+        finished, path, ignore=lambda folder, _: ["c"] if Path(folder).name in KEPT["variables"] else []
+    )
+    (path / "zarr.json").unlink()
+    if group is not None:
+        (path / "zarr.json").write_bytes(group)
+    with pytest.warns(UserWarning, match=r"zarr\.json was damaged and is written anew"):
+        hl.sweep(PAPER, store=path, **KEPT)
+    assert files(path) == files(finished)
+
+
+def test_what_is_not_the_stores_own_is_left_alone(tmp_path: Path) -> None:
+    path = tmp_path / "map.zarr"
+    interrupted(path, after=20)
+    mine = [
+        "notes",
+        "draft.partial",
+        "t_end/notes",
+        "t_end/c/0.partial",
+        "outcome/c/4/mine.txt",
+        "c/x.partial",
+    ]
+    for name in mine:
+        (path / name).parent.mkdir(parents=True, exist_ok=True)
+        (path / name).touch()
+    half = path / "t_end" / "c" / "4" / f"0.{'ab' * 16}.partial"
+    half.parent.mkdir(exist_ok=True)
+    half.touch()
+    hl.sweep(PAPER, store=path, **GRID)
+    assert [name for name in mine if not (path / name).exists()] == []
+    assert not half.exists()
 
 
 # --- refusals -----------------------------------------------------------------------------------------------
@@ -344,14 +488,66 @@ def test_a_store_is_a_local_folder(path: object) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no locks")
-def test_two_writers_at_once_are_refused(tmp_path: Path) -> None:
+def test_two_writers_at_once_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "map.zarr"
     refused = pytest.raises(ValueError, match=r"map\.zarr is being written by another process")
-    with Store(path, *plan_and_tiles(GRID)), refused:
+    monkeypatch.setattr(storing, "PATIENCE", 0.1)
+    with Store(path, *plan_and_chunks(GRID)), refused:
         hl.sweep(PAPER, store=path, **GRID)
     hl.sweep(PAPER, store=path, **GRID)
-    with Store(path, *plan_and_tiles(GRID)):  # complete: anybody may read
+    with Store(path, *plan_and_chunks(GRID)):  # complete: anybody may read
         hl.sweep(PAPER, store=path, **GRID)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks")
+@pytest.mark.parametrize("made", [False, True], ids=["while it is made", "while it is filled"])
+def test_a_writer_that_is_about_to_end_is_waited_for(tmp_path: Path, made: bool) -> None:
+    """A process that was killed keeps its locks until it is gone: the same call right after must not be refused."""
+    path, held = tmp_path / "map.zarr", threading.Event()
+    folder = path if made else tmp_path / ".map.zarr.unfinished"
+    if made:
+        interrupted(path, after=20)
+    else:
+        folder.mkdir()
+
+    def hold() -> None:
+        with storing._locked(folder, path):
+            held.set()
+            waiting.wait()
+
+    waiting = threading.Event()
+    other = threading.Thread(target=hold)
+    other.start()
+    held.wait()
+    patience = storing._wait_for_lock
+
+    def let_go(handle: int, of: Path) -> None:
+        waiting.set()
+        patience(handle, of)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(storing, "_wait_for_lock", let_go)
+        ds = hl.sweep(PAPER, store=path, **GRID)
+    other.join()
+    xr.testing.assert_equal(ds, hl.sweep(PAPER, **GRID))
+
+
+def test_two_may_make_a_store_at_once(tmp_path: Path) -> None:
+    """One makes it while the other waits for the same unfinished folder, and then goes on with it."""
+    path = tmp_path / "map.zarr"
+    found = storing._is_new
+
+    def too_late(at: Path) -> bool:
+        new = found(at)
+        if new:
+            patch.setattr(storing, "_is_new", found)
+            hl.sweep(PAPER, store=path, **GRID)
+        return new
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(storing, "_is_new", too_late)
+        ds = hl.sweep(PAPER, store=path, **GRID)
+    xr.testing.assert_equal(ds, hl.sweep(PAPER, **GRID))
 
 
 # --- full disks and read-only folders -----------------------------------------------------------------------
@@ -377,7 +573,7 @@ def test_a_write_that_fails_is_one_error(
             hl.sweep(PAPER, store=path, **GRID)
     assert str(failed.value) == f"store: cannot write {path}: {os.strerror(code)}; what is finished is kept"
     assert failed.value.errno == code
-    with Store(path, *plan_and_tiles(GRID)) as store:
+    with Store(path, *plan_and_chunks(GRID)) as store:
         assert store.missing() == [3, 4]
     outcome = xr.open_zarr(path).outcome
     assert bool((outcome[:6] == 0).all() and (outcome[6:] == 255).all())
@@ -392,7 +588,7 @@ def test_metadata_that_cannot_be_written_leave_nothing(
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with monkeypatch.context() as patch:
-        patch.setattr(storing, "_write_metadata", fail)
+        patch.setattr(storing, "_write_labels", fail)
         with pytest.raises(OSError, match=r"store: cannot write .*map\.zarr: No space left on device"):
             hl.sweep(PAPER, store=tmp_path / "map.zarr", **GRID)
     assert list(tmp_path.iterdir()) == []
@@ -401,9 +597,9 @@ def test_metadata_that_cannot_be_written_leave_nothing(
 ON_A_FILE_SYSTEM = """
     import numpy as np
     import hardlimit as hl
-    from hardlimit.sweep import chunks as tiles
+    from hardlimit.sweep import chunks
 
-    tiles.POINTS = 10_000
+    chunks.POINTS = 10_000
     try:
         swept = {{"gap": np.geomspace(1e-6, 1e-2, 45_000)}}
         hl.sweep(hl.Column.paper(), model="independent", store={path!r}, **swept)
@@ -485,3 +681,75 @@ def test_a_store_needs_no_memory_for_its_results(tmp_path: Path) -> None:
     """4e6 points are 168 MB of results; 64 MiB must do."""
     command = [sys.executable, "-c", textwrap.dedent(MEMORY), str(tmp_path / "map.zarr"), "2000"]
     assert int(subprocess.run(command, capture_output=True, text=True, check=True).stdout) < 64
+
+
+# --- something other than columns ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Powers:
+    """x and its powers over a grid of x and an offset: all that a store, chunks and an engine ask for."""
+
+    x: np.ndarray
+    offset: np.ndarray
+    dims = ("x", "offset")
+    results = {  # noqa: RUF012
+        "square": Variable("float64", "1", "x² + offset"),
+        "powers": Variable("float64", "1", "x, x², x³", ("power",), (3,)),
+    }
+    integrated = False
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return len(self.x), len(self.offset)
+
+    @property
+    def size(self) -> int:
+        return len(self.x) * len(self.offset)
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        labels = {"x": self.x, "offset": self.offset, "power": np.array([1, 2, 3])}
+        return tuple(Coordinate(name, name, values, "1", name) for name, values in labels.items())
+
+    def attributes(self) -> dict[str, object]:
+        return {"made_of": "powers"}
+
+    def fingerprint(self) -> str:
+        return repr((self.x.tolist(), self.offset.tolist()))
+
+    def part(self, box: tuple[slice, ...]) -> "Powers":
+        return Powers(self.x[box[0]], self.offset[box[1]])
+
+    def compute(self, first: int, count: int, threads: int, progress: object = None) -> Values:
+        x, offset = np.meshgrid(self.x, self.offset, indexing="ij")
+        x, offset = x.ravel()[first : first + count], offset.ravel()[first : first + count]
+        return {"square": x**2 + offset, "powers": np.stack([x, x**2, x**3], axis=1)}
+
+
+@pytest.mark.parametrize("engine", ["cpu", "dask"])
+def test_anything_that_keeps_the_protocol_can_be_stored(tmp_path: Path, engine: str) -> None:
+    powers: Computation = Powers(np.linspace(0, 1, 9), np.linspace(1, 2, 5))
+    chunks = chunking.Chunks.of(powers)
+    for _ in range(2):
+        with Store(tmp_path / "powers", powers, chunks) as store:
+            for chunk, values in ENGINES[engine].compute(powers, chunks, store.missing()[:3], 1, print, None):
+                store.write(chunk, values)
+    with Store(tmp_path / "powers", powers, chunks) as store:
+        assert store.missing() == []
+        ds = store.dataset()
+    assert ds.powers.dims == ("x", "offset", "power")
+    xr.testing.assert_allclose(ds.square, ds.x**2 + ds.offset)
+    xr.testing.assert_allclose(ds.powers, (ds.x**ds.power).broadcast_like(ds.powers))
+
+
+def test_the_command_line_says_what_it_mends(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "hardlimit", "sweep", "--restitution", "0.5:1:20", "--out", "map.zarr"]
+    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0
+    chunk = tmp_path / "map.zarr" / "t_end" / "c" / "0"
+    chunk.write_bytes(chunk.read_bytes()[:-1])
+    again = subprocess.run([*command, "--resume"], cwd=tmp_path, capture_output=True, text=True)
+    assert again.returncode == 0
+    said = again.stderr.splitlines()
+    assert len(said) == 1 and said[0].startswith("hardlimit sweep: store: ")
+    assert said[0].endswith("1 of 1 chunks are damaged and computed anew")

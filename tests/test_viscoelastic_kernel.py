@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 import hardlimit as hl
 from conftest import number, table
 from hardlimit import _core
-from hardlimit.sweep.plan import MODELS, VARIABLES, make_plan
+from hardlimit.sweep.plan import MODELS, make_plan
+from hardlimit.sweep.variables import OF_POINT
 
 Results = dict[str, NDArray]
 
@@ -17,9 +18,9 @@ def compute(
     column: hl.Column, instruction_set: str, tolerance: float | None = None, **swept: NDArray | xr.DataArray
 ) -> Results:
     """All variables of a sweep; ``"scalar"`` solves each point by the general solver."""
-    plan = make_plan(column, "newton", list(VARIABLES), swept, tolerance)
-    out = {name: np.empty(plan.size, VARIABLES[name][0]) for name in plan.variables}
-    where = (plan.density_1, plan.density_2, plan.restitution_at, list(plan.values), list(plan.strides))
+    plan = make_plan(column, "newton", list(OF_POINT), swept, tolerance)
+    out = {name: np.empty(plan.size, OF_POINT[name].dtype) for name in plan.variables}
+    where = (*plan.densities, plan.restitution_at, list(plan.values), list(plan.strides))
     model = MODELS.index(plan.model)
     how = (plan.size, 1, plan.tolerance, out, None, instruction_set)
     large = _core.run_map(plan.law, model, plan.alternative, *where, 0, *how)

@@ -5,70 +5,25 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <mutex>
 #include <numeric>
 #include <vector>
 
 #include "../parallel.hpp"
+#include "axes.hpp"
 #include "drops.hpp"
 #include "solve_point.hpp"
 #include "viscoelastic_entry.hpp"
 
 namespace hardlimit::sweep {
 
-// Values of one parameter along one dimension of the result: value index = (point / stride) mod size.
-struct Axis {
-    const double* values;
-    u64 stride, size;
-};
-
-struct Axes {
-    Axis axis[parameter_count];
-};
-
-// Its values at the points from `point` on.
-inline void fill(double* to, const Axis& k, u64 point, int count) {
-    u64 index = (point / k.stride) % k.size, left = k.stride - point % k.stride;
-    for (int i = 0; i < count; ++i) {
-        to[i] = k.values[index];
-        if (--left > 0) continue;
-        left = k.stride;
-        if (++index == k.size) index = 0;
-    }
+inline Parameters parameters_at(const double* values) {
+    Parameters p;
+    std::memcpy(&p, values, sizeof p);
+    return p;
 }
-
-// Walks through the points of a map in order, without a division for each.
-class Cursor {
-    const Axes& axes;
-    int varying[parameter_count], n_varying = 0;
-    u64 index[parameter_count] = {}, run[parameter_count] = {};
-    double value[parameter_count];
-
-public:
-    Cursor(const Axes& a, u64 point) : axes(a) {
-        for (int i = 0; i < parameter_count; ++i) {
-            const Axis& k = axes.axis[i];
-            if (k.size > 1) {
-                varying[n_varying++] = i;
-                index[i] = (point / k.stride) % k.size;
-                run[i] = point % k.stride;
-            }
-            value[i] = k.values[index[i]];
-        }
-    }
-    Parameters parameters() const { return std::bit_cast<Parameters>(value); }
-    void next() {
-        for (int v = 0; v < n_varying; ++v) {
-            const int i = varying[v];
-            const Axis& k = axes.axis[i];
-            if (++run[i] < k.stride) continue;
-            run[i] = 0;
-            if (++index[i] == k.size) index[i] = 0;
-            value[i] = k.values[index[i]];
-        }
-    }
-};
 
 // Where results go; a null pointer: not wanted. Index 0 is the first point of the call.
 struct Outputs {
@@ -85,7 +40,7 @@ struct LargeCount {
 };
 
 struct Job {
-    Axes axes;
+    std::vector<Axis> axes;  // of the numbers of a point, see Parameters
     Setting setting;
     const hardlimit_abi::Kernel* kernel;
     double log2_tolerance;  // of a step of the viscoelastic kernel
@@ -100,7 +55,8 @@ struct Job {
 
     // Of ε of floor (0) or pair (1), for a law that is given by it.
     const Axis& restitution_axis(int side) const {
-        return axes.axis[geometry_count + side * max_parameters + setting.restitution_at];
+        return axes[static_cast<std::size_t>(geometry_count + side * max_parameters +
+                                             setting.restitution_at)];
     }
     bool one_restitution() const { return restitution_axis(0).values == restitution_axis(1).values; }
 
@@ -176,7 +132,7 @@ public:
 
     VectorBlock(Job& j, Stop& stop_) : job(j), stop(stop_) {
         for (int i = 0; i < parameter_count; ++i) {
-            const Axis& k = job.axes.axis[i];
+            const Axis& k = job.axes[static_cast<std::size_t>(i)];
             if (k.size > 1)
                 varying[n_varying++] = i;
             else
@@ -189,7 +145,7 @@ public:
         first = begin;
         count = size;
         for (int v = 0; v < n_varying; ++v)
-            fill(value[varying[v]], job.axes.axis[varying[v]], job.first + first, count);
+            fill(value[varying[v]], job.axes[static_cast<std::size_t>(varying[v])], job.first + first, count);
         if (job.setting.restitution_at >= 0) damping();
         enter();
         Via::solve(*job.kernel, drops.block(), job.log2_tolerance);
@@ -344,7 +300,7 @@ void work(Job& job, u64 block, Stop& stop) {
     const auto by_point = [&](u64 begin, u64 end) {
         Cursor at(job.axes, job.first + begin);
         for (u64 i = begin; i < end && !stop.now(); ++i, at.next())
-            job.put(i, solve_point<Law>(job.setting, at.parameters()));
+            job.put(i, solve_point<Law>(job.setting, parameters_at(at.values())));
     };
     if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
         if constexpr (requires { typename Vectorised<Law>::Kernel; }) {

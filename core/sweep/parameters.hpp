@@ -24,6 +24,7 @@ struct Setting {
     int alternative;            // of the law's parameters
     bool density_1, density_2;  // matter is a density, else a mass
     int restitution_at;         // place of ε among the law's parameters; -1: the law was not given by ε
+    double tolerance = 1e-14;   // of the general solver, where that is asked
 };
 
 // What a sweep keeps of a sequence, in SI units.

@@ -48,7 +48,9 @@ PointResult solve_point(const Setting& setting, Parameters p) {
     } else if (setting.model == Model::independent) {
         finish(column::solve_independent(c, math::nan).sequence, setting, p, speed, r);
     } else {
-        finish(column::integrate(c, column::IntegrateOptions{}).sequence, setting, p, speed, r);
+        column::IntegrateOptions options;
+        options.tolerance = setting.tolerance;
+        finish(column::integrate(c, options).sequence, setting, p, speed, r);
     }
     return r;
 }

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-from . import validation
+from . import _core, validation
 
 #: Masses [kg] whose products neither vanish nor overflow.
 LIGHTEST: Final = 1e-150
@@ -40,13 +40,12 @@ class Ball:
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)
         size = validation.number("radius", radius, 0.0)
-        cube = size * size * size
         if density is not None:
             rho = validation.number("density", density, 0.0)
-            weight = 4.0 / 3.0 * math.pi * (rho * cube)  # in this order to the last bit what a sweep computes
+            weight = _core.ball_mass(rho, size)
         else:
             weight = validation.number("mass", mass, 0.0)
-            volume = 4.0 / 3.0 * math.pi * cube
+            volume = _core.ball_mass(1.0, size)
             rho = weight / volume if volume > 0.0 else math.inf
         if not LIGHTEST <= weight <= HEAVIEST:
             what, value = ("density", rho) if given == "density" else ("mass", weight)

@@ -12,15 +12,10 @@ from numpy.typing import NDArray
 from .. import units, validation
 from ..contact import law_parameters
 from ..laws import LAWS
-from ..sweep.plan import SWEEPABLE
+from ..sweep.parameters import contact_name, geometry
 from .options import F, option_name, options
 
 MOST_POINTS = 10**8
-
-#: Unit of everything that can be swept.
-UNITS = {name: unit for name, (_, unit, *_) in SWEEPABLE.items()} | {
-    name: record["unit"] for law in LAWS.values() for name, record in law_parameters(law).items()
-}
 
 EXPECTED = "must be a number, a list a,b,… or start:stop:count[:log]"
 
@@ -88,10 +83,20 @@ def _between(name: str, text: str, unit: str) -> NDArray[np.float64]:
     return np.linspace(start, stop, count)
 
 
+def units_of(balls: int) -> dict[str, str]:
+    """Unit of everything that can be swept of a column of so many balls."""
+    found = {name: p.unit for name, p in geometry(balls).items()}
+    contacts = ["", *(f"_{contact_name(i)}" for i in range(balls))]
+    for law in LAWS.values():
+        for name, record in law_parameters(law).items():
+            found |= {f"{name}{contact}": record["unit"] for contact in contacts}
+    return found
+
+
 def geometry_options(function: F) -> F:
     """One option for each parameter of the column that can be swept."""
     made = []
-    for name, (_, unit, meaning, _) in SWEEPABLE.items():
-        text = f"{meaning}{'' if unit == '1' else f' [{unit}]'}"
-        made.append(click.option(f"--{name.replace('_', '-')}", name, type=Axis(unit), help=text))
+    for name, p in geometry(2).items():
+        text = f"{p.meaning}{'' if p.unit == '1' else f' [{p.unit}]'}"
+        made.append(click.option(f"--{name.replace('_', '-')}", name, type=Axis(p.unit), help=text))
     return options(*made)(function)

@@ -11,7 +11,7 @@ import numpy as np
 from .. import toml
 from ..column import files
 from ..column.scenario import Column
-from .axes import UNITS, axis
+from .axes import axis, units_of
 from .options import all_law_parameters, file_name, given_law_parameters, writable
 
 #: What a job may set; None where it does not.
@@ -69,7 +69,7 @@ def read(file: str | None) -> tuple[files.Scenario, dict[str, Any], dict[str, An
     from msgspec import structs
 
     base, extra = files.read_with(file, "sweep")
-    whole = files.prefixed(f"{file}: ", lambda: toml.convert(extra, _schema()))
+    whole = files.prefixed(f"{file}: ", lambda: toml.convert(extra, _schema(len(base.balls))))
     if whole.sweep is None:
         return base, dict.fromkeys(SETTINGS), {}
     table = structs.asdict(whole.sweep)
@@ -79,13 +79,16 @@ def read(file: str | None) -> tuple[files.Scenario, dict[str, Any], dict[str, An
     return base, table, {name: getattr(axes, name) for name in order}
 
 
-def _schema() -> Any:
+def _schema(balls: int) -> Any:
     """The structure of the table ``[sweep]``."""
     from msgspec import UNSET, UnsetType, defstruct, field
 
     values = float | str | list[float | str] | UnsetType
     axes = defstruct(
-        "AxesTable", [(name, values, UNSET) for name in UNITS], kw_only=True, forbid_unknown_fields=True
+        "AxesTable",
+        [(name, values, UNSET) for name in units_of(balls)],
+        kw_only=True,
+        forbid_unknown_fields=True,
     )
     settings: list[Any] = [(name, kind, None) for name, kind in SETTINGS.items()]
     settings.append(("axes", axes, field(default_factory=axes)))
@@ -99,7 +102,8 @@ def column_and_axes(
     """The column, and what of the options and the file's axes is swept, in the order of the options."""
     law = options.pop("law")
     asked = {name: value for name, value in options.items() if value is not None}
-    of_file = {name: axis(name, value, UNITS[name]) for name, value in axes.items() if name not in asked}
+    units = units_of(len(base.balls))
+    of_file = {name: axis(name, value, units[name]) for name, value in axes.items() if name not in asked}
     asked = of_file | asked
     of_law = given_law_parameters({name: asked.get(name) for name in all_law_parameters()})
     if law is not None or of_law:

@@ -1,7 +1,8 @@
-"""``hardlimit sweep``: maps over any parameters of a two-ball column."""
+"""``hardlimit sweep``: maps over any parameters of a column of balls."""
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,7 +14,7 @@ from ..sweep import sweep as compute
 from .axes import Axis, geometry_options
 from .job import Job, make_job
 from .options import dpi_option, law_options, options, output_option
-from .printing import print_json
+from .printing import console, print_json
 from .program import Command
 from .sweep_report import print_summary, save, summarise
 
@@ -28,7 +29,7 @@ settings_options = options(
         "--scheduler", help="Address of the scheduler for the engine dask.  [default: this machine]"
     ),
     click.option(
-        "--tolerance", type=float, help="Of a step, viscoelastic law, 1e-13 to 1e-6.  [default: 2.3e-10]"
+        "--tolerance", type=float, help="Of a step, where points are integrated.  [default: 2.3e-10 or 1e-14]"
     ),
     click.option(
         "--variable", "variables", multiple=True, help=f"To keep, repeated: {', '.join(VARIABLES)}."
@@ -51,7 +52,7 @@ settings_options = options(
 @law_options(Axis)
 @settings_options
 def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **given: Any) -> None:
-    """Compute a map over any parameters of two balls.
+    """Compute a map over any parameters of two balls, or of the column of a job file.
 
     A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors; numbers may
     bear a unit, such as 1um. What is not given is that of FILE.toml or of Fig. 2 of the paper. A job file is
@@ -62,8 +63,11 @@ def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **gi
     import xarray  # noqa: F401  # here, so that loading it does not count as time of the sweep
 
     store = job.out if job.out is not None and job.out.suffix == ".zarr" else None
-    with bar("sweep", "points") as report:
+    with bar("sweep", "points") as report, warnings.catch_warnings(record=True) as mended:
+        warnings.simplefilter("always", UserWarning)
         ds = compute(job.column, store=store, progress=report, **job.run, **job.axes)
+    for warning in mended:
+        console(stderr=True).print(f"hardlimit sweep: {warning.message}", markup=False, soft_wrap=True)
     if job.out is not None and store is None:
         save(ds, job.out)
     draw(ds, job, dpi)

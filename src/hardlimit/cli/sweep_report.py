@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import saving
+from ..sweep.variables import BALL
 from .printing import console, digits, plain, quantity, show, table
 
 if TYPE_CHECKING:
@@ -38,9 +39,10 @@ def blocks(ds: xr.Dataset, points: int = 2_000_000) -> Iterator[xr.Dataset]:
 
 def summarise(ds: xr.Dataset, out: Path | None) -> dict[str, Any]:
     """Size, time and how the points ended."""
+    sizes = {str(name): int(size) for name, size in ds.sizes.items() if name != BALL}
     summary: dict[str, Any] = {
-        "points": int(np.prod(list(ds.sizes.values()))),
-        "sizes": {str(name): int(size) for name, size in ds.sizes.items()},
+        "points": math.prod(sizes.values()),
+        "sizes": sizes,
         "seconds": float(ds.attrs.get("wall_time_s", math.nan)),
         "out": None if out is None else str(out),
         "column": ds.attrs.get("column"),

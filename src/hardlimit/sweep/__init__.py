@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from .. import validation
 from ..column.scenario import Column
 from ..progress import reporter
-from .chunks import Tiles
-from .engines import cuda
-from .engines import dask as cluster
-from .plan import VARIABLES, Chunk, Plan, make_plan
+from .chunks import Chunks
+from .engines import ENGINES, Engine
+from .memory import Memory, insist_on_room
+from .plan import make_plan
 from .store import Store
+from .variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["ENGINES", "VARIABLES", "sweep"]
-
-ENGINES = ("cpu", "cuda", "dask")
-
-Report = Callable[[int], object]
 
 
 def sweep(
@@ -42,128 +37,101 @@ def sweep(
     tolerance: float | None = None,
     **swept: Any,
 ) -> xr.Dataset:
-    """Compute a map over any physical parameters of a two-ball column.
+    """Compute a map over any physical parameters of a column.
 
     Parameters
     ----------
     column : Column
-        Two balls on a floor; gives every parameter that is not swept.
+        Balls on a floor; gives every parameter that is not swept.
     model : {"newton", "adiabatic", "independent"}
+        ``"adiabatic"`` is that of two balls under the linear law.
     engine : {"cpu", "cuda", "dask"}
-        ``"cuda"`` computes on a GPU (extra ``hardlimit[cuda]``; linear law, models newton and adiabatic),
-        ``"dask"`` on a cluster (extra ``hardlimit[cluster]``). The bits are the same.
+        ``"cuda"`` computes on a GPU (extra ``hardlimit[cuda]``; two balls, linear law, models newton and
+        adiabatic), ``"dask"`` on a cluster (extra ``hardlimit[cluster]``). The bits are the same.
     threads : int, optional
         Defaults to the number of processors, with ``"dask"`` to one for each task. The result does not depend
         on it.
     store : path, optional
-        A Zarr store to fill, tile by tile. The same call goes on with one that was left unfinished. The
-        results need not fit in memory: the Dataset reads them from disk.
+        A Zarr store to fill, chunk by chunk. The same call goes on with one that was left unfinished, and
+        computes anew what of it was damaged (with a warning). The results need not fit in memory: the Dataset
+        reads them from disk.
     progress : bool or callable(done, total), optional
-        True shows a bar on stderr.
+        Points done and points in all; true shows a bar.
     variables : sequence of str, optional
-        Which variables to compute and keep; all but ``t_floor_end`` by default.
+        Which variables to compute and keep. Two balls: all but ``t_floor_end``, ``rebound_height`` and
+        ``final_velocity`` by default. Other columns: ``n_contacts``, ``rebound_height``, ``final_velocity``,
+        ``t_end`` and ``outcome``.
     scheduler : str, distributed.Client or cluster object, optional
         Where ``"dask"`` computes: the address of a scheduler, or a connection; by default a cluster on this
         machine.
     tolerance : float, optional
-        Local error of a step under the viscoelastic law (model newton), in units of the impact, 1e-13 to 1e-6;
-        2.3e-10 by default. The velocities of most points come out with a smaller error than that (see the page on
-        maps). Every other law and model is exact and takes none.
+        Local error of a step, in units of the impact, where points are integrated (model newton, unless two
+        balls fall under the linear law). Two balls under the viscoelastic law: 1e-13 to 1e-6, by default
+        2.3e-10; the velocities of most points come out with a smaller error than that (see the page on maps).
+        All others: 1e-15 to 1e-2, by default 1e-14 as for ``hl.newton``.
     **swept : array
-        ``gap``, ``radius_ratio``, ``radius_1``, ``radius_2``, ``density``, ``mass_1``, …, ``height``,
-        ``velocity``, ``gravity`` and the parameters of the law (``restitution``, ``stiffness``, …), each
-        a number or a one-dimensional array. Every array opens a dimension; two DataArrays that share one make
-        a list of points.
+        ``gap``, ``radius``, ``density``, ``mass`` and ``velocity`` of all balls, or with a number, counted
+        from below, of one: ``radius_1``, ``mass_2``, ``gap_2``, …; ``height`` and ``gravity``; for two balls
+        ``radius_ratio``; and the parameters of the law (``restitution``, ``stiffness``, …) of all contacts or
+        of one: ``restitution_floor``, ``restitution_pair_1``, …. Each is a number or a one-dimensional array.
+        Every array opens a dimension; DataArrays that share one make a list of points.
 
     Returns
     -------
     xarray.Dataset
-        One dimension for each swept name, in the order given. ``outcome`` holds integer codes, 0 = ok.
+        One dimension for each swept name, in the order given, and ``ball`` for what each ball has.
+        ``outcome`` holds integer codes, 0 = ok: a point that cannot be computed is a value, not an exception.
 
     Raises
     ------
     ValueError
-        For unknown names, values outside their range, a store that holds something else, and with ``"cuda"``
-        if there is no driver or device.
+        For unknown names, values outside their range, more points than memory or a store can hold, a store
+        that holds something else, and with ``"cuda"`` for what it does not compute or without driver or device.
     ImportError
         If the engine needs a package that is not installed.
+    RuntimeError
+        If the scheduler of ``"dask"`` goes away, or its workers die at the same chunk again and again.
     OSError
-        If the store cannot be written. It stays valid and keeps what is finished.
+        If the store cannot be read or written. It stays valid and keeps what is finished.
     """
     plan = make_plan(column, model, variables, swept, tolerance)
-    _check(engine, scheduler)
-    workers = _threads(1 if threads is None and engine == "dask" else threads)
+    chosen = _engine(engine, scheduler)
+    chosen.check(plan)
+    workers = _threads(threads, chosen)
     started = time.perf_counter()
-    tiles = Tiles.whole(plan) if store is None and engine != "dask" else Tiles.of(plan)
+    chunks = Chunks.whole(plan) if store is None and chosen.whole else Chunks.of(plan)
+    insist_on_room(plan, chunks, in_store=store is not None)
     bar = reporter(progress, "sweep", "points")
-    opened = nullcontext(Memory(plan, tiles)) if store is None else Store(store, plan, tiles)
+    opened = nullcontext(Memory(plan, chunks)) if store is None else Store(store, plan, chunks)
     with bar as tell, opened as results:
         missing = results.missing()
-        done = plan.size - sum(tiles.span(tile)[1] for tile in missing)
+        done = plan.size - sum(chunks.span(chunk)[1] for chunk in missing)
 
         def report(more: int) -> None:
             tell(done + more, plan.size)
 
         report(0)
-        if engine == "dask" and missing:
-            computed = cluster.compute(plan, tiles, missing, workers, scheduler)
-        elif engine == "cuda" and missing:
-            computed = cuda.compute(plan, tiles, missing, workers, report)
-        else:
-            computed = _on_cpu(plan, tiles, missing, workers, report)
-        with closing(computed):
-            for tile, chunk in computed:
-                results.write(tile, chunk)
-                done += tiles.span(tile)[1]
-                report(0)
+        if missing:
+            with closing(chosen.compute(plan, chunks, missing, workers, report, scheduler)) as computed:
+                for chunk, values in computed:
+                    results.write(chunk, values)
+                    done += chunks.span(chunk)[1]
+                    report(0)
         ds = results.dataset()
     return ds.assign_attrs(engine=engine, wall_time_s=time.perf_counter() - started)
 
 
-def _check(engine: str, scheduler: Any) -> None:
-    if engine not in ENGINES:
-        raise ValueError(f"engine: got {engine!r}, must be one of {', '.join(ENGINES)}")
-    if scheduler is not None and engine != "dask":
-        raise ValueError(f"scheduler: got {scheduler!r}, must not be given unless engine is 'dask'")
+def _engine(name: Any, scheduler: Any) -> Engine:
+    engine = ENGINES[validation.one_of("engine", name, list(ENGINES))]
+    if scheduler is not None and not engine.scheduled:
+        need = "must not be given unless engine is 'dask'"
+        raise ValueError(f"scheduler: got {validation.shown(scheduler)}, {need}")
+    return engine
 
 
-def _on_cpu(
-    plan: Plan, tiles: Tiles, wanted: Sequence[int], threads: int, report: Report
-) -> Generator[tuple[int, Chunk], None, None]:
-    for tile in wanted:
-        yield tile, plan.compute(*tiles.span(tile), threads, report)
-
-
-class Memory:
-    """The results of a sweep in arrays; what Store is on disk."""
-
-    def __init__(self, plan: Plan, tiles: Tiles) -> None:
-        self.plan, self.tiles = plan, tiles
-        self.flat: Chunk = {}
-
-    def missing(self) -> list[int]:
-        return list(range(len(self.tiles)))
-
-    def write(self, tile: int, chunk: Chunk) -> None:
-        first, count = self.tiles.span(tile)
-        if count == self.plan.size:
-            self.flat = chunk
-            return
-        for name, values in chunk.items():
-            out = self.flat.get(name)
-            if out is None:
-                out = self.flat[name] = np.empty(self.plan.size, values.dtype)
-            elif values.dtype.itemsize > out.dtype.itemsize:  # the first counts above 255
-                out = self.flat[name] = out.astype(values.dtype)
-            out[first : first + count] = values
-
-    def dataset(self) -> xr.Dataset:
-        return self.plan.dataset(self.flat, {})
-
-
-def _threads(threads: int | None) -> int:
-    if threads is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if isinstance(threads, bool) or not isinstance(threads, int | np.integer):
-        raise ValueError(f"threads: got {threads!r}, must be a whole number in [1, 1024]")
-    return int(validation.number("threads", int(threads), 1, 1024, lowest_allowed=True, highest_allowed=True))
+def _threads(threads: Any, engine: Engine) -> int:
+    if threads is not None:
+        return validation.whole("threads", threads, 1, 1024)
+    if engine.many_tasks:
+        return 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,96 +1,83 @@
-"""A map cut into tiles: contiguous ranges of its points that are also boxes of its grid.
+"""A grid cut into chunks: contiguous ranges of its points that are also boxes.
 
-Being both, a tile is one call of the kernel, one chunk of a Zarr array and one task of a cluster.
+Being both, a chunk is one call of a kernel, one chunk of a Zarr array and one task of a cluster.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from .plan import MODELS, Plan
+from .computation import Computation
 
-#: Points of a tile: few enough that a tile with all its variables takes some 20 MB and, where each point is
-#: integrated numerically, that little is lost with a tile; enough that the cost of a tile is in its points.
+#: Points of a chunk: few enough that a chunk with all its variables takes some 20 MB and, where each point is
+#: integrated numerically, that little is lost with a chunk; enough that the cost of a chunk is in its points.
 POINTS: Final = 1 << 19
 POINTS_INTEGRATED: Final = 1 << 14
 
 
 @dataclass(frozen=True)
-class Tiles:
-    """Boxes of ``block`` points over a grid of ``shape``, numbered in C order.
+class Chunks:
+    """Boxes of ``box_shape`` points over a grid of ``shape``, numbered in C order.
 
-    ``block`` is 1 along the first dimensions, whole along the last ones, and anything along one in between,
+    ``box_shape`` is 1 along the first dimensions, whole along the last ones, and anything along one in between,
     where the last box may be smaller.
     """
 
     shape: tuple[int, ...]
-    block: tuple[int, ...]
+    box_shape: tuple[int, ...]
 
     @classmethod
-    def of(cls, plan: Plan) -> Tiles:
-        """The tiles of a sweep. They depend on what is computed only, never on where."""
-        integrated = plan.model != MODELS[2] and plan.law != "linear"
-        return cls.within(plan.shape, POINTS_INTEGRATED if integrated else POINTS)
+    def of(cls, computation: Computation) -> Chunks:
+        """The chunks of a computation. They depend on what is computed only, never on where."""
+        return cls.within(computation.shape, POINTS_INTEGRATED if computation.integrated else POINTS)
 
     @classmethod
-    def within(cls, shape: tuple[int, ...], most: int) -> Tiles:
-        """Tiles of at most ``most`` points."""
-        return cls(shape, _block(shape, most))
+    def within(cls, shape: tuple[int, ...], most: int) -> Chunks:
+        """Chunks of at most ``most`` points."""
+        return cls(shape, _largest_box(shape, most))
 
     @classmethod
-    def whole(cls, plan: Plan) -> Tiles:
-        """One tile for everything."""
-        return cls(plan.shape, plan.shape)
+    def whole(cls, computation: Computation) -> Chunks:
+        """One chunk for everything."""
+        return cls(computation.shape, computation.shape)
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """Number of tiles along each dimension."""
-        return tuple(-(-n // b) for n, b in zip(self.shape, self.block, strict=True))
+        """Number of chunks along each dimension."""
+        return tuple(-(-n // b) for n, b in zip(self.shape, self.box_shape, strict=True))
 
-    def __len__(self) -> int:
+    @property
+    def number(self) -> int:
+        """Number of chunks, also where it is too large for ``len``."""
         return math.prod(self.counts)
 
-    def position(self, tile: int) -> tuple[int, ...]:
-        """Number of a tile along each dimension."""
-        return tuple(int(i) for i in np.unravel_index(tile, self.counts)) if self.shape else ()
+    def __len__(self) -> int:
+        return self.number
 
-    def box(self, tile: int) -> tuple[slice, ...]:
-        """The points of a tile along each dimension."""
-        corners = [i * b for i, b in zip(self.position(tile), self.block, strict=True)]
-        ends = [min(c + b, n) for c, b, n in zip(corners, self.block, self.shape, strict=True)]
+    def position(self, chunk: int) -> tuple[int, ...]:
+        """Number of a chunk along each dimension."""
+        return tuple(int(i) for i in np.unravel_index(chunk, self.counts)) if self.shape else ()
+
+    def box(self, chunk: int) -> tuple[slice, ...]:
+        """The points of a chunk along each dimension."""
+        corners = [i * b for i, b in zip(self.position(chunk), self.box_shape, strict=True)]
+        ends = [min(c + b, n) for c, b, n in zip(corners, self.box_shape, self.shape, strict=True)]
         return tuple(slice(c, e) for c, e in zip(corners, ends, strict=True))
 
-    def box_shape(self, tile: int) -> tuple[int, ...]:
-        """Number of points of a tile along each dimension."""
-        return tuple(s.stop - s.start for s in self.box(tile))
-
-    def span(self, tile: int) -> tuple[int, int]:
-        """First point of a tile and number of its points, counted through the whole map."""
-        first = 0
-        for s, n in zip(self.box(tile), self.shape, strict=True):
+    def span(self, chunk: int) -> tuple[int, int]:
+        """First point of a chunk and number of its points, counted through the whole grid."""
+        first, count = 0, 1
+        for s, n in zip(self.box(chunk), self.shape, strict=True):
             first = first * n + s.start
-        return first, math.prod(self.box_shape(tile))
-
-    def cut(self, plan: Plan, tile: int) -> Plan:
-        """A tile as a sweep of its own, with the values it needs and no others."""
-        shape = self.box_shape(tile)
-        values, strides = list(plan.values), list(plan.strides)
-        for dim, box in enumerate(self.box(tile)):
-            along = (plan.shape[dim], math.prod(plan.shape[dim + 1 :]))
-            for i, (v, stride) in enumerate(zip(plan.values, plan.strides, strict=True)):
-                if len(v) > 1 and (len(v), stride) == along:
-                    values[i], strides[i] = v[box], math.prod(shape[dim + 1 :])
-        return dataclasses.replace(
-            plan, values=tuple(values), strides=tuple(strides), shape=shape, coordinates=()
-        )
+            count *= s.stop - s.start
+        return first, count
 
 
-def _block(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
+def _largest_box(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
     """The largest box of at most ``most`` points, the same along its dimension but for rounding."""
     inner = 1
     for dim in reversed(range(len(shape))):

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Generator, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ... import _core
-from ..chunks import Tiles
-from ..plan import GEOMETRY, MODELS, VARIABLES, Chunk, Plan
+from ..chunks import Chunks
+from ..computation import Report, Values
+from ..plan import MODELS, Plan
+from ..variables import OF_BALL, VARIABLES
 from .cuda_device import Gpu, open_gpu
 
 #: What the kernel writes for a point that the host must solve.
@@ -32,52 +33,71 @@ RESULTS: Final = (
 )
 
 #: Words of the kernel's Task.
-TASK_FIELDS: Final = 2 + 3 * _core.sweep_parameters + 2 + 4 + len(RESULTS)
+TASK_FIELDS: Final = 2 + 3 * _core.law_place(2, 2) + 2 + 4 + len(RESULTS)
 
 #: Points of a chunk at most: several waves of threads for the largest device, and some 0.2 GB page-locked.
 POINTS: Final = 1 << 22
 
 
-def compute(
-    plan: Plan, tiles: Tiles, wanted: Iterable[int], threads: int, report: Callable[[int], object]
-) -> Generator[tuple[int, Chunk], None, None]:
-    """Each wanted tile, one after the other."""
-    if plan.law != "linear" or plan.model == "independent":
+def check(plan: Any) -> None:
+    """Refuse what is not for the kernel.
+
+    Raises
+    ------
+    ValueError
+        Unless two balls fall under the linear law, model newton or adiabatic, and no variable is one of each ball.
+    """
+    if not isinstance(plan, Plan) or plan.balls != 2:
+        need = "must be 'cpu' or 'dask' unless two balls are swept"
+    elif plan.law != "linear" or plan.model == "independent":
         need = "must be 'cpu' or 'dask' unless the law is linear and the model newton or adiabatic"
-        raise ValueError(f"engine: got 'cuda', {need}")
+    elif set(plan.variables) & set(OF_BALL):
+        need = f"must be 'cpu' or 'dask' for {', '.join(OF_BALL)}"
+    else:
+        return
+    raise ValueError(f"engine: got 'cuda', {need}")
+
+
+def compute(
+    computation: Any,
+    chunks: Chunks,
+    wanted: Iterable[int],
+    threads: int,
+    report: Report,
+    scheduler: Any = None,
+) -> Generator[tuple[int, Values], None, None]:
+    """Each wanted chunk, one after the other."""
     gpu = open_gpu()
     with ThreadPoolExecutor(threads) as pool:
-        for tile in wanted:
-            yield tile, compute_on(gpu, tiles.cut(plan, tile), threads, pool, report)
+        for chunk in wanted:
+            yield chunk, compute_on(gpu, computation.part(chunks.box(chunk)), threads, pool, report)
 
 
-def compute_on(
-    gpu: Gpu, plan: Plan, threads: int, pool: ThreadPoolExecutor, report: Callable[[int], object]
-) -> Chunk:
-    """A whole plan in chunks that fit the device: one is computed while another is copied out."""
-    chunk = {name: np.empty(plan.size, VARIABLES[name][0]) for name in plan.variables}
+def compute_on(gpu: Gpu, plan: Plan, threads: int, pool: ThreadPoolExecutor, report: Report) -> Values:
+    """A whole plan in pieces that fit the device: one is computed while another is copied out."""
+    values: Values = {name: np.empty(plan.size, VARIABLES[name].dtype) for name in plan.variables}
     left: list[NDArray[np.int64]] = []
-    chunks = Tiles.within(plan.shape, chunk_points(plan, gpu.room()))
-    slots = [Slot(gpu, plan, math.prod(chunks.block)) for _ in range(min(2, len(chunks)))]
-    for k in range(len(chunks) + len(slots)):
+    pieces = Chunks.within(plan.shape, chunk_points(plan, gpu.room()))
+    slots = [Slot(gpu, plan, math.prod(pieces.box_shape)) for _ in range(min(2, len(pieces)))]
+    for k in range(len(pieces) + len(slots)):
         slot = slots[k % len(slots)]
-        if k >= len(slots):  # the chunk that this slot was at
-            first, count = chunks.span(k - len(slots))
+        if k >= len(slots):  # the piece that this slot was at
+            first, count = pieces.span(k - len(slots))
             results = slot.finish()
-            parts = [(out[first : first + count], results[name]) for name, out in chunk.items()]
+            parts = [(out[first : first + count], results[name]) for name, out in values.items()]
             list(pool.map(np.copyto, *zip(*parts, strict=True)))
             left.append(first + np.flatnonzero(results["outcome"] == LEFT_TO_HOST))
             report(first + count)
-        if k < len(chunks):
-            slot.start(chunks.cut(plan, k))
-    _solve_on_host(plan, chunk, np.concatenate(left), threads)
-    return chunk
+        if k < len(pieces):
+            slot.start(plan.part(pieces.box(k)))
+    _solve_on_host(plan, values, np.concatenate(left), threads)
+    return values
 
 
 def chunk_points(plan: Plan, room: int) -> int:
     """Points of a chunk such that two fit into ``room`` bytes even if each has values of its own."""
     varying = sum(len(v) > 1 for v in plan.values)
-    each = sum(np.dtype(VARIABLES[name][0]).itemsize for name in _kept(plan)) + 8 * (varying + 2)
+    each = sum(np.dtype(VARIABLES[name].dtype).itemsize for name in _kept(plan)) + 8 * (varying + 2)
     points = int(0.8 * room) // (2 * each) - 1024
     if points < 1:
         raise ValueError(f"engine: got 'cuda', must have more free memory on the device than {room} bytes")
@@ -89,23 +109,15 @@ def _kept(plan: Plan) -> list[str]:
     return [name for name in RESULTS if name in plan.variables or name == "outcome"]
 
 
-def _solve_on_host(plan: Plan, chunk: Chunk, points: NDArray[np.int64], threads: int) -> None:
+def _solve_on_host(plan: Plan, values: Values, points: NDArray[np.int64], threads: int) -> None:
     """Fill in the points that the kernel left: resting contacts, long sequences, no drop at all."""
     if not len(points):
         return
-    values = zip(plan.values, plan.strides, strict=True)
-    some = dataclasses.replace(
-        plan,
-        values=tuple(v[(points // stride) % len(v)] if len(v) > 1 else v for v, stride in values),
-        strides=(1,) * len(plan.values),
-        dims=("point",),
-        shape=points.shape,
-        coordinates=(),
-    )
+    some = plan.at(points)
     for name, solved in some.compute(0, some.size, threads).items():
-        if solved.dtype.itemsize > chunk[name].dtype.itemsize:  # contacts that a byte does not hold
-            chunk[name] = chunk[name].astype(solved.dtype)
-        chunk[name][points] = solved
+        if solved.dtype.itemsize > values[name].dtype.itemsize:  # contacts that a byte does not hold
+            values[name] = values[name].astype(solved.dtype)
+        values[name][points] = solved
 
 
 class Slot:
@@ -132,11 +144,13 @@ class Slot:
         if copy_out:
             self.gpu.to_host(self.stream, self.results)
 
-    def finish(self) -> Chunk:
+    def finish(self) -> Values:
         """Its results, valid until the next start."""
         self.gpu.wait(self.stream)
         return {
-            name: self.results.host[at : at + _bytes(name, self.count)].view(VARIABLES[name][0])[: self.count]
+            name: self.results.host[at : at + _bytes(name, self.count)].view(VARIABLES[name].dtype)[
+                : self.count
+            ]
             for name, at in self._places(0).items()
         }
 
@@ -151,7 +165,7 @@ class Slot:
 
 def _bytes(name: str, points: int) -> int:
     """Room for a result, such that the next one begins at a multiple of eight."""
-    return -(-points * np.dtype(VARIABLES[name][0]).itemsize // 8) * 8
+    return -(-points * np.dtype(VARIABLES[name].dtype).itemsize // 8) * 8
 
 
 def write_task(plan: Plan, words: NDArray[np.uint64], address: int, results: dict[str, int]) -> None:
@@ -170,9 +184,9 @@ def write_task(plan: Plan, words: NDArray[np.uint64], address: int, results: dic
     if plan.restitution_at >= 0:
         for side in range(2):
             ratios[side] = address + 8 * end
-            end += len(plan.values[len(GEOMETRY) + side * _core.max_law_parameters + plan.restitution_at])
+            end += len(plan.values[_core.law_place(side, 2) + plan.restitution_at])
     sizes = [len(v) for v in plan.values]
-    setting = [plan.model == MODELS[1], plan.density_1, plan.density_2, plan.restitution_at % 2**64]
+    setting = [plan.model == MODELS[1], *plan.densities, plan.restitution_at % 2**64]
     outputs = [results.get(name, 0) for name in RESULTS]
     fields = [0, plan.size, *values, *plan.strides, *sizes, *ratios, *setting, *outputs]
     words[:TASK_FIELDS] = np.array(fields, dtype=np.uint64)

@@ -1,4 +1,4 @@
-"""A map on a cluster: tiles as tasks of dask.distributed."""
+"""A map on a cluster: chunks as tasks of dask.distributed."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from ... import _core
-from ..chunks import Tiles
-from ..plan import Chunk, Plan
+from ..chunks import Chunks
+from ..computation import Computation, Report, Values
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -20,12 +20,17 @@ PATIENCE = "10s"
 
 
 def compute(
-    plan: Plan, tiles: Tiles, wanted: Iterable[int], threads: int, scheduler: Any
-) -> Generator[tuple[int, Chunk], None, None]:
-    """Each wanted tile once, as it is finished.
+    computation: Computation,
+    chunks: Chunks,
+    wanted: Iterable[int],
+    threads: int,
+    report: Report | None = None,
+    scheduler: Any = None,
+) -> Generator[tuple[int, Values], None, None]:
+    """Each wanted chunk once, as it is finished.
 
-    A task carries all it needs, so the death of a worker costs the tiles it was at, and the scheduler gives
-    them to another. Only a few tiles for each worker are under way: results pile up neither there nor here.
+    A task carries all it needs, so the death of a worker costs the chunks it was at, and the scheduler gives
+    them to another. Only a few chunks for each worker are under way: results pile up neither there nor here.
     """
     try:
         from distributed import CancelledError
@@ -35,14 +40,14 @@ def compute(
         raise ImportError(need) from None
     try:
         with _client(scheduler) as client:
-            yield from _stream(client, plan, tiles, iter(wanted), threads)
+            yield from _stream(client, computation, chunks, iter(wanted), threads)
     except (CancelledError, CommClosedError):
         raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
 
 
 def _stream(
-    client: Client, plan: Plan, tiles: Tiles, waiting: Iterator[int], threads: int
-) -> Generator[tuple[int, Chunk], None, None]:
+    client: Client, computation: Computation, chunks: Chunks, waiting: Iterator[int], threads: int
+) -> Generator[tuple[int, Values], None, None]:
     import dask
     from distributed import as_completed
 
@@ -51,26 +56,27 @@ def _stream(
 
     def submit() -> None:
         most = 2 * sum(client.nthreads().values()) + 2
-        while len(under_way) < most and (tile := next(waiting, None)) is not None:
+        while len(under_way) < most and (chunk := next(waiting, None)) is not None:
+            part = computation.part(chunks.box(chunk))
             with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 GiB"}):
-                future = client.submit(_run, tiles.cut(plan, tile), threads, _core.version, pure=False)
-            under_way[future.key] = future, tile
+                future = client.submit(_run, part, threads, _core.version, pure=False)
+            under_way[future.key] = future, chunk
             finished.add(future)
 
     try:
         submit()
         for future in finished:
-            chunk = _result(future)
+            values = _result(future)
             future.release()
-            yield under_way.pop(future.key)[1], chunk
+            yield under_way.pop(future.key)[1], values
             submit()
     finally:
         if under_way:
             client.cancel([future for future, _ in under_way.values()], force=True)
 
 
-def _run(plan: Plan, threads: int, version: str) -> Chunk:
-    """A tile, on a worker."""
+def _run(part: Computation, threads: int, version: str) -> Values:
+    """A chunk, on a worker."""
     if _core.version != version:
         raise RuntimeError(f"a worker has hardlimit {_core.version}, must be {version} as here")
     from distributed import get_worker
@@ -82,18 +88,18 @@ def _run(plan: Plan, threads: int, version: str) -> Chunk:
         if key not in tasks or tasks[key].state == "cancelled":
             raise RuntimeError("cancelled")
 
-    return plan.compute(0, plan.size, threads, stop_if_cancelled)
+    return part.compute(0, part.size, threads, stop_if_cancelled)
 
 
-def _result(future: Any) -> Chunk:
+def _result(future: Any) -> Values:
     """What a task returned, or one line on what became of it."""
     from distributed import KilledWorker
 
     try:
-        chunk: Chunk = future.result()
+        values: Values = future.result()
     except KilledWorker:
-        raise RuntimeError("scheduler: four workers died, one after another, at the same tile") from None
-    return chunk
+        raise RuntimeError("scheduler: four workers died, one after another, at the same chunk") from None
+    return values
 
 
 @contextmanager

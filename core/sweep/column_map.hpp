@@ -1,0 +1,61 @@
+// A map of columns of any number of balls, point by point, on a few threads.
+#pragma once
+#include <atomic>
+#include <cstdint>
+
+#include "axes.hpp"
+#include "solve_column.hpp"
+
+namespace hardlimit::sweep {
+
+// Where results go; a null pointer: not wanted. Index 0 is the first point of the call.
+struct ColumnOutputs {
+    std::uint32_t* n_contacts;
+    std::uint8_t* outcome;
+    double *t_end, *t_floor_end;
+    double *rebound_height, *final_velocity;  // N for each point
+};
+
+struct ColumnJob {
+    std::vector<Axis> axes;  // of the numbers of a point
+    ColumnSetting setting;
+    u64 first, count;
+    ColumnOutputs out;
+    std::atomic<u64> next{0}, done{0};
+
+    void put(u64 i, const ColumnResult& r) const {
+        const column::Sequence& q = r.sequence;
+        if (out.n_contacts) out.n_contacts[i] = static_cast<std::uint32_t>(q.n_contacts);
+        if (out.outcome) out.outcome[i] = static_cast<std::uint8_t>(q.outcome);
+        if (out.t_end) out.t_end[i] = one_nan(q.t_end);
+        if (out.t_floor_end) out.t_floor_end[i] = one_nan(q.t_floor_end);
+        put(out.rebound_height, i, r.rebound_height);
+        put(out.final_velocity, i, r.final_velocity);
+    }
+
+private:
+    static void put(double* out, u64 i, const std::vector<double>& of_balls) {
+        if (!out) return;
+        for (std::size_t j = 0; j < of_balls.size(); ++j) out[i * of_balls.size() + j] = one_nan(of_balls[j]);
+    }
+};
+
+// Takes blocks until none is left; each result depends on its point alone, so neither the number of threads nor the
+// order matters.
+template <class Law>
+void work_columns(ColumnJob& job, u64 block, Stop& stop) {
+    for (;;) {
+        const u64 begin = job.next.fetch_add(block);
+        if (begin >= job.count || stop.now()) return;
+        const u64 end = begin + block < job.count ? begin + block : job.count;
+        Cursor at(job.axes, job.first + begin);
+        for (u64 i = begin; i < end; ++i, at.next()) {
+            const ColumnResult r = solve_one<Law>(job.setting, at.values(), stop);
+            if (stop.stopped()) return;
+            job.put(i, r);
+        }
+        job.done += end - begin;
+    }
+}
+
+}  // namespace hardlimit::sweep

@@ -1,0 +1,93 @@
+// One point of a map of N balls: from its numbers (parameter_table.hpp) to what a sweep keeps, through the solver that
+// takes the column. For what the kernels for two balls do not know: other numbers of balls, and values of each ball.
+#pragma once
+#include "../column/rebound.hpp"
+#include "parameter_table.hpp"
+
+namespace hardlimit::sweep {
+
+// What all points have in common.
+struct ColumnSetting {
+    column::Model model;
+    int alternative;                     // of the law's parameters
+    std::vector<unsigned char> density;  // [N] whether the matter of a ball is its density, else its mass
+    double tolerance;                    // of the general solver
+    bool rebound_heights, final_velocities;
+
+    int balls() const { return static_cast<int>(density.size()); }
+};
+
+struct ColumnResult {
+    column::Sequence sequence;
+    std::vector<double> rebound_height, final_velocity;  // [N]; empty: not wanted
+
+    ColumnResult() { sequence.outcome = Outcome::invalid; }
+};
+
+// Null where the balls do not fit above the floor or nothing moves.
+template <class Law>
+column::SharedColumn<Law> column_of(const ColumnSetting& setting, const double* p) {
+    const int n = setting.balls();
+    const auto at = [&](Place place) { return p + first_of(place, n); };
+    const std::size_t balls = setting.density.size();
+    column::Column<Law> c{n, true, *at(Place::gravity), {}, {}, {}, {}, {}};
+    c.radius.assign(at(Place::radius), at(Place::radius) + n);
+    const double ratio = *at(Place::radius_ratio);
+    if (n > 1 && !math::is_nan(ratio)) c.radius[0] = ratio * c.radius[1];
+    c.velocity.assign(at(Place::velocity), at(Place::velocity) + n);
+    c.gaps.assign(at(Place::gap), at(Place::gap) + n - 1);
+    c.gaps.insert(c.gaps.begin(), *at(Place::height) - c.radius[0]);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < balls; ++i) {
+        c.mass.push_back(ball_mass(at(Place::matter)[i], setting.density[i] != 0, c.radius[i]));
+        sum += c.mass[i];
+        const double below = i == 0 ? math::infinity : c.mass[i - 1];
+        const double size = i == 0 ? math::infinity : c.radius[i - 1];
+        const PairGeometry pair{effective(c.mass[i], below), effective(c.radius[i], size)};
+        c.contacts.push_back(
+            Law::from_parameters(setting.alternative, p + law_of(static_cast<int>(i), n), pair));
+    }
+    if (!(c.gaps[0] >= 0.0)) return nullptr;
+    const double speed = column::impact_speed(c.gaps[0], c.velocity[0], c.gravity);
+    if (!(speed > 0.0) || !math::is_finite(sum + speed)) return nullptr;
+    return std::make_shared<const column::Column<Law>>(std::move(c));
+}
+
+// Velocities after the last contact; NaN if one never ends or there was none.
+inline std::vector<double> final_velocities(const column::Solution& s, int balls) {
+    column::States end(1, balls);
+    const std::vector<double> none(end.balls, math::nan);
+    if (s.contacts.empty()) return none;
+    double after = -math::infinity;
+    for (const column::Contact& k : s.contacts) {
+        if (math::is_nan(k.end)) return none;
+        after = math::max(after, k.end);
+    }
+    after = math::min(after, s.last);  // rounding
+    s.sample(&after, end);
+    return end.velocity;
+}
+
+template <class Law>
+ColumnResult solve_one(const ColumnSetting& setting, const double* p, Stop& stop) {
+    ColumnResult r;
+    const std::vector<double> none(setting.density.size(), math::nan);
+    if (setting.rebound_heights) r.rebound_height = none;
+    if (setting.final_velocities) r.final_velocity = none;
+    const column::SharedColumn<Law> c = column_of<Law>(setting, p);
+    if (!c) return r;
+    r.sequence.outcome = Outcome::never_lands;
+    if (math::is_nan(column::fall_time(c->gaps[0], c->velocity[0], c->gravity))) return r;
+    column::SolveOptions options;
+    options.tolerance = setting.tolerance;
+    options.record = setting.rebound_heights || setting.final_velocities;
+    options.stop = &stop;
+    const std::unique_ptr<column::Solution> s = column::solve_column(c, setting.model, options);
+    if (stop.stopped()) return r;  // what a stopped run holds is of no use
+    r.sequence = s->sequence;
+    if (setting.rebound_heights) r.rebound_height = column::rebound_heights(c, setting.model, options, *s);
+    if (setting.final_velocities) r.final_velocity = final_velocities(*s, setting.balls());
+    return r;
+}
+
+}  // namespace hardlimit::sweep

@@ -1,0 +1,87 @@
+"""The arrays of a sweep: their values, the dimensions they open or share, and the labels along these."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import validation
+from .computation import Coordinate
+from .parameters import Parameter
+from .variables import BALL, VARIABLES
+
+
+class Axes:
+    """What is swept, in the order given.
+
+    Attributes
+    ----------
+    sizes : dict
+        Number of points along each dimension.
+    coordinates : list of Coordinate
+        One for each swept name, and the labels that DataArrays bring for a dimension.
+    """
+
+    def __init__(self, swept: Mapping[str, Any], known: Mapping[str, Parameter]) -> None:
+        self.sizes: dict[str, int] = {}
+        self.coordinates: list[Coordinate] = []
+        self._labels: dict[str, tuple[str, NDArray[Any]]] = {}  # of a dimension, and who brought them
+        for name, given in swept.items():
+            if name not in known:
+                raise ValueError(f"{name}: unknown, a sweep takes {', '.join(known)}")
+            self._add(known[name], given)
+        self._check_names()
+        self._keep_labels()
+
+    def strides(self) -> dict[str, int]:
+        """How many points apart neighbours along each dimension are."""
+        sizes = list(self.sizes.values())
+        return {dim: math.prod(sizes[i + 1 :]) for i, dim in enumerate(self.sizes)}
+
+    def _add(self, parameter: Parameter, given: Any) -> None:
+        name = parameter.name
+        values = validation.array(name, given, **parameter.limits)
+        dim = _dimension(name, given) if values.ndim else None
+        if dim is not None:
+            if self.sizes.setdefault(dim, len(values)) != len(values):
+                wanted = f"{self.sizes[dim]} like dimension {dim!r}"
+                raise ValueError(f"{name}: got {len(values)} values, must be {wanted}")
+            self._compare_labels(name, dim, given)
+        self.coordinates.append(
+            Coordinate(name, dim, np.atleast_1d(values), parameter.unit, parameter.meaning)
+        )
+
+    def _compare_labels(self, name: str, dim: str, given: Any) -> None:
+        """Points are paired by their position, so the labels along a shared dimension must be the same."""
+        coords = getattr(given, "coords", {})
+        if dim not in coords:
+            return
+        labels = np.asarray(coords[dim].values)
+        first, known = self._labels.setdefault(dim, (name, labels))
+        if not np.array_equal(labels, known):
+            need = f"must have the coordinates of {first} along dimension {dim!r}, or none"
+            raise ValueError(f"{name}: got other coordinates, {need}")
+
+    def _check_names(self) -> None:
+        """A dimension may bear the name of what is swept along it, but of nothing else in the Dataset."""
+        dim_of = {c.name: c.dim for c in self.coordinates if c.dim is not None}
+        single = {c.name for c in self.coordinates if c.dim is None}
+        for name, dim in dim_of.items():
+            if dim in VARIABLES or dim == BALL or dim in single or dim_of.get(dim, dim) != dim:
+                raise ValueError(f"{name}: got dimension {dim!r}, must be another name, that one is taken")
+
+    def _keep_labels(self) -> None:
+        swept = {c.name for c in self.coordinates}
+        for dim, (_, labels) in self._labels.items():
+            if dim not in swept and labels.dtype.kind in "iuf":
+                self.coordinates.append(Coordinate(dim, dim, labels, "", ""))
+
+
+def _dimension(name: str, given: Any) -> str:
+    """The dimension that an array names (a DataArray does), else its own."""
+    dims = getattr(given, "dims", None)
+    return name if dims is None else str(dims[0])

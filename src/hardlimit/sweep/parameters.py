@@ -1,0 +1,79 @@
+"""The names that can be swept, as the core's table has them, with their places among the numbers of a point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .. import _core
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One name that can be swept."""
+
+    name: str
+    #: The name without the number of a ball, gap or contact.
+    kind: str
+    #: Places that its values take; a bare name takes those of all balls, gaps or contacts.
+    places: tuple[int, ...]
+    unit: str
+    meaning: str
+    #: Range, as ``validation.number`` takes it.
+    limits: Mapping[str, Any]
+    #: Places that it rules over without taking them: a radius ratio the lower radius.
+    overrides: tuple[int, ...] = ()
+
+
+def geometry(balls: int) -> dict[str, Parameter]:
+    """The parameters of a column but for those of its law."""
+    found = [p for row in _core.swept_parameters(balls) for p in _named(row, balls)]
+    return {p.name: p for p in found}
+
+
+def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
+    """A row of the core's table under its bare name and, where there are several, those with a number."""
+    name, per, places = row["name"], row["per"], tuple(range(row["first"], row["first"] + row["count"]))
+    unit, meaning = row["unit"], row["meaning"]
+    limits = {"lowest": row["lowest"], "lowest_allowed": row["lowest_allowed"]}
+    if name == "radius_ratio":
+        if balls == 2:
+            lower = next(r["first"] for r in _core.swept_parameters(balls) if r["name"] == "radius")
+            yield Parameter(name, name, places, unit, meaning, limits, (lower,))
+        return
+    if not places:
+        return
+    whose = {"column": "", "ball": " of every ball", "gap": ""}
+    yield Parameter(name, name, places, unit, meaning + whose[per], limits)
+    if per == "column" or (per == "gap" and balls == 2):
+        return
+    for i, place in enumerate(places, 1):
+        one = f" of ball {i} (1 = lowest)" if per == "ball" else f", of balls {i} and {i + 1} (1 = lowest)"
+        yield Parameter(f"{name}_{i}", name, (place,), unit, meaning + one, limits)
+
+
+def of_law(record: dict[str, Any], alternative: int, balls: int) -> dict[str, Parameter]:
+    """The parameters of a law: of all contacts under its own name, of one under that of the contact."""
+    found: dict[str, Parameter] = {}
+    for i, row in enumerate([*record["common"], *record["alternatives"][alternative]]):
+        name, unit, meaning = row["name"], row["unit"], row["meaning"]
+        limits = {k: row[k] for k in ("lowest", "highest", "lowest_allowed", "highest_allowed")}
+        places = tuple(_core.law_place(contact, balls) + i for contact in range(balls))
+        found[name] = Parameter(name, name, places, unit, meaning, limits)
+        for contact, place in enumerate(places):
+            one, words = contact_name(contact), contact_meaning(contact)
+            found[f"{name}_{one}"] = Parameter(
+                f"{name}_{one}", name, (place,), unit, f"{meaning}, {words}", limits
+            )
+    return found
+
+
+def contact_name(contact: int) -> str:
+    """``floor`` or ``pair_1``, numbered as in ``Result.contacts``: 0 = floor and lowest ball."""
+    return "floor" if contact == 0 else f"pair_{contact}"
+
+
+def contact_meaning(contact: int) -> str:
+    """The same in words."""
+    return "contact with the floor" if contact == 0 else f"contact of balls {contact} and {contact + 1}"
