@@ -55,6 +55,7 @@ STYLE: Final[dict[str, Any]] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
+    "xtick.major.pad": 5.0,  # clear of the lowest label of the other axis
     "xtick.major.width": 0.7,
     "ytick.major.width": 0.7,
     "xtick.minor.visible": True,
