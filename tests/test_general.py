@@ -257,7 +257,7 @@ def test_one_ball_bounces_once(name, restitution):
     pair, begin, end = result.contacts()
     assert pair.tolist() == [0] and begin.tolist() == [0.0]
     assert end[0] == result.t_end == result.t_floor_end == pytest.approx(contact.duration(2.0), rel=1e-9)
-    velocity = result.sample(np.array([result.t_end]), 1)[1]
+    velocity = result.sample(np.array([result.t_end]))[1]
     assert velocity[0, 0] == pytest.approx(2.0 * restitution, rel=1e-12)
 
 
@@ -270,7 +270,7 @@ def test_one_ball_until_it_rests(name):
     assert (pair == 0).all() and len(pair) > 5 and math.isnan(end[-1])
     assert (np.diff(begin) > 0.0).all()
     assert result.t_end == end[0] and result.energy_error < 1e-10
-    _, velocity, force, *_ = result.sample(np.array([5.0]), 1)
+    _, velocity, force, *_ = result.sample(np.array([5.0]))
     assert abs(velocity[0, 0]) < 1e-6 and force[0, 0] == pytest.approx(0.1 * 9.81, rel=1e-3)
 
 
