@@ -106,8 +106,9 @@ def other_ball(ball: Ball, radius: float | None, density: float | None, mass: fl
 
 
 def default_speeds(made: Contact) -> list[float]:
-    """One speed where the restitution does not depend on it, else some decades and the one given."""
-    if math.isclose(made.restitution(SPEEDS[0]), made.restitution(SPEEDS[-1]), rel_tol=1e-12):
+    """One speed where neither restitution nor duration depends on it, else some decades and the one given."""
+    slow, fast = SPEEDS[0], SPEEDS[-1]
+    if all(math.isclose(of(slow), of(fast), rel_tol=1e-12) for of in (made.restitution, made.duration)):
         return [1.0]
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
