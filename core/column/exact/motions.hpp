@@ -34,7 +34,7 @@ using roots::slope_at;
 using roots::value_at;
 
 inline constexpr int order = 22;
-inline constexpr long max_pieces = 4'000'000;
+inline constexpr long max_pieces = 4'000'000, max_lasting = 2'000'000;  // of a run; without an event
 
 // Polynomials in θ = (t − t0)/h, and the reciprocals 1/((n + 1)(n + 2)) of their recurrence.
 template <class R, int N = order>
