@@ -24,7 +24,8 @@ template <class R>
 HL_FN Mask<R> rests(const State<R>& q) {
     using namespace column::exact;
     const Mask<R> alone = q.floor & negation(q.pair) & q.pair_open & negation(q.on_w);
-    return (alone & rests_on_floor<R>(q.s, q.x)) | (q.floor & q.pair & rests_on_both<R>(q.s, 1.0 - q.s.a2, q.x));
+    return (alone & rests_on_floor<R>(q.s, q.x)) |
+           (q.floor & q.pair & rests_on_both<R>(q.s, 1.0 - q.s.a2, q.x));
 }
 
 template <class R>

@@ -80,7 +80,7 @@ struct Glide {
     double l1, l2, rate1, rate2;  // L1, L2 and their rates now
     double level1, level2;        // bounds on the rates
     double bend1, bend2;          // bounds on the second derivatives
-    double own, gain;             // another one for L2, as the pair alone under the drive of the floor: own + gain t
+    double own, gain;  // another one for L2, as the pair alone under the drive of the floor: own + gain t
 
     HL_FN static Glide of(const TwoBall& s, const Gaps& x) {
         const Derivatives d = derivatives(s, x);

@@ -43,8 +43,8 @@ HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact:
     const double reduced = effective(m1, m2);
     const double rate = math::sqrt(pair.stiffness / reduced);
     units = {speed, rate};
-    return {{(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1, floor.relaxation_time() * rate,
-             pair.relaxation_time() * rate, gravity / (speed * rate)},
+    return {{(floor.stiffness / pair.stiffness) * (reduced / m1), reduced / m1,
+             floor.relaxation_time() * rate, pair.relaxation_time() * rate, gravity / (speed * rate)},
             upper_share(reduced, m1, m2)};
 }
 

@@ -120,7 +120,8 @@ HL_FN bool creeps_on_both(TwoBall s, Gaps x) {
 HL_FN double slack_for(const TwoBall& s, const Gaps& x) {
     const double u2 = -s.gravity - s.a1 * (x.u + s.c1 * x.du), u3 = -s.a1 * (x.du + s.c1 * u2);
     double jerk = math::sqrt(u3 * u3 + s.a1 * (u2 * u2));
-    const double acceleration = math::min(jerk / math::sqrt(s.a1), math::sqrt(u2 * u2 + s.a1 * (x.du * x.du)));
+    const double acceleration =
+        math::min(jerk / math::sqrt(s.a1), math::sqrt(u2 * u2 + s.a1 * (x.du * x.du)));
     if (overdamped_floor(s)) jerk = math::min(jerk, floor_creep(s, x).jerk);
     const double ddw = -s.gravity - u2, rate = x.dw + s.c2 * ddw;  // of L2
     const double opens = first_rise(x.w, x.dw, math::max(s.gravity - acceleration, 0.0));

@@ -49,7 +49,7 @@ private:
 
     TwoBall s;
     Gaps x;
-    double unit = 1.0;       // of lengths and velocities here
+    double unit = 1.0;      // of lengths and velocities here
     double t, span, until;  // `until` is known once the floor has been touched
     Observer& observer;
     Sequence sequence;
