@@ -9,7 +9,7 @@
 #include "column/general/sample.hpp"
 #include "column/independent.hpp"
 #include "contact/registry.hpp"
-#include "sweep/drops.hpp"
+#include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
 #include "sweep/viscoelastic_entry.hpp"
 #include "sweep/viscoelastic_kernel.hpp"

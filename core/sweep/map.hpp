@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "drops.hpp"
+#include "batch.hpp"
 #include "solve_point.hpp"
 #include "viscoelastic_entry.hpp"
 

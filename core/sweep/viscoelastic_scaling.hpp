@@ -2,7 +2,7 @@
 //
 // With gaps u, w, L1 = u + c1 u̇, L2 = w + c2 ẇ (c = 3A/2) and a force of −ρ √ξ L, ξ = −gap, while in contact:
 //   ü = −G − a1 √ξ1 L1 [floor] + a2 √ξ2 L2 [pair],      ẅ = a1 √ξ1 L1 [floor] − √ξ2 L2 [pair],
-// in units of length (m_eff V²/ρ12)^{2/5}, speed V: those of exact.hpp with √ξ at every force.
+// in units of length (m_eff V²/ρ12)^{2/5}, speed V: those of exact/motions.hpp with √ξ at every force.
 #pragma once
 #include "../column/exact/scaling.hpp"
 #include "../contact/viscoelastic.hpp"
