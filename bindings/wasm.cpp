@@ -7,7 +7,7 @@
 //   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
 #include "column/rebound.hpp"
 #include "contact/registry.hpp"
-#include "sweep/drops.hpp"
+#include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
 #include "sweep/viscoelastic_entry.hpp"
 #include "sweep/viscoelastic_kernel.hpp"

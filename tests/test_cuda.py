@@ -8,7 +8,9 @@ import hashlib
 import io
 import re
 import shutil
+import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from importlib import resources, util
 from pathlib import Path
@@ -156,6 +158,21 @@ def test_maps_larger_than_the_device_come_in_chunks(library: Path, name: str, ro
     assert same_chunks(emulated(library, plan, room), plan.compute(0, plan.size, 1))
 
 
+def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
+    """Shared memory starts as it was left, here with bytes that are neither true nor false: such a copy traps."""
+    flags = ("-fsanitize=bool,enum", "-fsanitize-undefined-trap-on-error", "-ftrivial-auto-var-init=pattern")
+    checked = build(HERE / "warp.cpp", tmp_path / "checked.so", *flags)
+    plan = plan_of(restitution=np.linspace(0.3, 1.0, 10), gap=[1e-6, 1e-4, 1e-2])
+    out = tmp_path / "chunk.npz"
+    script = (
+        "import sys, numpy as np, test_cuda as t; from pathlib import Path\n"
+        "plan = t.plan_of(restitution=np.linspace(0.3, 1.0, 10), gap=[1e-6, 1e-4, 1e-2])\n"
+        "np.savez(sys.argv[2], **t.emulated(Path(sys.argv[1]), plan))"
+    )
+    subprocess.run([sys.executable, "-c", script, str(checked), str(out)], check=True, cwd=HERE)
+    assert same_chunks(dict(np.load(out)), plan.compute(0, plan.size, 1))
+
+
 def test_most_points_are_solved_by_the_kernel(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left = []
     monkeypatch.setattr(cuda, "_solve_on_host", lambda plan, chunk, points, threads: left.append(len(points)))
@@ -175,7 +192,7 @@ def test_a_device_without_memory_is_one_line() -> None:
 
 
 def refused(expected: type[Exception]) -> str:
-    cuda_device.open_gpu.cache_clear()
+    cuda_device._opened_once.cache_clear()
     with pytest.raises(expected) as error:
         hl.sweep(PAPER, engine="cuda", gap=[1e-4])
     assert "\n" not in str(error.value)
@@ -185,6 +202,32 @@ def refused(expected: type[Exception]) -> str:
 def test_without_the_packages(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cuda", None)
     assert "package cuda-core: pip install 'hardlimit[cuda]'" in refused(ImportError)
+
+
+class OneDevice:
+    """Stands for the device: notes which threads it was made current in."""
+
+    def __init__(self) -> None:
+        self.current: list[int] = []
+
+    def make_current(self) -> None:
+        self.current.append(threading.get_ident())
+
+
+def test_the_device_is_current_in_every_thread_that_opens_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[OneDevice] = []
+    monkeypatch.setattr(cuda_device, "_insist_on_packages", lambda: None)
+    monkeypatch.setattr(cuda_device, "_insist_on_device", lambda: None)
+    monkeypatch.setattr(cuda_device, "CudaGpu", lambda: opened.append(OneDevice()) or opened[0])
+    cuda_device._opened_once.cache_clear()
+    threads = [threading.Thread(target=cuda_device.open_gpu) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+        thread.join()
+    cuda_device.open_gpu()
+    cuda_device._opened_once.cache_clear()
+    assert len(opened) == 1
+    assert {thread.ident for thread in threads} | {threading.get_ident()} == set(opened[0].current)
 
 
 @needs_compiler

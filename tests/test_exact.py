@@ -6,6 +6,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -418,3 +419,122 @@ def test_one_damping_constant_for_all_contacts():
     assert floor.damping / pair.damping == pytest.approx(
         math.sqrt(floor.effective_mass / pair.effective_mass), rel=1e-14
     )
+
+
+# ---- light lower balls, creep, long flights and contacts without measure ---------------------------------------
+
+
+def relative_velocity_to_40_digits(column: hl.Column) -> float:
+    """v'_r of a touching elastic pair, both contacts closed from the first touch on: a power of exp(M t).
+
+    The pair parts at the first zero of w after the floor touch, bracketed on the double-precision solution.
+    """
+    floor, pair = column.contacts
+    end = float(ball_contacts(hl.newton(column))[0, 1])
+    with mpmath.workdps(40):
+        m1, m2 = (mpmath.mpf(b.mass) for b in column.balls)
+        k1, k2 = mpmath.mpf(floor.stiffness), mpmath.mpf(pair.stiffness)
+        a, b, c, d = k1 / m1, k2 / m1, k1 / m1, k2 / m1 + k2 / m2
+        root = mpmath.sqrt((a + d) ** 2 / 4 - (a * d - b * c))
+        squares = [(a + d) / 2 + root, (a + d) / 2 - root]
+        g = mpmath.mpf(G)
+        w0 = -g * m2 / k2
+        u0 = -g * (m1 + m2) / k1
+        speed = -mpmath.sqrt(2 * g * (mpmath.mpf(column.height) - mpmath.mpf(column.balls[0].radius)))
+        # Modes (u, w) = (b, a − ω²): starts at (−u0, −w0) with rates (speed, 0).
+        shapes = [(b, a - s) for s in squares]
+        solve = mpmath.matrix([[shapes[0][0], shapes[1][0]], [shapes[0][1], shapes[1][1]]])
+        cosine = mpmath.lu_solve(solve, mpmath.matrix([-u0, -w0]))
+        sine = mpmath.lu_solve(solve, mpmath.matrix([speed, 0]))
+        omega = [mpmath.sqrt(s) for s in squares]
+
+        def gap(t: mpmath.mpf) -> mpmath.mpf:
+            return w0 + sum(
+                shapes[i][1]
+                * (cosine[i] * mpmath.cos(omega[i] * t) + sine[i] / omega[i] * mpmath.sin(omega[i] * t))
+                for i in range(2)
+            )
+
+        def rate(t: mpmath.mpf) -> mpmath.mpf:
+            return sum(
+                shapes[i][1]
+                * (sine[i] * mpmath.cos(omega[i] * t) - cosine[i] * omega[i] * mpmath.sin(omega[i] * t))
+                for i in range(2)
+            )
+
+        return float(rate(mpmath.findroot(gap, end)))
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.05, 0.03, 0.01, 0.005])
+def test_a_light_lower_ball_keeps_the_digits(ratio):
+    """1 − a2 = m1/(m1 + m2) by subtraction cost 1e-7 V at R1/R2 = 0.01. The problem itself turns a rounding of its
+    parameters into an error that grows with the number of swings of the light ball, (R2/R1)^{3/2}."""
+    column = hl.Column.paper(1.0, gap=0.0, radius_ratio=ratio)
+    exact = hl.newton(column)
+    assert float(exact.contacts.begin[1]) == 0.0
+    assert exact.t_floor_end > float(ball_contacts(exact)[0, 1])  # motion C all the way
+    within = (5e-12 + 2e-17 / ratio**3) * column.impact_speed
+    expected = relative_velocity_to_40_digits(column)
+    assert abs(exact.relative_velocity - expected) < within
+    swept = hl.sweep(column, gap=[0.0])
+    assert abs(float(swept.relative_velocity[0]) - expected) < within
+
+
+CREEPS = [(10.0, 1e-5), (10.0, 1e-8), (10.0, 1e-12), (10.0, 1e-30), (100.0, 1e-3), (100.0, 1e-2), (1.0, 1e-8)]
+
+
+@pytest.mark.parametrize("model", ["newton", "adiabatic"])
+@pytest.mark.parametrize(("ratio", "restitution"), CREEPS)
+@pytest.mark.parametrize("gap", [0.0, 1e-4])
+def test_creep_ends_at_rest(ratio, restitution, gap, model):
+    """A relaxation of up to 1e60 pieces: known to end at rest as soon as no ball can fall freely any more."""
+    column = hl.Column.paper(restitution, gap, ratio, height=max(0.6, 0.02 * ratio))
+    result = getattr(hl, model)(column)
+    assert result.outcome_code == hl.OUTCOMES.index("at_rest")
+    assert result.n_contacts == 1
+
+
+def test_strongly_damped_random_columns_are_resolved():
+    rng = np.random.default_rng(4)
+    n = 1500
+    swept = {
+        "restitution": 10.0 ** rng.uniform(-12, 0, n),
+        "radius_ratio": 10.0 ** rng.uniform(-2, 3, n),
+        "gap": 10.0 ** rng.uniform(-12, -1, n),
+        "stiffness": 10.0 ** rng.uniform(3, 12, n),
+    }
+    points = {name: xr.DataArray(v, dims="point") for name, v in swept.items()}
+    for model in ("newton", "adiabatic"):
+        outcome = hl.sweep(hl.Column.paper(height=11.0), model, **points).outcome.values
+        assert not (outcome == hl.OUTCOMES.index("unresolved")).any()
+
+
+@pytest.mark.parametrize("restitution", [1e-2, 3e-2])
+@pytest.mark.parametrize("ratio", [1.0, 10.0])
+def test_strong_damping_agrees_with_the_general_solver(restitution, ratio):
+    for gap in (0.0, 1e-3):
+        column = hl.Column.paper(restitution, gap, ratio)
+        exact, general = hl.newton(column, method="exact"), hl.newton(column, method="general")
+        assert exact.outcome == general.outcome
+        assert exact.n_contacts == general.n_contacts
+        assert exact.relative_velocity == pytest.approx(general.relative_velocity, abs=1e-9, nan_ok=True)
+
+
+def test_times_after_a_long_flight_keep_their_digits():
+    """10 µm grains, the lower one thrown up at 20 m/s to meet the upper one: 4 s pass before contacts of 10 ns."""
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.9)
+    balls = [hl.Ball(1e-5, density=2500.0), hl.Ball(1e-5, density=2500.0)]
+    column = hl.Column(balls, [1e-6], 2e-5, law, velocities=[20.0, 10.0])
+    result = hl.newton(column)
+    assert float(result.contacts.begin[0]) < -1.0  # the pair meets in flight
+    floor = np.stack([result.contacts.begin.values, result.contacts.end.values], 1)[
+        result.contacts.pair.values == 0
+    ]
+    assert floor[0, 0] == 0.0
+    assert floor[0, 1] == pytest.approx(column.contacts[0].duration(), rel=1e-13)
+
+
+@pytest.mark.parametrize("stiffness", [5e-324, 1e-310, 1e-300])
+def test_contacts_without_measure_end(stiffness):
+    result = hl.newton(hl.Column.paper(stiffness=stiffness))
+    assert result.outcome_code == hl.OUTCOMES.index("at_rest")

@@ -1,5 +1,10 @@
 // core/sweep/kernel.cu in the emulated warp of warp.hpp, for tests/test_cuda.py.
+#include <cstring>
+
 #include "kernel.cu"
+
+unsigned long long
+    room[sizeof(hardlimit::sweep::Pool) * (hardlimit::sweep::block / hardlimit::sweep::warp) / 8 + 1];
 
 namespace {
 struct Call {
@@ -8,6 +13,7 @@ struct Call {
 };
 // 0 if the threads stayed in step to the end.
 int emulate(void (*kernel)(Task*), Task* task) {
+    std::memset(room, 0xa5, sizeof room);
     Call call{kernel, task};
     const auto body = [](void* c) { static_cast<Call*>(c)->kernel(static_cast<Call*>(c)->task); };
     return emulated::run(body, &call) < 0;

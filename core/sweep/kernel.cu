@@ -1,5 +1,5 @@
-// A map on a GPU, compiled at run time by src/hardlimit/maps/device.py. A warp keeps a pool of drops under way in shared
-// memory. Each round its threads take drops that wait for the same step of the kernel of lanes.hpp, the step that most
+// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A warp keeps a pool of drops under
+// way in shared memory. Each round its threads take drops that wait for the same step of the kernel of linear_kernel.hpp, the step that most
 // of the pool wait for, so that they do the same work. A drop that is done makes room for the next one of a queue
 // that all warps share. A result depends on its point alone, so it has the bits of a processor's.
 #include "linear_kernel.hpp"
@@ -27,7 +27,7 @@ inline constexpr unsigned char left_to_host = 255;
 inline constexpr int largest_count = 255;  // of n_contacts in a byte
 
 inline constexpr int warp = 32;
-inline constexpr int block = 64;      // threads, as in device.py
+inline constexpr int block = 64;      // threads, as in cuda_device.py
 inline constexpr int pool_size = 96;  // drops of a warp, a multiple of its threads
 inline constexpr unsigned everyone = 0xffffffffu;
 
@@ -188,9 +188,11 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block) solve(Task
         const int mine = choose(pool, now, lane);
         const hardlimit::u64 point = now == vacant ? draw(*task, mine >= 0, lane) : 0;
         if (mine < 0) continue;
-        Drop drop = pool.drop[mine];
+        // A place that is vacant holds no drop yet, not even flags that may be copied.
+        Drop drop{};
         Step next = none;  // the queue is empty
         if (now != vacant) {
+            drop = pool.drop[mine];
             next = drop.advance(*task, false);
         } else if (point < task->count) {
             drop.point = static_cast<unsigned>(point);
@@ -198,7 +200,7 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block) solve(Task
             if (!one) task->outcome[point] = left_to_host;
             next = one ? drop.advance(*task, true) : vacant;
         }
-        pool.drop[mine] = drop;
+        if (next < vacant) pool.drop[mine] = drop;
         pool.waits_for[mine] = next;
     }
 }

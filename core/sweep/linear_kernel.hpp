@@ -1,8 +1,8 @@
 // Many two-ball drops at once under the linear law, one drop in each lane of a vector.
 //
-// A step takes lanes to their next switch, by the modes of their motion (modes.hpp): a guess, one step of a method of
+// A step takes lanes to their next switch, by the modes of their motion (linear_modes.hpp): a guess, one step of a method of
 // third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where bounds show
-// that this is the next switch; else a careful step takes one piece exactly as column/exact.hpp does. Each round is
+// that this is the next switch; else a careful step takes one piece exactly as column/exact/run.hpp does. Each round is
 // spent on the step that most lanes wait for, and lanes that are done take the next drops of the block.
 //
 // Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
@@ -24,7 +24,8 @@ template <class R>
 HL_FN Mask<R> rests(const State<R>& q) {
     using namespace column::exact;
     const Mask<R> alone = q.floor & negation(q.pair) & q.pair_open & negation(q.on_w);
-    return (alone & rests_on_floor<R>(q.s, q.x)) | (q.floor & q.pair & rests_on_both<R>(q.s, 1.0 - q.s.a2, q.x));
+    return (alone & rests_on_floor<R>(q.s, q.x)) |
+           (q.floor & q.pair & rests_on_both<R>(q.s, 1.0 - q.s.a2, q.x));
 }
 
 template <class R>

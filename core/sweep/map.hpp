@@ -13,7 +13,7 @@
 
 #include "../parallel.hpp"
 #include "axes.hpp"
-#include "drops.hpp"
+#include "batch.hpp"
 #include "solve_point.hpp"
 #include "viscoelastic_entry.hpp"
 

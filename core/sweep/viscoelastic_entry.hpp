@@ -1,4 +1,4 @@
-// Points of a map under the viscoelastic law on their way to the kernel of viscoelastic_lanes.hpp.
+// Points of a map under the viscoelastic law on their way to the kernel of viscoelastic_kernel.hpp.
 #pragma once
 #include "parameters.hpp"
 #include "viscoelastic_scaling.hpp"

@@ -1,9 +1,9 @@
 // Many two-ball drops under the viscoelastic law at once, one drop in each lane of a vector.
 //
-// In the units of an elastic impact of the pair (two_ball.hpp) and with compressions ξ = −gap, their rates v and
+// In the units of an elastic impact of the pair (viscoelastic_scaling.hpp) and with compressions ξ = −gap, their rates v and
 // f = ξ + c v, the equations of motion (1: floor, 2: pair; forces F = √ξ f of closed contacts only) are
 //   v1' = G − a1 F1 + a2 F2,      v2' = a1 F1 − F2,
-// so that every switch is defined as in lanes.hpp, on the same functions. Only the steps are others: with the closed
+// so that every switch is defined as in linear_kernel.hpp, on the same functions. Only the steps are others: with the closed
 // contact a that is nearest to its onset, and b the other one,
 //   ξ_a = s²,  dt = s dτ:   ds/dτ = v_a/2,   dξ_b/dτ = s v_b,   dv/dτ = s G + k_a ξ_a f_a + k_b s F_b,
 // which is polynomial but for √ξ_b and therefore smooth through the onset and the end of contact a. The Taylor series
@@ -285,7 +285,7 @@ HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     return rough_exp2<R>(math::max<R>(log_h, constant<R>(-1000.0)));
 }
 
-// Gravity holds both contacts closed for good (the energy argument of column/integrate.hpp, in units of m_eff V²). A
+// Gravity holds both contacts closed for good (the energy argument of column/general/rest.hpp, in units of m_eff V²). A
 // contact that carries K √ξ f under the weight W has the excess energy B(ξ) = 0.4 K ξ^(5/2) − W ξ + 0.6 W ξs above its
 // equilibrium K ξs^(3/2) = W. It can end only at ξ + c ξ̇ = 0, which at ξ < ξs/2 takes at least B(ξs/2) and at
 // ξ > ξs/2 a kinetic energy of at least m (ξs/2c)²/2.

@@ -2,7 +2,7 @@
 //
 // With gaps u, w, L1 = u + c1 u̇, L2 = w + c2 ẇ (c = 3A/2) and a force of −ρ √ξ L, ξ = −gap, while in contact:
 //   ü = −G − a1 √ξ1 L1 [floor] + a2 √ξ2 L2 [pair],      ẅ = a1 √ξ1 L1 [floor] − √ξ2 L2 [pair],
-// in units of length (m_eff V²/ρ12)^{2/5}, speed V: those of exact.hpp with √ξ at every force.
+// in units of length (m_eff V²/ρ12)^{2/5}, speed V: those of exact/motions.hpp with √ξ at every force.
 #pragma once
 #include "../column/exact/scaling.hpp"
 #include "../contact/viscoelastic.hpp"
@@ -18,11 +18,10 @@ HL_FN double viscoelastic_rate(double elastic_prefactor, double mass, double spe
 HL_FN Start start_two_ball(const contact::Viscoelastic& floor, const contact::Viscoelastic& pair, double m1,
                            double m2, double gravity, Gaps released, const Units& units) {
     const double reduced = effective(m1, m2);
-    const TwoBall groups = {
-        {(floor.elastic_prefactor / pair.elastic_prefactor) * (reduced / m1), reduced / m1,
-         1.5 * floor.dissipative_time * units.rate, 1.5 * pair.dissipative_time * units.rate,
-         gravity / (units.speed * units.rate)},
-        upper_share(reduced, m1, m2)};
+    const TwoBall groups = {{(floor.elastic_prefactor / pair.elastic_prefactor) * (reduced / m1),
+                             reduced / m1, 1.5 * floor.dissipative_time * units.rate,
+                             1.5 * pair.dissipative_time * units.rate, gravity / (units.speed * units.rate)},
+                            upper_share(reduced, m1, m2)};
     return start_scaled(groups, units, gravity, released);
 }
 

@@ -3,7 +3,7 @@
 // With gaps u (floor) and w (pair), L1 = u + c1 u̇, L2 = w + c2 ẇ (c = γ/k, force = −k L while in contact):
 //   ü = −G − a1 L1 [floor] + a2 L2 [pair],      ẅ = a1 L1 [floor] − L2 [pair],
 // in units of length V/ω, time 1/ω, speed V, with ω² = k12/m_eff, a1 = k01/(m1 ω²), a2 = m_eff/m1. Other values of
-// the groups give the adiabatic problem (adiabatic.hpp).
+// the groups give the adiabatic problem (groups.hpp).
 //
 // Between two switches the system is linear with constant coefficients (motion A: free, B: floor, C: both,
 // D: pair), so the state is exp(M t) acting on the last one. The exponential is evaluated through its Taylor
@@ -34,7 +34,7 @@ using roots::slope_at;
 using roots::value_at;
 
 inline constexpr int order = 22;
-inline constexpr long max_pieces = 4'000'000;
+inline constexpr long max_pieces = 4'000'000, max_lasting = 2'000'000;  // of a run; without an event
 
 // Polynomials in θ = (t − t0)/h, and the reciprocals 1/((n + 1)(n + 2)) of their recurrence.
 template <class R, int N = order>

@@ -27,7 +27,7 @@ public:
         for (long steps = 0; !sequence.finished || t < until; ++steps) {
             see();
             const bool finite = math::is_finite(x.u + x.du + x.w + x.dw);
-            if (steps == max_pieces || !finite || observer.stopped()) {
+            if (steps == max_pieces || lasting == max_lasting || !finite || observer.stopped()) {
                 sequence.outcome = Outcome::unresolved;
                 break;
             }
@@ -46,7 +46,7 @@ public:
 private:
     enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
     // Pieces without an event after which a contact is examined for creep, and after which it is glided over.
-    static constexpr long creeps_after = 32, glides_after = 256;
+    static constexpr long creeps_after = 32, glides_after = 4000;
 
     TwoBall s;
     Gaps x;
@@ -99,11 +99,9 @@ private:
             next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
         else if (motion == Motion::rest)
             rest();
-        else if (motion == Motion::floor_glide)
-            ;  // for the time already found
         else if (motion == Motion::glide)
             dt = math::exp2_integer(static_cast<double>(doublings)) * piece_length(s, true, true);
-        else
+        else if (motion == Motion::series)
             find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
         if (t < until && t + dt >= until) {  // the state asked for comes first

@@ -67,11 +67,15 @@ class CudaGpu:
         from cuda import core
 
         self._device = core.Device()
-        self._device.set_current()
+        self.make_current()
         self.name: str = self._device.name
         code = core.ObjectCode.from_cubin(cubin(f"sm_{self._device.arch}"))
         self._kernels = {name: code.get_kernel(name) for name in ("solve", "damping_ratios")}
         self._pinned = core.LegacyPinnedMemoryResource()
+
+    def make_current(self) -> None:
+        """Let calls of this thread go to this device."""
+        self._device.set_current()
 
     def room(self) -> int:
         """Free memory in bytes."""
@@ -112,9 +116,11 @@ class CudaGpu:
         stream.sync()
 
 
-@cache
 def open_gpu() -> Gpu:
-    """The GPU, or one line on what is missing.
+    """The GPU, made current in the calling thread, or one line on what is missing.
+
+    Calls of the driver go to the current device of the thread that makes them, and a new thread has none. Whoever
+    works with the GPU in a thread of its own opens it there; the kernel is compiled and loaded once.
 
     Raises
     ------
@@ -123,6 +129,13 @@ def open_gpu() -> Gpu:
     ValueError
         Without a driver, or without a device that it and the compiler know.
     """
+    gpu = _opened_once()
+    gpu.make_current()
+    return gpu
+
+
+@cache
+def _opened_once() -> CudaGpu:
     _insist_on_packages()
     _insist_on_device()
     return CudaGpu()
