@@ -288,7 +288,7 @@ def test_one_ball_until_it_rests(name):
     column, _ = one_ball(law_of(name, 0.5), 0.1)
     result = _core.newton(column, 5.0, False, 1e-14)
     pair, begin, end = result.contacts()
-    assert (pair == 0).all() and len(pair) > 5 and math.isnan(end[-1])
+    assert (pair == 0).all() and len(pair) > 3 and math.isnan(end[-1])
     assert (np.diff(begin) > 0.0).all()
     assert result.t_end == end[0] and result.energy_error < 1e-10
     _, velocity, force, *_ = result.sample(np.array([5.0]))
@@ -326,6 +326,15 @@ def test_one_ball_laid_on_the_floor(name):
     result = _core.newton(column, math.nan, False, 1e-14)
     assert _core.outcome_names[result.outcome] == "at_rest"
     assert math.isnan(result.t_end) and result.n_contacts == 0
+
+
+def test_one_ball_laid_on_a_soft_floor():
+    """Its weight does far more work than the impact has energy: in a few hundred steps, not in millions."""
+    law = hl.Tsuji(elastic_prefactor=1e5, restitution=0.02)
+    column, _ = one_ball(law, 0.0, -1e-6)
+    result = _core.newton(column, math.nan, False, 1e-14)
+    assert _core.outcome_names[result.outcome] == "at_rest"
+    assert result.steps < 2000
 
 
 @every_law

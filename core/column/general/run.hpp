@@ -234,7 +234,8 @@ private:
             tolerance[n + j] = math::abs(y[n + j]) + unit.speed;
         }
         tolerance[motion.clock()] = unit.time;
-        tolerance[motion.loss()] = unit.energy;
+        // Balls laid down slowly dissipate their weight's work, which may be far above the energy of the impact.
+        tolerance[motion.loss()] = math::max(unit.energy, 0.5 * math::abs(y[motion.loss()]));
         for (double& x : tolerance) x *= options.tolerance;
     }
 
