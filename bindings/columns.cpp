@@ -213,6 +213,12 @@ void bind_columns(nb::module_& m) {
         .def("contacts", &contact_arrays)
         .def("rebound_heights", &rebound_heights,
              "Greatest height of each centre after its first bounce [m]; NaN where there is none.")
+        .def(
+            "final_velocities",
+            [](const Solution& s) {
+                return col::final_velocities(*s.found, static_cast<int>(s.balls), s.options.until);
+            },
+            "Velocities after the last contact that ended [m/s]; NaN at rest.")
         .def("sample", &sample, "times"_a);
     m.def("newton", &newton, "column"_a, "until"_a, "general"_a, "tolerance"_a);
     m.def("adiabatic", &adiabatic, "column"_a, "until"_a);

@@ -428,7 +428,7 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["sweep", "--gap", "0:1:3:log"], "must have a start and a stop > 0"),
         (["sweep", "--gap", "1:2:0"], "gap: got 0 points"),
         (["sweep", "--gap", "-1:1:3"], "gap: got -1, must be >= 0"),
-        (["sweep", "--restitution", "0.5:2:3"], "restitution: got 2, must be in (0, 1]"),
+        (["sweep", "--restitution", "0.5:2:3"], "restitution: got 1.25, must be in (0, 1]"),
         (["sweep", *MAP, "--model", "magic"], "model: got 'magic'"),
         (["sweep", *MAP, "--engine", "steam"], "engine: got 'steam'"),
         (["sweep", *MAP, "--threads", 0], "threads: got 0"),

@@ -61,4 +61,18 @@ protected:
     Solution& operator=(const Solution&) = delete;
 };
 
+// Velocities [N] after the last contact that ended, of those that began up to `until` (NaN: of all). NaN at rest, and
+// where no contact ended.
+inline std::vector<double> final_velocities(const Solution& s, int balls, double until = math::nan) {
+    States end(1, balls);
+    double after = -math::infinity;
+    for (const Contact& k : s.contacts)
+        if (k.end > after && !(k.begin > until)) after = k.end;
+    if (after == -math::infinity || s.sequence.outcome == Outcome::at_rest)
+        return std::vector<double>(end.balls, math::nan);
+    after = math::min(after, s.last);  // rounding
+    s.sample(&after, end);
+    return end.velocity;
+}
+
 }  // namespace hardlimit::column

@@ -53,21 +53,6 @@ column::SharedColumn<Law> column_of(const ColumnSetting& setting, const double* 
     return std::make_shared<const column::Column<Law>>(std::move(c));
 }
 
-// Velocities after the last contact; NaN if one never ends or there was none.
-inline std::vector<double> final_velocities(const column::Solution& s, int balls) {
-    column::States end(1, balls);
-    const std::vector<double> none(end.balls, math::nan);
-    if (s.contacts.empty()) return none;
-    double after = -math::infinity;
-    for (const column::Contact& k : s.contacts) {
-        if (math::is_nan(k.end)) return none;
-        after = math::max(after, k.end);
-    }
-    after = math::min(after, s.last);  // rounding
-    s.sample(&after, end);
-    return end.velocity;
-}
-
 template <class Law>
 ColumnResult solve_one(const ColumnSetting& setting, const double* p, Stop& stop) {
     ColumnResult r;
@@ -86,7 +71,7 @@ ColumnResult solve_one(const ColumnSetting& setting, const double* p, Stop& stop
     if (stop.stopped()) return r;  // what a stopped run holds is of no use
     r.sequence = s->sequence;
     if (setting.rebound_heights) r.rebound_height = column::rebound_heights(c, setting.model, options, *s);
-    if (setting.final_velocities) r.final_velocity = final_velocities(*s, setting.balls());
+    if (setting.final_velocities) r.final_velocity = column::final_velocities(*s, setting.balls());
     return r;
 }
 

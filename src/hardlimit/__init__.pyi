@@ -5,6 +5,9 @@ from .approximations import restitution_series as restitution_series
 from .approximations import usual_damping as usual_damping
 from .bodies import FLOOR as FLOOR
 from .bodies import Ball as Ball
+from .column.comparison import Comparison as Comparison
+from .column.comparison import Verdict as Verdict
+from .column.comparison import compare as compare
 from .column.result import Result as Result
 from .column.scenario import PAPER_DENSITY as PAPER_DENSITY
 from .column.scenario import Column as Column

@@ -44,6 +44,8 @@ def viscoelastic_duration(x: Annotated[NDArray[numpy.float64], dict(shape=(None,
 
 def viscoelastic_series(x: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], terms: int = 10) -> NDArray[numpy.float64]: ...
 
+series_terms: int = 10
+
 def viscoelastic_pade(x: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], numerator: int, denominator: int) -> NDArray[numpy.float64]: ...
 
 def linear_restitution(damping_ratio: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
@@ -95,7 +97,15 @@ class Solution:
 
     def contacts(self) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
 
-    def sample(self, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], balls: int) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
+    def rebound_heights(self) -> list[float]:
+        """
+        Greatest height of each centre after its first bounce [m]; NaN where there is none.
+        """
+
+    def final_velocities(self) -> list[float]:
+        """Velocities after the last contact that ended [m/s]; NaN at rest."""
+
+    def sample(self, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
 
 def newton(column: Column, until: float, general: bool, tolerance: float) -> Solution: ...
 
@@ -109,10 +119,26 @@ def impact_speed(gap: float, velocity: float, gravity: float) -> float: ...
 
 def effective_restitution(relative_velocity: float, impact_speed: float) -> float: ...
 
-sweep_parameters: int = 18
+def swept_parameters(balls: int) -> list:
+    """
+    The parameters of a column that can be swept: name, places in a point, unit, meaning and range.
+    """
 
-max_law_parameters: int = 4
+def law_place(contact: int, balls: int) -> int:
+    """
+    Where the law of a contact begins in a point, 0 = floor; of contact = balls, the length of a point.
+    """
+
+def ball_mass(density: float, radius: float) -> float:
+    """Mass of a solid sphere [kg]."""
 
 def run_map(law: str, model: int, alternative: int, density_1: bool, density_2: bool, restitution_at: int, values: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]], strides: Sequence[int], first: int, count: int, threads: int, tolerance: float, out: dict, progress: object | None, instruction_set: str = 'auto') -> list: ...
+
+def run_columns(law: str, model: int, alternative: int, density: Sequence[bool], values: Sequence[Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]], strides: Sequence[int], first: int, count: int, threads: int, tolerance: float, out: dict, progress: object | None) -> None: ...
+
+def has_kernel(law: str, model: int) -> bool:
+    """
+    Whether points of two balls go through a vector kernel under this law and model.
+    """
 
 def instruction_sets() -> list[str]: ...

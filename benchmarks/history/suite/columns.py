@@ -41,7 +41,7 @@ class Trajectory:
 class Stack:
     """Many balls, integrated."""
 
-    params = [3, 6, 12]
+    params = (3, 6, 12)
     param_names = ("balls",)
 
     def setup(self, balls: int) -> None:

@@ -12,7 +12,7 @@ from suite.columns import LAWS
 class Map:
     """ε over Δh, as in Fig. 4."""
 
-    params = list(LAWS)
+    params = tuple(LAWS)
     param_names = ("law",)
 
     def setup(self, law: str) -> None:
@@ -30,7 +30,7 @@ class Map:
 class FreshProcess:
     """Start-up."""
 
-    params = ["import hardlimit", "import hardlimit as hl; hl.newton(hl.Column.paper())"]
+    params = ("import hardlimit", "import hardlimit as hl; hl.newton(hl.Column.paper())")
     param_names = ("code",)
 
     def time_start(self, code: str) -> None:

@@ -122,11 +122,7 @@ class Result:
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
         """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest."""
-        ends = self.contact_times[2]
-        ends = ends[np.isfinite(ends)]
-        if not ends.size or _core.outcome_names[self.outcome_code] == "at_rest":
-            return _fixed(np.full(len(self.column.balls), math.nan))
-        return _fixed(self._sample(np.array([ends.max()]))[1][0])
+        return _fixed(np.asarray(self._core.final_velocities()))
 
     @cached_property
     def rebound_heights(self) -> NDArray[np.float64]:
