@@ -1,4 +1,4 @@
-"""A new law is one header and its entry in the registry: the steps of docs/laws.md, taken in a copy of the tree."""
+"""A new law is one header and its entry in the registry: the steps of CONTRIBUTING.md, taken in a copy of the tree."""
 
 import json
 import os
@@ -29,9 +29,9 @@ print(json.dumps({
 
 
 def steps() -> list[str]:
-    """The commands of the section "Adding a law", in their order."""
-    text = (ROOT / "docs" / "laws.md").read_text(encoding="utf-8")
-    section = text.split("## Adding a law\n")[1].split("\n## ")[0]
+    """The commands of the section "Add a law", in their order."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    section = text.split("## Add a law\n")[1].split("\n## ")[0]
     blocks = re.findall(r"```\w*\n(.*?)```", section, flags=re.S)
     return [line.strip() for block in blocks for line in block.splitlines() if line.strip()]
 
