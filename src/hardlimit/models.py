@@ -26,8 +26,10 @@ class Scenario(Protocol):
 
 def solvable_exactly(column: Scenario) -> bool:
     """Whether the equations of motion have a piecewise closed form: two balls on a floor under the linear law."""
-    linear = all(law.record["name"] == "linear" for law in column.laws)
-    return column.floor and len(column.balls) == 2 and linear
+    if not column.floor or len(column.balls) != 2:
+        return False
+    floor, pair = column.laws
+    return bool(floor.record["name"] == pair.record["name"] == "linear")
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from .result import Result
 from .scenario import Column
 
 Method = Literal["auto", "exact", "general"]
+METHODS: Final = get_args(Method)
 
 #: Local error of the general solver, in units of the impact.
 TOLERANCE: Final = 1e-14
@@ -37,7 +38,7 @@ def newton(
         If an argument is outside its range, or ``method="exact"`` does not apply.
     """
     end = _checked(NEWTON, column, until)
-    validation.one_of("method", method, get_args(Method))
+    validation.one_of("method", method, METHODS)
     exact = solvable_exactly(column)
     if method == "exact" and not exact:
         raise ValueError(
@@ -96,5 +97,5 @@ def _checked(model: Model, column: Any, until: Any) -> float | None:
 
 def _solved(result: Result) -> Result:
     """The result, solved now, so that errors and interrupts come from the call that asked for it."""
-    _ = result.outcome_code
+    _ = result._core
     return result
