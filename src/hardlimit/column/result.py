@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .._core import Solution
 
 
-@dataclass(frozen=True, init=False, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result:
     """Outcome of one drop under one model. Times in s after the first floor touch (cradle: after release).
 
@@ -36,13 +36,7 @@ class Result:
     model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
     method: str  #: how it was solved, in words
     until: float | None  #: the time asked for [s], if any
-    options: tuple[Any, ...]  #: what the model's solver takes besides column and time
-
-    def __init__(
-        self, column: Column, model: str, method: str, until: float | None, options: tuple[Any, ...] = ()
-    ) -> None:
-        # At once and not field by field, as a frozen dataclass would: a solve takes microseconds.
-        self.__dict__.update(column=column, model=model, method=method, until=until, options=options)
+    options: tuple[Any, ...] = ()  #: what the model's solver takes besides column and time
 
     @cached_property
     def _core(self) -> Solution:
