@@ -432,7 +432,14 @@ def test_ffmpeg_that_fails_is_reported_in_one_line(tmp_path: Path, monkeypatch: 
 @pytest.mark.parametrize(
     ("options", "message"),
     [({"width": 0}, "width: got 0"), ({"width": 5000}, "width: got 5000")]
-    + [({"frames_per_second": n}, "frames_per_second: got") for n in (0, -5, 1000, math.nan)],
+    + [({"frames_per_second": n}, "frames_per_second: got") for n in (0, -5, 1000, math.nan)]
+    + [({"progress": True}, "progress: got True, must be callable with")]
+    + [
+        (
+            {"ghost": hl.newton(hl.Column.paper(gap=1e-3))},
+            "ghost: got .*, must be a result of the same column",
+        )
+    ],
 )
 def test_impossible_films_are_refused(options, message, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=message):
