@@ -4,6 +4,8 @@ import csv
 import json
 import math
 import signal
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from hypothesis import settings
@@ -30,6 +32,14 @@ TYPICAL = {
     "poisson_ratio": 0.3,
     "elastic_prefactor": 1e9,
 }
+
+
+def wait_until(condition: Callable[[], object], timeout: float = 30.0) -> None:
+    """Return once ``condition()`` is true, or fail after ``timeout`` seconds."""
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline, "what was waited for did not happen"
+        time.sleep(0.01)
 
 
 def table(name: str) -> list[dict[str, str]]:

@@ -6,9 +6,11 @@ Each call either is refused with one line that names the parameter, or is a docu
 import math
 import re
 from collections.abc import Callable
+from contextlib import chdir
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -154,10 +156,17 @@ ACCEPTED = {
     "optional law": {"law", "None"},
     "ball": {"Ball"},
     "body": {"Ball", "FLOOR"},
+    "swept": SIGNED,
     "balls": set(),
     "optional balls": {"None"},
     "column": set(),
     "word": set(),
+    "optional words": {"None"},
+    "whole number": {"0"},
+    "optional whole number": {"None"},
+    "optional path of a store": {"None", "text", "NumPy text"},
+    "path of a film": set(),
+    "optional result": {"None"},
 }
 
 
@@ -171,6 +180,7 @@ class Argument:
     call: Callable[..., Any]
     good: Any
     others: dict[str, Any] = field(default_factory=dict)
+    told: str = ""  #: what a message calls it, where not by its name
 
     def __str__(self) -> str:
         return f"{self.function}({self.name})"
@@ -234,7 +244,73 @@ def arguments() -> list[Argument]:
         found.append(Argument(solve.__name__, "until", o, solve, 1e-4, {"column": COLUMN}))
     found.append(Argument("newton", "method", "word", hl.newton, "general", {"column": COLUMN}))
     found.append(Argument("newton", "tolerance", n, hl.newton, 1e-12, {"column": COLUMN}))
-    return found + [argument for kind in hl.LAWS for argument in arguments_of_law(kind)]
+    return [
+        *found,
+        *arguments_of_sweep(),
+        *arguments_of_approximations(),
+        *arguments_of_film(),
+        *(argument for kind in hl.LAWS for argument in arguments_of_law(kind)),
+    ]
+
+
+def arguments_of_sweep() -> list[Argument]:
+    soft = hl.Column.paper(law=law_of("viscoelastic", 0.7))
+    point = {"column": COLUMN, "gap": [1e-4]}
+    found = [
+        Argument("sweep", "column", "column", sweep, COLUMN, point),
+        Argument("sweep", "model", "word", sweep, "independent", point),
+        Argument("sweep", "engine", "word", sweep, "cpu", point),
+        Argument("sweep", "threads", "optional whole number", sweep, 2, point),
+        Argument("sweep", "store", "optional path of a store", sweep, "map.zarr", point),
+        Argument("sweep", "variables", "optional words", sweep, ["t_end"], point),
+        Argument("sweep", "tolerance", "optional number", sweep, 1e-9, point | {"column": soft}),
+    ]
+    for name, value in {
+        "gap": 1e-4,
+        "radius_1": 0.1,
+        "density": 840.0,
+        "height": 0.6,
+        "gravity": 9.81,
+        "velocity": -1.0,
+        "radius_ratio": 10.0,
+        "restitution": 0.7,
+        "stiffness_floor": 5e7,
+    }.items():
+        found.append(Argument("sweep", name, "swept", sweep, value, {"column": COLUMN}))
+    return found
+
+
+def sweep(store: Any = None, **others: Any) -> Any:
+    """A sweep without the time it took, in a folder where nothing lies at any relative path."""
+    with TemporaryDirectory() as folder, chdir(folder):
+        found = hl.sweep(store=store, **others).load()
+    del found.attrs["wall_time_s"]
+    return found
+
+
+def arguments_of_approximations() -> list[Argument]:
+    shape = "numbers of any shape"
+    return [
+        Argument("restitution_series", "x", shape, hl.restitution_series, 0.1),
+        Argument("restitution_series", "terms", "whole number", hl.restitution_series, 5, {"x": 0.1}),
+        Argument("restitution_pade", "x", shape, hl.restitution_pade, 0.1),
+        Argument("restitution_pade", "numerator", "whole number", hl.restitution_pade, 1, {"x": 0.1}),
+        Argument("restitution_pade", "denominator", "whole number", hl.restitution_pade, 4, {"x": 0.1}),
+    ]
+
+
+def arguments_of_film() -> list[Argument]:
+    def film(path: Any = "film.gif", **options: Any) -> Any:
+        with TemporaryDirectory() as folder, chdir(folder):
+            return RESULT.animate(path, **({"width": 160, "frames_per_second": 1} | options))
+
+    whole = "optional whole number"
+    return [
+        Argument("Result.animate", "path", "path of a film", film, "film.gif", told="animate"),
+        Argument("Result.animate", "ghost", "optional result", film, RESULT),
+        Argument("Result.animate", "width", whole, film, 160),
+        Argument("Result.animate", "frames_per_second", whole, film, 1),
+    ]
 
 
 def arguments_of_law(kind: str) -> list[Argument]:
@@ -261,7 +337,7 @@ def test_bad_values_are_refused_or_documented(argument):
             argument(make())
         except ValueError as error:
             named = str(error).partition(": ")[0]
-            assert re.search(rf"\b{argument.name}\b", named), (label, str(error))
+            assert re.search(rf"\b{argument.told or argument.name}\b", named), (label, str(error))
             assert "\n" not in str(error) and len(str(error)) < 300, (label, str(error))
         except Exception as error:
             pytest.fail(f"{label}: {type(error).__name__}: {error}")

@@ -188,7 +188,7 @@ def test_one_ball(options: list[str]) -> None:
         for model in found["models"].values():
             assert model["rebound_heights"][0] == pytest.approx(0.05 + 0.64 * speed**2 / 2 / 9.81, rel=1e-3)
     else:
-        assert "ball 1" in text and "ball 2" not in text and "nan" not in text
+        assert "ball 1" in text and "ball 2" not in text and "nan" not in text and "t_f" not in text
         assert max(map(len, text.splitlines())) <= 100
 
 

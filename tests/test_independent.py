@@ -265,8 +265,11 @@ def test_beyond_the_limit_of_collisions_nothing_is_known():
     column = two_balls(0.1, 1.0, gap=1e-3, fall=1e-3)
     result = hl.independent(column, until=1e6)
     assert result.outcome_code == hl.OUTCOMES.index("unresolved")
+    assert np.isnan(result.positions).all() and np.isnan(result.velocities).all()
     with pytest.raises(ValueError, match="where the solution ends"):
         result.trajectory([1e6])
+    shown = result.trajectory()
+    assert shown.time.values[-1] == result._core.t_last and np.isfinite(shown.to_array()).all()
     known = result.trajectory(np.linspace(0.0, result._core.t_last * (1.0 - 1e-9), 100))
     assert known.position.values[:, 0].min() >= 0.1 - 1e-9
 

@@ -3,10 +3,8 @@
 import gc
 import math
 import sys
-from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -15,6 +13,7 @@ import xarray as xr
 from PIL import Image
 
 import hardlimit as hl
+from conftest import law_of
 from hardlimit.column.comparison import compare
 from hardlimit.pictures import animation, forces, heights, labels, maps, plots, stage, storyboard, style
 from legible import assert_legible
@@ -59,49 +58,6 @@ def random_column(seed: int) -> hl.Column:
 
 
 SEEDS = range(10)
-
-
-@dataclass
-class OneBall:
-    """A ball alone that bounces once: what pictures ask of a result, for a column without a second ball."""
-
-    restitution: float = 0.8
-    model: str = "newton"
-    until: float | None = None
-    outcome: str = "ok"
-    n_contacts: int = 0
-    t_end: float = math.nan
-    t_floor_end: float = 1e-3
-    column: SimpleNamespace = field(
-        default_factory=lambda: SimpleNamespace(
-            balls=(hl.Ball(0.1, density=840.0),),
-            floor=True,
-            gravity=9.81,
-            impact_speed=3.0,
-            initial_positions=np.array([0.1 + 3.0**2 / 2 / 9.81]),
-        )
-    )
-
-    @property
-    def _core(self) -> SimpleNamespace:
-        return SimpleNamespace(t_first=-3.0 / 9.81, t_last=self.t_floor_end)
-
-    @property
-    def contacts(self) -> xr.Dataset:
-        row = {"pair": [0], "begin": [0.0], "end": [self.t_floor_end]}
-        return xr.Dataset({name: ("contact", np.array(values)) for name, values in row.items()})
-
-    def trajectory(self, times) -> xr.Dataset:
-        t = np.atleast_1d(np.asarray(times, dtype=float))
-        up = 3.0 * self.restitution
-        v = np.where(t <= 0.0, -3.0, up) - 9.81 * t
-        z = 0.1 + np.where(t <= 0.0, -3.0, up) * t - 9.81 * t**2 / 2
-        force = np.where((t > 0.0) & (t < self.t_floor_end), 1e4, 0.0)
-        return xr.Dataset(
-            {"position": (("time", "ball"), z[:, None]), "velocity": (("time", "ball"), v[:, None])}
-            | {"force": (("time", "pair"), force[:, None])},
-            {"time": t, "ball": [1], "pair": [0]},
-        )
 
 
 def texts(figure) -> str:
@@ -258,13 +214,22 @@ def test_frames_can_be_read() -> None:
             assert_legible(figure, **stage.STYLE)
 
 
-def test_a_ball_alone_can_be_drawn() -> None:
-    alone = OneBall()
-    figure = plots.drop(alone, OneBall(restitution=0.7, model="independent"))
+@pytest.mark.parametrize("law", hl.LAWS)
+def test_a_ball_alone_can_be_drawn(law: str) -> None:
+    """With no word of other balls: none is on top, and no last contact of balls ends at t_f."""
+    column = hl.Column([hl.Ball(0.1, density=840.0)], gaps=[], height=0.6, law=law_of(law, 0.7))
+    newton, independent = hl.newton(column), hl.independent(column)
+    figure = plots.drop(newton, independent)
     assert_legible(figure)
-    assert "$F_{01}$" in texts(figure) and "ball 1" in texts(figure) and "$t_f$" not in texts(figure)
-    assert "top ball rebounds to 0.394 m" in texts(figure)
-    pictures = list(animation.frames(alone, alone, 320, 1))
+    shown = texts(figure)
+    assert "$F_{01}$" in shown and "$t_f$" not in shown and "top" not in shown and "ball 1" not in shown
+    for result, name in ((newton, "Newton’s equations"), (independent, "independent collisions")):
+        assert f"{name}, rebound to {result.rebound_heights[0]:.3g} m" in shown
+    for scene in storyboard.storyboard(newton, independent, 2):
+        with style.style(**stage.STYLE):
+            figure = (stage.CloseUp if scene.close_up else stage.Wide)(newton, independent, scene, 640).figure
+        assert "top ball" not in texts(figure)
+    pictures = list(animation.frames(newton, independent, 320, 1))
     assert any(np.any(a != b) for a, b in pairwise(pictures))
 
 
@@ -467,7 +432,14 @@ def test_ffmpeg_that_fails_is_reported_in_one_line(tmp_path: Path, monkeypatch: 
 @pytest.mark.parametrize(
     ("options", "message"),
     [({"width": 0}, "width: got 0"), ({"width": 5000}, "width: got 5000")]
-    + [({"frames_per_second": n}, "frames_per_second: got") for n in (0, -5, 1000, math.nan)],
+    + [({"frames_per_second": n}, "frames_per_second: got") for n in (0, -5, 1000, math.nan)]
+    + [({"progress": True}, "progress: got True, must be callable with")]
+    + [
+        (
+            {"ghost": hl.newton(hl.Column.paper(gap=1e-3))},
+            "ghost: got .*, must be a result of the same column",
+        )
+    ],
 )
 def test_impossible_films_are_refused(options, message, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=message):

@@ -60,7 +60,11 @@ async function open(t, query = "", options = {}) {
 }
 
 const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
-const settled = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done()))));
+// The page has drawn this often.
+const settled = (page, frames = 2) => page.evaluate((frames) => new Promise((done) => {
+  const tick = () => (frames-- > 0 ? requestAnimationFrame(tick) : done());
+  tick();
+}), frames);
 const picture = (page) => page.evaluate(() => document.getElementById("map").toDataURL());
 const mapDone = (page) => page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 60_000 });
 
@@ -178,10 +182,9 @@ test("a link reproduces the view", async (t) => {
   await page.click("#slow");
   await page.fill("#gap1-value", "1 mm");
   await page.keyboard.press("Tab");
-  await page.focus("#scrubber");
-  for (let i = 0; i < 40; i++) await page.keyboard.press("ArrowRight");
-  await page.waitForTimeout(400);
-  const link = page.url();
+  await page.fill("#scrubber", "900");
+  await page.waitForFunction(() => new URLSearchParams(location.search).has("t"));
+  const link = await page.evaluate(() => location.href);
   const look = (p) => p.evaluate(() => [document.documentElement.dataset.numbers, document.getElementById("time").textContent, document.getElementById("map-show").value, document.getElementById("map-axis").value, document.getElementById("slow").ariaPressed]);
   const other = await open(t, new URL(link).search);
   await settled(other);
@@ -250,7 +253,7 @@ test("film: plays, slows, steps, is tied to the cursor", async (t) => {
   if (strict) assert.ok(rate > 50);
   await page.click("#play");
   const held = await time();
-  await page.waitForTimeout(200);
+  await settled(page, 12);
   assert.equal(await time(), held);
   await page.click("body", { position: { x: 5, y: 300 } });
   await page.keyboard.press("ArrowRight");

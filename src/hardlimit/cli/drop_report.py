@@ -121,10 +121,9 @@ def comparison_table(found: Comparison) -> Table:
 
 def comparison_rows(column: Column) -> list[tuple[str, Callable[[Result], str]]]:
     two = len(column.balls) == 2 and column.floor
-    rows: list[tuple[str, Callable[[Result], str]]] = [
-        ("ball–ball contacts", lambda r: str(r.n_contacts)),
-        ("end of the sequence t_f [µs]", lambda r: microseconds(r.t_end)),
-    ]
+    rows: list[tuple[str, Callable[[Result], str]]] = [("ball–ball contacts", lambda r: str(r.n_contacts))]
+    if len(column.balls) > 1:
+        rows.append(("end of the sequence t_f [µs]", lambda r: microseconds(r.t_end)))
     if column.floor:
         rows.append(("end of the floor contact [µs]", lambda r: microseconds(r.t_floor_end)))
     if two:

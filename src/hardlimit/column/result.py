@@ -196,12 +196,18 @@ class Result:
             at = self.until
         if math.isnan(at):
             at = self._core.t_last
+        if self.until is not None and at > self._core.t_last:  # what was not solved is not known
+            unknown = _fixed(np.full(len(self.column.balls), math.nan))
+            return unknown, unknown
         sampled = self._sample(np.array([max(at, self._core.t_first)]))
         return _fixed(sampled[0][0]), _fixed(sampled[1][0])
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Centres [m], bottom first: at ``until`` if given, else at the end (``t_end`` for two balls)."""
+        """Centres [m], bottom first: at ``until`` if given, else at the end (``t_end`` for two balls).
+
+        NaN where the solution ends before ``until``; ``outcome`` says why.
+        """
         return self._final[0]
 
     @property
@@ -222,7 +228,8 @@ class Result:
         marks = np.concatenate([begin, end])
         marks = marks[np.isfinite(marks)]
         if self.until is not None:
-            start, stop = min(0.0, self.until), self.until
+            stop = min(self.until, self._core.t_last)
+            start = min(0.0, stop)
         else:
             stop = float(marks.max(initial=0.0))
             start = float(marks.min(initial=0.0))

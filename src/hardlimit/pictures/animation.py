@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from .. import saving, validation
 from ..column.solvers import independent
@@ -55,11 +55,16 @@ def animate(
     Raises
     ------
     ValueError
-        If the ending is unknown, a number is outside its range, or MP4 is asked for without imageio-ffmpeg
+        If ``path`` is none or has an unknown ending, a number is outside its range, ``ghost`` is not of the same
+        column, or MP4 is asked for without imageio-ffmpeg
         (``pip install 'hardlimit[film]'``); GIF needs nothing more.
     OSError
         If the file cannot be written; names it.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"animate: got {validation.shown(path)}, must be a path")
+    if progress is not None and not callable(progress):
+        raise ValueError(f"progress: got {validation.shown(progress)}, must be callable with (done, total)")
     target = Path(path)
     film = target.suffix.lower() == ".mp4"
     if target.suffix.lower() not in ENDINGS:
@@ -70,7 +75,7 @@ def animate(
         video.require_ffmpeg()
     rate = _whole("frames_per_second", frames_per_second, 30 if film else 15, RATES)
     pixels = _whole("width", width, 1280 if film else 640, WIDTHS) // 32 * 32  # 16:9, and even
-    other = independent(result.column, result.until) if ghost is None else ghost
+    other = independent(result.column, result.until) if ghost is None else _ghost(ghost, result)
     pictures = frames(result, other, pixels, rate, progress)
     with saving.whole(target) as unfinished:
         write = video.write_mp4 if film else video.write_gif
@@ -82,7 +87,14 @@ def _whole(name: str, value: int | None, default: int, limits: tuple[int, int]) 
     """``value`` as an integer within the limits; ``default`` for None."""
     if value is None:
         return default
-    return int(validation.number(name, value, *limits, lowest_allowed=True, highest_allowed=True))
+    return validation.whole(name, value, *limits)
+
+
+def _ghost(ghost: Any, result: Result) -> Result:
+    """A second model of the same column."""
+    if not isinstance(ghost, type(result)) or ghost.column != result.column:
+        raise ValueError(f"ghost: got {validation.shown(ghost)}, must be a result of the same column")
+    return ghost
 
 
 def frames(

@@ -96,9 +96,10 @@ def draw_forces(axes: list[Axes], result: Result, ghost: Result | None, named: b
     for ax, pair in zip(axes, pairs, strict=True):
         if ghost is not None and result.model != "independent":
             _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
-    _mark_end(axes, result.t_end, span, factor)
+    end = result.t_end if len(result.column.balls) > 1 else math.nan
+    _mark_end(axes, end, span, factor)
     # The label stands on the side where t_f is not.
-    side = "right" if result.t_end < 0.5 * (span[0] + span[1]) else "left"
+    side = "right" if end < 0.5 * (span[0] + span[1]) else "left"
     for ax, pair in zip(axes, pairs, strict=True):
         text = _bodies_and_contacts(result, pair) if named else _contacts(result, pair)
         ax.set_title(text, loc="right" if side == "right" else "left", fontsize="medium", pad=3.0)

@@ -130,12 +130,13 @@ def _sample(result: Result, start: float, stop: float) -> tuple[NDArray[np.float
 
 def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
     """Entries of the legend: the models by line, with the height of the top ball, and the balls by colour."""
+    who = "top ball rebounds" if len(results[0].column.balls) > 1 else "rebound"
     for result in results:
         highest = float(tops(result)[1][-1])
         name = MODELS[result.model].label
-        label = name if math.isnan(highest) else f"{name}, top ball rebounds to {highest:.3g} m"
+        label = name if math.isnan(highest) else f"{name}, {who} to {highest:.3g} m"
         ax.plot([], [], color="black", ls=LINES[result.model], label=label)
-    if len(results[0].column.balls) <= MOST_NAMED:
+    if 1 < len(results[0].column.balls) <= MOST_NAMED:
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")
 

@@ -153,7 +153,8 @@ class Wide(_Stage):
                 ax.text(0.5, 0.975, text, transform=ax.transAxes, ha="center", va="top", fontsize=9.5)
         self.axes[0].set_ylabel("height [m]")
         self.title_models()
-        self.caption("true sizes and heights\ndotted: release of the top ball")
+        whose = "top ball" if len(column.balls) > 1 else "ball"
+        self.caption(f"true sizes and heights\ndotted: release of the {whose}")
         self.balls = [
             _make_balls(ax, [b.radius for b in column.balls], k == 1) for k, ax in enumerate(self.axes)
         ]

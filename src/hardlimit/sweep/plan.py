@@ -256,7 +256,8 @@ def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
     """The variables asked for."""
     if variables is None:
         return usual(balls)
-    if isinstance(variables, str) or not isinstance(variables, Iterable):
+    one = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
+    if one or not isinstance(variables, Iterable):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be a list of names")
     kept = []
     for name in variables:

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from .. import validation
 from .chunks import Chunks
 from .computation import Computation, Coordinate, Values, Variable, labels
 
@@ -281,7 +282,7 @@ def _shape(box: tuple[slice, ...], variable: Variable) -> tuple[int, ...]:
 
 def _local(path: str | Path) -> Path:
     if not isinstance(path, str | os.PathLike) or "://" in str(path) or not Path(path).name:
-        raise ValueError(f"store: got {path!r}, must be the path of a local folder")
+        raise ValueError(f"store: got {validation.shown(path)}, must be the path of a local folder")
     return Path(path).absolute()
 
 
