@@ -140,11 +140,11 @@ def test_a_solution_is_sampled_where_it_is_known(method: Any, time: float) -> No
 def test_a_trajectory_far_from_now_ends(model: Any, restitution: float) -> None:
     """At rest, or refused in one line that says how far the solution goes."""
     result = model(hl.Column.paper(restitution=restitution))
-    for time in (1e4, 1e12, 1e308):
+    for time in (1e3, 1e12, 1e308):
         try:
             position = result.trajectory([time]).position.values[0]
         except ValueError as refusal:
             assert str(refusal).startswith("times: got ") and "\n" not in str(refusal)
-            assert time > 1e4 and (time > 1e9 or restitution == 1.0)
+            assert time > 1e3 and (time > 1e9 or restitution == 1.0)
         else:
             assert restitution == 1.0 or position == pytest.approx([0.1, 0.21], abs=1e-5)

@@ -301,7 +301,7 @@ def test_no_contact_before_the_floor_is_met_again():
 def test_reengagement_is_a_contact_of_its_own():
     """The clipped force switches on again while the balls still overlap."""
     found = 0
-    for restitution in np.arange(0.3, 0.9, 0.01):
+    for restitution in np.arange(0.3, 0.9, 0.02):
         for gap in np.logspace(-6, -4, 15):
             result = hl.newton(hl.Column.paper(float(restitution), float(gap)))
             if result.n_contacts < 2:
@@ -494,9 +494,9 @@ def test_creep_ends_at_rest(ratio, restitution, gap, model):
     assert result.n_contacts == 1
 
 
-def test_strongly_damped_random_columns_are_resolved():
+@pytest.mark.parametrize("n", [300, pytest.param(1500, marks=pytest.mark.slow)])
+def test_strongly_damped_random_columns_are_resolved(n):
     rng = np.random.default_rng(4)
-    n = 1500
     swept = {
         "restitution": 10.0 ** rng.uniform(-12, 0, n),
         "radius_ratio": 10.0 ** rng.uniform(-2, 3, n),

@@ -50,7 +50,7 @@ def test_never_attractive_and_energy_never_rises(column):
     assert (t.force.values[gap > 1e-12] == 0.0).all()
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(columns())
 def test_momentum_changes_by_the_impulse_of_the_floor_and_the_weight(column):
     """Of each ball: m dv = ∫ (F below − F above − m g) dt, by Gauss' rule between switches."""

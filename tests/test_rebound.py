@@ -100,7 +100,7 @@ def test_up_to_a_time_it_is_the_highest_point_of_the_trajectory(column: hl.Colum
     until = 2.5 * column.impact_speed / G
     result = model_of(column, model)(column, until=until)
     assume(result.outcome_code in (0, 1))
-    times = np.linspace(0.0, until, 4001)
+    times = np.linspace(0.0, until, 1001)
     position = result.trajectory(times).position.values
     for ball, (since, found) in enumerate(zip(bounces(result), heights(result), strict=True)):
         seen = position[times >= since, ball]

@@ -62,6 +62,12 @@ inline double apex(const Solution& s, std::size_t ball, States& at, double low, 
     return at.position[ball];
 }
 
+// Whether a ball that turns between two knots may come higher than `greatest`. From the higher of its places there it
+// rises by less than `way`, the time between them times the change of velocity: the speed stays below that change, as
+// it falls steadily in flight and smoothly within an integration step. A ball that comes to rest turns in every step,
+// by rounding, and each search for the top costs tens of steps.
+inline bool may_exceed(double greatest, double ends, double way) { return !(ends + 4.0 * way <= greatest); }
+
 // Knots of the run and ends of the windows, in order.
 inline std::vector<double> marks(const Solution& s, const std::vector<double>& from,
                                  const std::vector<double>& to) {
@@ -91,7 +97,10 @@ inline void look_through(const Solution& s, double origin, const std::vector<dou
                 found.reach(j, at.position[i * balls + j]);
                 if (i == 0 || t[i - 1] < found.from[j]) continue;
                 const double before = at.velocity[(i - 1) * balls + j], now = at.velocity[i * balls + j];
-                if (before > 0.0 && now < 0.0) found.reach(j, apex(s, j, one, t[i - 1], before, t[i], now));
+                const double ends = math::max(at.position[(i - 1) * balls + j], at.position[i * balls + j]);
+                const bool turns = before > 0.0 && now < 0.0;
+                if (turns && may_exceed(found.greatest[j], ends, (t[i] - t[i - 1]) * (before - now)))
+                    found.reach(j, apex(s, j, one, t[i - 1], before, t[i], now));
             }
         }
     }

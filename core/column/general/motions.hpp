@@ -204,6 +204,10 @@ struct Motion {
     // The same at a given time within an interval; Newton's method on t(τ), which rises monotonically.
     void reach(const double* y, const double* k0, double length, double time, double* out) const {
         const double wanted = time - y[clock()];
+        if (wanted == 0.0) {
+            std::copy(y, y + dimension(), out);
+            return;
+        }
         if (std::find(rooted.begin(), rooted.end(), 1) == rooted.end()) return advance(y, k0, wanted, out);
         std::vector<double> k(dimension());
         double low = 0.0, high = length, at = 0.5 * length;
