@@ -25,7 +25,7 @@ public:
 
     HL_FN Sequence run() {
         for (long steps = 0; !sequence.finished || t < until; ++steps) {
-            see();
+            if (!spanned()) see();
             const bool finite = math::is_finite(x.u + x.du + x.w + x.dw);
             if (steps == max_pieces || lasting == max_lasting || !finite || observer.stopped()) {
                 sequence.outcome = Outcome::unresolved;
@@ -45,8 +45,11 @@ public:
 
 private:
     enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
-    // Pieces without an event after which a contact is examined for creep, and after which it is glided over.
-    static constexpr long creeps_after = 32, glides_after = 4000;
+    // Pieces without an event after which a contact is examined for creep, and after which it is glided over, in the
+    // sequence and after it.
+    static constexpr long creeps_after = 32, glides_after = 4000, glides_later_after = 32;
+    // After the sequence a lasting contact of both balls has a node at every so many pieces: its closed form spans them.
+    static constexpr long pieces_per_node = 32;
 
     TwoBall s;
     Gaps x;
@@ -72,6 +75,11 @@ private:
         observer.node(Node{t, {x.u * unit, x.du * unit, x.w * unit, x.dw * unit}, phase.floor, phase.pair});
     }
 
+    // The closed form from an earlier node gives the present state.
+    HL_FN bool spanned() const {
+        return sequence.finished && phase.floor && phase.pair && lasting % pieces_per_node != 0;
+    }
+
     HL_FN Motion next_motion() {
         if (!phase.floor && !phase.pair) return Motion::flight;
         if (!phase.floor) return Motion::series;
@@ -85,7 +93,8 @@ private:
             return dt > 8.0 * piece_length(s, true, false) ? Motion::floor_glide : Motion::series;
         }
         if (rests_on_both(s, s.b2, x) || (creeping && creeps_on_both(s, x))) return Motion::rest;
-        doublings = lasting > glides_after ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
+        const bool gliding = lasting > (sequence.finished ? glides_later_after : glides_after);
+        doublings = gliding ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
         return doublings >= 0 ? Motion::glide : Motion::series;
     }
 
