@@ -1,4 +1,4 @@
-// The run of the exact two-ball solver: from switch to switch until the sequence is over.
+// The run of the exact two-ball solver: from event to event until the sequence is over.
 #pragma once
 #include "../sequence.hpp"
 #include "events.hpp"
@@ -8,7 +8,7 @@ namespace hardlimit::column {
 
 namespace exact {
 
-// One run: finds the next switch, moves there, throws it, until the sequence is over.
+// One run: finds the next event, moves there, applies it, until the sequence is over.
 template <class Observer>
 class Run {
 public:
@@ -34,7 +34,7 @@ public:
             find_next();
             if (stopped) break;
             move();
-            throw_switch();
+            apply_event();
         }
         see();
         sequence.close();
@@ -105,7 +105,7 @@ private:
         if (motion == Motion::flight)
             find_in_flight();
         else if (motion == Motion::floor_rest)
-            next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
+            next.consider(dt = closing_on_rest(s, x), Event::pair_begins);
         else if (motion == Motion::rest)
             rest();
         else if (motion == Motion::glide)
@@ -186,33 +186,33 @@ private:
             x.dw = rise - x.du;
     }
 
-    HL_FN void throw_switch() {
-        if (next.what != Switch::none) lasting = 0;
+    HL_FN void apply_event() {
+        if (next.what != Event::none) lasting = 0;
         switch (next.what) {
-            case Switch::none:
+            case Event::none:
                 break;
-            case Switch::floor_begins:
+            case Event::floor_begins:
                 floor_begins();
                 break;
-            case Switch::floor_ends:
+            case Event::floor_ends:
                 floor_ends();
                 break;
-            case Switch::floor_opens:
+            case Event::floor_opens:
                 floor_opens();
                 break;
-            case Switch::pair_begins:
+            case Event::pair_begins:
                 pair_begins();
                 break;
-            case Switch::pair_ends:
+            case Event::pair_ends:
                 pair_ends();
                 break;
-            case Switch::pair_opens:
+            case Event::pair_opens:
                 pair_opens();
                 break;
         }
     }
 
-    // Each switch puts the state exactly on its surface.
+    // Each event puts the state exactly on its surface.
     HL_FN void floor_begins() {
         x.u = phase.floor_open ? 0.0 : -s.c1 * x.du;
         on.u = phase.floor_open;
