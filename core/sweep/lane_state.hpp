@@ -61,7 +61,7 @@ HL_FN void clear(M& flag, Same<M> where) {
 
 // ---- events: the definitions of column/sequence.hpp, lane by lane ---------------------------------------------
 // They stand here a second time: a lane holds two balls, so one mask says what column::Sequence counts for any number of
-// pairs, and each rule acts on the lanes of a mask. tests/test_linear_kernel.py compares both over random drops.
+// pairs, and each rule acts on the lanes of a mask. tests/test_sequence_rules.py compares both over random events.
 
 template <class R>
 HL_FN void finish(State<R>& q, Mask<R> m) {
