@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import solve_continuous_lyapunov
 
 import hardlimit as hl
 from conftest import columns, law_of
@@ -146,6 +147,29 @@ def both_closed(result: hl.Result) -> tuple[float, float]:
     return begin + 0.01 * (end - begin), end - 0.01 * (end - begin)
 
 
+def motion_c(column: hl.Column) -> mpmath.matrix:
+    """Rates of (u, u̇, w, ẇ, 1) while both contacts push."""
+    floor, pair = column.contacts
+    m1, m2 = (b.mass for b in column.balls)
+    k1, g1, k2, g2 = floor.stiffness, floor.damping, pair.stiffness, pair.damping
+    return mpmath.matrix(
+        [
+            [0, 1, 0, 0, 0],
+            [-k1 / m1, -g1 / m1, k2 / m1, g2 / m1, -G],
+            [0, 0, 0, 1, 0],
+            [k1 / m1, g1 / m1, -k2 * (1 / m1 + 1 / m2), -g2 * (1 / m1 + 1 / m2), 0],
+            [0, 0, 0, 0, 0],
+        ]
+    )
+
+
+def gaps_and_rates(column: hl.Column, samples: xr.Dataset) -> np.ndarray:
+    """Rows (u, u̇, w, ẇ)."""
+    r1, r2 = (b.radius for b in column.balls)
+    z, v = samples.position.values, samples.velocity.values
+    return np.stack([z[:, 0] - r1, v[:, 0], z[:, 1] - z[:, 0] - r1 - r2, v[:, 1] - v[:, 0]], axis=1)
+
+
 @pytest.mark.parametrize("restitution", [1.0, 0.7, 0.3, math.exp(-2.0), 0.1])
 @pytest.mark.parametrize("ratio", [2.0, 10.0])
 def test_motion_with_both_contacts_is_the_matrix_exponential(restitution, ratio):
@@ -155,24 +179,10 @@ def test_motion_with_both_contacts_is_the_matrix_exponential(restitution, ratio)
     times = both_closed(result)
     samples = result.trajectory(times)
     assert (samples.force.values > 0.0).all()
-    floor, pair = column.contacts
-    m1, m2 = (b.mass for b in column.balls)
-    r1, r2 = (b.radius for b in column.balls)
-    k1, g1, k2, g2 = floor.stiffness, floor.damping, pair.stiffness, pair.damping
-    matrix = mpmath.matrix(
-        [
-            [0, 1, 0, 0, 0],
-            [-k1 / m1, -g1 / m1, k2 / m1, g2 / m1, -G],
-            [0, 0, 0, 1, 0],
-            [k1 / m1, g1 / m1, -k2 * (1 / m1 + 1 / m2), -g2 * (1 / m1 + 1 / m2), 0],
-            [0, 0, 0, 0, 0],
-        ]
-    )
-    z, v = samples.position.values, samples.velocity.values
-    gaps = np.stack([z[:, 0] - r1, v[:, 0], z[:, 1] - z[:, 0] - r1 - r2, v[:, 1] - v[:, 0]], axis=1)
+    gaps = gaps_and_rates(column, samples)
     with mpmath.workdps(40):
         start = mpmath.matrix([*map(float, gaps[0]), 1])
-        exact = mpmath.expm(matrix * mpmath.mpf(times[1] - times[0])) * start
+        exact = mpmath.expm(motion_c(column) * mpmath.mpf(times[1] - times[0])) * start
         for i, scale in ((1, column.impact_speed), (3, column.impact_speed)):
             # The gaps taken from positions are known to 1e-16 m only: 1e-12 m/s after ω = 1e5/s.
             assert abs(float(exact[i]) - gaps[1, i]) < 2e-11 * scale
@@ -507,6 +517,76 @@ def test_strongly_damped_random_columns_are_resolved(n):
     for model in ("newton", "adiabatic"):
         outcome = hl.sweep(hl.Column.paper(height=11.0), model, **points).outcome.values
         assert not (outcome == hl.OUTCOMES.index("unresolved")).any()
+
+
+@pytest.mark.parametrize("until", [0.035, 0.05, 0.07])
+def test_velocities_of_a_relaxation_keep_their_digits(until):
+    """Overdamped balls on the floor, from 0.1 m/s down to 1e-16 m/s: what decays is not a difference of what stays."""
+    column = hl.Column.paper(0.05)
+    result = hl.newton(column, until=until)
+    begin = float(result.contacts.begin.values[-1]) + 1e-6
+    samples = result.trajectory([begin, until])
+    assert (samples.force.values > 0.0).all()
+    gaps = gaps_and_rates(column, samples)
+    with mpmath.workdps(40):
+        start = mpmath.matrix([*map(float, gaps[0]), 1])
+        exact = mpmath.expm(motion_c(column) * (mpmath.mpf(until) - mpmath.mpf(begin))) * start
+    assert gaps[1, 1] == pytest.approx(float(exact[1]), rel=1e-9)
+    assert float(samples.velocity[1, 1]) == pytest.approx(float(exact[1] + exact[3]), rel=1e-9)
+
+
+@pytest.mark.parametrize("model", ["newton", "adiabatic"])
+def test_dissipated_energy_of_a_relaxation_is_the_work_of_the_dashpots(model):
+    """∫ γ u̇² dt of both contacts from a Lyapunov equation, over hundreds of pieces."""
+    column = hl.Column.paper(0.05)
+    result = getattr(hl, model)(column, until=0.05)
+    times = [float(result.contacts.begin.values[-1]) + 1e-6, 0.05]
+    samples = result.trajectory(times)
+    floor, pair = column.contacts
+    rates = np.array(motion_c(column).tolist(), dtype=float)[:4, :4]
+    if model == "adiabatic":
+        rates[1, 2:] = 0.0
+        rates[3, 2:] = -pair.stiffness / column.balls[1].mass, -pair.damping / column.balls[1].mass
+    # Lengths in units of 1e-5 s times a velocity: the equation is then well scaled.
+    omega = np.diag([1e5, 1.0, 1e5, 1.0])
+    scaled = omega @ rates @ np.linalg.inv(omega)
+    work = solve_continuous_lyapunov(scaled.T, -np.diag([0.0, floor.damping, 0.0, pair.damping]))
+    w0 = -column.balls[1].mass * G / pair.stiffness
+    above = 0.0 if model == "adiabatic" else column.balls[1].mass
+    u0 = -(column.balls[0].mass + above) * G / floor.stiffness
+    x = (gaps_and_rates(column, samples) - [u0, 0.0, w0, 0.0]) @ omega
+    expected = x[0] @ work @ x[0] - x[1] @ work @ x[1]
+    dissipated = samples.dissipated_energy.values
+    assert expected > 1e-3
+    assert dissipated[1] - dissipated[0] == pytest.approx(expected, rel=1e-7)
+
+
+def random_column(rng: np.random.Generator) -> hl.Column:
+    """Whatever the explorer can be set to, elastic balls included."""
+    radii = np.exp(rng.uniform(math.log(1e-3), math.log(0.5), 2))
+    stiffness = 5e7 if rng.random() < 0.5 else 10.0 ** rng.uniform(3, 9)
+    restitution = 1.0 if rng.random() < 0.1 else rng.uniform(0.02, 1.0)
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
+    balls = [hl.Ball(r, density=840.0) for r in radii]
+    return hl.Column(balls, [10.0 ** rng.uniform(-8, 0)], radii[0] + 10.0 ** rng.uniform(-3, 1), law)
+
+
+@pytest.mark.parametrize("model", ["newton", "adiabatic"])
+def test_a_long_run_has_pieces_for_its_contacts_not_for_its_length(model):
+    """A ball that lies or rings on another passes through up to 1e6 of its own periods in a second."""
+    rng = np.random.default_rng(8)
+    law = hl.LinearDashpot(stiffness=5e7, restitution=0.7)
+    cases = [
+        (hl.Column([hl.Ball(r1, density=840.0), hl.Ball(r2, density=840.0)], [1e-4], r1 + fall, law), until)
+        for r1, r2, fall, until in [(0.5, 1e-3, 1.6e-3, 0.5), (0.5, 1e-3, 0.1, 3.0), (1e-3, 0.5, 9e-3, 3.0)]
+    ]
+    cases += [(random_column(rng), rng.uniform(0.1, 3.0)) for _ in range(150)]
+    for column, until in cases:
+        sequence = getattr(hl, model)(column)
+        result = getattr(hl, model)(column, until=until)
+        contacts = len(result.contacts.begin)
+        assert result.outcome_code != hl.OUTCOMES.index("unresolved")
+        assert result._core.steps < sequence._core.steps + 50 + 20 * contacts
 
 
 @pytest.mark.parametrize("restitution", [1e-2, 3e-2])

@@ -1,4 +1,4 @@
-// What every kernel over lanes has in common, whatever the contact law: one drop in each lane, the switches of
+// What every kernel over lanes has in common, whatever the contact law: one drop in each lane, the events of
 // column/sequence.hpp lane by lane, force-free flight, and the way of a drop into a lane and out of it.
 #pragma once
 #include "../column/exact/run.hpp"
@@ -59,9 +59,9 @@ HL_FN void clear(M& flag, Same<M> where) {
     flag = flag & negation(where);
 }
 
-// ---- switches: the definitions of column/sequence.hpp, lane by lane -------------------------------------------
+// ---- events: the definitions of column/sequence.hpp, lane by lane ---------------------------------------------
 // They stand here a second time: a lane holds two balls, so one mask says what column::Sequence counts for any number of
-// pairs, and each rule acts on the lanes of a mask. tests/test_linear_kernel.py compares both over random drops.
+// pairs, and each rule acts on the lanes of a mask. tests/test_sequence_rules.py compares both over random events.
 
 template <class R>
 HL_FN void finish(State<R>& q, Mask<R> m) {

@@ -1,8 +1,8 @@
 // Many two-ball drops at once under the linear law, one drop in each lane of a vector.
 //
-// A step takes lanes to their next switch, by the modes of their motion (linear_modes.hpp): a guess, one step of a method of
+// A step takes lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step of a method of
 // third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where bounds show
-// that this is the next switch; else a careful step takes one piece exactly as column/exact/run.hpp does. Each round is
+// that this is the next event; else a careful step takes one piece exactly as column/exact/run.hpp does. Each round is
 // spent on the step that most lanes wait for, and lanes that are done take the next drops of the block.
 //
 // Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
@@ -106,7 +106,7 @@ HL_FN R polish(R f, R f1, R f2) {
 // How far the short step and the last one may go, in units of 1/ω.
 inline constexpr double nearby = 0.02, polished = 1e-6;
 
-// The next switch of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the floor
+// The next event of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the floor
 // lets go. w is concave while the floor pushes, so it has a zero before the release exactly if it is negative then.
 template <class R>
 HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
@@ -206,7 +206,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     return good;
 }
 
-// The end of a pair contact (motions C and D) that is the next switch. L2 = slow part S + ring; the first zero is where
+// The end of a pair contact (motions C and D) that is the next event. L2 = slow part S + ring; the first zero is where
 // the ring rises, if it then outweighs S. Where the floor may let go before, that zero is kept, and the next such step
 // looks for the zero of L1.
 template <class R>

@@ -3,12 +3,12 @@
 // In the units of an elastic impact of the pair (viscoelastic_scaling.hpp) and with compressions ξ = −gap, their rates v and
 // f = ξ + c v, the equations of motion (1: floor, 2: pair; forces F = √ξ f of closed contacts only) are
 //   v1' = G − a1 F1 + a2 F2,      v2' = a1 F1 − F2,
-// so that every switch is defined as in linear_kernel.hpp, on the same functions. Only the steps are others: with the closed
+// so that every event is defined as in linear_kernel.hpp, on the same functions. Only the steps are others: with the closed
 // contact a that is nearest to its onset, and b the other one,
 //   ξ_a = s²,  dt = s dτ:   ds/dτ = v_a/2,   dξ_b/dτ = s v_b,   dv/dτ = s G + k_a ξ_a f_a + k_b s F_b,
 // which is polynomial but for √ξ_b and therefore smooth through the onset and the end of contact a. The Taylor series
 // of this system about the present state is summed by recurrence, its last terms give the length of the step, and
-// every switch within is the first zero of a polynomial. The root √ξ_b limits the step where b comes near its own
+// every event within is the first zero of a polynomial. The root √ξ_b limits the step where b comes near its own
 // onset, which then makes it contact a.
 //
 // A drop that needs too many steps is left to the general solver (Status::left); one whose contacts never end is
@@ -27,7 +27,7 @@ inline constexpr double most_steps = 3000.0;
 inline constexpr double elastic = 1e-12;     // damping time below which the force ends with the compression
 inline constexpr double first_touch = 0.02;  // τ in which a pair that only touches feels less than rounding
 
-// Divides a polynomial that the last switch put on zero at τ = 0 by τ; again if it touches without approach.
+// Divides a polynomial that the last event put on zero at τ = 0 by τ; again if it touches without approach.
 template <int D, class R>
 HL_FN_APART void leave_zero(R* f, Mask<R> at_zero) {
     for (int i = 0; i < D && any(at_zero); ++i) {
@@ -351,7 +351,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     R h = length<R>(p, select<R>(q.t < 0.0, constant<R>(log2_tolerance - 12.0), constant<R>(log2_tolerance)));
     h = select<R>(touching, math::min<R>(h, constant<R>(first_touch)), h);
 
-    // Each switch as a polynomial that falls to zero. A contact without damping ends with its compression.
+    // Each event as a polynomial that falls to zero. A contact without damping ends with its compression.
     const M on_a = select<M>(first, q.on_u, q.on_w), on_b = select<M>(first, q.on_w, q.on_u);
     const M on_la = select<M>(first, q.on_l1, q.on_l2), on_lb = select<M>(first, q.on_l2, q.on_l1);
     const M root_a = k.ca < elastic, root_b = k.cb < elastic;

@@ -79,14 +79,43 @@ inline Mechanical mechanical_energy(const LinearColumn& c, const Units& units, c
                 c.contacts[1].energy(math::max(0.0, -x.w * length))};
 }
 
+// Abscissae and weights of the eight-point Gauss rule on [−1, 1].
+inline constexpr double gauss_at[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959,
+                                       0.96028985649753623168};
+inline constexpr double gauss_weight[4] = {0.36268378337836198297, 0.31370664587788728734,
+                                           0.22238103445337447054, 0.10122853629037625915};
+
+// Work done by the dashpots in motion C of the adiabatic model, whose mechanical energy is lost to the reaction it leaves
+// out as well. Over t it is a quadratic form W(t) of the state, and W(2t) = W(t) + Φᵀ W(t) Φ with Φ = exp(M t).
+inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
+    const TwoBall& groups = s.groups;
+    const double half_piece = 0.5 * exact::piece_length(groups, true, true);
+    int doublings = 0;
+    for (; t > half_piece && doublings < exact::most_doublings; ++doublings) t *= 0.5;
+    double form[4][4] = {};
+    for (int j = 0; j < 8; ++j) {
+        const double at = 0.5 * t * (1.0 + (j < 4 ? -gauss_at[j] : gauss_at[j - 4]));
+        const exact::Propagator p = exact::Propagator::of(groups, at);
+        for (int a = 0; a < 4; ++a)
+            for (int b = 0; b < 4; ++b)
+                form[a][b] += 0.5 * t * gauss_weight[j % 4] *
+                              (c.contacts[0].damping * p.at(1, a) * p.at(1, b) +
+                               c.contacts[1].damping * p.at(3, a) * p.at(3, b));
+    }
+    for (exact::Propagator p = exact::Propagator::of(groups, t); doublings > 0; --doublings, p = p.squared())
+        p.double_form(form);
+    const double w0 = -groups.gravity / groups.b2;
+    const double from[4] = {x.u - w0 / groups.a1, x.du, x.w - w0, x.dw};
+    double work = 0.0;
+    for (int a = 0; a < 4; ++a)
+        for (int b = 0; b < 4; ++b) work += from[a] * form[a][b] * from[b];
+    return work * s.units.speed * s.units.speed / s.units.rate;
+}
+
 // Work done by the dashpots, and energy that a contact still stores when its clipped force vanishes, from the node
 // over dt: an eight-point Gauss rule on half pieces is exact to rounding. A force-free overlap gives its stored
-// energy away. Over a long rest it is what the mechanical energy loses.
+// energy away. Over many pieces it is what the mechanical energy loses.
 inline double dissipated_over(const LinearColumn& c, const Start& s, const Node& n, double dt) {
-    static constexpr double at[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959,
-                                     0.96028985649753623168};
-    static constexpr double weight[4] = {0.36268378337836198297, 0.31370664587788728734,
-                                         0.22238103445337447054, 0.10122853629037625915};
     const double speed2 = s.units.speed * s.units.speed;
     const auto power = [&](const Gaps& x) {
         return ((n.floor ? c.contacts[0].damping * x.du * x.du : 0.0) +
@@ -94,9 +123,11 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
                speed2 / s.units.rate;
     };
     double work = 0.0;
-    if (n.floor || n.pair) {
+    if ((n.floor && c.contacts[0].damping > 0.0) || (n.pair && c.contacts[1].damping > 0.0)) {
         const double h = exact::piece_length(s.groups, n.floor, n.pair);
-        if (dt > 100.0 * h) {
+        const bool together = n.floor && n.pair;
+        if (together && !(s.groups.a2 > 0.0) && dt > 8.0 * h) return work_together(c, s, n.x, dt);
+        if (dt > (together ? 8.0 : 100.0) * h) {
             return mechanical_energy(c, s.units, n.x).sum() -
                    mechanical_energy(c, s.units, state_at(s.groups, n, dt)).sum();
         }
@@ -104,9 +135,9 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
         const double half = 0.5 * dt / pieces;
         for (int i = 0; i < pieces; ++i)
             for (int j = 0; j < 4; ++j)
-                work += half * weight[j] *
-                        (power(state_at(s.groups, n, half * (2 * i + 1 - at[j]))) +
-                         power(state_at(s.groups, n, half * (2 * i + 1 + at[j]))));
+                work += half * gauss_weight[j] *
+                        (power(state_at(s.groups, n, half * (2 * i + 1 - gauss_at[j]))) +
+                         power(state_at(s.groups, n, half * (2 * i + 1 + gauss_at[j]))));
     }
     const double length = s.units.speed / s.units.rate;
     const Gaps end = state_at(s.groups, n, dt);

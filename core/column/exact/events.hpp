@@ -1,15 +1,15 @@
-// Switches of the exact two-ball solver: which contact begins, ends or opens next.
+// Events of the exact two-ball solver: which contact begins, ends or opens next.
 #pragma once
 #include "motions.hpp"
 
 namespace hardlimit::column::exact {
 
-enum class Switch { none, floor_begins, floor_ends, floor_opens, pair_begins, pair_ends, pair_opens };
+enum class Event { none, floor_begins, floor_ends, floor_opens, pair_begins, pair_ends, pair_opens };
 
 struct Next {
     double at = never;  // θ within a piece, or time in motion A
-    Switch what = Switch::none;
-    HL_FN void consider(double when, Switch candidate) {
+    Event what = Event::none;
+    HL_FN void consider(double when, Event candidate) {
         if (when < at) {
             at = when;
             what = candidate;
@@ -17,7 +17,7 @@ struct Next {
     }
 };
 
-// Which event functions the last switch put exactly on zero.
+// Which event functions the last event put exactly on zero.
 struct OnSurface {
     bool u = false, w = false, l1 = false, l2 = false;
 };
@@ -31,36 +31,35 @@ struct Phase {
 HL_FN Next next_in_flight(const TwoBall& s, const Gaps& x, const Phase& p) {
     Next next;
     if (p.floor_open) {
-        next.consider(first_fall(x.u, x.du, s.gravity), Switch::floor_begins);
+        next.consider(first_fall(x.u, x.du, s.gravity), Event::floor_begins);
     } else {
-        next.consider(first_rise(x.u, x.du, s.gravity), Switch::floor_opens);
-        next.consider(first_fall(x.u + s.c1 * x.du, x.du - s.c1 * s.gravity, s.gravity),
-                      Switch::floor_begins);
+        next.consider(first_rise(x.u, x.du, s.gravity), Event::floor_opens);
+        next.consider(first_fall(x.u + s.c1 * x.du, x.du - s.c1 * s.gravity, s.gravity), Event::floor_begins);
     }
     if (p.pair_open)
-        next.consider(first_fall(x.w, x.dw, 0.0), Switch::pair_begins);
+        next.consider(first_fall(x.w, x.dw, 0.0), Event::pair_begins);
     else
-        next.consider(first_rise(x.w, x.dw, 0.0), Switch::pair_opens);
+        next.consider(first_rise(x.w, x.dw, 0.0), Event::pair_opens);
     return next;
 }
 
 HL_FN Next next_in_piece(const Piece& piece, const Phase& p, const OnSurface& on) {
     Next next;
     if (p.floor) {
-        next.consider(first_crossing<order - 1>(piece.l1, 1.0, on.l1), Switch::floor_ends);
+        next.consider(first_crossing<order - 1>(piece.l1, 1.0, on.l1), Event::floor_ends);
     } else if (p.floor_open) {
-        next.consider(first_crossing<order>(piece.u, -1.0, on.u), Switch::floor_begins);
+        next.consider(first_crossing<order>(piece.u, -1.0, on.u), Event::floor_begins);
     } else {
-        next.consider(first_crossing<order>(piece.u, 1.0, on.u), Switch::floor_opens);
-        next.consider(first_crossing<order - 1>(piece.l1, -1.0, on.l1), Switch::floor_begins);
+        next.consider(first_crossing<order>(piece.u, 1.0, on.u), Event::floor_opens);
+        next.consider(first_crossing<order - 1>(piece.l1, -1.0, on.l1), Event::floor_begins);
     }
     if (p.pair) {
-        next.consider(first_crossing<order - 1>(piece.l2, 1.0, on.l2), Switch::pair_ends);
+        next.consider(first_crossing<order - 1>(piece.l2, 1.0, on.l2), Event::pair_ends);
     } else if (p.pair_open) {
-        next.consider(first_crossing<order>(piece.w, -1.0, on.w), Switch::pair_begins);
+        next.consider(first_crossing<order>(piece.w, -1.0, on.w), Event::pair_begins);
     } else {
-        next.consider(first_crossing<order>(piece.w, 1.0, on.w), Switch::pair_opens);
-        next.consider(first_crossing<order - 1>(piece.l2, -1.0, on.l2), Switch::pair_begins);
+        next.consider(first_crossing<order>(piece.w, 1.0, on.w), Event::pair_opens);
+        next.consider(first_crossing<order - 1>(piece.l2, -1.0, on.l2), Event::pair_begins);
     }
     return next;
 }

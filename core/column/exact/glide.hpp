@@ -7,11 +7,13 @@
 
 namespace hardlimit::column::exact {
 
-// exp(M t) − 1 for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
-// s = u + w, whose slow motion would drown in the rounding of the other's. Without the 1 a slow motion keeps its
-// digits in many squarings.
+// exp(M t) for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
+// s = u + w, whose slow motion would drown in the rounding of the other's. Of the diagonal both the elements less 1 and
+// the elements themselves are kept: the first hold the digits of what hardly moves through many squarings, the second
+// those of what has decayed.
 struct Propagator {
-    double m[4][4];
+    double m[4][4];  // exp(M t) − 1
+    double kept[4];  // diagonal of exp(M t)
 
     // Over one piece, by the Taylor series of its columns.
     HL_FN static Propagator of(const TwoBall& s, double h) {
@@ -35,31 +37,64 @@ struct Propagator {
             }
             const double column[4] = {q, dq / h, w, dw / h};
             for (int i = 0; i < 4; ++i) p.m[i][j] = column[i];
+            p.kept[j] = 1.0 + p.m[j][j];
         }
         return p;
     }
-    // (1 + m)² − 1
+    // An element of exp(M t).
+    HL_FN double at(int i, int j) const { return i == j ? kept[i] : m[i][j]; }
+    // W + Φᵀ W Φ with Φ = exp(M t).
+    HL_FN void double_form(double (&form)[4][4]) const {
+        double half[4][4] = {};
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                for (int k = 0; k < 4; ++k) half[i][j] += form[i][k] * at(k, j);
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                for (int k = 0; k < 4; ++k) form[i][j] += at(k, i) * half[k][j];
+    }
     HL_FN Propagator squared() const {
         Propagator p;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) {
-                double sum = 0.0;
-                for (int k = 0; k < 4; ++k) sum += m[i][k] * m[k][j];
-                p.m[i][j] = 2.0 * m[i][j] + sum;
+                double others = 0.0;
+                for (int k = 0; k < 4; ++k)
+                    if (k != i && k != j) others += m[i][k] * m[k][j];
+                if (i != j) {
+                    p.m[i][j] = m[i][j] * (kept[i] + kept[j]) + others;
+                } else if (decayed(i)) {
+                    p.kept[i] = kept[i] * kept[i] + others;
+                    p.m[i][i] = p.kept[i] - 1.0;
+                } else {
+                    p.m[i][i] = m[i][i] * (1.0 + kept[i]) + others;
+                    p.kept[i] = 1.0 + p.m[i][i];
+                }
             }
         return p;
     }
     HL_FN Gaps moved(const TwoBall& s, const Gaps& x) const {
         const double w0 = -s.gravity / s.b2, u0 = w0 / s.a1;
         const double y = x.u - u0, v = x.w - w0;
+        const double still[4] = {s.light() ? u0 + w0 : u0, 0.0, w0, 0.0};
         const double from[4] = {s.light() ? y + v : y, s.light() ? x.du + x.dw : x.du, v, x.dw};
-        double change[4] = {};
-        for (int i = 0; i < 4; ++i)
-            for (int k = 0; k < 4; ++k) change[i] += m[i][k] * from[k];
-        const double u = s.light() ? change[0] - change[2] : change[0],
-                     du = s.light() ? change[1] - change[3] : change[1];
-        return {x.u + u, x.du + du, x.w + change[2], x.dw + change[3]};
+        double change[4], to[4];
+        for (int i = 0; i < 4; ++i) {
+            double others = 0.0;
+            for (int k = 0; k < 4; ++k)
+                if (k != i) others += m[i][k] * from[k];
+            change[i] = m[i][i] * from[i] + others;
+            to[i] = still[i] + (kept[i] * from[i] + others);
+        }
+        if (!s.light())
+            return {decayed(0) ? to[0] : x.u + change[0], decayed(1) ? to[1] : x.du + change[1],
+                    decayed(2) ? to[2] : x.w + change[2], decayed(3) ? to[3] : x.dw + change[3]};
+        return {decayed(0) && decayed(2) ? to[0] - to[2] : x.u + (change[0] - change[2]),
+                decayed(1) && decayed(3) ? to[1] - to[3] : x.du + (change[1] - change[3]),
+                decayed(2) ? to[2] : x.w + change[2], decayed(3) ? to[3] : x.dw + change[3]};
     }
+
+private:
+    HL_FN bool decayed(int i) const { return math::abs(kept[i]) < 0.5; }
 };
 
 inline constexpr int most_doublings = 200;

@@ -5,11 +5,11 @@
 // in units of length V/ω, time 1/ω, speed V, with ω² = k12/m_eff, a1 = k01/(m1 ω²), a2 = m_eff/m1. Other values of
 // the groups give the adiabatic problem (groups.hpp).
 //
-// Between two switches the system is linear with constant coefficients (motion A: free, B: floor, C: both,
+// Between two events the system is linear with constant coefficients (motion A: free, B: floor, C: both,
 // D: pair), so the state is exp(M t) acting on the last one. The exponential is evaluated through its Taylor
 // series over pieces of length h = 1.5/|M|: 22 terms leave a remainder below rounding (1.5²²/22! = 7e-18), whatever
 // the damping, without the digits that eigenvectors lose where eigenvalues meet (critical damping). Motion A is the
-// parabola itself. Each switch is the first zero of a polynomial on [0, 1], found by steps that provably cannot
+// parabola itself. Each event is the first zero of a polynomial on [0, 1], found by steps that provably cannot
 // pass it (first_crossing).
 #pragma once
 #include "../../roots.hpp"

@@ -1,4 +1,4 @@
-// The run of the exact two-ball solver: from switch to switch until the sequence is over.
+// The run of the exact two-ball solver: from event to event until the sequence is over.
 #pragma once
 #include "../sequence.hpp"
 #include "events.hpp"
@@ -8,7 +8,7 @@ namespace hardlimit::column {
 
 namespace exact {
 
-// One run: finds the next switch, moves there, throws it, until the sequence is over.
+// One run: finds the next event, moves there, applies it, until the sequence is over.
 template <class Observer>
 class Run {
 public:
@@ -25,7 +25,7 @@ public:
 
     HL_FN Sequence run() {
         for (long steps = 0; !sequence.finished || t < until; ++steps) {
-            see();
+            if (!spanned()) see();
             const bool finite = math::is_finite(x.u + x.du + x.w + x.dw);
             if (steps == max_pieces || lasting == max_lasting || !finite || observer.stopped()) {
                 sequence.outcome = Outcome::unresolved;
@@ -34,7 +34,7 @@ public:
             find_next();
             if (stopped) break;
             move();
-            throw_switch();
+            apply_event();
         }
         see();
         sequence.close();
@@ -45,8 +45,11 @@ public:
 
 private:
     enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
-    // Pieces without an event after which a contact is examined for creep, and after which it is glided over.
-    static constexpr long creeps_after = 32, glides_after = 4000;
+    // Pieces without an event after which a contact is examined for creep, and after which it is glided over, in the
+    // sequence and after it.
+    static constexpr long creeps_after = 32, glides_after = 4000, glides_later_after = 32;
+    // After the sequence a lasting contact of both balls has a node at every so many pieces: its closed form spans them.
+    static constexpr long pieces_per_node = 32;
 
     TwoBall s;
     Gaps x;
@@ -72,6 +75,11 @@ private:
         observer.node(Node{t, {x.u * unit, x.du * unit, x.w * unit, x.dw * unit}, phase.floor, phase.pair});
     }
 
+    // The closed form from an earlier node gives the present state.
+    HL_FN bool spanned() const {
+        return sequence.finished && phase.floor && phase.pair && lasting % pieces_per_node != 0;
+    }
+
     HL_FN Motion next_motion() {
         if (!phase.floor && !phase.pair) return Motion::flight;
         if (!phase.floor) return Motion::series;
@@ -85,7 +93,8 @@ private:
             return dt > 8.0 * piece_length(s, true, false) ? Motion::floor_glide : Motion::series;
         }
         if (rests_on_both(s, s.b2, x) || (creeping && creeps_on_both(s, x))) return Motion::rest;
-        doublings = lasting > glides_after ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
+        const bool gliding = lasting > (sequence.finished ? glides_later_after : glides_after);
+        doublings = gliding ? Powers::doublings(s, x, t < until ? until - t : never) : -1;
         return doublings >= 0 ? Motion::glide : Motion::series;
     }
 
@@ -96,7 +105,7 @@ private:
         if (motion == Motion::flight)
             find_in_flight();
         else if (motion == Motion::floor_rest)
-            next.consider(dt = closing_on_rest(s, x), Switch::pair_begins);
+            next.consider(dt = closing_on_rest(s, x), Event::pair_begins);
         else if (motion == Motion::rest)
             rest();
         else if (motion == Motion::glide)
@@ -177,33 +186,33 @@ private:
             x.dw = rise - x.du;
     }
 
-    HL_FN void throw_switch() {
-        if (next.what != Switch::none) lasting = 0;
+    HL_FN void apply_event() {
+        if (next.what != Event::none) lasting = 0;
         switch (next.what) {
-            case Switch::none:
+            case Event::none:
                 break;
-            case Switch::floor_begins:
+            case Event::floor_begins:
                 floor_begins();
                 break;
-            case Switch::floor_ends:
+            case Event::floor_ends:
                 floor_ends();
                 break;
-            case Switch::floor_opens:
+            case Event::floor_opens:
                 floor_opens();
                 break;
-            case Switch::pair_begins:
+            case Event::pair_begins:
                 pair_begins();
                 break;
-            case Switch::pair_ends:
+            case Event::pair_ends:
                 pair_ends();
                 break;
-            case Switch::pair_opens:
+            case Event::pair_opens:
                 pair_opens();
                 break;
         }
     }
 
-    // Each switch puts the state exactly on its surface.
+    // Each event puts the state exactly on its surface.
     HL_FN void floor_begins() {
         x.u = phase.floor_open ? 0.0 : -s.c1 * x.du;
         on.u = phase.floor_open;
