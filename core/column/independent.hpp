@@ -223,7 +223,7 @@ private:
     void finish() {
         const double origin = run.origin = math::is_nan(q.t_first_touch) ? 0.0 : q.t_first_touch;
         for (Contact& k : run.contacts) k = {k.pair, k.begin - origin, k.end - origin};
-        run.t_first = -origin;
+        run.t_first = 0.0 - origin;  // not −0
         run.t_last = f.t - origin;
         if (q.outcome == Outcome::unresolved) {
             run.t_last = known_ - origin;
