@@ -55,7 +55,7 @@ MAPS: dict[str, dict[str, Any]] = {
     "grid": GRID,
     "adiabatic": {**GRID, "model": "adiabatic"},
     "list": random_points(2000),
-    "by damping": {"damping": np.geomspace(1.0, 1e5, 30), "gap": GRID["gap"]},
+    "by damping": {"damping": np.geomspace(1.0, 1e5, 12), "gap": GRID["gap"]},
     "some results": {**GRID, "variables": ["separation_velocity", "n_contacts"]},
     "slow drops": {"height": 0.1 + np.geomspace(1e-12, 1e-3, 50), "restitution": [0.2, 0.9, 0.99]},
     "nothing swept": {},
@@ -151,7 +151,9 @@ def test_a_warp_returns_the_bits_of_the_processor(library: Path, name: str) -> N
     assert same_chunks(emulated(library, plan), plan.compute(0, plan.size, 1))
 
 
-@pytest.mark.parametrize(("name", "room"), [("grid", 350_000), ("list", 520_000)])
+@pytest.mark.parametrize(
+    ("name", "room"), [("grid", 350_000), pytest.param("list", 520_000, marks=pytest.mark.slow)]
+)
 def test_maps_larger_than_the_device_come_in_chunks(library: Path, name: str, room: int) -> None:
     plan = plan_of(**MAPS[name])
     assert cuda.chunk_points(plan, room) < plan.size / 2

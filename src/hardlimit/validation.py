@@ -61,7 +61,9 @@ def number(
     ValueError
         If it is not a number or outside the range; names parameter, value and range.
     """
-    x = value if type(value) is float else _as_float(value)  # the common case first: a solve takes microseconds
+    x = (
+        value if type(value) is float else _as_float(value)
+    )  # the common case first: a solve takes microseconds
     if x is not None and math.isfinite(x):
         above = x >= lowest if lowest_allowed else x > lowest
         below = x <= highest if highest_allowed else x < highest
