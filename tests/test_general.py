@@ -28,7 +28,7 @@ def measured_order(column: hl.Column, until: float) -> float:
         if error > 1e-15:
             steps.append(result._core.steps)
             errors.append(error)
-    assert len(errors) > 5
+    assert len(errors) >= 5
     return -np.polyfit(np.log(steps), np.log(errors), 1)[0]
 
 
