@@ -75,7 +75,7 @@ inline void end_of_round() {
 
 using counting::square_root;
 #define __builtin_sqrt square_root
-#include "lanes.hpp"
+#include "linear_kernel.hpp"
 #include "parameters.hpp"
 #define double counting::Counted
 #include "kernel.cu"

@@ -87,7 +87,7 @@ HL_FN bool measure(const Setting& setting, Parameters& q, Bodies& b) {
     return b.height >= 0.0;
 }
 
-// A drop for the kernel of lanes.hpp under the linear law; false if the point is not one for it. The damping ratios
+// A drop for the kernel of linear_kernel.hpp under the linear law; false if the point is not one for it. The damping ratios
 // β/ω0 of floor and pair count when the law is given by ε.
 HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, double pair_ratio,
                  column::Start& s) {
