@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 
@@ -32,6 +33,10 @@ TYPICAL = {
     "poisson_ratio": 0.3,
     "elastic_prefactor": 1e9,
 }
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--rows", type=int, default=None, help="of each table in test_reference.py, at random")
 
 
 def wait_until(condition: Callable[[], object], timeout: float = 30.0) -> None:
