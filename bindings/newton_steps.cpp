@@ -19,6 +19,7 @@ using namespace nb::literals;
 namespace hl = hardlimit;
 namespace hp = hardlimit::particles;
 namespace steps = hardlimit::particles::steps;
+using hl::bindings::In;
 using hl::bindings::make_array;
 
 namespace {
@@ -51,7 +52,8 @@ struct Setting {
 class Engine {
 public:
     virtual ~Engine() = default;
-    virtual void advance(double until, int threads, const nb::object& progress) = 0;
+    virtual void advance(double until, std::uint64_t most_steps, int threads, const nb::object& progress) = 0;
+    virtual bool paused() const = 0;
     virtual double time() const = 0;
     virtual std::uint64_t steps_taken() const = 0;
     virtual std::uint64_t lists_made() const = 0;
@@ -70,7 +72,7 @@ public:
     template <class... Arguments>
     explicit EngineOf(Arguments&&... arguments) : steps_(std::forward<Arguments>(arguments)...) {}
 
-    void advance(double until, int threads, const nb::object& progress) override {
+    void advance(double until, std::uint64_t most_steps, int threads, const nb::object& progress) override {
         bool raised = false;
         {
             hl::bindings::Unlocked open;
@@ -88,10 +90,11 @@ public:
                 open.unlock();
                 return raised;
             };
-            steps_.advance(until, threads, open.period, watch);
+            steps_.advance(until, most_steps, threads, open.period, watch);
         }
         if (raised) throw nb::python_error();
     }
+    bool paused() const override { return steps_.paused(); }
     double time() const override { return steps_.time(); }
     std::uint64_t steps_taken() const override { return steps_.steps_taken(); }
     std::uint64_t lists_made() const override { return steps_.lists_made(); }
@@ -127,6 +130,7 @@ steps::PairLaws<Law> laws_of(const Setting& s) {
     return {s.alternative, s.parameters, s.mass, s.radius};
 }
 
+Numbers numbers(In array) { return {array.data(), array.data() + array.shape(0)}; }
 // [N, d] as [3 N], with zeros where there is no third axis.
 Numbers in_three(Table table) {
     const std::size_t n = table.shape(0), d = table.shape(1);
@@ -146,17 +150,17 @@ auto rows(const Numbers& three, int dimension) {
 
 class NewtonSteps {
 public:
-    NewtonSteps(Table positions, Table velocities, const Numbers& radius, const Numbers& mass,
-                const Numbers& box, const std::vector<bool>& periodic, const Numbers& gravity,
-                const std::string& law, int alternative, const Numbers& parameters, double time_step,
-                bool log) {
+    NewtonSteps(Table positions, Table velocities, In radius, In mass, const Numbers& box,
+                const std::vector<bool>& periodic, const Numbers& gravity, const std::string& law,
+                int alternative, const Numbers& parameters, double time_step, bool log) {
         const std::size_t n = positions.shape(0), d = positions.shape(1);
         require(n > 0 && n < (std::size_t{1} << steps::Pair::bits),
                 "positions: must be 1 to 2^27 - 1 bodies");
         require(d == 2 || d == 3, "positions: must have two or three columns");
         require(velocities.shape(0) == n && velocities.shape(1) == d,
                 "velocities: must have the shape of positions");
-        require(radius.size() == n && mass.size() == n, "radius | mass: must be one number for each body");
+        require(radius.shape(0) == n && mass.shape(0) == n,
+                "radius | mass: must be one number for each body");
         require(box.size() == d && periodic.size() == d && gravity.size() == d,
                 "box | periodic | gravity: must be one for each axis");
         require(time_step > 0.0, "time_step: must be > 0");
@@ -252,17 +256,21 @@ nb::tuple columns(const std::vector<steps::Row>& rows) {
 void bind_engine(nb::module_& m) {
     nb::class_<NewtonSteps>(m, "NewtonSteps",
                             "Newton's equations for a box of spheres or disks in small equal steps.")
-        .def(nb::init<Table, Table, const Numbers&, const Numbers&, const Numbers&, const std::vector<bool>&,
-                      const Numbers&, const std::string&, int, const Numbers&, double, bool>(),
+        .def(nb::init<Table, Table, In, In, const Numbers&, const std::vector<bool>&, const Numbers&,
+                      const std::string&, int, const Numbers&, double, bool>(),
              "positions"_a, "velocities"_a, "radius"_a, "mass"_a, "box"_a, "periodic"_a, "gravity"_a, "law"_a,
              "alternative"_a, "parameters"_a, "time_step"_a, "log"_a = false)
         .def(
             "advance",
-            [](NewtonSteps& run, double until, int threads, const nb::object& progress) {
+            [](NewtonSteps& run, double until, int threads, std::uint64_t most_steps,
+               const nb::object& progress) {
                 require(threads >= 1, "threads: must be >= 1");
-                run.engine().advance(until, threads, progress);
+                require(most_steps >= 1, "most_steps: must be >= 1");
+                run.engine().advance(until, most_steps, threads, progress);
             },
-            "until"_a, "threads"_a = 1, "progress"_a = nb::none())
+            "until"_a, "threads"_a = 1, "most_steps"_a = ~std::uint64_t{0}, "progress"_a = nb::none(),
+            "To `until` [s], or so many steps of the way; what was paused goes on with the same bits.")
+        .def_prop_ro("paused", [](const NewtonSteps& run) { return run.engine().paused(); })
         .def_prop_ro("time", [](const NewtonSteps& run) { return run.engine().time(); })
         .def_prop_ro("time_step", [](const NewtonSteps& run) { return run.setting().time_step; })
         .def_prop_ro("n_steps", [](const NewtonSteps& run) { return run.engine().steps_taken(); })

@@ -65,27 +65,24 @@ public:
     }
     void save(steps::Writer& writer) { exchange(writer); }
 
-    // To `until` in equal steps of at most the time step, or to the end of the step in which the watch says stop.
+    // To `until` in equal steps of at most the time step. After `most_steps`, or where the watch says stop, the run pauses
+    // on the way: asked to go on to the same time, it does as if nothing had been, to the last bit.
     template <class Watch>
-    void advance(double until, int threads, std::chrono::milliseconds period, const Watch& watch) {
-        if (!(until > time_) || outcome_ != Outcome::ok) return;
-        const double steps = (until - time_) / time_step_ * (1.0 - 1e-12);
-        planned_ = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
-        from_ = time_, until_ = until, done_ = 0;
-        h_ = (until - time_) / static_cast<double>(planned_);
-        phase_ = Phase::go_on;
-        steps::Crew crew(tasks());
-        const auto work = [&](Stop& stop) {
-            crew.work(
-                stop, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
-        };
-        try {
-            Team().run(threads, period, work, watch);
-        } catch (...) {  // a task was left half done, for want of memory say
-            if (phase_ != Phase::over) outcome_ = Outcome::unresolved;
-            throw;
+    void advance(double until, std::uint64_t most_steps, int threads, std::chrono::milliseconds period,
+                 const Watch& watch) {
+        if (outcome_ != Outcome::ok) return;
+        quota_ = most_steps;
+        if (paused_ && until != until_) planned_ = done_;
+        if (paused_) {
+            Stop never;
+            begin_sweep(never);
+            go(threads, period, watch);
         }
+        if (paused_ || !(until > time_) || outcome_ != Outcome::ok) return;
+        plan(until);
+        go(threads, period, watch);
     }
+    bool paused() const { return paused_; }
 
     double time() const { return time_; }
     double time_step() const { return time_step_; }
@@ -99,14 +96,16 @@ public:
     double time_reached() const { return reached_.load(std::memory_order_relaxed); }
     std::uint64_t contacts_reached() const { return contacts_.load(std::memory_order_relaxed); }
 
-    // Positions along the unfolded paths [m] and velocities [m/s], [3 N] each, by number.
+    // Positions along the unfolded paths [m] and velocities [m/s], [3 N] each, by number. In a pause the velocities are
+    // those expected, without the contacts of the last step.
     void state(double* position, double* velocity) const {
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const steps::Label& label = bodies_.label[i];
+            const Four v = velocity_of(i);
             for (int axis = 0; axis < 3; ++axis) {
                 const std::size_t to = 3 * std::size_t{label.number} + static_cast<std::size_t>(axis);
                 position[to] = bodies_.place[i][axis] + label.turns[axis] * box_.edge[axis];
-                velocity[to] = bodies_.motion[i][axis];
+                velocity[to] = v[axis];
             }
         }
     }
@@ -114,8 +113,8 @@ public:
     StepsObservables observe() const {
         StepsObservables seen{};
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
-            const steps::Four v = bodies_.motion[i];
-            const double mass = 1.0 / v[3];
+            const Four v = velocity_of(i);
+            const double mass = 1.0 / bodies_.motion[i][3];
             seen.kinetic += 0.5 * mass * steps::dot(v, v);
             for (int axis = 0; axis < box_.dimension; ++axis) {
                 const double x = bodies_.place[i][axis] + bodies_.label[i].turns[axis] * box_.edge[axis];
@@ -170,6 +169,8 @@ private:
     double time_ = 0.0, h_ = 0.0;
     double from_ = 0.0, until_ = 0.0;  // of this advance
     std::uint64_t planned_ = 0, done_ = 0, taken_ = 0;
+    std::uint64_t quota_ = 0;  // steps until it pauses
+    bool paused_ = false;
     Phase phase_ = Phase::cells;
     steps::Instant now_{};
     double kick_ = 0.0;  // the time by which velocities go on in this phase [s]
@@ -197,6 +198,33 @@ private:
             for (int axis = 0; axis < box.dimension; ++axis) part *= width / box.edge[axis];
             filled_ += part;
         }
+    }
+
+    void plan(double until) {
+        const double steps = (until - time_) / time_step_ * (1.0 - 1e-12);
+        planned_ = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
+        from_ = time_, until_ = until, done_ = 0;
+        h_ = (until - time_) / static_cast<double>(planned_);
+        phase_ = Phase::go_on;
+    }
+    template <class Watch>
+    void go(int threads, std::chrono::milliseconds period, const Watch& watch) {
+        steps::Crew crew(tasks());
+        const auto work = [&](Stop& stop) {
+            crew.work(
+                stop, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
+        };
+        try {
+            Team().run(threads, period, work, watch);
+        } catch (...) {  // a task was left half done, for want of memory say
+            if (phase_ != Phase::over) outcome_ = Outcome::unresolved;
+            throw;
+        }
+    }
+
+    Four velocity_of(std::size_t i) const {
+        if (!paused_) return bodies_.motion[i];
+        return bodies_.motion[i] + (bodies_.push[i].at(now_.step) + box_.pull()) * (0.5 * h_);
     }
 
     // --- phases ---------------------------------------------------------------------------------------------------
@@ -521,9 +549,15 @@ private:
     // --- forces ---------------------------------------------------------------------------------------------------
 
     void begin_sweep(Stop& stop) {
-        phase_ = Phase::even;
         const bool first = now_.step == 0;
-        const bool closing = first || done_ == planned_ || outcome_ != Outcome::ok || stop.now();
+        const bool closing = first || done_ == planned_ || outcome_ != Outcome::ok;
+        paused_ = !closing && !paused_ && (quota_ == 0 || stop.now());
+        if (paused_) {
+            phase_ = Phase::over;
+            return;
+        }
+        phase_ = Phase::even;
+        --quota_;
         const double share = closing ? 0.5 : 1.0, h = first ? 0.0 : h_;
         now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, share * h, closing};
     }
@@ -537,7 +571,6 @@ private:
         } else {
             begin_move(h_);
         }
-        changes_.clear();
         for (Slab& s : slabs_) {
             changes_.insert(changes_.end(), s.changes.begin(), s.changes.end());
             s.changes.clear();
@@ -557,6 +590,7 @@ private:
                 log_.begins(touch(c));
             else
                 log_.ends(touch(c), c.time, c.separation_speed);
+        changes_.clear();
         for (Slab& s : slabs_) {
             s.vacant.insert(s.vacant.end(), s.vacated.begin(), s.vacated.end());
             s.vacated.clear();
@@ -571,6 +605,7 @@ private:
         archive(sorting_.reference()), archive(grid_), archive(start_);
         archive(time_), archive(h_), archive(taken_), archive(now_), archive(outcome_);
         archive(skin_), archive(fastest_), archive(travelled_), archive(allowance_), archive(lists_);
+        archive(from_), archive(until_), archive(planned_), archive(done_), archive(paused_);
         archive(dissipated_), archive(virial_);
         log_.exchange(archive);
         std::size_t count = slabs_.size();
