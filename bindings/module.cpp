@@ -17,6 +17,7 @@ void bind_columns(nb::module_& m);
 void bind_planar_contact(nb::module_& m);
 void bind_sweep(nb::module_& m);
 void bind_particles(nb::module_& m);
+void bind_newton_steps(nb::module_& m);
 
 namespace {
 
@@ -56,4 +57,5 @@ NB_MODULE(_core, m) {
     bind_planar_contact(m);
     bind_sweep(m);
     bind_particles(m);
+    bind_newton_steps(m);
 }
