@@ -79,11 +79,11 @@ public:
     std::vector<Member> members;
     std::vector<Touching<Law>> pairs;
     Vector3 gravity{};
-    double base = 0.0;        // the instant from which `time` counts [s]
-    double time = 0.0;        // [s]
-    double dissipated = 0.0;  // [J]
-    double virial = 0.0;      // ∫ Σ r·F dt over pairs of bodies [J s]
-    double tolerance = 1e-12;
+    double base = 0.0;         // the instant from which `time` counts [s]
+    double time = 0.0;         // [s]
+    double dissipated = 0.0;   // [J]
+    double virial = 0.0;       // ∫ Σ r·F dt over pairs of bodies [J s]
+    double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;
     std::vector<EndedContact> ended;
     std::vector<Knot> trace;
@@ -649,7 +649,7 @@ private:
         } else if (fresh && a.smooth_slope >= 0.0 && b.smooth_slope >= 0.0) {
             return false;  // rising from the surface: rounding
         }
-        locate(q, kind, high);
+        locate(q, kind, a, b, length, high);
         length = high;
         end_.swap(trial_);
         k_end_.swap(k_trial_);
@@ -681,22 +681,42 @@ private:
         return false;
     }
 
-    // First zero in (0, high], the surface being below zero at `high`; leaves the state there in trial_.
-    void locate(int q, Event kind, double& high) {
-        const Surface a = surface(q, kind, y_.data(), k_.data());
-        double low = 0.0, up = high, at = 0.5 * high;
-        if (!pairs[static_cast<std::size_t>(q)].fresh && a.smooth_slope < 0.0)
-            at = math::min(-a.smooth / a.smooth_slope, at);
+    // First zero in (0, high], the surface being below zero at `high`; leaves the state there in trial_. Starts from the
+    // zero of the cubic through the two ends of the step.
+    void locate(int q, Event kind, const Surface& a, const Surface& b, double length, double& high) {
+        // A compression is known to the rounding of the places it is the difference of.
+        const double rounding = 0.5 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;
+        double low = 0.0, up = high, at = first_guess(q, a, b, length, high);
         for (int i = 0; i < 100; ++i) {
             probe(at);
             const Surface f = surface(q, kind, trial_.data(), k_trial_.data());
             (f.value > 0.0 ? low : up) = at;
             const double newton = at - f.value / f.slope;
             const double next = newton >= low && newton <= up && f.slope < 0.0 ? newton : 0.5 * (low + up);
-            if (math::abs(next - at) <= 4.0 * math::epsilon * math::abs(at) || next == at) break;
+            const bool close = math::abs(f.smooth) <= rounding || next == at;
+            if (close || math::abs(next - at) <= 4.0 * math::epsilon * math::abs(at)) break;
             at = next;
         }
         high = at;
+    }
+
+    double first_guess(int q, const Surface& a, const Surface& b, double length, double high) const {
+        if (pairs[static_cast<std::size_t>(q)].fresh || !(a.smooth > 0.0 && b.smooth < 0.0))
+            return 0.5 * high;
+        const double chord = (b.smooth - a.smooth) / length;
+        const double d = (a.smooth_slope + b.smooth_slope - 2.0 * chord) / (length * length);
+        const double c = (3.0 * chord - 2.0 * a.smooth_slope - b.smooth_slope) / length;
+        double low = 0.0, up = length, x = length * (a.smooth / (a.smooth - b.smooth));
+        for (int i = 0; i < 20; ++i) {
+            const double value = a.smooth + x * (a.smooth_slope + x * (c + x * d));
+            const double slope = a.smooth_slope + x * (2.0 * c + 3.0 * x * d);
+            (value > 0.0 ? low : up) = x;
+            const double newton = x - value / slope;
+            const double next = slope < 0.0 && newton > low && newton < up ? newton : 0.5 * (low + up);
+            if (math::abs(next - x) <= 1e-6 * length) break;
+            x = next;
+        }
+        return x < high ? x : 0.5 * high;
     }
 
     // A surface reached before this step begins, without being the one just left.
