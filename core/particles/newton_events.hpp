@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "cluster.hpp"
+#include "planar_contact.hpp"
 
 namespace hardlimit::particles {
 
@@ -108,10 +109,8 @@ public:
         }
         for (Group& g : groups_) {
             if (!g.alive) continue;
-            Cluster<Law> c = g.before;
+            Cluster<Law> c = start_of(g);
             Stop never;
-            c.ended.clear();
-            c.record = false;
             c.run(now_ - c.base, never);
             s.contact += c.contact_energy();
             s.dissipated += c.dissipated;
@@ -148,8 +147,17 @@ private:
         int partner = -1;  // body, or 2·axis + (1 at the far edge)
         std::uint32_t partner_version = 0;
     };
+    // A contact with which nothing interferes: its two ends.
+    struct Isolated {
+        Touching<Law> pair;
+        Member before[2], after[2];
+        double span, dissipated;
+        EndedContact contact;
+    };
     struct Group {
-        Cluster<Law> before, after;
+        bool isolated = false;
+        Isolated lone;               // if isolated
+        Cluster<Law> before, after;  // else
         std::vector<int> body;
         Vector3 origin;
         std::vector<Vector3> offset;  // [members] turns of the frame in which the member's place is given
@@ -377,8 +385,9 @@ private:
     // Ends a group now: its members are on their own again, at their true places.
     void settle(int index, bool at_end, std::vector<Live>& live) {
         Group& g = groups_[static_cast<std::size_t>(index)];
+        if (g.isolated && at_end) return settle_isolated(index);
         if (!at_end) {
-            g.after = g.before;
+            g.after = start_of(g);
             Stop never;
             g.after.run(now_ - g.after.base, never);
         }
@@ -390,16 +399,7 @@ private:
             overlapped_ += e.overlapped;
             log_.push_back({e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped});
         }
-        for (std::size_t m = 0; m < g.body.size(); ++m) {
-            Body& b = bodies_[static_cast<std::size_t>(g.body[m])];
-            b.position = place(g, m, c.members[m].position);
-            b.velocity = c.members[m].velocity;
-            b.from = now_;
-            b.margin = 0.0;
-            b.end = math::infinity;
-            b.group = -1;
-            ++b.version;
-        }
+        for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, c.members[m]);
         for (const Touching<Law>& q : c.pairs) {
             if (q.touch == Touch::open) continue;
             const int second = q.second < 0 ? -1 : g.body[static_cast<std::size_t>(q.second)];
@@ -407,6 +407,40 @@ private:
         }
         g.alive = false;
         spare_.push_back(index);
+    }
+
+    void settle_isolated(int index) {
+        Group& g = groups_[static_cast<std::size_t>(index)];
+        const auto [first, second] = names(g, g.lone.pair);
+        const EndedContact& e = g.lone.contact;
+        log_.push_back({e.begin, e.end, first, second, e.impact_speed, e.separation_speed, false});
+        dissipated_ += g.lone.dissipated;
+        for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, g.lone.after[m]);
+        g.alive = false;
+        spare_.push_back(index);
+    }
+
+    // A member is on its own again, at its true place.
+    void put(const Group& g, std::size_t m, const Member& at) {
+        Body& b = bodies_[static_cast<std::size_t>(g.body[m])];
+        b.position = place(g, m, at.position);
+        b.velocity = at.velocity;
+        b.from = now_;
+        b.margin = 0.0;
+        b.end = math::infinity;
+        b.group = -1;
+        ++b.version;
+    }
+
+    // The group at its begin, ready to be integrated.
+    Cluster<Law> start_of(const Group& g) const {
+        if (!g.isolated) return g.before;
+        Cluster<Law> c;
+        c.base = g.lone.contact.begin;
+        c.gravity = box_.gravity;
+        for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.lone.before[m]);
+        c.pairs.push_back(g.lone.pair);
+        return c;
     }
 
     std::pair<int, int> names(const Group& g, const Touching<Law>& q) const {
@@ -475,11 +509,163 @@ private:
         q.fresh = true;
         q.begin = now_;
         q.impact_speed = math::nan;  // until the pair's geometry is known
-        ++begun_;
         std::vector<int> set{i};
         if (j >= 0) set.push_back(j);
         for (const int k : set) stop_at_now(k);
+        if (isolate(set, live)) return;
+        ++begun_;
         form(set, live);
+    }
+
+    // A contact that nothing disturbs as far as is known now is solved as a whole. Otherwise nothing changes, but that
+    // bodies so near that they may touch join the set.
+    bool isolate(std::vector<int>& set, std::vector<Live>& live) {
+        const int index = spare_group();
+        Group& g = groups_[static_cast<std::size_t>(index)];
+        open_group(g, set);
+        Isolated& l = g.lone;
+        const Touching<Law>& asked = live[0].pair;
+        for (std::size_t m = 0; m < set.size(); ++m) l.before[m] = g.before.members[m];
+        l.pair = set.size() == 2 ? pair_of(g, 0, 1) : wall_of(g, 0, asked.axis, asked.side < 0.0);
+        l.pair.touch = Touch::closed;
+        l.pair.fresh = true;
+        l.pair.begin = now_;
+        const bool solved = (set.size() == 2 ? solve_pair(l) : solve_wall(l)) && far_from_walls(g, l);
+        if (solved) {
+            g.isolated = true;
+            for (std::size_t m = 0; m < set.size(); ++m)
+                busy(g, index, m, l.after[m], l.span, l.pair.depth_unit);
+            std::vector<int> near;
+            for (const int i : set) intruders(i, index, near);
+            if (near.empty()) {
+                ++begun_;
+                for (const int i : set) predict(i);
+                queue_.push({now_ + l.span, ~index, ++g.serial});
+                return true;
+            }
+            release(index);
+            for (const int k : near) take(k, set, live);
+            return false;
+        }
+        g.alive = false;
+        spare_.push_back(index);
+        return false;
+    }
+
+    // In the plane of approach, then on straight lines until the pair has come apart. depth_unit of the pair becomes what
+    // the first body's margin is for a share of 1.
+    bool solve_pair(Isolated& l) const {
+        Touching<Law>& q = l.pair;
+        const Member &a = l.before[0], &b = l.before[1];
+        Vector3 n, v;
+        for (std::size_t k = 0; k < 3; ++k) {
+            n[k] = (b.position[k] - a.position[k]) + q.image[k];
+            v[k] = b.velocity[k] - a.velocity[k];
+        }
+        const double distance = math::sqrt(dot(n, n));
+        for (double& x : n) x /= distance;
+        const double approach = -dot(n, v);
+        Vector3 across;
+        for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * n[k];
+        const double sideways = math::sqrt(dot(across, across));
+        if (!(approach > 0.0)) return false;
+        if (sideways > 0.0)
+            for (double& x : across) x /= sideways;
+        const PlanarContact end = solve_planar_contact(q.law, Approach{q.mass, distance, approach, sideways});
+        if (end.outcome != Outcome::ok) return false;
+        const auto turn = math::sincos(end.turn);
+        const double r = distance - end.compression, out = end.radial_speed, swing = end.tangential_speed;
+        const double left = end.compression * (distance + r), b2 = r * out;
+        const double opening =
+            left > 0.0 ? left / (b2 + math::sqrt(b2 * b2 + (out * out + swing * swing) * left)) : 0.0;
+        l.span = end.duration + opening;
+        const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
+        const double rn = r * turn.cos + vn * opening, rt = r * turn.sin + vt * opening;
+        const double total = a.mass + b.mass;
+        for (std::size_t m = 0; m < 2; ++m) {
+            const Member& from = l.before[m];
+            Member& to = l.after[m] = from;
+            const double share = m == 0 ? -b.mass / total : a.mass / total;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double mean = (a.mass * a.velocity[k] + b.mass * b.velocity[k]) / total,
+                             g = box_.gravity[k];
+                to.position[k] +=
+                    l.span * (mean + 0.5 * g * l.span) + share * ((rn - distance) * n[k] + rt * across[k]);
+                to.velocity[k] = mean + g * l.span + share * (vn * n[k] + vt * across[k]);
+            }
+        }
+        l.dissipated =
+            0.5 * q.mass * (end.speed_loss * (approach + out) + (sideways - swing) * (sideways + swing));
+        l.contact = {0, now_, now_ + end.duration, approach, out, false};
+        q.impact_speed = approach;
+        const double deepest = 0.5 * approach * end.duration;
+        const double angle = end.turn + opening * swing / r;
+        q.depth_unit = 1.1 * (deepest * (1.0 + 2.5 * angle) + 0.25 * distance * angle * angle);
+        return l.span * (approach + sideways) <= travel() && q.depth_unit <= slack_;
+    }
+
+    bool solve_wall(Isolated& l) const {
+        Touching<Law>& q = l.pair;
+        const auto axis = static_cast<std::size_t>(q.axis);
+        const Member& a = l.before[0];
+        const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
+        if (!(approach > 0.0)) return false;
+        const PlanarContact end =
+            solve_planar_contact(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
+        if (end.outcome != Outcome::ok) return false;
+        const double square = end.radial_speed * end.radial_speed - 2.0 * weight * end.compression;
+        if (square < 0.0) return false;
+        const double opening =
+            end.compression > 0.0 ? 2.0 * end.compression / (end.radial_speed + math::sqrt(square)) : 0.0;
+        l.span = end.duration + opening;
+        Member& to = l.after[0] = a;
+        for (std::size_t k = 0; k < 3; ++k) {
+            to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
+            to.velocity[k] += box_.gravity[k] * l.span;
+        }
+        to.position[axis] = q.wall + q.side * q.reach;
+        to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
+        l.dissipated =
+            q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
+        l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
+        q.impact_speed = approach;
+        q.depth_unit = 1.1 * (0.5 * approach + math::abs(weight) * l.span) * l.span;
+        return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && q.depth_unit <= slack_;
+    }
+
+    // Whether the members stay away from all walls but that of the contact.
+    bool far_from_walls(const Group& g, const Isolated& l) const {
+        for (std::size_t m = 0; m < g.body.size(); ++m)
+            for (int a = 0; a < box_.dimension; ++a)
+                for (int far = 0; far < 2; ++far) {
+                    const bool own =
+                        l.pair.second < 0 && l.pair.axis == a && (l.pair.side < 0.0) == (far == 1);
+                    if (!box_.periodic[static_cast<std::size_t>(a)] && !own &&
+                        near_wall(g, static_cast<int>(m), a, far))
+                        return false;
+                }
+        return true;
+    }
+
+    // Until it ends, a member of a group is a fat body on the parabola between its two ends.
+    void busy(const Group& g, int index, std::size_t m, const Member& after, double span, double margin) {
+        Body& b = bodies_[static_cast<std::size_t>(g.body[m])];
+        b.group = index;
+        b.end = now_ + span;
+        const Member& before = g.before.members[m];
+        for (std::size_t a = 0; a < 3; ++a)
+            b.velocity[a] = (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+        b.margin = margin;
+    }
+
+    int spare_group() {
+        if (spare_.empty()) {
+            groups_.emplace_back();
+            return static_cast<int>(groups_.size()) - 1;
+        }
+        const int index = spare_.back();
+        spare_.pop_back();
+        return index;
     }
 
     // The body's parabola starts here.
@@ -515,11 +701,7 @@ private:
     void form(std::vector<int> set, std::vector<Live> live) {
         int index = 0;
         for (;;) {
-            index = spare_.empty() ? static_cast<int>(groups_.size()) : spare_.back();
-            if (spare_.empty())
-                groups_.emplace_back();
-            else
-                spare_.pop_back();
+            index = spare_group();
             build(index, set, live);
             if (groups_[static_cast<std::size_t>(index)].after.time == 0.0)
                 break;  // nothing is closed any more
@@ -577,7 +759,25 @@ private:
     // Integrates the set from now on and makes its members busy.
     void build(int index, const std::vector<int>& set, std::vector<Live>& live) {
         Group& g = groups_[static_cast<std::size_t>(index)];
+        open_group(g, set);
+        Cluster<Law>& c = g.before;
+        pair_up(g, live);
+        double horizon = horizon_of(c);
+        for (;;) {
+            g.after = c;
+            g.after.record = true;
+            Stop never;
+            g.after.run(horizon, never);
+            if (margins(g) || g.after.time == 0.0) break;
+            horizon = 0.5 * g.after.time;
+        }
+        g.after.trace.clear();
+    }
+
+    // The members as they are now, without pairs.
+    void open_group(Group& g, const std::vector<int>& set) const {
         g.alive = true;
+        g.isolated = false;
         g.body = set;
         g.origin = bodies_[static_cast<std::size_t>(set[0])].position;
         g.offset.assign(set.size(), {});
@@ -596,17 +796,6 @@ private:
             }
             c.members.push_back({b.mass, b.radius, x, b.velocity});
         }
-        pair_up(g, live);
-        double horizon = horizon_of(c);
-        for (;;) {
-            g.after = c;
-            g.after.record = true;
-            Stop never;
-            g.after.run(horizon, never);
-            if (margins(g) || g.after.time == 0.0) break;
-            horizon = 0.5 * g.after.time;
-        }
-        g.after.trace.clear();
     }
 
     double nearest(double x, int a) const {
@@ -699,15 +888,15 @@ private:
     bool margins(Group& g) {
         const double span = g.after.time;
         const std::size_t n = g.body.size();
+        const int index = static_cast<int>(&g - groups_.data());
         bool fits = true;
         for (std::size_t m = 0; m < n; ++m) {
             Body& b = bodies_[static_cast<std::size_t>(g.body[m])];
-            b.group = static_cast<int>(&g - groups_.data());
+            b.group = index;
             b.end = now_ + span;
             if (span == 0.0) continue;
-            const Vector3 &x0 = g.before.members[m].position, &x1 = g.after.members[m].position;
-            for (std::size_t a = 0; a < 3; ++a)
-                b.velocity[a] = (x1[a] - x0[a]) / span - 0.5 * span * box_.gravity[a];
+            busy(g, index, m, g.after.members[m], span, 0.0);
+            const Vector3& x0 = g.before.members[m].position;
             double margin = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
             for (const Knot& k : g.after.trace) {
                 double off = 0.0, rate = 0.0;
