@@ -214,7 +214,7 @@ public:
         x /= end_[M::time] - begin_[M::time];
         double out[n], slope[n];
         for (int i = 0; i < 80; ++i) {
-            column::DormandPrince::step(motion_, begin_, x, n, stages_, out);
+            DormandPrince::step(motion_, begin_, x, n, stages_, out);
             motion_(out, slope);
             const double excess = out[M::time] - wanted;
             (excess > 0.0 ? high : low) = x;
@@ -234,7 +234,7 @@ private:
 
     M motion_;
     double begin_[n], end_[n], slope_[n];
-    double stages_[column::DormandPrince::stages * n];  // the first is the derivative at begin_
+    double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
     double h_ = longest_step, length_ = 0.0;
 
     static void copy(const double* from, double* to) {
@@ -243,14 +243,14 @@ private:
     double time_unit() const { return motion_.length / motion_.speed; }
 
     bool take_step() {
-        column::DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
+        DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
         double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0};  // the two integrals count against the whole
         for (int i = 0; i < n; ++i) {
             scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
         }
-        const double error = column::DormandPrince::error(stages_, h_, n, scale);
+        const double error = DormandPrince::error(stages_, h_, n, scale);
         length_ = h_;
-        h_ = math::min(h_ * column::DormandPrince::growth(error), longest_step);
+        h_ = math::min(h_ * DormandPrince::growth(error), longest_step);
         if (!(error <= 1.0)) return false;
         motion_(end_, slope_);
         return true;
@@ -265,7 +265,7 @@ private:
     }
 
     void probe(double at) {
-        column::DormandPrince::step(motion_, begin_, at, n, stages_, end_);
+        DormandPrince::step(motion_, begin_, at, n, stages_, end_);
         motion_(end_, slope_);
         length_ = at;
     }
