@@ -41,6 +41,7 @@ struct PlanarContact {
     double radial_speed;      // at which the bodies separate along the line of centres [m/s]
     double tangential_speed;  // across it [m/s]
     double speed_loss;        // normal_speed − radial_speed [m/s], with its own digits
+    double rate_square;       // ∫ (dξ/dt)² dt [m²/s]: the virial needs it
 };
 
 // During a contact, or after it.
@@ -61,7 +62,15 @@ HL_FN double tangential_speed(const Approach& a, double compression) {
 template <class Law>
 struct PlanarMotion {
     static constexpr int p = Law::onset_power;
-    enum : int { root_depth, rate, time, loss, turn, dimension };  // σ, U, T, ∫(f − f_elastic) dX, J
+    enum : int {
+        root_depth,
+        rate,
+        time,
+        loss,
+        turn,
+        square,
+        dimension
+    };  // σ, U, T, ∫(f − f_elastic) dX, J, ∫U² dT
 
     const Law* law;
     Approach approach;
@@ -91,12 +100,13 @@ struct PlanarMotion {
         const double x = power(y[root_depth]), clock = column::newton::power<p - 1>(y[root_depth]);
         const double force = force_unit * law->force(s, closing);
         const double damping = force - force_unit * law->elastic_force(s);
-        const double inverse = 1.0 / (1.0 - ratio * x), square = inverse * inverse;
+        const double inverse = 1.0 / (1.0 - ratio * x), inverse2 = inverse * inverse;
         dy[root_depth] = y[rate] * (1.0 / p);
-        dy[rate] = -clock * ((force + swing * (square * inverse)) - gravity);
+        dy[rate] = -clock * ((force + swing * (inverse2 * inverse)) - gravity);
         dy[time] = clock;
         dy[loss] = clock * damping * y[rate];
-        dy[turn] = clock * (x * (2.0 - ratio * x) * square);
+        dy[turn] = clock * (x * (2.0 - ratio * x) * inverse2);
+        dy[square] = clock * (y[rate] * y[rate]);
     }
 
     // Falls to zero where the force ends, with its derivative in τ. Written as a simple zero also for a contact
@@ -130,8 +140,14 @@ struct PlanarMotion {
         const double stored = force_unit / length * law->energy(onset_root<p>(left));
         const double lost =
             2.0 * (y[loss] + stored) + x * (swing * (2.0 - ratio * x) / (w * w) - 2.0 * gravity);
-        PlanarContact end{
-            Outcome::ok, at.time, at.turn, left, -at.rate, 0.0, approach.normal_speed + at.rate};
+        PlanarContact end{Outcome::ok,
+                          at.time,
+                          at.turn,
+                          left,
+                          -at.rate,
+                          0.0,
+                          approach.normal_speed + at.rate,
+                          speed * length * y[square]};
         if (lost < 0.75 * start * start) {
             end.radial_speed = speed * math::sqrt(start * start - lost);
             end.speed_loss = speed * lost / (start + end.radial_speed / speed);
@@ -200,7 +216,7 @@ public:
 
     static PlanarContact without_end(Outcome outcome) {
         const double never = outcome == Outcome::at_rest ? math::infinity : math::nan;
-        return {outcome, never, math::nan, math::nan, math::nan, math::nan, math::nan};
+        return {outcome, never, math::nan, math::nan, math::nan, math::nan, math::nan, math::nan};
     }
 
     double begin_time() const { return begin_[M::time] * time_unit(); }
@@ -244,7 +260,7 @@ private:
 
     bool take_step() {
         DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
-        double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0};  // the two integrals count against the whole
+        double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};  // the integrals count against the whole
         for (int i = 0; i < n; ++i) {
             scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
         }

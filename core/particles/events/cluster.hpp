@@ -17,10 +17,10 @@
 #include <array>
 #include <vector>
 
-#include "../column/general/events.hpp"
-#include "../contact/law.hpp"
-#include "../dormand_prince.hpp"
-#include "../stop.hpp"
+#include "../../column/general/events.hpp"
+#include "../../contact/law.hpp"
+#include "../../dormand_prince.hpp"
+#include "../../stop.hpp"
 
 namespace hardlimit::particles {
 
@@ -108,6 +108,12 @@ public:
     double rate(const Touching<Law>& q) const {
         const std::vector<double> y = state();
         return geometry(q, y.data()).rate;
+    }
+
+    // Distance of a pair's surfaces now [m].
+    double gap(const Touching<Law>& q) const {
+        const std::vector<double> y = state();
+        return -geometry(q, y.data()).depth;
     }
 
     // The largest speed at which a member can move against the others [m/s].
@@ -232,7 +238,11 @@ private:
                 energy += 0.5 * m.mass * (m.velocity[a] - mean[a]) * (m.velocity[a] - mean[a]);
         for (const Touching<Law>& q : pairs)
             if (q.touch == Touch::closed) energy += q.law.energy(depth_root(q));
-        return math::sqrt(2.0 * energy / lightest);
+        // What weight adds on a millionth of a radius: bodies may lie at rest.
+        double smallest = math::infinity;
+        for (const Member& m : members) smallest = math::min(smallest, m.radius);
+        const double fall = 1e-6 * smallest * math::sqrt(dot(gravity, gravity));
+        return math::sqrt(2.0 * energy / lightest + fall);
     }
 
     void scale(Touching<Law>& q) const {
