@@ -164,8 +164,10 @@ public:
         require(box.size() == d && periodic.size() == d && gravity.size() == d,
                 "box | periodic | gravity: must be one for each axis");
         require(time_step > 0.0, "time_step: must be > 0");
-        setting_ = {
-            {static_cast<int>(d), {}, {}, {}}, mass, radius, law, alternative, parameters, time_step, log};
+        setting_.mass = numbers(mass), setting_.radius = numbers(radius);
+        setting_.law = law, setting_.alternative = alternative, setting_.parameters = parameters;
+        setting_.time_step = time_step, setting_.log = log;
+        setting_.box.dimension = static_cast<int>(d);
         for (std::size_t axis = 0; axis < d; ++axis) {
             setting_.box.edge[axis] = box[axis];
             setting_.box.periodic[axis] = periodic[axis];
