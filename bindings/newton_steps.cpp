@@ -3,12 +3,14 @@
 
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <array>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "arrays.hpp"
@@ -31,11 +33,17 @@ void require(bool met, const char* what) {
     if (!met) throw nb::value_error(what);
 }
 
+// A law as (name, alternative, parameters), as make_contact takes it.
+using LawChoice = std::tuple<std::string, int, Numbers>;
+
+std::vector<char> letters(const std::string& text) { return {text.begin(), text.end()}; }
+std::string name_in(const std::vector<char>& letters) { return {letters.begin(), letters.end()}; }
+
 // What a run is made of, beside the state.
 struct Setting {
     steps::Box box{};
-    Numbers mass, radius;  // [N]
-    std::string law;
+    Numbers mass, radius;   // [N]
+    std::vector<char> law;  // its name
     int alternative = 0;
     Numbers parameters;
     double time_step = 0.0;
@@ -63,7 +71,7 @@ public:
     virtual hp::StepsObservables observe() const = 0;
     virtual std::vector<steps::Row> take_log() = 0;
     virtual std::vector<steps::Row> open_contacts() const = 0;
-    virtual void save(steps::Writer& writer) = 0;
+    virtual void save(hp::Writer& writer) = 0;
 };
 
 template <class Law>
@@ -104,7 +112,7 @@ public:
     hp::StepsObservables observe() const override { return steps_.observe(); }
     std::vector<steps::Row> take_log() override { return steps_.take_log(); }
     std::vector<steps::Row> open_contacts() const override { return steps_.open_contacts(); }
-    void save(steps::Writer& writer) override { steps_.save(writer); }
+    void save(hp::Writer& writer) override { steps_.save(writer); }
 
 private:
     hp::NewtonSteps<Law> steps_;
@@ -151,8 +159,8 @@ auto rows(const Numbers& three, int dimension) {
 class NewtonSteps {
 public:
     NewtonSteps(Table positions, Table velocities, In radius, In mass, const Numbers& box,
-                const std::vector<bool>& periodic, const Numbers& gravity, const std::string& law,
-                int alternative, const Numbers& parameters, double time_step, bool log) {
+                const std::vector<bool>& periodic, const Numbers& gravity, const LawChoice& law,
+                double time_step, bool log) {
         const std::size_t n = positions.shape(0), d = positions.shape(1);
         require(n > 0 && n < (std::size_t{1} << steps::Pair::bits),
                 "positions: must be 1 to 2^27 - 1 bodies");
@@ -165,7 +173,8 @@ public:
                 "box | periodic | gravity: must be one for each axis");
         require(time_step > 0.0, "time_step: must be > 0");
         setting_.mass = numbers(mass), setting_.radius = numbers(radius);
-        setting_.law = law, setting_.alternative = alternative, setting_.parameters = parameters;
+        const auto& [name, alternative, parameters] = law;
+        setting_.law = letters(name), setting_.alternative = alternative, setting_.parameters = parameters;
         setting_.time_step = time_step, setting_.log = log;
         setting_.box.dimension = static_cast<int>(d);
         for (std::size_t axis = 0; axis < d; ++axis) {
@@ -174,33 +183,33 @@ public:
             setting_.box.gravity[axis] = gravity[axis];
         }
         const Numbers position = in_three(positions), velocity = in_three(velocities);
-        engine_ = with_law(law, [&]<class Law>() -> std::unique_ptr<Engine> {
+        engine_ = with_law(name, [&]<class Law>() -> std::unique_ptr<Engine> {
             return std::make_unique<EngineOf<Law>>(setting_.box, position, velocity, laws_of<Law>(setting_),
                                                    time_step, log);
         });
     }
     static std::unique_ptr<NewtonSteps> load(nb::bytes state) {
-        steps::Reader reader({state.c_str(), state.size()});
-        std::string header;
-        reader(header);
-        require(header == version, "state: not of this version of the engine");
+        hp::Reader reader(state.c_str(), state.size());
+        require(reader.whole(), "state: not a saved run, or damaged");
+        std::vector<char> mark;
+        reader(mark);
+        require(name_in(mark) == version, "state: not of a run by steps of this version");
         std::unique_ptr<NewtonSteps> made(new NewtonSteps);
         Setting& s = made->setting_;
         s.exchange(reader);
-        require(reader.good() && s.mass.size() == s.radius.size(), "state: damaged");
-        made->engine_ = with_law(s.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+        made->engine_ = with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
             return std::make_unique<EngineOf<Law>>(s.box, laws_of<Law>(s), s.mass.size(), s.time_step, s.log,
                                                    reader);
         });
-        require(reader.ended(), "state: damaged");
+        require(!reader.failed(), "state: damaged");
         return made;
     }
     nb::bytes save() {
-        steps::Writer writer;
-        writer(std::string(version));
+        hp::Writer writer;
+        writer(letters(version));
         setting_.exchange(writer);
         engine_->save(writer);
-        const std::string bytes = writer.take();
+        const std::vector<char> bytes = writer.finish();
         return nb::bytes(bytes.data(), bytes.size());
     }
 
@@ -209,7 +218,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* version = "hardlimit NewtonSteps 1";
+    static constexpr const char* version = "NewtonSteps 1";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -259,9 +268,9 @@ void bind_engine(nb::module_& m) {
     nb::class_<NewtonSteps>(m, "NewtonSteps",
                             "Newton's equations for a box of spheres or disks in small equal steps.")
         .def(nb::init<Table, Table, In, In, const Numbers&, const std::vector<bool>&, const Numbers&,
-                      const std::string&, int, const Numbers&, double, bool>(),
+                      const LawChoice&, double, bool>(),
              "positions"_a, "velocities"_a, "radius"_a, "mass"_a, "box"_a, "periodic"_a, "gravity"_a, "law"_a,
-             "alternative"_a, "parameters"_a, "time_step"_a, "log"_a = false)
+             "time_step"_a, "log"_a = false)
         .def(
             "advance",
             [](NewtonSteps& run, double until, int threads, std::uint64_t most_steps,
