@@ -15,6 +15,7 @@ namespace hl = hardlimit;
 void bind_contacts(nb::module_& m);
 void bind_columns(nb::module_& m);
 void bind_sweep(nb::module_& m);
+void bind_particle_checks(nb::module_& m);
 
 namespace {
 
@@ -52,4 +53,5 @@ NB_MODULE(_core, m) {
     bind_math(m);
     bind_columns(m);
     bind_sweep(m);
+    bind_particle_checks(m);
 }
