@@ -308,7 +308,7 @@ def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:
         system.gravity,
         settings.rule,
         math.nan if settings.restitution is None else settings.restitution,
-        law,
+        None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),
         math.nan if settings.contact_duration is None else settings.contact_duration,
         log,
     )
