@@ -15,6 +15,7 @@ namespace hl = hardlimit;
 void bind_contacts(nb::module_& m);
 void bind_columns(nb::module_& m);
 void bind_sweep(nb::module_& m);
+void bind_particle_checks(nb::module_& m);
 void bind_particles(nb::module_& m);
 void bind_newton_steps(nb::module_& m);
 
@@ -54,6 +55,7 @@ NB_MODULE(_core, m) {
     bind_math(m);
     bind_columns(m);
     bind_sweep(m);
+    bind_particle_checks(m);
     bind_particles(m);
     bind_newton_steps(m);
 }
