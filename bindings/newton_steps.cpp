@@ -1,50 +1,31 @@
 // Binding of the engine that takes small steps: arrays in and out, the threads run with the interpreter unlocked.
 #include "particles/newton_steps.hpp"
 
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
-#include <nanobind/stl/vector.h>
 
-#include <array>
 #include <memory>
 #include <string>
 #include <variant>
 
-#include "arrays.hpp"
-#include "contact.hpp"
+#include "newton_boxes.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
 namespace hp = hardlimit::particles;
 namespace steps = hardlimit::particles::steps;
-using hl::bindings::In;
-using hl::bindings::make_array;
+using namespace hl::bindings;
 
 namespace {
 
-using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Numbers = std::vector<double>;
-
-void require(bool met, const char* what) {
-    if (!met) throw nb::value_error(what);
-}
-
-// What a run is made of, beside the state.
-struct Setting {
-    steps::Box box{};
-    Numbers mass, radius;  // [N]
-    std::string law;
-    int alternative = 0;
-    Numbers parameters;
+struct Setting : BoxSetting {
+    using BoxSetting::BoxSetting;
     double time_step = 0.0;
-    bool log = false;
 
     template <class Archive>
     void exchange(Archive& archive) {
-        archive(box), archive(mass), archive(radius), archive(law), archive(alternative), archive(parameters);
-        archive(time_step), archive(log);
+        BoxSetting::exchange(archive);
+        archive(time_step);
     }
 };
 
@@ -63,7 +44,7 @@ public:
     virtual hp::StepsObservables observe() const = 0;
     virtual std::vector<steps::Row> take_log() = 0;
     virtual std::vector<steps::Row> open_contacts() const = 0;
-    virtual void save(steps::Writer& writer) = 0;
+    virtual void save(hp::Writer& writer) = 0;
 };
 
 template <class Law>
@@ -104,101 +85,48 @@ public:
     hp::StepsObservables observe() const override { return steps_.observe(); }
     std::vector<steps::Row> take_log() override { return steps_.take_log(); }
     std::vector<steps::Row> open_contacts() const override { return steps_.open_contacts(); }
-    void save(steps::Writer& writer) override { steps_.save(writer); }
+    void save(hp::Writer& writer) override { steps_.save(writer); }
 
 private:
     hp::NewtonSteps<Law> steps_;
 };
 
-// visit.operator()<Law>() for the law of this name.
-template <class Visit>
-auto with_law(const std::string& name, const Visit& visit) {
-#define HL_LAW(Law) \
-    if (name == hl::contact::Law::record.name) return visit.template operator()<hl::contact::Law>();
-    HARDLIMIT_LAWS(HL_LAW)
-#undef HL_LAW
-    throw nb::value_error(("law: unknown name " + name).c_str());
-}
-
-template <class Law>
-steps::PairLaws<Law> laws_of(const Setting& s) {
-    const hl::LawRecord& record = Law::record;
-    require(s.alternative >= 0 && s.alternative < record.n_alternatives,
-            "alternative: the law has no such set of parameters");
-    const int wanted = record.n_common + record.n_in_alternative[s.alternative];
-    require(s.parameters.size() == static_cast<std::size_t>(wanted), "parameters: wrong number of values");
-    return {s.alternative, s.parameters, s.mass, s.radius};
-}
-
-Numbers numbers(In array) { return {array.data(), array.data() + array.shape(0)}; }
-// [N, d] as [3 N], with zeros where there is no third axis.
-Numbers in_three(Table table) {
-    const std::size_t n = table.shape(0), d = table.shape(1);
-    Numbers out(3 * n, 0.0);
-    for (std::size_t i = 0; i < n; ++i)
-        std::copy_n(table.data() + d * i, d, out.begin() + static_cast<long>(3 * i));
-    return out;
-}
-auto rows(const Numbers& three, int dimension) {
-    const auto d = static_cast<std::size_t>(dimension);
-    Numbers out;
-    for (std::size_t at = 0; at < three.size(); at += 3)
-        out.insert(out.end(), three.begin() + static_cast<long>(at),
-                   three.begin() + static_cast<long>(at + d));
-    return make_array(std::move(out), {three.size() / 3, d});
-}
-
 class NewtonSteps {
 public:
     NewtonSteps(Table positions, Table velocities, In radius, In mass, const Numbers& box,
-                const std::vector<bool>& periodic, const Numbers& gravity, const std::string& law,
-                int alternative, const Numbers& parameters, double time_step, bool log) {
-        const std::size_t n = positions.shape(0), d = positions.shape(1);
-        require(n > 0 && n < (std::size_t{1} << steps::Pair::bits),
-                "positions: must be 1 to 2^27 - 1 bodies");
-        require(d == 2 || d == 3, "positions: must have two or three columns");
-        require(velocities.shape(0) == n && velocities.shape(1) == d,
-                "velocities: must have the shape of positions");
-        require(radius.shape(0) == n && mass.shape(0) == n,
-                "radius | mass: must be one number for each body");
-        require(box.size() == d && periodic.size() == d && gravity.size() == d,
-                "box | periodic | gravity: must be one for each axis");
+                const std::vector<bool>& periodic, const Numbers& gravity, const LawChoice& law,
+                double time_step, bool log) {
         require(time_step > 0.0, "time_step: must be > 0");
-        setting_ = {
-            {static_cast<int>(d), {}, {}, {}}, mass, radius, law, alternative, parameters, time_step, log};
-        for (std::size_t axis = 0; axis < d; ++axis) {
-            setting_.box.edge[axis] = box[axis];
-            setting_.box.periodic[axis] = periodic[axis];
-            setting_.box.gravity[axis] = gravity[axis];
-        }
+        setting_ = {positions, velocities, radius, mass, box, periodic, gravity, law, log};
+        setting_.time_step = time_step;
         const Numbers position = in_three(positions), velocity = in_three(velocities);
-        engine_ = with_law(law, [&]<class Law>() -> std::unique_ptr<Engine> {
-            return std::make_unique<EngineOf<Law>>(setting_.box, position, velocity, laws_of<Law>(setting_),
+        engine_ = with_law(name_in(setting_.law), [&]<class Law>() -> std::unique_ptr<Engine> {
+            return std::make_unique<EngineOf<Law>>(setting_.box, position, velocity, setting_.laws<Law>(),
                                                    time_step, log);
         });
     }
     static std::unique_ptr<NewtonSteps> load(nb::bytes state) {
-        steps::Reader reader({state.c_str(), state.size()});
-        std::string header;
-        reader(header);
-        require(header == version, "state: not of this version of the engine");
+        hp::Reader reader(state.c_str(), state.size());
+        require(reader.whole(), "state: not a saved run, or damaged");
+        std::vector<char> mark;
+        reader(mark);
+        require(name_in(mark) == version, "state: not of a run by steps of this version");
         std::unique_ptr<NewtonSteps> made(new NewtonSteps);
         Setting& s = made->setting_;
         s.exchange(reader);
-        require(reader.good() && s.mass.size() == s.radius.size(), "state: damaged");
-        made->engine_ = with_law(s.law, [&]<class Law>() -> std::unique_ptr<Engine> {
-            return std::make_unique<EngineOf<Law>>(s.box, laws_of<Law>(s), s.mass.size(), s.time_step, s.log,
+        made->engine_ = with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
+            return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.time_step, s.log,
                                                    reader);
         });
-        require(reader.ended(), "state: damaged");
+        require(!reader.failed(), "state: damaged");
         return made;
     }
     nb::bytes save() {
-        steps::Writer writer;
-        writer(std::string(version));
+        hp::Writer writer;
+        writer(letters(version));
         setting_.exchange(writer);
         engine_->save(writer);
-        const std::string bytes = writer.take();
+        const std::vector<char> bytes = writer.finish();
         return nb::bytes(bytes.data(), bytes.size());
     }
 
@@ -207,7 +135,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* version = "hardlimit NewtonSteps 1";
+    static constexpr const char* version = "NewtonSteps 1";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -236,30 +164,13 @@ nb::dict observe(const NewtonSteps& run) {
     return d;
 }
 
-nb::tuple columns(const std::vector<steps::Row>& rows) {
-    const std::size_t n = rows.size();
-    Numbers begin, end, impact, separation;
-    std::vector<std::int64_t> first, second;
-    std::vector<std::uint8_t> overlapped;
-    for (const steps::Row& r : rows) {
-        begin.push_back(r.begin), end.push_back(r.end);
-        first.push_back(r.first), second.push_back(r.second);
-        impact.push_back(r.impact_speed), separation.push_back(r.separation_speed);
-        overlapped.push_back(r.overlapped);
-    }
-    return nb::make_tuple(make_array(std::move(begin), {n}), make_array(std::move(end), {n}),
-                          make_array(std::move(first), {n}), make_array(std::move(second), {n}),
-                          make_array(std::move(impact), {n}), make_array(std::move(separation), {n}),
-                          make_array(std::move(overlapped), {n}));
-}
-
 void bind_engine(nb::module_& m) {
     nb::class_<NewtonSteps>(m, "NewtonSteps",
                             "Newton's equations for a box of spheres or disks in small equal steps.")
         .def(nb::init<Table, Table, In, In, const Numbers&, const std::vector<bool>&, const Numbers&,
-                      const std::string&, int, const Numbers&, double, bool>(),
+                      const LawChoice&, double, bool>(),
              "positions"_a, "velocities"_a, "radius"_a, "mass"_a, "box"_a, "periodic"_a, "gravity"_a, "law"_a,
-             "alternative"_a, "parameters"_a, "time_step"_a, "log"_a = false)
+             "time_step"_a, "log"_a = false)
         .def(
             "advance",
             [](NewtonSteps& run, double until, int threads, std::uint64_t most_steps,

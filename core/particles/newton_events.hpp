@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "../outcome.hpp"
+#include "archive.hpp"
 #include "events/cluster.hpp"
 #include "planar_contact.hpp"
-#include "steps/archive.hpp"
 #include "steps/bodies.hpp"
 #include "steps/pair_laws.hpp"
 #include "steps/touches.hpp"
@@ -40,8 +40,7 @@ public:
     // position, velocity [3 N], body by body; positions in the box, bodies apart or touching.
     NewtonEvents(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
                  steps::PairLaws<Law> laws, bool log);
-    NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log,
-                 steps::Reader& reader);
+    NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log, Reader& reader);
 
     // To `until`, or until so many events have happened, or until `stop`.
     void advance(double until, std::uint64_t most_events, Stop& stop);
@@ -67,7 +66,7 @@ public:
     Survey survey() const;
     std::vector<Row> take_log() { return std::exchange(log_, {}); }
 
-    void save(steps::Writer& writer) const;
+    void save(Writer& writer) const;
 
 private:
     enum class What : unsigned char { none, meets, wall, crosses };

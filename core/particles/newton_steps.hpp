@@ -20,7 +20,7 @@
 
 #include "../outcome.hpp"
 #include "../parallel.hpp"
-#include "steps/archive.hpp"
+#include "archive.hpp"
 #include "steps/crew.hpp"
 #include "steps/forces.hpp"
 #include "steps/sorting.hpp"
@@ -57,13 +57,13 @@ public:
         skin_ = 0.05 * mean_width_;
         start();
     }
-    // As saved; nothing where the bytes do not end as they should, in which case `reader` is not good.
+    // As saved.
     NewtonSteps(const Box& box, steps::PairLaws<Law> laws, std::size_t bodies, double time_step, bool log,
-                steps::Reader& reader)
+                Reader& reader)
         : NewtonSteps(box, std::move(laws), bodies, time_step, log) {
         exchange(reader);
     }
-    void save(steps::Writer& writer) { exchange(writer); }
+    void save(Writer& writer) { exchange(writer); }
 
     // To `until` in equal steps of at most the time step. After `most_steps`, or where the watch says stop, the run pauses
     // on the way: asked to go on to the same time, it does as if nothing had been, to the last bit.

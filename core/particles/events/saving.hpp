@@ -22,7 +22,7 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
 }
 
 template <class Law>
-void NewtonEvents<Law>::save(steps::Writer& writer) const {
+void NewtonEvents<Law>::save(Writer& writer) const {
     NewtonEvents copy = *this;
     copy.exchange(writer);
     writer(copy.groups_.size());
@@ -37,7 +37,7 @@ void NewtonEvents<Law>::save(steps::Writer& writer) const {
 
 template <class Law>
 NewtonEvents<Law>::NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log,
-                                steps::Reader& reader)
+                                Reader& reader)
     : box_(box), laws_(std::move(laws)), keep_log_(log), gravity_(std::to_array(box.gravity)) {
     for (std::size_t i = 0; i < count; ++i) {
         largest_ = math::max(largest_, laws_.radius(i));
@@ -47,7 +47,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::
     exchange(reader);
     std::size_t groups = 0;
     reader(groups);
-    for (std::size_t i = 0; i < groups && reader.good(); ++i) {
+    for (std::size_t i = 0; i < groups && !reader.failed(); ++i) {
         Group& g = groups_.emplace_back();
         reader(g.alive), reader(g.isolated), reader(g.serial), reader(g.origin), reader(g.body),
             reader(g.offset);
