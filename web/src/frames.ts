@@ -1,6 +1,7 @@
 // Which panels fill the window: those of a step of the story, or a single one for a lecture or inside another page.
 import { find } from "./dom";
 import type { PanelName } from "./lecture_view";
+import type { State } from "./state";
 
 export type Mode = "story" | "panel";
 
@@ -36,43 +37,44 @@ export const embedded = (): boolean => window.self !== window.top;
 export class SinglePanel {
   constructor(
     private readonly frames: Frames,
-    private readonly view: { panel: PanelName | null },
-    private readonly link: () => string,
-    private readonly shown: () => void,
+    private readonly state: State,
+    private readonly changed: () => void,
   ) {
     find<HTMLSelectElement>("panel-choice").addEventListener("change", (e) => this.go((e.target as HTMLSelectElement).value as PanelName));
     find("panel-full").addEventListener("click", () => frames.fullScreen());
     find("panel-leave").addEventListener("click", () => this.go(null));
     find("enlarge").addEventListener("click", () => this.go("film"));
     addEventListener("keydown", (e) => {
-      if (e.key === "Escape" && this.view.panel && !embedded()) this.go(null);
+      if (e.key === "Escape" && state.lecture.panel && !embedded()) this.go(null);
     });
   }
 
   go(panel: PanelName | null): void {
-    this.view.panel = panel;
-    history.pushState(null, "", this.link());
-    this.show();
-    if (panel) find("panel-choice").focus();
-    else find("enlarge").focus();
+    const { state } = this;
+    state.enterHistory();
+    state.lecture.panel = panel;
+    history.replaceState(null, "", state.link());
+    this.changed();
+    find(panel ? "panel-choice" : "enlarge").focus();
   }
 
   show(): void {
-    const { panel } = this.view;
+    const { panel, pin } = this.state.lecture;
     find("panel-bar").hidden = panel === null;
     find("panel-tools").hidden = embedded();
-    const whole = find<HTMLAnchorElement>("panel-whole");
-    whole.hidden = !embedded();
+    find("panel-whole").hidden = !embedded();
     if (panel === null) return;
     this.frames.show("panel", [panel]);
-    find<HTMLSelectElement>("panel-choice").value = panel;
-    this.shown();
+    const choice = find<HTMLSelectElement>("panel-choice");
+    choice.value = panel;
+    for (const option of choice.options) if (option.value === "compare") option.disabled = pin === null;
+    this.refreshLink();
   }
 
   // The link to the whole page follows the setting.
   refreshLink(): void {
-    if (!this.view.panel || !embedded()) return;
-    const url = new URL(this.link());
+    if (!this.state.lecture.panel || !embedded()) return;
+    const url = new URL(this.state.link());
     url.searchParams.delete("panel");
     find<HTMLAnchorElement>("panel-whole").href = url.href;
   }

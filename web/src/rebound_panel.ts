@@ -1,5 +1,5 @@
 // The curves of the rebound height beside the map: drawn, read, pointed at, with measured heights.
-import { dragged, find, type Sheet } from "./dom";
+import { find, type Sheet } from "./dom";
 import { digits, withUnit } from "./format";
 import type { LectureView } from "./lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
@@ -8,6 +8,7 @@ import { Curve, spanOf, valueOn, type CurveAxis, type CurvePoint } from "./rebou
 import { drawCurves, nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "./scenario";
 import type { State } from "./state";
+import { dragged } from "./touch";
 
 const largestFile = 1e6; // bytes
 
@@ -112,6 +113,14 @@ export class ReboundPanel {
     return `Newton ${say(p.newton)}, ICM ${say(p.icm)}`;
   }
 
+  // Newton's heights at gap 0 and the highest over the gap; null until they are computed.
+  extremes(): { touching: number; best: number; at: number } | null {
+    const { points, touching, axis, done } = this.curve;
+    if (!done || axis !== "gap" || !touching) return null;
+    const best = [touching, ...points].reduce((a, b) => (b.newton > a.newton ? b : a));
+    return { touching: touching.newton, best: best.newton, at: best.x };
+  }
+
   private choose(x: number): void {
     const { scenario: s } = this.state;
     if (this.view.curve === "e") s.restitution = clampTo(ranges.restitution, Number(x.toFixed(3)));
@@ -148,7 +157,7 @@ export class ReboundPanel {
     });
   }
 
-  private setAxis(axis: CurveAxis): void {
+  setAxis(axis: CurveAxis): void {
     this.view.curve = axis;
     this.refresh();
     this.state.writeLink();

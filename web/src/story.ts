@@ -21,8 +21,8 @@ const onCradle: Partial<Record<Step, PanelName[]>> = { predict: ["film"], drop: 
 // What the page knows and the story needs.
 export interface Stagehand {
   told(): Pick<Told, "gaps" | "trusted">;
-  entered(step: Step): void; // before a step is shown
-  moves(): boolean; // whether motion is welcome
+  entered(step: Step): void;
+  left(): void;
 }
 
 export class Story {
@@ -44,23 +44,25 @@ export class Story {
 
   // ---- steps ------------------------------------------------------------------------------------------
 
-  go(step: Step | null, remember = true): void {
-    const first = this.view.step === null && step !== null;
-    this.view.step = step;
-    if (step) this.view.panel = null;
-    if (remember) history.pushState(null, "", this.state.link());
-    this.show();
+  go(step: Step | null): void {
+    const { state, view } = this;
+    state.enterHistory();
+    view.step = step;
+    if (step) view.panel = null;
+    else state.view.slow = true;
+    if (step) this.show();
+    else this.hand.left();
     if (step) this.hand.entered(step);
-    if (first || step) find("story-title").focus({ preventScroll: true });
-    else find("tell").focus();
+    history.replaceState(null, "", state.link());
+    find(step ? "story-title" : "tell").focus({ preventScroll: true });
   }
 
   // The page as the step in the link asks.
   show(): void {
     const { step } = this.view;
-    this.frames.show(step ? "story" : null, step ? this.panels(step) : []);
     find("story").hidden = find("story-nav").hidden = step === null;
     if (step === null) return;
+    this.frames.show("story", this.panels(step));
     this.revealed = false;
     this.said = "";
     const place = steps.indexOf(step);
