@@ -1,12 +1,17 @@
 // Which panels fill the window: those of a step of the story, or a single one for a lecture or inside another page.
 import { find } from "./dom";
 import type { PanelName } from "./lecture_view";
+import { lettering } from "./plot";
 import type { State } from "./state";
 
 export type Mode = "story" | "panel";
 
 export class Frames {
   mode: Mode | null = null;
+
+  constructor() {
+    addEventListener("resize", () => this.sizeText());
+  }
 
   // What is shown besides the frame of the mode; a mode of null shows the whole page.
   show(mode: Mode | null, names: (PanelName | "tale")[]): void {
@@ -15,8 +20,13 @@ export class Frames {
     if (mode) root.dataset.mode = mode;
     else delete root.dataset.mode;
     root.dataset.panels = String(names.length);
+    this.sizeText();
     document.querySelectorAll("main > .panel").forEach((panel) => panel.removeAttribute("data-shown"));
     names.forEach((name, i) => document.querySelector(`main > .${name}`)?.setAttribute("data-shown", String(i + 1)));
+  }
+
+  private sizeText(): void {
+    lettering.least = this.mode ? 0.85 * this.textSize() : 13;
   }
 
   // Size of text on the page [px]: in a lecture it grows with the window.

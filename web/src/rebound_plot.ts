@@ -75,7 +75,7 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   drawMeasured(g, layout, p, theme);
   g.restore();
   drawPlace(g, layout, p, theme, size);
-  drawNames(g, whole, layout, p, theme, size);
+  drawNames(g, whole, p, theme, size);
   return layout;
 }
 
@@ -232,7 +232,7 @@ function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
 }
 
 // What the lines mean, on top.
-function drawNames(g: CanvasRenderingContext2D, f: Frame, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme: Theme, size: number): void {
   setFont(g, theme, size, 600);
   g.textBaseline = "bottom";
   g.textAlign = "right";

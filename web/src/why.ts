@@ -64,7 +64,7 @@ function onFloor(f: Facts): string {
   if (between.length === 0 || f.newton.nContacts === 0) return neverMeet(f);
   const floor = list.find((c) => c.pair === 0);
   if (!floor || floor.end === Infinity) return "The floor never lets go: the lowest ball comes to rest on it, and the others land on a ball at rest.";
-  return f.balls === 2 ? twoBalls(f, floor, between) : manyBalls(f, floor, list, between);
+  return f.balls === 2 ? twoBalls(f, floor, between) : manyBalls(floor, list, between);
 }
 
 function neverMeet(f: Facts): string {
@@ -95,7 +95,7 @@ function twoBalls(f: Facts, floor: Span, between: Span[]): string {
 
 const icmTimes = (f: Facts): string => (f.icm.nContacts === 0 ? "not at all" : times(f.icm.nContacts));
 
-function manyBalls(f: Facts, floor: Span, list: Span[], between: Span[]): string {
+function manyBalls(floor: Span, list: Span[], between: Span[]): string {
   const first = Math.min(...between.map((c) => c.begin));
   const most = mostAtOnce(list);
   const pushes = `The floor pushes for ${duration(floor.end)}`;

@@ -1,0 +1,54 @@
+// Where collisions may be simulated as events: from which gap on both models agree, for every ε of the map.
+import { setFont, type Frame, type Scale } from "./plot";
+import type { Theme } from "./theme";
+
+export const AGREEMENT = 0.01; // of ε_eff/ε with 1
+
+// The lowest row from which on a column of ε_eff/ε stays near 1 up to the top; `side`: no row does, NaN: not computed.
+export function trustedRow(ratio: (row: number) => number, side: number): number {
+  let row = side;
+  while (row > 0) {
+    const value = ratio(row - 1);
+    if (value === undefined) return NaN;
+    if (!(Math.abs(value - 1) <= AGREEMENT)) break;
+    row--;
+  }
+  return row;
+}
+
+export interface TrustPoint {
+  restitution: number;
+  gap: number; // m; infinity: none in the map
+}
+
+export function drawTrust(g: CanvasRenderingContext2D, points: TrustPoint[], x: Scale, y: Scale, f: Frame, theme: Theme, size: number): void {
+  const shown = points.filter((p) => Number.isFinite(p.gap) && p.restitution >= x.low && p.restitution <= x.high);
+  if (shown.length < 2) return;
+  for (const [color, width] of [["#14161a", 6], ["#ffffff", 3]] as const) {
+    g.strokeStyle = color;
+    g.lineWidth = width;
+    g.lineJoin = "round";
+    g.beginPath();
+    let before: TrustPoint | null = null;
+    for (const p of points) {
+      if (!Number.isFinite(p.gap)) before = null;
+      else {
+        if (before) g.lineTo(x.at(p.restitution), y.at(p.gap));
+        else g.moveTo(x.at(p.restitution), y.at(p.gap));
+        before = p;
+      }
+    }
+    g.stroke();
+  }
+  const middle = shown[Math.floor(shown.length / 2)];
+  setFont(g, theme, 1.05 * size, 700);
+  g.textAlign = "center";
+  g.textBaseline = "bottom";
+  g.lineWidth = 5;
+  g.lineJoin = "round";
+  g.strokeStyle = "#14161a";
+  g.fillStyle = "#ffffff";
+  const at: [number, number] = [f.left + 0.5 * f.width, Math.max(y.at(middle.gap) - 0.4 * size, f.top + 1.5 * size)];
+  g.strokeText("models agree to 1 % above this line", ...at);
+  g.fillText("models agree to 1 % above this line", ...at);
+}
