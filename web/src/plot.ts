@@ -29,7 +29,8 @@ export class Scale {
   }
 }
 
-export const fontSize = (w: number): number => Math.min(Math.max(w / 42, 13), 16);
+// Grows with the picture, and with the text of the page beyond it.
+export const fontSize = (w: number): number => Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
 
 export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
   g.font = `${weight} ${Math.round(size)}px ${theme.font}`;

@@ -42,4 +42,10 @@ export class State {
     clearTimeout(this.linkTimer);
     this.linkTimer = window.setTimeout(() => history.replaceState(null, "", this.link()), 250);
   }
+  // What is shown now can be gone back to; links that follow are those of a new entry.
+  enterHistory(): void {
+    clearTimeout(this.linkTimer);
+    history.replaceState(null, "", this.link());
+    history.pushState(null, "", this.link());
+  }
 }
