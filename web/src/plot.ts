@@ -29,7 +29,11 @@ export class Scale {
   }
 }
 
-export const fontSize = (w: number): number => Math.min(Math.max(w / 42, 13), 16);
+// Grows with the picture, and with the text of the page beyond it.
+// Least size of text in pictures [px]: in a lecture that of the text around them.
+export const lettering = { least: 13 };
+
+export const fontSize = (w: number): number => Math.max(Math.min(Math.max(w / 42, 13), Math.max(16, w / 50)), Math.min(lettering.least, w / 26));
 
 export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
   g.font = `${weight} ${Math.round(size)}px ${theme.font}`;
