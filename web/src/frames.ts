@@ -26,7 +26,8 @@ export class Frames {
   }
 
   private sizeText(): void {
-    lettering.least = this.mode ? 0.85 * this.textSize() : 13;
+    lettering.lecture = this.mode !== null;
+    lettering.least = this.mode ? 0.88 * this.textSize() : 13;
   }
 
   // Size of text on the page [px]: in a lecture it grows with the window.

@@ -21,6 +21,7 @@ export class Lecture {
   private readonly rebound: ReboundPanel;
   private readonly compare: Compare;
   private readonly mini: Mini;
+  private mapped: number | null = null; // time the map took, of which the story has told
   private entered: Step | null = null; // a step that waits for the drop to be computed
 
   constructor(
@@ -29,6 +30,7 @@ export class Lecture {
     private readonly map: MapPanel,
     pool: Pool,
     private readonly moves: () => boolean,
+    load: (example: string) => void,
   ) {
     const view = state.lecture;
     const resized = (): void => state.redraw();
@@ -40,6 +42,7 @@ export class Lecture {
       told: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
       entered: (step) => this.enter(step),
       left: () => this.show(),
+      load,
     });
     fillMeasured();
     this.show();
@@ -81,6 +84,9 @@ export class Lecture {
       this.compare.draw();
       this.mini.draw();
     }
+    const { elapsed } = this.map.map;
+    if (this.rebound.dirty || elapsed !== this.mapped) this.story.dirty = true;
+    this.mapped = elapsed;
     this.rebound.drawIfDue();
     this.story.frame();
   }

@@ -58,7 +58,7 @@ class Page {
     this.forces = new ForcesPanel(state, this.forcesSheet, this.film);
     this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
     this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
-    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves);
+    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!));
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
     new ThemeSwitch(state);

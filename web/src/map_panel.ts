@@ -53,10 +53,13 @@ export class MapPanel {
     find("map-title").textContent = view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball";
   }
 
-  // The map of ε_eff/ε over the gap, whole, where there is one.
+  // The map of ε_eff/ε over the gap, where there is one.
   showTrusted(): void {
     const { view, scenario } = this.state;
-    Object.assign(view.map, { axis: "gap", zoom: null, show: scenario.balls.length === 2 && !scenario.cradle ? "effective" : "count" });
+    const pair = scenario.balls.length === 2 && !scenario.cradle;
+    Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
+    const { x, y } = this.box();
+    view.map.zoom = { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] }; // with more of where the models agree
     this.map.setShow(view.map.show);
     this.refreshChoices();
     this.refresh();

@@ -1,6 +1,6 @@
 // The curves of the rebound height beside the map: drawn, read, pointed at, with measured heights.
 import { find, type Sheet } from "./dom";
-import { digits, withUnit } from "./format";
+import { digits, metres, withUnit } from "./format";
 import type { LectureView } from "./lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "./pool";
@@ -87,6 +87,7 @@ export class ReboundPanel {
     return {
       axis: view.curve, span: curve.span, points: curve.points, touching: curve.touching,
       pinned: pinned ? this.pinned.points : [], pinnedTouching: pinned ? this.pinned.touching : null,
+      pinnedAt: pinned ? valueOn(view.pin!, view.curve) : null,
       released: scenario.cradle || view.curve === "ratio" ? NaN : top,
       measured: scenario.cradle ? null : this.measured,
       marked: valueOn(scenario, view.curve), hovered: this.hovered, cradle: scenario.cradle,
@@ -109,7 +110,7 @@ export class ReboundPanel {
   }
 
   private told(p: CurvePoint): string {
-    const say = (x: number): string => (Number.isFinite(x) ? withUnit(x, this.state.scenario.cradle ? "m/s" : "m") : "none");
+    const say = (x: number): string => (!Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x));
     return `Newton ${say(p.newton)}, ICM ${say(p.icm)}`;
   }
 

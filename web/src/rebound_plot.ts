@@ -1,5 +1,5 @@
 // The rebound heights of both models as curves over the gap, ε or R1/R2, with measured ones.
-import { digits, logTicks, niceTicks, withUnit } from "./format";
+import { digits, logTicks, metres, niceTicks, withUnit } from "./format";
 import type { Measurements } from "./measurements";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
 import type { CurveAxis, CurvePoint, Span } from "./rebound";
@@ -12,6 +12,7 @@ export interface CurvePicture {
   touching: CurvePoint | null;
   pinned: CurvePoint[]; // curves of setting A
   pinnedTouching: CurvePoint | null;
+  pinnedAt: number | null; // x of setting A
   released: number; // height of the top ball's centre at release [m]; NaN on a cradle
   measured: Measurements | null;
   marked: number; // x of the present setting
@@ -74,6 +75,7 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   drawModels(g, layout, p, theme);
   drawMeasured(g, layout, p, theme);
   g.restore();
+  drawPinned(g, layout, p, theme, size);
   drawPlace(g, layout, p, theme, size);
   drawNames(g, whole, p, theme, size);
   return layout;
@@ -114,7 +116,7 @@ function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePi
   setFont(g, theme, 0.92 * size);
   g.textAlign = "right";
   g.textBaseline = "bottom";
-  halo(g, `let go at ${withUnit(p.released, "m")}`, f.left + f.width - 6, at - 3, theme.muted, theme);
+  halo(g, `let go at ${metres(p.released)}`, f.left + f.width - 6, at - 3, theme.muted, theme);
 }
 
 function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, color: string, theme: Theme): void {
@@ -199,6 +201,21 @@ export function pixelOf(l: CurveLayout, x: number): number {
 export const valueAt = (l: CurveLayout, pixel: number): number =>
   Number.isFinite(l.zero) && pixel < l.frame.left - 2 ? 0 : Math.min(Math.max(l.x.value(pixel), l.x.low), l.x.high);
 
+// A line at setting A.
+function drawPinned(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+  const at = p.pinnedAt === null ? NaN : pixelOf(l, p.pinnedAt);
+  if (!Number.isFinite(at)) return;
+  g.strokeStyle = theme.muted;
+  g.lineWidth = 2;
+  g.setLineDash([6, 4]);
+  stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
+  g.setLineDash([]);
+  setFont(g, theme, 1.05 * size, 700);
+  g.textAlign = "left";
+  g.textBaseline = "bottom";
+  halo(g, "A", at + 5, l.frame.top + l.frame.height - 4, theme.muted, theme);
+}
+
 // A line at the present setting, one under the pointer, and dots where they meet the curves.
 function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
   for (const [value, thick] of [[p.hovered, false], [p.marked, true]] as const) {
@@ -222,13 +239,14 @@ function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
 // The value beside its dot, on the side with more room.
 function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, point: CurvePoint, model: "newton" | "icm", at: number, theme: Theme, size: number): void {
   const right = at < l.frame.left + 0.6 * l.frame.width;
-  const close = Math.abs(l.y.at(point.newton) - l.y.at(point.icm)) < 1.5 * size;
-  const upper = point[model] > point[model === "newton" ? "icm" : "newton"] || (point.newton === point.icm && model === "icm");
+  const other = point[model === "newton" ? "icm" : "newton"];
+  const close = Math.abs(l.y.at(point.newton) - l.y.at(point.icm)) < 2.2 * size;
+  const below = close && (point[model] < other || (point[model] === other && model === "newton"));
   setFont(g, theme, 1.05 * size, 700);
   g.textAlign = right ? "left" : "right";
   g.textBaseline = "middle";
-  const y = l.y.at(point[model]) + (close ? (upper ? -0.75 : 0.75) * size : 0);
-  halo(g, withUnit(point[model], p.cradle ? "m/s" : "m"), at + (right ? 12 : -12), Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
+  const y = l.y.at(point[model]) + (below ? 1 : -1) * size;
+  halo(g, p.cradle ? withUnit(point[model], "m/s") : metres(point[model]), at + (right ? 12 : -12), Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
 }
 
 // What the lines mean, on top.
@@ -244,7 +262,7 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme
   ];
   if (p.measured?.axis === p.axis) names.push(["measured", theme.ink, null]);
   if (p.pinned.length > 0) names.push(["thin: A", theme.muted, null]);
-  const short = f.width < 34 * size;
+  const short = f.width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
   for (const [name, color, dash] of names) {
     const text = short && name.startsWith("independent") ? "ICM" : name;
     g.fillStyle = color;

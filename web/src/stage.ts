@@ -77,7 +77,7 @@ export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: 
 
 // The balls at true scale alone, with a title unless that is empty.
 export function drawTrueScale(g: CanvasRenderingContext2D, r: Rect, d: Drop, m: Moment, theme: Theme, title: string): void {
-  const size = Math.min(Math.max(r.w / 26, lettering.least), r.w / 12, 30);
+  const size = Math.min(Math.max(r.w / 34, lettering.least), r.w / 12, Math.max(lettering.least, 18));
   new Painter(g, d, m, theme, size).trueScale(r, title);
 }
 

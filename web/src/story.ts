@@ -2,7 +2,8 @@
 import { find, type Sheet } from "./dom";
 import type { Film } from "./film";
 import type { Frames } from "./frames";
-import { steps, type LectureView, type PanelName, type Step } from "./lecture_view";
+import { sameScenario, steps, type LectureView, type PanelName, type Step } from "./lecture_view";
+import { presets } from "./presets";
 import type { State } from "./state";
 import { storyText, titles, type Told } from "./story_text";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";
@@ -23,6 +24,7 @@ export interface Stagehand {
   told(): Pick<Told, "gaps" | "trusted">;
   entered(step: Step): void;
   left(): void;
+  load(example: string): void;
 }
 
 export class Story {
@@ -75,6 +77,7 @@ export class Story {
     find<HTMLButtonElement>("story-back").disabled = place === 0;
     find("story-next").textContent = step === "predict" ? "Let them drop" : place === steps.length - 1 ? "To the whole page" : "Next";
     find("story-again").hidden = step !== "drop";
+    this.refreshOther();
     scrollTo(0, 0);
     this.dirty = true;
   }
@@ -125,6 +128,7 @@ export class Story {
     const text = storyText(this.view.step!, this.told());
     if (text === this.said) return;
     this.said = text;
+    this.refreshOther();
     find("story-text").textContent = text;
   }
 
@@ -166,12 +170,22 @@ export class Story {
     find("story-next").addEventListener("click", () => this.move(1));
     find("story-back").addEventListener("click", () => this.move(-1));
     find("story-leave").addEventListener("click", () => this.go(null));
+    find("story-other").addEventListener("click", () => this.hand.load(find("story-other").dataset.example!));
     find("story-again").addEventListener("click", () => this.replay());
     find("story-full").addEventListener("click", () => this.frames.fullScreen());
     find("story-steps").querySelectorAll("button").forEach((b, i) => b.addEventListener("click", () => this.go(steps[i])));
     addEventListener("keydown", (e) => this.key(e), { capture: true });
     this.listenGuess();
     this.listenSwipe();
+  }
+
+  // Hard balls touch more often than soft ones: counting is worth while on the paper's, too.
+  private refreshOther(): void {
+    const other = find("story-other");
+    other.hidden = this.view.step !== "count";
+    const opening = sameScenario(this.state.scenario, presets[0].scenario);
+    other.textContent = opening ? "Count on the paper’s hard balls" : "Count on the basketball";
+    other.dataset.example = opening ? "fig2" : presets[0].id;
   }
 
   replay(): void {

@@ -1,6 +1,6 @@
 // What the story says at each step, made of the numbers of the setting that is shown.
 import type { Drop } from "./drop";
-import { digits, withUnit } from "./format";
+import { digits, metres, withUnit } from "./format";
 import type { Step } from "./lecture_view";
 import { ballById } from "./measured";
 import { releaseHeight } from "./tale";
@@ -13,7 +13,7 @@ export interface Told {
   revealed: boolean; // whether the drop has been seen to its end
   rises: [number, number]; // of the top ball, Newton and independent collisions [m] (cradle: velocity of the last [m/s])
   gaps: { touching: number; best: number; at: number } | null; // Newton's heights at gap 0 and the highest, with its gap
-  trusted: number | null; // gap above which both models agree to 1 % [m]; infinite: nowhere in the map
+  trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map
 }
 
 export const titles: Record<Step, string> = {
@@ -26,7 +26,6 @@ export const titles: Record<Step, string> = {
 };
 
 const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
-const m = (x: number): string => withUnit(x, "m");
 
 // "basketball" where radius and mass are those of one, else what the place in the column says.
 export function nameOfBall(b: Ball, place: string): string {
@@ -47,7 +46,7 @@ export function storyText(step: Step, t: Told): string {
   const column = n === 2 && top !== "top ball" && low !== "lowest ball" ? `A ${top} above a ${low}: both` : `${capital(spell(n))} balls, one above the other,`;
   const texts: Record<Step, () => string> = {
     predict: () =>
-      `${column} are let go together, the ${top} ${m(releaseHeight(t.drop))} above the floor. How high will the ${top} rise after the bounce? ` +
+      `${column} are let go together, the ${top} ${metres(releaseHeight(t.drop))} above the floor. How high will the ${top} rise after the bounce? ` +
       "Drag the line there, then let them drop.",
     drop: () => (t.revealed ? outcome(t, top) : "Watch the ruler …"),
     slow: () => why(factsOf(t.drop)),
@@ -69,21 +68,21 @@ function outcome(t: Told, top: string): string {
   const ratio = newton / from;
   const compared = ratio < 0.99 ? "lower than where it was let go" : ratio < 1.05 ? "hardly higher than where it was let go" : `${digits(ratio, 2)} times as high as where it was let go`;
   const guessed = t.guess === null ? "" : ` You said ${withUnit(t.guess, "m", 2)}${Math.abs(t.guess / newton - 1) < 0.1 ? ": well guessed!" : "."}`;
-  const textbook = !Number.isFinite(icm) ? "" : Math.abs(icm / newton - 1) < 0.03 ? ` The textbook, one collision after the other, agrees: ${m(icm)}.` : ` The textbook, one collision after the other, promises ${m(icm)}.`;
-  return `The ${top} rises to ${m(newton)}, ${compared}.${guessed}${textbook}`;
+  const textbook = !Number.isFinite(icm) ? "" : Math.abs(icm / newton - 1) < 0.03 ? ` The textbook, one collision after the other, agrees: ${metres(icm)}.` : ` The textbook, one collision after the other, promises ${metres(icm)}.`;
+  return `The ${top} rises to ${metres(newton)}, ${compared}.${guessed}${textbook}`;
 }
 
 function counted({ drop }: Told): string {
   const { newton, icm, scenario } = drop;
   const k = newton.run.nContacts;
-  const e = digits(scenario.restitution);
+  const e = Number(scenario.restitution.toPrecision(3));
   const said = icm.run.outcome === 4 || icm.run.outcome === 5 ? "the collision model counts without end" : `the collision model counts ${spell(icm.run.nContacts)}`;
   return `At ε = ${e} ${scenario.balls.length === 2 ? "the balls" : "neighbouring balls"} touch ${k === 0 ? "not at all" : times(k)}; ${said}. The bands show when they touch, for every ε: drag the line to another ε, and count again.`;
 }
 
 function gapText({ gaps }: Told, top: string): string {
   const told = gaps && Number.isFinite(gaps.touching) && Number.isFinite(gaps.best)
-    ? `Let go touching, the ${top} reaches ${m(gaps.touching)}; ${gaps.at > 0 ? `${m(gaps.at)} apart, ${m(gaps.best)}` : "no gap brings it higher"}. `
+    ? `Let go touching, the ${top} reaches ${metres(gaps.touching)}; ${gaps.at > 0 ? `${withUnit(gaps.at, "m", 2)} apart, ${metres(gaps.best)}` : "no gap brings it higher"}. `
     : "";
   return `${told}Drag in the plot to change the gap. That balls dropped closer together rebound lower was measured in Bristol in 2015.`;
 }
@@ -92,7 +91,7 @@ function mapText({ drop, trusted }: Told): string {
   if (drop.scenario.balls.length > 2)
     return `Event-driven simulation takes contacts one after another. Where the map counts more than ${spell(drop.scenario.balls.length - 1)}, one for each pair of neighbours, it leaves some out; where it counts as many, they may still overlap.`;
   const where = trusted === null ? "" : trusted === Infinity ? " In this map that is nowhere so for the present ε." : ` For the present ε that takes a gap above ${withUnit(trusted, "m", 2)}.`;
-  return `Above the line, effective and true restitution agree to 1 %: the floor has let go before the balls meet, and collisions are events. Below it they overlap, and an event-driven simulation is wrong.${where}`;
+  return `Above the line both models agree to 5 %: the floor has let go before the balls meet, and collisions are events. Below it the contacts overlap, and an event-driven simulation is wrong.${where} Red, above 1, is gravity at work during the contact.`;
 }
 
 function cradleText(step: Step, t: Told): string {

@@ -2,8 +2,10 @@
 // and, once they drop, both models side by side.
 import type { State as Balls } from "./core";
 import type { Drop } from "./drop";
-import { niceTicks, withUnit } from "./format";
+import { metres, niceTicks, withUnit } from "./format";
 import { setFont, stroke } from "./plot";
+import { massOf } from "./scenario";
+import { nameOfBall } from "./story_text";
 import type { Theme } from "./theme";
 
 export interface Tale {
@@ -34,8 +36,11 @@ export function rulerTop(d: Drop, guess: number | null, falling: boolean): numbe
   return Math.max(least, seen, 1.1 * (guess ?? 0));
 }
 
-export function drawTale(g: CanvasRenderingContext2D, w: number, h: number, t: Tale, size: number, theme: Theme): TaleLayout {
-  g.clearRect(0, 0, w, h);
+export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, t: Tale, size: number, theme: Theme): TaleLayout {
+  g.clearRect(0, 0, whole, h);
+  const room = !t.falling && whole > 34 * size; // for the balls themselves
+  const w = room ? 0.58 * whole : whole;
+  if (room) drawPortrait(g, t.drop, w + 2 * size, whole - w - 2 * size, h, size, theme);
   const floor = h - 2.4 * size;
   const top = rulerTop(t.drop, t.guess, t.falling);
   const scale = (floor - 1.2 * size) / top;
@@ -45,7 +50,7 @@ export function drawTale(g: CanvasRenderingContext2D, w: number, h: number, t: T
   const lane = (w - left) / lanes;
   const columns: ["newton" | "icm", string, Balls][] = [["newton", "Newton’s equations", t.newton], ["icm", lane > 16 * size ? "Independent collisions" : "ICM", t.icm]];
   const release = releaseHeight(t.drop);
-  drawLevel(g, left, w, floor - release * scale, `let go at ${withUnit(release, "m")}`, theme.muted, [2, 5], 1.5, size, theme, "left");
+  drawLevel(g, left, w, floor - release * scale, `let go at ${metres(release)}`, theme.muted, [2, 5], 1.5, size, theme, "left");
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
     if (t.falling) {
@@ -56,20 +61,65 @@ export function drawTale(g: CanvasRenderingContext2D, w: number, h: number, t: T
       g.fillText(name, middle, floor + 1.3 * size);
     }
     drawColumn(g, t, balls, middle, floor, scale, model, size, theme);
-    const height = t.reached[k];
-    if (t.falling && Number.isFinite(height)) {
+    const z = t.reached[k];
+    if (t.falling && Number.isFinite(z)) {
       g.strokeStyle = theme[model];
       g.lineWidth = 3;
-      const y = floor - height * scale;
+      const y = floor - z * scale;
       stroke(g, middle - 0.3 * lane, y, middle + 0.3 * lane, y);
       setFont(g, theme, 1.5 * size, 700);
       g.textAlign = "center";
       g.textBaseline = "bottom";
-      halo(g, withUnit(height, "m"), middle, Math.max(y - 0.3 * size, 1.8 * size), theme[model], theme);
+      halo(g, metres(z), middle, Math.max(y - 0.3 * size, 1.8 * size), theme[model], theme);
     }
   });
-  if (t.guess !== null) drawLevel(g, left, w, floor - t.guess * scale, `${t.falling ? "your guess" : "my guess"}: ${withUnit(t.guess, "m", 2)}`, theme.ink, [], 3, size, theme, "right");
+  if (t.guess === null && !t.falling) {
+    setFont(g, theme, 1.1 * size, 650);
+    g.textAlign = "center";
+    g.textBaseline = "middle";
+    halo(g, "↕ drag: my guess", left + 0.5 * (w - left), floor - 0.55 * top * scale, theme.ink, theme);
+  }
+  if (t.guess !== null) drawLevel(g, left, w, floor - t.guess * scale, `${t.falling ? "your guess" : "my guess"}: ${t.guess} m`, theme.ink, [], 3, size, theme, "right");
   return { floor, scale, top };
+}
+
+// The balls at one scale of their own, with their names.
+function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number, h: number, size: number, theme: Theme): void {
+  const { balls, gaps } = d.scenario;
+  const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);
+  const wide = Math.max(...balls.map((b) => b.radius));
+  const scale = Math.min((0.72 * h) / tall, (0.2 * w) / wide);
+  let bottom = 0.5 * h + 0.5 * tall * scale;
+  const middle = x + wide * scale;
+  balls.forEach((b, i) => {
+    const radius = b.radius * scale;
+    const center = bottom - radius;
+    g.beginPath();
+    g.arc(middle, center, radius, 0, 2 * Math.PI);
+    g.fillStyle = theme.balls[i];
+    g.fill();
+    g.lineWidth = 1.5;
+    g.strokeStyle = theme.ink;
+    g.stroke();
+    const name = nameOfBall(b, i === 0 ? "lowest ball" : i === balls.length - 1 ? "top ball" : `ball ${i + 1}`);
+    const left = middle + wide * scale + 1.2 * size;
+    setFont(g, theme, 1.15 * size, 650);
+    g.textAlign = "left";
+    g.textBaseline = "bottom";
+    g.fillStyle = theme.ink;
+    g.fillText(name[0].toUpperCase() + name.slice(1), left, center);
+    setFont(g, theme, size);
+    g.textBaseline = "top";
+    g.fillStyle = theme.muted;
+    g.fillText(`${withUnit(massOf(b), "kg")}, ${withUnit(2 * b.radius, "m")} across`, left, center + 0.1 * size);
+    bottom -= 2 * radius;
+  });
+  setFont(g, theme, size);
+  g.textBaseline = "top";
+  g.textAlign = "left";
+  g.fillStyle = theme.muted;
+  const apart = gaps.every((gap) => gap === 0) ? "let go touching" : `let go ${gaps.map((gap) => withUnit(gap, "m")).join(", ")} apart`;
+  g.fillText(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size);
 }
 
 function drawRuler(g: CanvasRenderingContext2D, left: number, w: number, floor: number, scale: number, top: number, size: number, theme: Theme): void {
