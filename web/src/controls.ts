@@ -1,8 +1,9 @@
 // The controls: a slider and a text field for every number.
 import { parse, sub, withUnit } from "./format";
 import {
-  clampTo, constants, constantsOf, densityFor, laws, lowestHeight, massOf, MOST_BALLS, ranges, setBallCount, settle, type Range, type Scenario,
+  clampTo, constants, constantsOf, densityFor, laws, massOf, MOST_BALLS, ranges, setBallCount, settle, type Range, type Scenario,
 } from "./scenario";
+import { touchable } from "./touch";
 
 // Places of a slider: even steps on a linear scale, a thousand on a logarithmic one.
 const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
@@ -16,6 +17,7 @@ export class Controls {
   private scenario: Scenario;
   private list: Control[] = [];
   private shape = "";
+  private readonly said = document.createElement("p"); // what was made of an entry
 
   constructor(
     private readonly box: HTMLElement,
@@ -23,6 +25,8 @@ export class Controls {
     private readonly changed: () => void,
   ) {
     this.scenario = scenario;
+    this.said.className = "said";
+    this.said.setAttribute("role", "alert");
     this.build();
   }
 
@@ -34,9 +38,12 @@ export class Controls {
     for (const control of this.list) control.refresh();
   }
 
-  private edit(change: (s: Scenario) => void): void {
+  // What an entry changes besides is said below it.
+  private edit(change: (s: Scenario) => void, at: HTMLElement | null = null, notes: string[] = []): void {
     change(this.scenario);
-    settle(this.scenario);
+    settle(this.scenario, notes);
+    this.said.textContent = notes.join("; ");
+    if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.said);
     this.changed();
   }
 
@@ -58,7 +65,7 @@ export class Controls {
     add(this.number("restitution", "Restitution ε", ranges.restitution, (q) => q.restitution, (q, x) => (q.restitution = x)));
     if (s.balls.length === 2) add(this.gap(1, `Gap Δh`));
     if (!s.cradle)
-      add(this.number("height", "Height of lowest centre", ranges.height, (q) => q.height, (q, x) => (q.height = Math.max(x, lowestHeight(q)))));
+      add(this.number("height", "Height of lowest centre", ranges.height, (q) => q.height, (q, x) => (q.height = x)));
     add(
       this.choice("law", "Contact law", laws.map(({ name }) => [name, name]), () => this.scenario.law, (v) =>
         this.edit((q) => (q.law = v)),
@@ -89,12 +96,22 @@ export class Controls {
       inside(
         this.number(`mass${i + 1}`, `Mass m${name}`, ranges.mass, (q) => massOf(q.balls[i]), (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius))),
       );
+      inside(this.density(i));
       if (i > 0 && n > 2) inside(this.gap(i, s.cradle ? `Gap to ball ${i}` : `Gap below, to ball ${i}`));
       if (s.cradle) inside(this.number(`velocity${i + 1}`, `Velocity`, ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
       parts.push(group);
     }
     this.box.replaceChildren(...parts);
     if (focused) document.getElementById(focused)?.focus();
+  }
+
+  private density(i: number): Control {
+    const element = document.createElement("p");
+    element.className = "aside";
+    const refresh = (): void =>
+      void (element.textContent = `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
+    refresh();
+    return { element, refresh };
   }
 
   private gap(pair: number, label: string): Control {
@@ -117,14 +134,18 @@ export class Controls {
     slider.min = "0";
     slider.max = String(steps(r));
     const say = (x: number): string => (r.zero && x === 0 ? "touching" : withUnit(x, r.unit, 4));
-    slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value)))));
+    slider.addEventListener("input", () => this.edit((s) => put(s, fromSlider(r, Number(slider.value))), element));
     field.addEventListener("change", () => {
       const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
-      if (Number.isFinite(x)) this.edit((s) => put(s, clampTo(r, x)));
+      if (!Number.isFinite(x)) return;
+      const kept = clampTo(r, x);
+      const range = `${r.zero ? 0 : withUnit(r.low, r.unit, 4)} … ${withUnit(r.high, r.unit, 4)}`;
+      this.edit((s) => put(s, kept), element, kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`]);
     });
     field.addEventListener("focus", () => field.select());
     element.append(name, field, slider);
+    touchable(slider);
     const refresh = (): void => {
       const x = get(this.scenario);
       slider.value = String(toSlider(r, x));

@@ -10,6 +10,7 @@ interface Exports {
   contacts_of(model: number, out: number): void;
   row_size(): number;
   sample(model: number, n: number, times: number, out: number): void;
+  rebound_heights(model: number, out: number): void;
   scan_points(axis: number, n: number, points: number, out: number): void;
   scan_timeline(model: number, n: number, restitution: number, out: number, room: number): number;
   outcome_message(outcome: number): number;
@@ -29,6 +30,7 @@ export interface Contact {
 
 export interface Run {
   outcome: number;
+  message: string; // of the outcome
   nContacts: number;
   tEnd: number;
   tFloorEnd: number;
@@ -39,27 +41,27 @@ export interface Run {
   impactSpeed: number;
   effective: number; // ε_eff at the end of the sequence
   effectiveSeparation: number;
-  contacts: Contact[];
+  contacts: Contact[]; // the first MOST_CONTACTS
 }
 
+// No picture shows more, and a collapse of instantaneous collisions has up to a million.
+const MOST_CONTACTS = 20_000;
+
 // One state of n balls, bottom first.
-export class State {
-  readonly position: Float64Array;
-  readonly velocity: Float64Array;
-  readonly gap: Float64Array;
-  readonly force: Float64Array;
-  readonly energy: Float64Array;
-  readonly stored: number;
-  readonly dissipated: number;
-  constructor(row: Float64Array, n: number) {
-    this.position = row.subarray(0, n);
-    this.velocity = row.subarray(n, 2 * n);
-    this.gap = row.subarray(2 * n, 3 * n);
-    this.force = row.subarray(3 * n, 4 * n);
-    this.energy = row.subarray(4 * n, 5 * n);
-    this.stored = row[5 * n];
-    this.dissipated = row[5 * n + 1];
-  }
+export interface State {
+  position: Float64Array; // of the centres [m]
+  velocity: Float64Array; // upwards [m/s]
+  gap: Float64Array; // floor first [m]
+  force: Float64Array; // floor first [N]
+  energy: Float64Array; // kinetic and potential, of each ball [J]
+  stored: number; // in the contacts [J]
+  dissipated: number; // so far [J]
+}
+
+// From a row of the core's, whose numbers are copied.
+export function stateOf(row: Float64Array, n: number): State {
+  const part = (k: number): Float64Array => row.slice(k * n, (k + 1) * n);
+  return { position: part(0), velocity: part(1), gap: part(2), force: part(3), energy: part(4), stored: row[5 * n], dissipated: row[5 * n + 1] };
 }
 
 // What the timeline over ε holds for one ε.
@@ -103,9 +105,10 @@ export class Core {
     this.x.contacts_of(model, pointer);
     const flat = this.view(pointer, 3 * n);
     const contacts: Contact[] = [];
-    for (let i = 0; i < n; i++) contacts.push({ pair: flat[3 * i], begin: flat[3 * i + 1], end: flat[3 * i + 2] });
+    for (let i = 0; i < Math.min(n, MOST_CONTACTS); i++) contacts.push({ pair: flat[3 * i], begin: flat[3 * i + 1], end: flat[3 * i + 2] });
     return {
       outcome: r[0],
+      message: this.message(r[0]),
       nContacts: r[1],
       tEnd: r[2],
       tFloorEnd: r[3],
@@ -120,15 +123,27 @@ export class Core {
     };
   }
 
-  // States of the last run of this model; times outside it are moved to its ends.
-  sample(model: Model, times: ArrayLike<number>): State[] {
+  // States of the last run of this model, one row each; times outside it are moved to its ends.
+  rows(model: Model, times: ArrayLike<number>): Float64Array {
     const n = times.length;
     const size = this.x.row_size();
     const pointer = this.x.scratch(n * (size + 1));
     this.view(pointer, n).set(times);
     this.x.sample(model, n, pointer, pointer + 8 * n);
-    const rows = this.view(pointer + 8 * n, n * size).slice();
-    return Array.from({ length: n }, (_, i) => new State(rows.subarray(i * size, (i + 1) * size), this.balls));
+    return this.view(pointer + 8 * n, n * size).slice();
+  }
+
+  sample(model: Model, times: ArrayLike<number>): State[] {
+    const size = this.x.row_size();
+    const rows = this.rows(model, times);
+    return Array.from({ length: times.length }, (_, i) => stateOf(rows.subarray(i * size, (i + 1) * size), this.balls));
+  }
+
+  // How high the centres rise in the last run of this model [m]; NaN where there is no bounce, and for a cradle.
+  reboundHeights(model: Model): number[] {
+    const pointer = this.x.scratch(this.balls);
+    this.x.rebound_heights(model, pointer);
+    return Array.from(this.view(pointer, this.balls));
   }
 
   // (ε, y) pairs → MAP_VALUES numbers each.
@@ -143,30 +158,29 @@ export class Core {
 
   timeline(model: Model, restitution: number[]): TimelineRow[] {
     const n = restitution.length;
-    const room = n * 200 + 1000;
-    const pointer = this.x.scratch(n + room);
-    this.view(pointer, n).set(restitution);
-    const used = this.x.scan_timeline(model, n, pointer, pointer + 8 * n, room);
-    const d = this.view(pointer + 8 * n, used);
-    const rows: TimelineRow[] = [];
-    for (let at = 0; at < used; ) {
-      const row: TimelineRow = {
-        restitution: restitution[rows.length],
-        nContacts: d[at],
-        tEnd: d[at + 1],
-        tFloorEnd: d[at + 2],
-        contacts: [],
-      };
-      const count = d[at + 3];
-      at += 4;
-      for (let i = 0; i < count; i++, at += 3) row.contacts.push({ pair: d[at], begin: d[at + 1], end: d[at + 2] });
-      rows.push(row);
+    for (let room = n * 200 + 1000; ; room *= 2) {
+      const pointer = this.x.scratch(n + room);
+      this.view(pointer, n).set(restitution);
+      const used = this.x.scan_timeline(model, n, pointer, pointer + 8 * n, room);
+      const rows = readTimeline(this.view(pointer + 8 * n, used), restitution);
+      if (rows.length === n) return rows;
     }
-    return rows;
   }
 
-  message(outcome: number): string {
+  private message(outcome: number): string {
     const bytes = new Uint8Array(this.x.memory.buffer, this.x.outcome_message(outcome));
     return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
   }
+}
+
+function readTimeline(d: Float64Array, restitution: number[]): TimelineRow[] {
+  const rows: TimelineRow[] = [];
+  for (let at = 0; at < d.length; ) {
+    const row: TimelineRow = { restitution: restitution[rows.length], nContacts: d[at], tEnd: d[at + 1], tFloorEnd: d[at + 2], contacts: [] };
+    const count = d[at + 3];
+    at += 4;
+    for (let i = 0; i < count; i++, at += 3) row.contacts.push({ pair: d[at], begin: d[at + 1], end: d[at + 2] });
+    rows.push(row);
+  }
+  return rows;
 }

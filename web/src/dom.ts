@@ -1,4 +1,4 @@
-// Elements of the page: finding them, canvases at the screen's resolution, dragging.
+// Elements of the page: finding them, canvases at the screen's resolution.
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
@@ -28,16 +28,4 @@ export class Sheet {
     this.g.setTransform(ratio, 0, 0, ratio, 0, 0);
     return true;
   }
-}
-
-// Calls `move` with the place of a pressed pointer, from the press on.
-export function dragged(canvas: HTMLCanvasElement, move: (x: number, y: number) => void): void {
-  canvas.addEventListener("pointerdown", (e) => {
-    if (e.button !== 0) return;
-    canvas.setPointerCapture(e.pointerId);
-    move(e.offsetX, e.offsetY);
-  });
-  canvas.addEventListener("pointermove", (e) => {
-    if (canvas.hasPointerCapture(e.pointerId)) move(e.offsetX, e.offsetY);
-  });
 }

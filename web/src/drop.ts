@@ -1,27 +1,31 @@
-// One scenario solved by both models, and what the pictures need of it.
-import { Clock, windowsOf } from "./clock";
+// One scenario solved by both models, and what the pictures need of it. solve() runs in a worker, and what it returns is
+// plain data; Drop adds what the page makes of it.
+import { Clock, windowsOf, type Window } from "./clock";
 import { Model, type Contact, type Core, type Run, type State } from "./core";
+import { Motion, type Samples } from "./motion";
 import { GRAVITY, type Scenario } from "./scenario";
 
 export interface Track {
   run: Run; // the sequence of contacts
-  shown: Contact[]; // contacts while the animation runs
+  shown: Contact[]; // contacts while the film runs
   final: State; // when the sequence is over
-  peaks: number[]; // [n] height each centre then rises to
+  peaks: number[]; // [n] rebound heights of the centres; NaN: no bounce, or not resolved
+  later: number[]; // [n] greatest heights after the first bounce while the film runs
+  known: number; // the film knows the motion up to then [s]
   initialEnergy: number;
+  samples: Samples;
 }
 
-export interface Drop {
+export interface Solved {
   scenario: Scenario;
   newton: Track;
   icm: Track;
-  start: number; // of the animation: release [s]
+  start: number; // of the film: release [s]
   stop: number;
   origin: number; // zero of the times shown: first floor touch, or first contact of a cradle
   from: number; // span of the contacts
   to: number;
-  clock: Clock; // slow through the contacts
-  realTime: Clock;
+  windows: Window[]; // what the film is slow in
   times: number[]; // samples of the forces below
   forces: number[][]; // [pair][time]
   peakForce: number[]; // [pair]
@@ -35,62 +39,95 @@ export interface Unsolved {
   reason: string;
 }
 
-const outcomes = { invalid: 3, collapse: 4, unresolved: 5, neverLands: 6 };
+export interface Drop extends Solved {
+  clock: Clock; // slow through the contacts
+  realTime: Clock;
+  motion: { newton: Motion; icm: Motion };
+}
 
-function track(core: Core, model: Model, s: Scenario): Track | null {
+export function dropOf(s: Solved): Drop {
+  return {
+    ...s,
+    clock: new Clock(s.start, s.stop, s.windows),
+    realTime: new Clock(s.start, s.stop, []),
+    motion: { newton: new Motion(s.newton.samples), icm: new Motion(s.icm.samples) },
+  };
+}
+
+const outcomes = { invalid: 3, neverLands: 6 };
+
+const greatest = (values: Iterable<number>, least: number): number => {
+  let most = least;
+  for (const x of values) if (x > most) most = x;
+  return most;
+};
+
+function sequence(core: Core, model: Model): Track | null {
   const run = core.solve(model);
   if (!run || !Number.isFinite(run.last) || run.outcome === outcomes.invalid || run.outcome === outcomes.neverLands) return null;
   const [initial, final] = core.sample(model, [run.first, run.last]);
-  const peaks = Array.from(final.position, (z, i) => {
-    const v = final.velocity[i];
-    return s.cradle || v <= 0 ? z : z + (v * v) / (2 * GRAVITY);
-  });
-  return { run, shown: run.contacts, final, peaks, initialEnergy: initial.energy.reduce((a, b) => a + b, 0) + initial.stored };
+  const initialEnergy = initial.energy.reduce((a, b) => a + b, 0) + initial.stored;
+  const samples = { times: new Float64Array(), rows: new Float64Array(), balls: final.position.length };
+  return { run, shown: run.contacts, final, peaks: core.reboundHeights(model), later: [], known: run.last, initialEnergy, samples };
 }
 
-// When the fastest ball is at its highest point, or has gone far enough on a cradle.
+// When every ball has been at its rebound height, or has gone far enough on a cradle; three seconds at most.
 function endOfFilm(s: Scenario, t: Track): number {
-  const speeds = Array.from(t.final.velocity);
-  if (s.cradle) {
-    const fastest = Math.max(...speeds.map(Math.abs), 1e-3);
-    return t.run.last + (6 * s.balls[0].radius) / fastest;
-  }
-  const rise = Math.max(...speeds, 0) / GRAVITY;
-  return t.run.last + Math.min(Math.max(rise, 0.15), 3);
+  const { position, velocity } = t.final;
+  if (s.cradle) return t.run.last + (6 * s.balls[0].radius) / greatest(velocity.map(Math.abs), 1e-3);
+  const flights = t.peaks.map((z, i) => Math.sqrt((2 * Math.max(z - position[i], 0)) / GRAVITY));
+  return t.run.last + Math.min(greatest([...flights, ...velocity.map((v) => v / GRAVITY)], 0.15), 3);
 }
 
-export function solve(core: Core, scenario: Scenario): Drop | Unsolved {
+// Goes on after the sequence, to the end of the film or as far as the model can be followed.
+function goOn(core: Core, model: Model, t: Track, stop: number): void {
+  const longer = core.solve(model, stop);
+  if (!longer || !(longer.last >= t.run.last)) return void core.solve(model);
+  t.shown = longer.contacts;
+  t.known = longer.last;
+  t.later = core.reboundHeights(model);
+}
+
+// `report` is told what begins, as a share of the whole.
+export function solve(core: Core, scenario: Scenario, report: (what: string, share: number) => void = () => {}): Solved | Unsolved {
   core.set(scenario);
-  const newton = track(core, Model.newton, scenario);
-  const icm = track(core, Model.independent, scenario);
+  report("Newton’s equations", 0);
+  const newton = sequence(core, Model.newton);
+  report("independent collisions", 0.3);
+  const icm = newton && sequence(core, Model.independent);
   if (!newton || !icm) return { scenario, reason: "These balls never meet the floor." };
-  let stop = Math.max(endOfFilm(scenario, newton), endOfFilm(scenario, icm));
-  for (const [model, t] of [[Model.newton, newton], [Model.independent, icm]] as const) {
-    const longer = core.solve(model, stop);
-    if (longer && longer.outcome !== outcomes.unresolved && longer.outcome !== outcomes.collapse) t.shown = longer.contacts;
-    else stop = Math.min(stop, core.solve(model)?.last ?? stop);
-  }
-  const start = newton.run.first;
-  const sequence = newton.run.contacts.filter((c) => c.begin <= newton.run.last);
-  const known = [...sequence, ...icm.run.contacts.filter((c) => c.begin <= Math.max(newton.run.last, icm.run.last))];
-  const ends = known.map((c) => (Number.isFinite(c.end) ? c.end : newton.run.last));
-  const first = Math.min(...known.map((c) => c.begin));
+  const stop = Math.max(endOfFilm(scenario, newton), endOfFilm(scenario, icm));
+  report("the film by Newton’s equations", 0.5);
+  goOn(core, Model.newton, newton, stop);
+  report("the film by independent collisions", 0.75);
+  goOn(core, Model.independent, icm, stop);
+  report("the film’s pictures", 0.9);
+  const contacts = newton.run.contacts.filter((c) => c.begin <= newton.run.last);
+  const endOf = (c: Contact): number => (Number.isFinite(c.end) ? c.end : newton.run.last);
+  const first = contacts.reduce((a, c) => Math.min(a, c.begin), contacts.length > 0 ? Infinity : 0);
   const from = scenario.cradle ? first : Math.min(0, first);
-  const origin = scenario.cradle ? first : 0;
-  const to = Math.max(...ends, from + 1e-9);
-  const windows = windowsOf(known, newton.run.last).filter((w) => w.end < stop);
-  const drop: Drop = {
-    scenario, newton, icm, start, stop, origin, from, to,
-    clock: new Clock(start, stop, windows),
-    realTime: new Clock(start, stop, []),
+  const span = contacts.reduce((a, c) => Math.max(a, endOf(c)), from + 1e-9) - from;
+  // Instants of the independent collisions that come much later would leave no room for Newton's contacts.
+  const instants = icm.run.contacts.filter((c) => c.begin <= from + 1.5 * span);
+  const solved: Solved = {
+    scenario, newton, icm, stop, from,
+    start: newton.run.first,
+    origin: scenario.cradle ? first : 0,
+    to: instants.reduce((a, c) => Math.max(a, c.begin), from + span),
+    windows: windowsOf(contacts, newton.run.last).filter((w) => w.begin < stop),
     times: [], forces: [], peakForce: [], compression: [], bottom: 0, top: 0,
   };
-  sampleForces(core, drop, sequence);
-  findExtent(core, drop);
-  return drop;
+  sampleForces(core, solved, contacts);
+  sampleFilm(core, solved);
+  return solved;
 }
 
-function sampleForces(core: Core, d: Drop, contacts: Contact[]): void {
+const edges = (c: Contact, edge: number, last: number): number[] => {
+  const end = Number.isFinite(c.end) ? c.end : last;
+  return [c.begin - edge, c.begin + edge, end - edge, end + edge];
+};
+
+function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
   const n = d.scenario.balls.length;
   const span = d.to - d.from;
   const low = d.from - 0.06 * span;
@@ -98,31 +135,48 @@ function sampleForces(core: Core, d: Drop, contacts: Contact[]): void {
   const times = new Set<number>();
   const count = 480;
   for (let i = 0; i <= count; i++) times.add(low + ((high - low) * i) / count);
-  const edge = 1e-9 * span;
+  const inside = Math.max(Math.floor(9600 / Math.max(contacts.length, 400)), 2);
   for (const c of contacts) {
     const end = Number.isFinite(c.end) ? c.end : d.to;
-    for (const t of [c.begin - edge, c.begin + edge, end - edge, end + edge]) times.add(t);
-    for (let i = 1; i < 24; i++) times.add(c.begin + ((end - c.begin) * i) / 24);
+    for (const t of edges(c, 1e-9 * span, d.to)) times.add(t);
+    for (let i = 1; i < inside; i++) times.add(c.begin + ((end - c.begin) * i) / inside);
   }
   d.times = [...times].filter((t) => t >= low && t <= high).sort((a, b) => a - b);
   const states = core.sample(Model.newton, d.times);
   for (let j = 0; j < n; j++) {
     d.forces.push(states.map((s) => (Number.isFinite(s.force[j]) ? s.force[j] : 0)));
-    d.peakForce.push(d.forces[j].reduce((a, b) => Math.max(a, b), 0));
-    d.compression.push(states.reduce((a, s) => Math.max(a, -s.gap[j]), 0));
+    d.peakForce.push(greatest(d.forces[j], 0));
+    d.compression.push(greatest(states.map((s) => -s.gap[j]), 0));
   }
 }
 
-function findExtent(core: Core, d: Drop): void {
-  const n = d.scenario.balls.length;
-  const radius = (i: number): number => d.scenario.balls[i].radius;
-  const times = Array.from({ length: 60 }, (_, i) => d.start + ((d.stop - d.start) * i) / 59);
-  d.bottom = d.scenario.cradle ? Infinity : 0;
-  d.top = 0;
-  for (const model of [Model.newton, Model.independent]) {
-    for (const s of core.sample(model, times)) {
-      if (d.scenario.cradle) d.bottom = Math.min(d.bottom, s.position[0] - radius(0));
-      for (let i = 0; i < n; i++) d.top = Math.max(d.top, s.position[i] + radius(i));
+// Sixty states for each second on the screen, more in contacts that are short on the screen, and both sides of every
+// begin and end.
+function sampleFilm(core: Core, d: Solved): void {
+  const clock = new Clock(d.start, d.stop, d.windows);
+  const count = Math.ceil(60 * clock.length);
+  const even = Array.from({ length: count + 1 }, (_, i) => clock.toPhysical((i / count) * clock.length));
+  for (const [model, t] of [[Model.newton, d.newton], [Model.independent, d.icm]] as const) {
+    const times = new Set<number>(even);
+    for (const c of t.shown) {
+      const edge = 4 * Number.EPSILON * Math.max(Math.abs(c.begin), Math.abs(d.start));
+      for (const time of edges(c, edge, t.known)) times.add(time);
+      if (model === Model.newton && t.shown.length < 1000) for (let i = 1; i < 12; i++) times.add(c.begin + ((c.end - c.begin) * i) / 12);
+    }
+    const sorted = Float64Array.from(times).filter((time) => time >= d.start && time <= t.known).sort();
+    t.samples = { times: sorted, rows: core.rows(model, sorted), balls: d.scenario.balls.length };
+  }
+  findExtent(d);
+}
+
+function findExtent(d: Solved): void {
+  const { balls, cradle } = d.scenario;
+  d.bottom = cradle ? Infinity : 0;
+  for (const { samples: { rows, times } } of [d.newton, d.icm]) {
+    const size = rows.length / times.length;
+    for (let at = 0; at < rows.length; at += size) {
+      if (cradle) d.bottom = Math.min(d.bottom, rows[at] - balls[0].radius);
+      balls.forEach((b, i) => (d.top = Math.max(d.top, rows[at + i] + b.radius)));
     }
   }
 }

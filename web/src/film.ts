@@ -1,28 +1,33 @@
 // The film: its place in time, what moves it, and its picture.
-import { Model, type Core } from "./core";
 import { find, type Sheet } from "./dom";
 import type { Drop } from "./drop";
 import { drawStage } from "./stage";
 import type { State } from "./state";
+import { touchable } from "./touch";
 
 export class Film {
   private held = 0; // time the last picture has been shown [s]
 
   constructor(
     private readonly state: State,
-    private readonly core: Core,
     private readonly sheet: Sheet,
   ) {
     find("play").addEventListener("click", () => this.play(!state.playing));
-    find("play").textContent = state.playing ? "Pause" : "Play";
     find("slow").addEventListener("click", () => this.setSlow(!state.view.slow));
-    find("slow").setAttribute("aria-pressed", String(state.view.slow));
+    this.refresh();
     const scrubber = find<HTMLInputElement>("scrubber");
+    touchable(scrubber);
     scrubber.addEventListener("input", () => {
       this.play(false);
       state.screen = (Number(scrubber.value) / 2000) * state.clock().length;
     });
     document.addEventListener("keydown", (e) => this.key(e));
+  }
+
+  // The buttons as the state says.
+  refresh(): void {
+    find("play").textContent = this.state.playing ? "Pause" : "Play";
+    find("slow").setAttribute("aria-pressed", String(this.state.view.slow));
   }
 
   seek(time: number): void {
@@ -37,7 +42,7 @@ export class Film {
     state.playing = on;
     this.held = 0;
     if (on && state.drop && state.screen >= state.clock().length) state.screen = 0;
-    find("play").textContent = on ? "Pause" : "Play";
+    this.refresh();
     state.dirty.stage = true;
     state.writeLink();
   }
@@ -45,7 +50,7 @@ export class Film {
   private setSlow(on: boolean): void {
     const time = this.state.time();
     this.state.view.slow = on;
-    find("slow").setAttribute("aria-pressed", String(on));
+    this.refresh();
     this.seek(time);
     this.state.writeLink();
   }
@@ -56,12 +61,14 @@ export class Film {
     state.screen = Math.min(Math.max(state.screen + by, 0), state.clock().length);
   }
 
-  // Keys of the film work anywhere but in a control that uses them itself.
+  // Keys of the film work anywhere but where the focused control uses them itself.
   private key(e: KeyboardEvent): void {
     const { state } = this;
     const target = e.target as HTMLElement;
     if (e.ctrlKey || e.metaKey || e.altKey || !state.drop) return;
-    if (target.closest("input, select, button, textarea, a, canvas[tabindex]")) return;
+    const letter = e.key.length === 1;
+    if (target.closest("input:not([type=range]), select, textarea")) return;
+    if (target.closest(letter ? "button, a, summary" : "input, button, a, canvas[tabindex]")) return;
     const step = state.clock().length / 200;
     const actions: Record<string, () => void> = {
       " ": () => this.play(!state.playing),
@@ -71,7 +78,7 @@ export class Film {
       End: () => this.step(1e9),
       s: () => this.setSlow(!state.view.slow),
     };
-    const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+    const action = actions[letter ? e.key.toLowerCase() : e.key];
     if (!action) return;
     e.preventDefault();
     action();
@@ -96,7 +103,7 @@ export class Film {
     const { state, sheet } = this;
     const d = state.drop!;
     const time = state.time();
-    const rate = drawMoment(sheet.g, sheet.width, sheet.height, state, this.core);
+    const rate = drawMoment(sheet.g, sheet.width, sheet.height, state);
     const scrubber = find<HTMLInputElement>("scrubber");
     scrubber.value = String(Math.round((2000 * state.screen) / state.clock().length));
     const told = clockText(time, d);
@@ -111,11 +118,10 @@ export class Film {
 }
 
 // Both models at the time of the film; returns how fast it runs there.
-export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, state: State, core: Core): number {
+export function drawMoment(g: CanvasRenderingContext2D, w: number, h: number, state: State): number {
   const d = state.drop!;
   const time = state.time();
-  const [newton] = core.sample(Model.newton, [time]);
-  const [icm] = core.sample(Model.independent, [time]);
+  const [newton, icm] = [d.motion.newton.at(time), d.motion.icm.at(time)];
   const rate = state.view.slow ? d.clock.rate(time) : 1;
   drawStage(g, w, h, d, { time, rate, newton, icm }, state.theme);
   return rate;

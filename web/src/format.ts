@@ -45,10 +45,13 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
   return `${tidy(x / factor)} ${prefix}${unit}`;
 }
 
+// Heights that are read off a ruler in metres.
+export const metres = (x: number): string => (Math.abs(x) >= 0.0995 ? `${minus(String(Number(x.toPrecision(3))))} m` : withUnit(x, "m"));
+
 // Two lengths in one unit, so that they compare at a glance.
 export function lengths(a: number, b: number): [string, string] {
-  const large = Math.max(Math.abs(a), Math.abs(b));
-  const one = (x: number): string => (large >= 0.9999 && Math.abs(x) >= 0.01 ? `${minus(x.toPrecision(3))} m` : withUnit(x, "m", 3, true));
+  const large = Math.max(Math.abs(a) || 0, Math.abs(b) || 0);
+  const one = (x: number): string => (!Number.isFinite(x) ? "–" : large >= 0.9999 && Math.abs(x) >= 0.01 ? `${minus(x.toPrecision(3))} m` : withUnit(x, "m", 3, true));
   return [one(a), one(b)];
 }
 

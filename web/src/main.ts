@@ -1,21 +1,24 @@
 // The page: puts its parts together, and says what follows from a change of the scenario.
-import { Core } from "./core";
 import { Controls } from "./controls";
 import { Sheet, find } from "./dom";
-import { solve } from "./drop";
-import { csv, save } from "./exporting";
+import { dropOf, type Solved, type Unsolved } from "./drop";
+import { save } from "./exporting";
 import { Film } from "./film";
 import { forcesSummary } from "./forces";
 import { digits } from "./format";
+import { Lecture } from "./lecture";
+import { baseOf, firstLectureView, lectureFromQuery } from "./lecture_view";
 import { MapPanel } from "./map_panel";
-import { exactNumbers, fillEnergy, fillTable, verdict } from "./numbers";
+import { exactNumbers, fillDefinitions, fillEnergy, fillTable, verdict } from "./numbers";
 import { ForcesPanel, TimelinePanel } from "./panels";
 import { picture } from "./picture";
+import { Desk, piece, Pool } from "./pool";
 import { presets, type Preset } from "./presets";
 import { copyOf, fromQuery, toQuery, toToml, type Scenario } from "./scenario";
+import { Announcer, Progress } from "./progress";
 import { State } from "./state";
-import { themeOf } from "./theme";
-import { viewFromQuery } from "./view";
+import { ThemeSwitch } from "./theme_switch";
+import { firstView, viewFromQuery } from "./view";
 
 const queryOf = (s: Scenario): string => {
   const q = new URLSearchParams();
@@ -32,53 +35,70 @@ class Page {
   private readonly forces: ForcesPanel;
   private readonly timeline: TimelinePanel;
   private readonly map: MapPanel;
+  private readonly lecture: Lecture;
   private readonly forcesSheet: Sheet;
+  private readonly desk: Desk;
+  private readonly pool: Pool;
+  private readonly progress = new Progress(() => this.giveUp());
+  private readonly announcer = new Announcer();
   private preset = "";
   private about = "";
   private lastFrame = 0;
 
-  constructor(
-    private readonly core: Core,
-    module: WebAssembly.Module,
-  ) {
-    const base = this.readLink();
-    this.state = base.state;
-    const { state } = this;
-    this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
+  constructor(module: WebAssembly.Module) {
+    this.desk = new Desk(module);
+    this.pool = new Pool(module);
+    const state = (this.state = new State(copyOf(presets[0].scenario), () => this.edited()));
     const resized = (): void => state.redraw();
-    this.film = new Film(state, core, new Sheet("stage", resized));
+    this.fillPresets();
+    this.readLink();
+    this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
+    this.film = new Film(state, new Sheet("stage", resized));
     this.forcesSheet = new Sheet("forces", resized);
     this.forces = new ForcesPanel(state, this.forcesSheet, this.film);
-    this.timeline = new TimelinePanel(state, new Sheet("timeline", resized));
-    this.map = new MapPanel(state, new Sheet("map", resized), module);
-    this.fillPresets([base.preset, ...presets].find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
+    this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
+    this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
+    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!));
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
-    this.listenTheme();
+    addEventListener("popstate", () => this.goBack());
+    new ThemeSwitch(state);
     this.listenFiles();
-    this.setTheme(null);
     this.frame(performance.now());
-    document.documentElement.dataset.ready = String(Math.round(performance.now()));
   }
 
   // The preset named in the link, or the first, with what the link changes.
-  private readLink(): { state: State; preset: Preset } {
+  private readLink(): void {
+    const { state } = this;
     const notes: string[] = [];
     const query = new URLSearchParams(location.search);
     const named = presets.find((p) => p.id === query.get("example"));
-    if (query.get("example") !== null && !named) notes.push(`example = “${query.get("example")?.slice(0, 20)}” is unknown: the paper’s is shown`);
-    const preset = named ?? presets[0];
-    const state = new State(copyOf(preset.scenario), () => this.edited());
+    if (query.get("example") !== null && !named) notes.push(`example = “${query.get("example")?.slice(0, 20)}” is unknown: ${presets.find((p) => p.id === baseOf(query))!.name} is shown`);
+    const preset = named ?? presets.find((p) => p.id === baseOf(query))!;
+    state.scenario = copyOf(preset.scenario);
+    Object.assign(state.view, firstView());
+    Object.assign(state.lecture, firstLectureView());
     Object.assign(state.view.map, preset.map);
     fromQuery(state.scenario, query, notes);
     viewFromQuery(state.view, query, notes);
+    lectureFromQuery(state.lecture, query, notes);
     this.note(notes);
     state.playing = state.view.time === null && moves();
-    return { state, preset };
+    this.choosePreset([preset, ...presets].find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
+  }
+
+  // To the setting before the last choice of an example.
+  private goBack(): void {
+    this.readLink();
+    this.map.map.setShow(this.state.view.map.show);
+    this.state.screen = 0;
+    this.state.dirty.solve = true;
+    this.film.refresh();
+    this.lecture.show();
   }
 
   // ---- scenario ---------------------------------------------------------------------------------------
 
-  private fillPresets(chosen: string): void {
+  private fillPresets(): void {
     const select = find<HTMLSelectElement>("preset");
     const own = new Option("Your own", "");
     own.hidden = true;
@@ -87,7 +107,6 @@ class Page {
       const preset = presets.find((p) => p.id === select.value);
       if (preset) this.load(preset);
     });
-    this.choosePreset(chosen);
   }
 
   private choosePreset(id: string): void {
@@ -98,6 +117,7 @@ class Page {
 
   private load(preset: Preset): void {
     const { state } = this;
+    state.enterHistory();
     state.scenario = copyOf(preset.scenario);
     state.view.map.zoom = null;
     Object.assign(state.view.map, preset.map);
@@ -129,44 +149,78 @@ class Page {
 
   // ---- what follows from it ---------------------------------------------------------------------------
 
-  private resolve(): void {
+  private solve(): void {
+    const { state } = this;
+    this.controls.set(state.scenario, this.about);
+    this.progress.begin();
+    const ask = { scenario: copyOf(state.scenario) };
+    this.desk.put(
+      piece<"solve">({
+        kind: "solve",
+        ask,
+        begun: (what, share) => this.progress.tell(what, share),
+        done: (result) => this.solved(result),
+        failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
+      }),
+    );
+  }
+
+  private solved(result: Solved | Unsolved): void {
     const { state } = this;
     const share = state.drop ? state.screen / state.clock().length : 0;
-    const result = solve(this.core, state.scenario);
+    if (!this.desk.waits) this.progress.end();
     if ("reason" in result) {
       state.drop = null;
-      find("verdict").textContent = result.reason;
+      this.say([result.reason, ""]);
       return;
     }
-    state.drop = result;
+    state.drop = dropOf(result);
     if (state.view.time !== null) {
       const kept = Math.min(Math.max(state.view.time, result.start), result.stop);
       if (Math.abs(kept - state.view.time) > 1e-6) this.note([`t = ${state.view.time} s is outside the film: ${digits(kept)} s used`]);
       this.film.seek(kept);
       state.view.time = null;
     } else state.screen = Math.min(share, 1) * state.clock().length;
-    this.controls.set(state.scenario, this.about);
     this.tellNumbers();
-    this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(result));
+    this.forcesSheet.canvas.setAttribute("aria-description", forcesSummary(state.drop));
     this.map.refreshChoices();
     this.timeline.refresh();
     this.map.refresh();
+    this.lecture.solved();
     state.redraw();
     state.writeLink();
+    document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
+  }
+
+  // Back to what was solved last.
+  private giveUp(): void {
+    const { state } = this;
+    this.desk.giveUp();
+    this.progress.end();
+    if (!state.drop) return this.say(["Given up. Change a parameter to compute again.", ""]);
+    state.scenario = copyOf(state.drop.scenario);
+    state.dirty.solve = false;
+    this.choosePreset(presets.find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
+    this.controls.set(state.scenario, this.about);
   }
 
   private tellNumbers(): void {
     const d = this.state.drop!;
     fillTable(find("numbers").querySelector("tbody")!, d);
+    fillDefinitions(find("definitions").querySelector("dl")!, d);
     fillEnergy(find("energy"), d);
-    const [newton, icm] = verdict(d, this.core);
+    this.say(verdict(d));
+    document.documentElement.dataset.numbers = JSON.stringify(exactNumbers(d));
+  }
+
+  private say([newton, icm]: [string, string]): void {
     const [a, b] = [document.createElement("span"), document.createElement("span")];
     a.className = "newton";
     b.className = "icm";
     a.textContent = newton + " ";
     b.textContent = icm;
     find("verdict").replaceChildren(a, b);
-    document.documentElement.dataset.numbers = JSON.stringify(exactNumbers(d));
+    this.announcer.say(`${newton} ${icm}`);
   }
 
   // ---- drawing ----------------------------------------------------------------------------------------
@@ -178,13 +232,10 @@ class Page {
     this.lastFrame = now;
     if (state.dirty.solve) {
       state.dirty.solve = false;
-      const begin = performance.now();
-      this.resolve();
-      this.drawPlots();
-      performance.measure("solve", { start: begin });
+      this.solve();
     }
     if (state.drop && state.playing) this.film.advance(passed);
-    if (this.timeline.work(this.core, 9)) state.dirty.plots = true;
+    const drawn = state.dirty.plots || state.dirty.stage;
     this.drawPlots();
     if (state.dirty.stage && state.drop) {
       state.dirty.stage = false;
@@ -192,6 +243,7 @@ class Page {
       this.markTime();
     }
     this.map.drawIfDue(now);
+    this.lecture.frame(drawn);
   };
 
   private drawPlots(): void {
@@ -208,20 +260,7 @@ class Page {
     this.timeline.mark();
   }
 
-  // ---- theme and files --------------------------------------------------------------------------------
-
-  private listenTheme(): void {
-    find("theme").addEventListener("click", () => this.setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.setTheme(null));
-  }
-
-  private setTheme(choice: "light" | "dark" | null): void {
-    const dark = choice ? choice === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-    document.documentElement.dataset.theme = dark ? "dark" : "light";
-    find("theme").setAttribute("aria-pressed", String(dark));
-    this.state.theme = themeOf(document.documentElement);
-    this.state.redraw();
-  }
+  // ---- files ------------------------------------------------------------------------------------------
 
   private listenFiles(): void {
     const { state } = this;
@@ -238,8 +277,9 @@ class Page {
       done.then(() => say("copy", "Copied"), () => say("copy", "In address bar"));
     });
     find("toml").addEventListener("click", () => save("drop.toml", new Blob([toToml(state.scenario)], { type: "application/toml" })));
-    find("csv").addEventListener("click", () => {
-      if (state.drop) save("drop.csv", new Blob([csv(this.core, state.drop)], { type: "text/csv" }));
+    find("csv").addEventListener("click", async () => {
+      const text = state.drop && (await this.pool.ask("csv", { scenario: state.drop.scenario }));
+      if (text) save("drop.csv", new Blob([text], { type: "text/csv" }));
     });
     find("png").addEventListener("click", () => this.savePicture(performance.now()));
   }
@@ -248,14 +288,14 @@ class Page {
   private savePicture(asked: number): void {
     const { map } = this.map;
     if (map.elapsed === null && performance.now() - asked < 3000) setTimeout(() => this.savePicture(asked), 50);
-    else if (this.state.drop) picture(this.state, this.core, this.timeline.timeline, map, this.map.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
+    else if (this.state.drop) picture(this.state, this.timeline.timeline, map, this.map.marked()).toBlob((blob) => blob && save("drop.png", blob), "image/png");
   }
 }
 
 async function begin(): Promise<void> {
   const response = fetch(new URL("core.wasm", import.meta.url));
   const module = await WebAssembly.compileStreaming(response).catch(async () => WebAssembly.compile(await (await fetch(new URL("core.wasm", import.meta.url))).arrayBuffer()));
-  new Page(new Core(module), module);
+  new Page(module);
 }
 
 begin().catch((error: unknown) => {

@@ -4,8 +4,9 @@ import { logTicks, niceTicks, withUnit } from "./format";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
 import { columnOf, type Scenario } from "./scenario";
 import { countColor, css, inkOn, invalidColor, MOST_COUNTED, ratioColor, type Rgb, type Theme } from "./theme";
+import { drawTrust, trustedRow, type TrustPoint } from "./trust";
 import type { Box, MapAxis, MapShow } from "./view";
-import type { WorkerBatch, WorkerColumn, WorkerResult, WorkerStart } from "./worker";
+import { piece, type Piece, type Pool } from "./pool";
 
 export const SIDE = 400; // points each way
 const strides = [16, 8, 4, 2, 1];
@@ -15,31 +16,23 @@ const batchTime = 14; // ms: how long a worker may be out of reach
 interface Batch {
   job: number;
   stride: number;
-  at: Int32Array; // places i + SIDE j of the points
-}
-
-export interface Reading {
-  restitution: number;
-  y: number;
-  count: number;
-  effective: number;
-  separation: number;
+  at: number[]; // places i + SIDE j of the points
 }
 
 export class ContactMap {
   box: Box;
-  private readonly workers: Worker[] = [];
-  private readonly idle: Worker[] = [];
   private readonly values = new Float32Array(SIDE * SIDE * MAP_VALUES);
   private readonly filled = new Uint8Array(SIDE * SIDE); // stride of the block that fills this place, 0: none yet
   private readonly image: ImageData;
   private readonly sheet: HTMLCanvasElement;
-  private queue: { stride: number; column: number }[] = [];
-  private readonly sent = new Map<number, Batch>();
+  private before: { sheet: HTMLCanvasElement; box: Box } | null = null; // what was shown, until there is something new
+  private queue: { stride: number; column: number; from: number }[] = []; // points of a column, from one on
+  private sent = 0; // batches of this job under way
+  private column: Float64Array = new Float64Array();
+  private axis: MapAxis = "gap";
   private job = 0;
-  private batches = 0;
   private began = 0;
-  private perPoint = 0.012; // ms, measured as it goes
+  private perPoint = 0; // ms, measured as it goes; 0: not known yet
   private next = 0; // stride of the level that is being sent
   private show: MapShow = "count";
   private labels: { x: number; y: number; n: number }[] = [];
@@ -51,27 +44,21 @@ export class ContactMap {
   fresh = false; // begun anew: draw at once
 
   constructor(
-    module: WebAssembly.Module,
-    workerUrl: string,
+    private readonly pool: Pool,
     private readonly changed: () => void,
   ) {
     this.box = { x: [0.05, 1], y: [1e-6, 1e-2] };
     this.sheet = document.createElement("canvas");
     this.sheet.width = this.sheet.height = SIDE;
     this.image = new ImageData(SIDE, SIDE);
-    const n = Math.min(Math.max(navigator.hardwareConcurrency || 2, 1), 8);
-    for (let i = 0; i < n; i++) {
-      const worker = new Worker(workerUrl, { type: "module" });
-      const start: WorkerStart = { kind: "start", module };
-      worker.postMessage(start);
-      worker.onmessage = (event: MessageEvent<WorkerResult>) => this.receive(worker, event.data);
-      this.workers.push(worker);
-      this.idle.push(worker);
-    }
+    pool.add(() => this.nextBatch());
   }
 
-  start(scenario: Scenario, axis: MapAxis, box: Box): void {
+  // `keep`: what is shown is part of the same map and stays until it is covered.
+  start(scenario: Scenario, axis: MapAxis, box: Box, keep: boolean): void {
     this.job++;
+    this.before = keep ? { sheet: this.paintedSheet(), box: this.box } : null;
+    this.image.data.fill(0);
     this.box = box;
     this.filled.fill(0);
     this.values.fill(NaN);
@@ -81,31 +68,35 @@ export class ContactMap {
     this.greatest = 0;
     this.fresh = true;
     this.next = strides[0];
-    this.resolution = 0;
+    this.resolution = this.sent = this.perPoint = 0;
     this.computing = this.computed = 0;
     this.began = performance.now();
-    for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column });
-    const column: WorkerColumn = { kind: "column", job: this.job, column: columnOf(scenario), axis: axis === "gap" ? 0 : 1 };
-    for (const worker of this.workers) worker.postMessage(column);
-    for (const worker of this.idle.splice(0)) this.feed(worker);
+    for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
+    this.column = columnOf(scenario);
+    this.axis = axis;
+    this.pool.wake();
   }
 
-  private feed(worker: Worker): void {
-    const room = Math.max(24, Math.min(2500, batchTime / this.perPoint));
+  // How much of what will be computed is there.
+  get progress(): number {
+    return this.elapsed !== null ? 1 : this.computed / (SIDE * SIDE);
+  }
+
+  // Points for one worker: of one level, and not for longer than it may be out of reach.
+  private nextBatch(): Piece | null {
+    const room = this.perPoint > 0 ? Math.max(1, Math.min(2500, batchTime / this.perPoint)) : 25;
     const at: number[] = [];
-    let stride = 0;
-    while (this.queue.length > 0 && at.length < room) {
+    const stride = this.queue[0]?.stride ?? 0;
+    while (this.queue[0]?.stride === stride && at.length < room) {
       const next = this.queue[0];
-      if (stride !== 0 && next.stride !== stride) break;
-      stride = next.stride;
-      this.queue.shift();
       const coarse = stride < strides[0] && next.column % (2 * stride) === 0;
-      for (let j = coarse ? stride : 0; j < SIDE; j += coarse ? 2 * stride : stride) at.push(next.column + SIDE * j);
+      const step = coarse ? 2 * stride : stride;
+      let j = next.from || (coarse ? stride : 0);
+      for (; j < SIDE && at.length < room; j += step) at.push(next.column + SIDE * j);
+      if (j < SIDE) next.from = j;
+      else this.queue.shift();
     }
-    if (at.length === 0) {
-      this.idle.push(worker);
-      return;
-    }
+    if (at.length === 0) return null;
     const x = this.scaleX(0, SIDE);
     const y = this.scaleY(0, SIDE);
     const points = new Float64Array(2 * at.length);
@@ -113,43 +104,42 @@ export class ContactMap {
       points[2 * k] = x.value((place % SIDE) + 0.5);
       points[2 * k + 1] = y.value(Math.floor(place / SIDE) + 0.5);
     });
-    const batch = ++this.batches;
-    this.sent.set(batch, { job: this.job, stride, at: Int32Array.from(at) });
-    const message: WorkerBatch = { kind: "batch", job: this.job, batch, points };
-    worker.postMessage(message, [points.buffer]);
+    const batch: Batch = { job: this.job, stride, at };
+    this.sent++;
+    const ask = { column: this.column, axis: this.axis === "gap" ? 0 : 1, points };
+    return piece<"points">({ kind: "points", ask, done: (values, ms) => this.receive(batch, values, ms) });
   }
 
-  private receive(worker: Worker, result: WorkerResult): void {
-    const batch = this.sent.get(result.batch);
-    this.sent.delete(result.batch);
-    if (batch && result.job === this.job) {
-      const n = batch.at.length;
-      this.computing += result.ms;
-      this.computed += n;
-      this.perPoint = 0.5 * this.perPoint + 0.5 * Math.max(result.ms / n, 1e-4);
-      for (let k = 0; k < n; k++) {
-        const place = batch.at[k];
-        for (let v = 0; v < MAP_VALUES; v++) this.values[MAP_VALUES * place + v] = result.values[MAP_VALUES * k + v];
-        this.greatest = Math.max(this.greatest, result.values[MAP_VALUES * k] || 0);
-        this.fill(place, batch.stride);
-      }
-      let next = this.queue[0]?.stride ?? 0;
-      if (next < this.next) {
-        // A level is complete; the next is left out where it would take too long.
-        this.resolution = Math.floor(SIDE / this.next);
-        const points = (SIDE / Math.max(next, 1)) ** 2 * 0.75;
-        if ((points * this.computing) / this.computed / this.workers.length > patience) {
-          this.queue = [];
-          next = 0;
-        }
-        this.next = next;
-      }
-      const over = this.queue.length === 0 && ![...this.sent.values()].some((b) => b.job === this.job);
-      if (over) this.elapsed = performance.now() - this.began;
-      if (over || this.queue[0]?.stride !== batch.stride) this.placeLabels(batch.stride);
-      this.changed();
-    }
-    this.feed(worker);
+  private receive(batch: Batch, values: Float64Array, ms: number): void {
+    if (batch.job !== this.job) return;
+    const n = batch.at.length;
+    this.sent--;
+    this.computing += ms;
+    this.computed += n;
+    const perPoint = Math.max(ms / n, 1e-4);
+    this.perPoint = this.perPoint > 0 ? 0.5 * (this.perPoint + perPoint) : perPoint;
+    batch.at.forEach((place, k) => {
+      for (let v = 0; v < MAP_VALUES; v++) this.values[MAP_VALUES * place + v] = values[MAP_VALUES * k + v];
+      this.greatest = Math.max(this.greatest, values[MAP_VALUES * k] || 0);
+      this.fill(place, batch.stride);
+    });
+    this.levelDone();
+    const over = this.queue.length === 0 && this.sent === 0;
+    if (over) this.elapsed = performance.now() - this.began;
+    if (over || this.queue[0]?.stride !== batch.stride) this.placeLabels(batch.stride);
+    this.changed();
+  }
+
+  // When a level is complete, the next is left out where it would take too long.
+  private levelDone(): void {
+    const next = this.queue[0]?.stride ?? 0;
+    if (next >= this.next) return;
+    this.resolution = Math.floor(SIDE / this.next);
+    this.next = next;
+    const points = (SIDE / Math.max(next, 1)) ** 2 * 0.75;
+    if ((points * this.computing) / this.computed / this.pool.size <= patience) return;
+    this.queue = [];
+    this.next = 0;
   }
 
   setShow(show: MapShow): void {
@@ -234,29 +224,45 @@ export class ContactMap {
     return new Scale(this.box.y[0], this.box.y[1], from, to, true);
   }
 
-  read(restitution: number, y: number): Reading | null {
-    const i = Math.min(Math.floor(this.scaleX(0, SIDE).at(restitution)), SIDE - 1);
-    const j = Math.min(Math.floor(this.scaleY(0, SIDE).at(y)), SIDE - 1);
-    if (i < 0 || j < 0 || restitution > this.box.x[1] || y > this.box.y[1]) return null;
-    if (this.filled[i + SIDE * j] === 0) return null;
-    const place = this.blockOf(i + SIDE * j);
-    const [count, effective, separation] = this.values.subarray(MAP_VALUES * place, MAP_VALUES * place + 3);
-    return { restitution, y, count, effective, separation };
+  shows(restitution: number, y: number): boolean {
+    const { x, y: v } = this.box;
+    return restitution >= x[0] && restitution <= x[1] && y >= v[0] && y <= v[1];
   }
 
-  draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme): MapLayout {
+  private paintedSheet(): HTMLCanvasElement {
+    const copy = document.createElement("canvas");
+    copy.width = copy.height = SIDE;
+    const g = copy.getContext("2d")!;
+    g.putImageData(this.image, 0, 0);
+    return copy;
+  }
+
+  // `view`: what the axes show, of which the map may know another part.
+  draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme, view: Box = this.box): MapLayout {
     g.clearRect(0, 0, w, h);
     const size = fontSize(w);
     const left = 4.6 * size;
     const legend = 1.9 * size;
     const f: Frame = { left, top: 2.2 * size, width: w - left - 0.8 * size, height: h - 5.6 * size - legend };
-    const x = this.scaleX(f.left, f.left + f.width);
-    const y = this.scaleY(f.top + f.height, f.top);
+    const x = new Scale(view.x[0], view.x[1], f.left, f.left + f.width);
+    const y = new Scale(view.y[0], view.y[1], f.top + f.height, f.top, true);
     this.sheet.getContext("2d")!.putImageData(this.image, 0, 0);
     g.imageSmoothingEnabled = false;
     g.fillStyle = theme.faint;
     g.fillRect(f.left, f.top, f.width, f.height);
-    g.drawImage(this.sheet, f.left, f.top, f.width, f.height);
+    g.save();
+    g.beginPath();
+    g.rect(f.left, f.top, f.width, f.height);
+    g.clip();
+    if (this.elapsed !== null) this.before = null;
+    for (const part of [this.before, { sheet: this.sheet, box: this.box }]) {
+      if (!part) continue;
+      const [left, right, low, high] = [x.at(part.box.x[0]), x.at(part.box.x[1]), y.at(part.box.y[0]), y.at(part.box.y[1])];
+      g.drawImage(part.sheet, left, high, right - left, low - high);
+    }
+    if (this.show === "count") this.drawLabels(g, x, y, theme, size);
+    else if (axis === "gap") drawTrust(g, this.trusted(), x, y, f, theme, size);
+    g.restore();
     drawAxes(
       g, f, x, y,
       { ticks: niceTicks(x.low, x.high, Math.max(3, f.width / (5 * size))), name: (t) => String(Number(t.toPrecision(6))), title: "ε" },
@@ -267,20 +273,30 @@ export class ContactMap {
       },
       theme, size, false,
     );
-    if (this.show === "count") this.drawLabels(g, f, theme, size);
     this.drawMark(g, f, x, y, axis, mark);
     this.drawLegend(g, f, h - legend, theme, size);
     return { x, y, frame: f };
   }
 
-  private drawLabels(g: CanvasRenderingContext2D, f: Frame, theme: Theme, size: number): void {
+  // For each column the gap from which on both models agree; nothing until the whole map is there.
+  trusted(): TrustPoint[] {
+    if (this.elapsed === null) return [];
+    const [x, y] = [this.scaleX(0, SIDE), this.scaleY(0, SIDE)];
+    const value = this.show === "separation" ? 2 : 1;
+    return Array.from({ length: SIDE }, (_, i) => {
+      const row = trustedRow((j) => this.values[MAP_VALUES * this.blockOf(i + SIDE * j) + value], SIDE);
+      return { restitution: x.value(i + 0.5), gap: row < SIDE ? y.value(row) : Infinity };
+    });
+  }
+
+  private drawLabels(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme, size: number): void {
     setFont(g, theme, 1.15 * size, 700);
     g.textAlign = "center";
     g.textBaseline = "middle";
     for (const label of this.labels) {
       if (Number.isNaN(label.n)) continue;
       g.fillStyle = inkOn(countColor(label.n));
-      g.fillText(String(label.n), f.left + label.x * f.width, f.top + (1 - label.y) * f.height);
+      g.fillText(String(label.n), x.at(this.scaleX(0, 1).value(label.x)), y.at(this.scaleY(0, 1).value(label.y)));
     }
   }
 

@@ -3,8 +3,10 @@ import { find, type Sheet } from "./dom";
 import { digits, withUnit } from "./format";
 import { ContactMap, type MapLayout } from "./map";
 import { subscripted } from "./numbers";
-import { clampTo, copyOf, firstGap, lowestHeight, ranges } from "./scenario";
+import type { Pool } from "./pool";
+import { clampTo, columnOf, copyOf, firstGap, lowestHeight, ranges } from "./scenario";
 import type { State } from "./state";
+import { moved } from "./touch";
 import { mapLimits, wholeMap, type Box, type View } from "./view";
 
 type Point = [number, number]; // ε, and gap [m] or R1/R2; or a place in pixels
@@ -14,16 +16,17 @@ export class MapPanel {
   private layout: MapLayout | null = null;
   private key = "";
   private drawn = 0;
-  private hover: Point | null = null;
+  private hover: Point | null = null; // as a click there would choose it
+  private read = { place: "", text: "" }; // what the map is there
+  private reading = false;
+  private later = 0; // timer of the next refresh
 
   constructor(
     private readonly state: State,
     private readonly sheet: Sheet,
-    module: WebAssembly.Module,
+    private readonly pool: Pool,
   ) {
-    this.map = new ContactMap(module, new URL("worker.js", import.meta.url).href, () => {
-      state.dirty.mapPicture = true;
-    });
+    this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true));
     this.map.setShow(state.view.map.show);
     this.listenPointer();
     this.listenKeys();
@@ -50,20 +53,44 @@ export class MapPanel {
     find("map-title").textContent = view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball";
   }
 
+  // The map of ε_eff/ε over the gap, where there is one.
+  showTrusted(): void {
+    const { view, scenario } = this.state;
+    const pair = scenario.balls.length === 2 && !scenario.cradle;
+    Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
+    const { x, y } = this.box();
+    view.map.zoom = { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] }; // with more of where the models agree
+    this.map.setShow(view.map.show);
+    this.refreshChoices();
+    this.refresh();
+    this.state.dirty.mapPicture = true;
+  }
+
+  // Gap from which on both models agree for the present ε; infinite: none in the map, null: no such map, or not yet.
+  trusted(): number | null {
+    const { view, scenario } = this.state;
+    if (view.map.show === "count" || view.map.axis !== "gap") return null;
+    const points = this.map.trusted();
+    if (points.length === 0) return null;
+    return points.reduce((a, b) => (Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a)).gap;
+  }
+
   // Begins anew where the map does not show this scenario yet.
   refresh(): void {
     const { drop, scenario, view } = this.state;
     if (!drop) return;
+    this.read.place = "";
     const box = this.box();
     const { axis } = view.map;
     const s = copyOf(scenario);
     s.restitution = 0;
     if (axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : 0));
     else s.balls[0].radius = 0;
-    const key = JSON.stringify([s, axis, box]);
-    if (key === this.key) return;
-    this.key = key;
-    this.map.start(scenario, axis, box);
+    const key = JSON.stringify([s, axis]);
+    if (key + JSON.stringify(box) === this.key) return;
+    const keep = this.key.startsWith(key); // the same map, elsewhere
+    this.key = key + JSON.stringify(box);
+    this.map.start(scenario, axis, box, keep);
     this.state.dirty.mapPicture = true;
   }
 
@@ -92,25 +119,50 @@ export class MapPanel {
 
   private draw(): void {
     const { sheet, state, map } = this;
-    this.layout = map.draw(sheet.g, sheet.width, sheet.height, state.view.map.axis, this.marked(), state.theme);
+    this.layout = map.draw(sheet.g, sheet.width, sheet.height, state.view.map.axis, this.marked(), state.theme, this.box());
     this.tell();
-    sheet.canvas.dataset.computing = String(Math.round(map.computing));
-    sheet.canvas.dataset.resolution = String(map.resolution);
-    if (map.elapsed !== null) sheet.canvas.dataset.ms = String(Math.round(map.elapsed));
-    else delete sheet.canvas.dataset.ms;
+    const { dataset } = sheet.canvas;
+    dataset.computing = String(Math.round(map.computing));
+    dataset.resolution = String(map.resolution);
+    if (map.elapsed !== null) dataset.ms = String(Math.round(map.elapsed));
+    else delete dataset.ms;
+    find("map-state").textContent =
+      map.elapsed === null ? `${Math.floor(100 * map.progress)} % computed` : `${map.resolution} × ${map.resolution} points in ${digits(map.elapsed / 1000, 2)} s`;
   }
 
-  // The reading under the pointer, else of the present scenario.
+  // What a point would give, asked of the core as a click would set it.
+  private reader(): void {
+    const { scenario, view } = this.state;
+    if (this.reading || !this.hover) return;
+    const [e, y] = this.hover;
+    const place = `${e} ${y}`;
+    if (place === this.read.place) return;
+    this.reading = true;
+    const { show, axis } = view.map;
+    const ask = { column: columnOf(scenario), axis: axis === "gap" ? 0 : 1, points: Float64Array.of(e, y) };
+    this.pool.ask("points", ask).then(
+      ([count, effective, separation]) => {
+        this.reading = false;
+        this.read = { place, text: Number.isNaN(count) ? "cannot fall" : counted(count, show === "separation" ? separation : effective) };
+        this.tell();
+      },
+      () => (this.reading = false),
+    );
+  }
+
+  // The reading under the pointer, else the numbers of the present scenario.
   private tell(): void {
-    const { map: shown } = this.state.view;
+    const { view, drop } = this.state;
     const [e, y] = this.hover ?? this.marked();
-    const r = this.map.read(e, y);
-    const where = `ε = ${digits(e)}, ${shown.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
-    let what = y > 0 ? "outside the map" : "touching, below the map";
-    if (r) {
-      what = Number.isNaN(r.count) ? "cannot fall" : r.count === 1 ? "1 contact" : `${r.count} contacts`;
-      const value = shown.show === "separation" ? r.separation : r.effective;
-      if (!Number.isNaN(value)) what += `, ε_eff/ε = ${digits(value)}`;
+    const where = `ε = ${digits(e)}, ${view.map.axis === "gap" ? `Δh = ${y > 0 ? withUnit(y, "m") : "0"}` : `R₁/R₂ = ${digits(y)}`}`;
+    let what = "…";
+    if (this.hover) {
+      this.reader();
+      if (this.read.place === `${e} ${y}`) what = this.read.text;
+    } else if (drop) {
+      const { nContacts, effective, effectiveSeparation } = drop.newton.run;
+      what = counted(nContacts, (view.map.show === "separation" ? effectiveSeparation : effective) / drop.scenario.restitution);
+      if (!this.map.shows(e, y)) what += y > 0 ? " (outside the map)" : " (touching: below the map)";
     }
     const text = `${where}: ${what}`;
     const out = find("map-reading");
@@ -121,14 +173,22 @@ export class MapPanel {
 
   // ---- what changes it --------------------------------------------------------------------------------
 
-  private choose(restitution: number, y: number): void {
+  // The point of the map as the parameters take it: rounded, and within their ranges.
+  private rounded(restitution: number, y: number): Point {
     const { scenario: s, view } = this.state;
-    s.restitution = clampTo(ranges.restitution, Number(restitution.toPrecision(4)));
-    if (view.map.axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : clampTo(ranges.gap, Number(y.toPrecision(4)))));
+    const e = clampTo(ranges.restitution, Number(restitution.toPrecision(4)));
+    if (view.map.axis === "gap") return [e, clampTo(ranges.gap, Number(y.toPrecision(4)))];
+    return [e, clampTo(ranges.radius, Number((y * s.balls[1].radius).toPrecision(6))) / s.balls[1].radius];
+  }
+
+  private choose(restitution: number, at: number): void {
+    const { scenario: s, view } = this.state;
+    const [e, y] = this.rounded(restitution, at);
+    s.restitution = e;
+    if (view.map.axis === "gap") s.gaps = s.gaps.map((gap, i) => (i < firstGap(s) ? gap : y));
     else {
-      const wanted = clampTo(ranges.radius, Number((y * s.balls[1].radius).toPrecision(6)));
       const before = s.balls[0].radius;
-      s.balls[0].radius = wanted;
+      s.balls[0].radius = y * s.balls[1].radius;
       if (s.height < lowestHeight(s)) s.balls[0].radius = before;
     }
     this.state.edited();
@@ -145,72 +205,66 @@ export class MapPanel {
     this.setZoom({ x: part(x[0], x[1], e, ...limits.x), y: [Math.exp(y0), Math.exp(y1)] });
   }
 
+  // By shares of the frame, as far as there is a map.
+  private pan(right: number, up: number): void {
+    const { x, y } = this.box();
+    const limits = mapLimits(this.state.view.map.axis);
+    const shift = ([low, high]: [number, number], share: number, [least, most]: [number, number]): [number, number] => {
+      const by = Math.min(Math.max(-share * (high - low), least - low), most - high);
+      return [low + by, high + by];
+    };
+    const log = ([a, b]: [number, number]): [number, number] => [Math.log(a), Math.log(b)];
+    const [y0, y1] = shift(log(y), up, log(limits.y));
+    this.setZoom({ x: shift(x, right, limits.x), y: [Math.exp(y0), Math.exp(y1)] });
+  }
+
+  // The picture follows at once, what it holds is computed when the hand rests.
   private setZoom(box: Box | null): void {
     if (box && (box.x[1] - box.x[0] < 1e-6 || box.y[1] / box.y[0] < 1 + 1e-6)) return;
     // As many digits as the link keeps, so that the link shows the same.
     const keep = ([a, b]: [number, number]): [number, number] => [Number(a.toPrecision(6)), Number(b.toPrecision(6))];
     this.state.view.map.zoom = box && { x: keep(box.x), y: keep(box.y) };
-    this.refresh();
+    this.state.dirty.mapPicture = this.map.fresh = true;
+    delete this.sheet.canvas.dataset.ms;
+    clearTimeout(this.later);
+    this.later = window.setTimeout(() => this.refresh(), 120);
     this.state.writeLink();
   }
 
   // ---- pointer and keys -------------------------------------------------------------------------------
 
   private listenPointer(): void {
-    const { canvas } = this.sheet;
     const rubber = find("map-box").querySelector<HTMLElement>(".rubber")!;
-    let from: Point | null = null;
     const there = (x: number, y: number): Point => {
       const { frame } = this.layout!;
       const clip = (v: number, low: number, size: number): number => Math.min(Math.max(v, low), low + size);
       return [clip(x, frame.left, frame.width), clip(y, frame.top, frame.height)];
     };
-    const value = ([x, y]: Point): Point => [this.layout!.x.value(x), this.layout!.y.value(y)];
-    canvas.addEventListener("pointerdown", (e) => {
-      if (e.button !== 0 || !this.layout) return;
-      from = there(e.offsetX, e.offsetY);
-      if (e.pointerType !== "touch") canvas.setPointerCapture(e.pointerId);
-    });
-    canvas.addEventListener("pointermove", (e) => {
-      if (!this.layout) return;
-      const at = there(e.offsetX, e.offsetY);
-      this.hover = e.pointerType === "touch" ? null : value(at);
-      this.tell();
-      const wide = from !== null && e.pointerType !== "touch" && Math.abs(at[0] - from[0]) > 6 && Math.abs(at[1] - from[1]) > 6;
-      rubber.hidden = !wide;
-      if (!from || !wide) return;
-      rubber.style.transform = `translate(${Math.min(at[0], from[0])}px, ${Math.min(at[1], from[1])}px)`;
-      rubber.style.width = `${Math.abs(at[0] - from[0])}px`;
-      rubber.style.height = `${Math.abs(at[1] - from[1])}px`;
-    });
-    canvas.addEventListener("pointerup", (e) => {
-      if (!from) return;
-      const at = there(e.offsetX, e.offsetY);
-      if (rubber.hidden) this.choose(...value(at));
-      else {
-        const [a, b] = [value(from), value(at)];
-        this.setZoom({ x: [Math.min(a[0], b[0]), Math.max(a[0], b[0])], y: [Math.min(a[1], b[1]), Math.max(a[1], b[1])] });
-      }
-      rubber.hidden = true;
-      from = null;
-    });
-    canvas.addEventListener("pointercancel", () => {
-      from = null;
-      rubber.hidden = true;
-    });
-    canvas.addEventListener("pointerleave", () => {
-      this.hover = null;
-      this.tell();
-    });
-    canvas.addEventListener(
-      "wheel",
-      (e) => {
-        if (document.activeElement !== canvas || !this.layout) return;
-        e.preventDefault();
-        this.zoom(e.deltaY < 0 ? 1.25 : 0.8, value(there(e.offsetX, e.offsetY)));
+    const value = (x: number, y: number): Point => {
+      const [px, py] = there(x, y);
+      return [this.layout!.x.value(px), this.layout!.y.value(py)];
+    };
+    moved(this.sheet.canvas, {
+      choose: (x, y) => this.layout && this.choose(...value(x, y)),
+      pan: (dx, dy) => this.layout && this.pan(dx / this.layout.frame.width, -dy / this.layout.frame.height),
+      zoom: (factor, x, y) => this.layout && this.zoom(factor, value(x, y)),
+      hover: (at) => {
+        this.hover = at && this.layout ? this.rounded(...value(...at)) : null;
+        this.tell();
       },
-      { passive: false },
-    );
+      frame: (from, to, done) => {
+        if (!this.layout) return;
+        const [[x0, y0], [x1, y1]] = [there(...from), there(...to)];
+        const wide = Math.abs(x1 - x0) > 6 && Math.abs(y1 - y0) > 6;
+        rubber.hidden = done || !wide;
+        rubber.style.transform = `translate(${Math.min(x0, x1)}px, ${Math.min(y0, y1)}px)`;
+        rubber.style.width = `${Math.abs(x1 - x0)}px`;
+        rubber.style.height = `${Math.abs(y1 - y0)}px`;
+        if (!done || !wide) return;
+        const [a, b] = [value(...from), value(...to)];
+        this.setZoom({ x: [Math.min(a[0], b[0]), Math.max(a[0], b[0])], y: [Math.min(a[1], b[1]), Math.max(a[1], b[1])] });
+      },
+    });
   }
 
   private listenKeys(): void {
@@ -245,6 +299,7 @@ export class MapPanel {
     find<HTMLSelectElement>("map-show").addEventListener("change", (e) => {
       view.map.show = (e.target as HTMLSelectElement).value as View["map"]["show"];
       this.map.setShow(view.map.show);
+      this.read.place = "";
       dirty.mapPicture = true;
       this.state.writeLink();
     });
@@ -257,3 +312,6 @@ export class MapPanel {
     });
   }
 }
+
+const counted = (contacts: number, ratio: number): string =>
+  `${contacts === 1 ? "1 contact" : `${contacts} contacts`}${Number.isNaN(ratio) ? "" : `, ε_eff/ε = ${digits(ratio)}`}`;

@@ -1,6 +1,6 @@
 // The table of results, the energy bars and the sentence on top.
-import type { Core, State } from "./core";
-import type { Drop, Track } from "./drop";
+import type { State } from "./core";
+import type { Solved, Track } from "./drop";
 import { digits, lengths, withUnit } from "./format";
 
 interface Row {
@@ -11,7 +11,13 @@ interface Row {
   id: string;
 }
 
-function rows(d: Drop): Row[] {
+const rebound =
+  "greatest height of its centre above the floor after its first bounce. The next floor contact of the lowest ball counts no more; collisions still to come between the balls do";
+
+// How high a ball comes in the film beyond its rebound height; null: no higher.
+export const laterHeight = (t: Track, i: number): number | null => (t.later[i] > t.peaks[i] * (1 + 1e-6) ? t.later[i] : null);
+
+function rows(d: Solved): Row[] {
   const { newton, icm, scenario } = d;
   const n = scenario.balls.length;
   const both = (f: (t: Track) => string): [string, string] => [f(newton), f(icm)];
@@ -24,8 +30,11 @@ function rows(d: Drop): Row[] {
     for (let i = n - 1; i >= 0; i--) row(`v${i}`, `Ball ${i + 1} leaves with`, "velocity after the last contact", both((t) => v(t, i)), i === n - 1);
     return list;
   }
-  row("top", "Top ball rises to", "height of its centre above the floor", lengths(newton.peaks[n - 1], icm.peaks[n - 1]), true);
-  row("low", "Lowest ball rises to", "height of its centre above the floor", lengths(newton.peaks[0], icm.peaks[0]));
+  row("top", "Top ball rises to", rebound, lengths(newton.peaks[n - 1], icm.peaks[n - 1]), true);
+  const later = [newton, icm].map((t) => laterHeight(t, n - 1));
+  if (later.some((z) => z !== null))
+    row("later", "… and later to", "after the lowest ball has met the floor again, while the film runs", lengths(later[0] ?? NaN, later[1] ?? NaN));
+  row("low", "Lowest ball rises to", "the same for the lowest ball", lengths(newton.peaks[0], icm.peaks[0]));
   if (n > 2) {
     row("vtop", "Top ball leaves with", "velocity when the sequence is over", both((t) => v(t, n - 1)));
     return list;
@@ -50,7 +59,7 @@ export function subscripted(text: string): (string | HTMLElement)[] {
 }
 
 // The numbers with all their digits, for tests and for the CSV file.
-export function exactNumbers(d: Drop): Record<string, number | null> {
+export function exactNumbers(d: Solved): Record<string, number | null> {
   const out: Record<string, number | null> = {};
   const put = (name: string, x: number): void => void (out[name] = Number.isFinite(x) ? x : null);
   for (const [model, t] of [["newton", d.newton], ["icm", d.icm]] as const) {
@@ -66,7 +75,7 @@ export function exactNumbers(d: Drop): Record<string, number | null> {
   return out;
 }
 
-export function fillTable(body: HTMLElement, d: Drop): void {
+export function fillTable(body: HTMLElement, d: Solved): void {
   const list = rows(d);
   while (body.children.length > list.length) body.lastElementChild!.remove();
   list.forEach((r, i) => {
@@ -80,7 +89,6 @@ export function fillTable(body: HTMLElement, d: Drop): void {
     }
     tr.className = r.lead ? "lead" : "";
     tr.dataset.id = r.id;
-    tr.title = r.title;
     [r.name, ...r.values].forEach((text, k) => {
       const cell = tr!.children[k] as HTMLElement;
       if (cell.dataset.text === text) return;
@@ -102,7 +110,7 @@ function shares(t: Track): number[] {
 
 const percent = (x: number): string => (x > 0 && x < 0.0005 ? "<0.1 %" : `${(100 * x).toFixed(1)} %`);
 
-export function fillEnergy(box: HTMLElement, d: Drop): void {
+export function fillEnergy(box: HTMLElement, d: Solved): void {
   const n = d.scenario.balls.length;
   const names = [...d.scenario.balls.map((_, i) => ballName(n - 1 - i, d.scenario.cradle ? 0 : n)), "lost in contacts"];
   const colors = [...d.scenario.balls.map((_, i) => `var(--ball${n - i})`), "var(--lost)"];
@@ -152,22 +160,37 @@ const words = ["no", "one", "two", "three", "four", "five", "six", "seven", "eig
 const spell = (n: number): string => words[n] ?? String(n);
 const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
 
+const contactsOf = (k: number): string => (k === 1 ? "one contact" : `${spell(k)} contacts`);
+
 // One sentence with what Newton's equations say, one with what independent collisions say.
-export function verdict(d: Drop, core: Core): [string, string] {
+export function verdict(d: Solved): [string, string] {
   const { newton, icm, scenario } = d;
   const n = scenario.balls.length;
   const k = newton.run.nContacts;
-  const contacts = k === 1 ? "one contact" : `${spell(k)} contacts`;
+  const contacts = capital(contactsOf(k));
+  const unknown = newton.run.outcome !== 0 ? `${capital(newton.run.message)}.` : "";
   if (scenario.cradle) {
     const v = (t: Track): string => withUnit(t.final.velocity[n - 1], "m/s", 3, true);
-    return [`${capital(contacts)}; the last ball leaves with ${v(newton)}.`, `Independent collisions: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
+    return [unknown || `${contacts}; the last ball leaves with ${v(newton)}.`, `Independent collisions: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
   }
-  if (newton.run.outcome !== 0) return [`${capital(core.message(newton.run.outcome))}.`, ""];
   const [rise, risen] = lengths(newton.peaks[n - 1], icm.peaks[n - 1]);
+  if (unknown) return [unknown, Number.isNaN(icm.peaks[n - 1]) ? "" : `Independent collisions: ${spell(icm.run.nContacts)}, and up to ${risen}.`];
   const ratio = newton.run.effective / scenario.restitution;
-  const where = `${capital(contacts)}, and the top ball rises to ${rise}.`;
+  const where = Number.isNaN(newton.peaks[n - 1]) ? `${contacts}; the top ball does not bounce before the floor is met again.` : `${contacts}, and the top ball rises to ${rise}.`;
+  if (Number.isNaN(icm.peaks[n - 1])) return [where, `Independent collisions: ${icm.run.outcome !== 0 ? icm.run.message : "the top ball is not met"}.`];
   if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say ${rise === risen ? "the same" : "nearly the same"}: ${risen}.`];
   const times = icm.peaks[n - 1] / newton.peaks[n - 1];
   const factor = times > 1.15 ? `, ${digits(times, 2)} times as high` : "";
   return [where, `Independent collisions: ${spell(icm.run.nContacts)}, and up to ${risen}${factor}.`];
+}
+
+// What the names in the table mean, for those that are shown.
+export function fillDefinitions(list: HTMLElement, d: Solved): void {
+  const parts = rows(d).flatMap((r) => {
+    const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
+    dt.replaceChildren(...subscripted(r.name));
+    dd.replaceChildren(...subscripted(r.title));
+    return [dt, dd];
+  });
+  list.replaceChildren(...parts);
 }

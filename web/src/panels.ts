@@ -1,12 +1,13 @@
 // The two pictures over time beside the film, forces and timeline: drawn, pointed at, steered by keys.
-import type { Core } from "./core";
-import { dragged, find, type Sheet } from "./dom";
+import { find, type Sheet } from "./dom";
 import { clockText, type Film } from "./film";
 import { drawForces, type ForcesLayout } from "./forces";
 import type { Frame, Scale } from "./plot";
+import type { Pool } from "./pool";
 import { clampTo, copyOf, ranges } from "./scenario";
 import type { State } from "./state";
 import { Timeline, type TimelineLayout } from "./timeline";
+import { dragged } from "./touch";
 
 // Moves the lines that mark the time of the film over the frames of a picture.
 function placeCursors(box: string, time: number, x: Scale, frames: Frame[]): void {
@@ -73,14 +74,16 @@ export class ForcesPanel {
 
 // Contacts over ε; a press chooses ε.
 export class TimelinePanel {
-  readonly timeline = new Timeline();
+  readonly timeline: Timeline;
   private layout: TimelineLayout | null = null;
   private key = "";
 
   constructor(
     private readonly state: State,
     private readonly sheet: Sheet,
+    pool: Pool,
   ) {
+    this.timeline = new Timeline(pool, () => (state.dirty.plots = true));
     dragged(sheet.canvas, (_, y) => this.layout && this.choose(this.layout.y.value(y)));
     sheet.canvas.addEventListener("keydown", (e) => {
       const by: Record<string, number> = { ArrowUp: 0.005, ArrowRight: 0.005, ArrowDown: -0.005, ArrowLeft: -0.005, PageUp: 0.05, PageDown: -0.05, Home: -1, End: 1 };
@@ -97,19 +100,17 @@ export class TimelinePanel {
     this.key = key;
   }
 
-  // Goes on for some milliseconds; returns whether there is more to draw.
-  work(core: Core, milliseconds: number): boolean {
-    return !this.timeline.done && this.timeline.work(core, milliseconds);
-  }
-
   draw(): void {
     const { state, sheet } = this;
     this.layout = this.timeline.draw(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
     const s = state.scenario;
     sheet.canvas.setAttribute("aria-valuenow", String(s.restitution));
+    sheet.canvas.dataset.computed = String(this.timeline.done);
     const exact = s.law === "linear" && s.balls.length === 2 && !s.cradle;
+    const { done, progress } = this.timeline;
     find("timeline-hint").textContent =
-      (exact ? "Fine edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") + "Click chooses ε.";
+      (done ? "" : `${Math.floor(100 * progress)} % computed. `) +
+      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") + "Click chooses ε.";
   }
 
   mark(): void {

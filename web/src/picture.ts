@@ -1,5 +1,4 @@
 // All pictures of the page on one sheet, at twice the screen's resolution, with the parameters below.
-import type { Core } from "./core";
 import { clockText, drawMoment } from "./film";
 import { drawForces } from "./forces";
 import { withUnit } from "./format";
@@ -9,7 +8,7 @@ import { constants, constantsOf, type Scenario } from "./scenario";
 import type { State } from "./state";
 import type { Timeline } from "./timeline";
 
-export function picture(state: State, core: Core, timeline: Timeline, map: ContactMap, marked: [number, number]): HTMLCanvasElement {
+export function picture(state: State, timeline: Timeline, map: ContactMap, marked: [number, number]): HTMLCanvasElement {
   const [width, height] = [1600, 1200];
   const [canvas, g] = sharpCanvas(width, height);
   const { theme } = state;
@@ -21,13 +20,13 @@ export function picture(state: State, core: Core, timeline: Timeline, map: Conta
     draw(own);
     g.drawImage(sheet, x, y, w, h);
   };
-  part(20, 96, 770, 540, (own) => void drawMoment(own, 770, 540, state, core));
+  part(20, 96, 770, 540, (own) => void drawMoment(own, 770, 540, state));
   part(820, 96, 760, 540, (own) => void drawForces(own, 760, 540, d, theme));
   part(20, 656, 770, 460, (own) => void timeline.draw(own, 770, 460, d, theme));
   part(820, 656, 760, 460, (own) => void map.draw(own, 760, 460, state.view.map.axis, marked, theme));
   g.textBaseline = "alphabetic";
   g.font = `600 26px ${theme.font}`;
-  const [said, saidByIcm] = verdict(d, core);
+  const [said, saidByIcm] = verdict(d);
   g.fillStyle = theme.newton;
   g.fillText(said, 20, 36);
   g.fillStyle = theme.icm;

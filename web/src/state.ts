@@ -2,12 +2,14 @@
 // what must be drawn again.
 import type { Clock } from "./clock";
 import type { Drop } from "./drop";
-import { toQuery, type Scenario } from "./scenario";
+import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "./lecture_view";
+import type { Scenario } from "./scenario";
 import { themeOf, type Theme } from "./theme";
 import { firstView, viewToQuery, type View } from "./view";
 
 export class State {
   readonly view: View = firstView();
+  readonly lecture: LectureView = firstLectureView();
   drop: Drop | null = null;
   theme: Theme = themeOf(document.documentElement);
   screen = 0; // place in the film [s on the screen]
@@ -33,13 +35,20 @@ export class State {
 
   link(): string {
     const q = new URLSearchParams();
-    toQuery(this.scenario, q);
+    scenarioToQuery(this.scenario, q);
     viewToQuery({ ...this.view, time: this.playing || this.screen === 0 ? null : this.time() }, q);
+    lectureToQuery(this.lecture, q);
     const text = q.toString().replaceAll("%2C", ",");
     return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;
   }
   writeLink(): void {
     clearTimeout(this.linkTimer);
     this.linkTimer = window.setTimeout(() => history.replaceState(null, "", this.link()), 250);
+  }
+  // What is shown now can be gone back to; links that follow are those of a new entry.
+  enterHistory(): void {
+    clearTimeout(this.linkTimer);
+    history.replaceState(null, "", this.link());
+    history.pushState(null, "", this.link());
   }
 }

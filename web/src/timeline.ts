@@ -1,64 +1,92 @@
 // When the balls touch, for every ε (Fig. 3): bands are contacts, read horizontally.
-import { Model, type Core, type TimelineRow } from "./core";
+import type { Contact, TimelineRow } from "./core";
 import type { Drop } from "./drop";
 import { drawAxes, fontSize, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
-import { ranges, type Scenario } from "./scenario";
+import { piece, type Piece, type Pool } from "./pool";
+import { columnOf, ranges, type Scenario } from "./scenario";
 import type { Theme } from "./theme";
 
-const count = 241;
+const even = 241; // rows to begin with
+const finest = 1 / 4096; // of the distance between them
+const most = 1500; // rows
+const patience = 4_000; // ms: rows that would take longer are left out
 const low = ranges.restitution.low;
-const restitutionAt = (i: number): number => low + ((1 - low) * i) / (count - 1);
 
-// Rows are computed coarse first, as much as fits into each frame.
+// Rows are computed beside the page, coarse first. Where the contacts change between two rows, more are put between
+// them, so that a spike is followed to its tip.
 export class Timeline {
-  private rows: (TimelineRow | undefined)[] = [];
-  private adiabatic: (TimelineRow | undefined)[] = [];
-  private queue: number[] = [];
-  private stride = 1;
-  private scenario: Scenario | null = null;
-  done = true;
+  private rows: TimelineRow[] = []; // by ε
+  private adiabatic: TimelineRow[] = [];
+  private queue: number[] = []; // ε
+  private sent = 0; // batches under way
+  private asked = 0;
+  private answered = 0;
+  private perRow = 0; // ms, measured as it goes
+  private job = 0;
+  private column: Float64Array = new Float64Array();
+  private exact = false; // there is an adiabatic solution
+
+  constructor(
+    pool: Pool,
+    private readonly changed: () => void,
+  ) {
+    pool.add(() => this.nextBatch());
+    this.wake = () => pool.wake();
+  }
+  private readonly wake: () => void;
 
   start(scenario: Scenario): void {
-    this.scenario = scenario;
-    this.rows = new Array<TimelineRow | undefined>(count);
-    this.adiabatic = new Array<TimelineRow | undefined>(count);
-    this.queue = [];
-    const seen = new Set<number>();
-    for (let s = 16; s >= 1; s /= 2)
-      for (let i = 0; i < count; i += s) {
-        if (!seen.has(i)) this.queue.push(i);
-        seen.add(i);
-      }
-    this.stride = 16;
-    this.done = false;
+    this.job++;
+    this.rows = [];
+    this.adiabatic = [];
+    this.sent = this.perRow = this.answered = 0;
+    this.column = columnOf(scenario);
+    this.exact = scenario.law === "linear" && scenario.balls.length === 2 && !scenario.cradle;
+    const places = new Set<number>();
+    for (let stride = 16; stride >= 1; stride /= 2) for (let i = 0; i < even; i += stride) places.add(i);
+    this.queue = [...places].map((i) => low + ((1 - low) * i) / (even - 1));
+    this.asked = this.queue.length;
+    this.wake();
   }
 
-  // Works for about `budget` ms. Returns whether there is something new to draw.
-  work(core: Core, budget: number): boolean {
-    const { scenario } = this;
-    if (this.done || !scenario) return false;
-    core.set(scenario);
-    const begin = performance.now();
-    const exact = scenario.law === "linear" && scenario.balls.length === 2 && !scenario.cradle;
-    const batch = exact ? 16 : 1;
-    while (this.queue.length > 0 && performance.now() - begin < budget) {
-      const indices = this.queue.splice(0, batch);
-      const values = indices.map(restitutionAt);
-      core.timeline(Model.newton, values).forEach((row, k) => (this.rows[indices[k]] = row));
-      if (exact) core.timeline(Model.adiabatic, values).forEach((row, k) => (this.adiabatic[indices[k]] = row));
+  get done(): boolean {
+    return this.queue.length === 0 && this.sent === 0;
+  }
+  get progress(): number {
+    return this.answered / Math.max(this.asked, 1);
+  }
+
+  private nextBatch(): Piece | null {
+    if (this.queue.length === 0) return null;
+    const room = this.perRow > 0 ? Math.max(1, Math.min(64, Math.floor(14 / this.perRow))) : 1;
+    const restitution = this.queue.splice(0, room);
+    const { job } = this;
+    this.sent++;
+    const ask = { column: this.column, restitution, adiabatic: this.exact };
+    return piece<"timeline">({ kind: "timeline", ask, done: (rows, ms) => job === this.job && this.receive(rows, ms) });
+  }
+
+  private receive(rows: { newton: TimelineRow[]; adiabatic: TimelineRow[] }, ms: number): void {
+    this.sent--;
+    this.answered += rows.newton.length;
+    this.perRow = 0.5 * (this.perRow || ms) + (0.5 * ms) / rows.newton.length;
+    const merge = (old: TimelineRow[], more: TimelineRow[]): TimelineRow[] => [...old, ...more].sort((a, b) => a.restitution - b.restitution);
+    this.rows = merge(this.rows, rows.newton);
+    this.adiabatic = merge(this.adiabatic, rows.adiabatic);
+    if (this.done) this.refine();
+    this.changed();
+  }
+
+  // Halves the distances over which the contacts change.
+  private refine(): void {
+    const least = ((1 - low) / (even - 1)) * finest;
+    for (let i = 1; i < this.rows.length; i++) {
+      const [a, b] = [this.rows[i - 1], this.rows[i]];
+      const changed = !alike(a, b) || (this.exact && !alike(this.adiabatic[i - 1], this.adiabatic[i]));
+      if (b.restitution - a.restitution > least && changed) this.queue.push(0.5 * (a.restitution + b.restitution));
     }
-    this.done = this.queue.length === 0;
-    while (this.stride > 1 && this.complete(this.stride / 2)) this.stride /= 2;
-    return true;
-  }
-
-  private complete(stride: number): boolean {
-    for (let i = 0; i < count; i += stride) if (!this.rows[i]) return false;
-    return true;
-  }
-
-  private at(rows: (TimelineRow | undefined)[], i: number): TimelineRow | undefined {
-    return rows[i] ?? rows[i - (i % this.stride)];
+    if (this.rows.length + this.queue.length > most || this.queue.length * this.perRow > patience) this.queue = [];
+    this.asked += this.queue.length;
   }
 
   // The whole floor contact and the last contact between balls of nearly all rows.
@@ -66,7 +94,6 @@ export class Timeline {
     const ends: number[] = [];
     let floor = 0;
     for (const row of this.rows) {
-      if (!row) continue;
       if (row.tFloorEnd < Infinity) floor = Math.max(floor, row.tFloorEnd);
       ends.push(Number.isFinite(row.tEnd) ? row.tEnd : 0);
     }
@@ -105,38 +132,56 @@ export class Timeline {
     return { x, y, frame: f };
   }
 
+  // The regions in which two bodies touch. Between rows with the same contacts each runs on; where the contacts change,
+  // one ends.
   private drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, several: boolean, theme: Theme): void {
-    const edge = (i: number): number => Math.round(y.at(restitutionAt(i - 0.5))); // whole pixels leave no seams
-    for (let i = 0; i < count; i++) {
-      const row = this.at(this.rows, i);
-      if (!row) continue;
-      const top = edge(i + 1);
-      const thickness = edge(i) - top;
-      for (const c of row.contacts) {
-        const from = x.at(c.begin);
-        const width = x.at(Number.isFinite(c.end) ? c.end : x.high) - from;
-        g.fillStyle = c.pair === 0 ? theme.faint : theme.pairs[c.pair];
-        g.globalAlpha = several && c.pair > 0 ? 0.16 : 1;
-        g.fillRect(from, top, Math.max(width, c.pair === 0 ? 0 : 1), thickness);
+    for (const group of runsOf(this.rows)) {
+      const tops = group.map((row, i) => y.at(i + 1 < group.length ? row.restitution : this.border(row, 1)));
+      const bottoms = group.map((row, i) => y.at(i > 0 ? row.restitution : this.border(row, -1)));
+      group[0].contacts.forEach(({ pair }, k) => {
+        const edge = (c: Contact, at: number): [number, number] => [x.at(c.begin), at];
+        const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : x.high);
+        g.beginPath();
+        group.forEach((row, i) => {
+          g.lineTo(...edge(row.contacts[k], bottoms[i]));
+          g.lineTo(...edge(row.contacts[k], tops[i]));
+        });
+        for (let i = group.length - 1; i >= 0; i--) {
+          g.lineTo(end(group[i].contacts[k]), tops[i]);
+          g.lineTo(end(group[i].contacts[k]), bottoms[i]);
+        }
+        g.closePath();
+        g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
+        g.globalAlpha = several && pair > 0 ? 0.16 : 1;
+        g.fill();
         g.globalAlpha = 1;
-        if (!several || c.pair === 0) continue;
-        g.fillRect(from - 1, top, 2.5, thickness); // bands of several pairs overlap: their edges tell them apart
-        g.fillRect(from + width - 1.5, top, 2.5, thickness);
-      }
+        g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
+        g.stroke();
+      });
     }
+  }
+
+  // Half way to the next row above (1) or below (−1): there the region of a row ends.
+  private border(row: TimelineRow, side: 1 | -1): number {
+    const next = this.rows[this.rows.indexOf(row) + side];
+    return next ? 0.5 * (row.restitution + next.restitution) : row.restitution;
   }
 
   // Edges of the adiabatic contacts over the bands: where they coincide the reaction on the lower ball does not matter.
   private drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme): void {
-    g.fillStyle = theme.ink;
-    for (let i = 0; i < count; i += 2) {
-      const row = this.adiabatic[i];
-      if (!row) continue;
-      for (const c of row.contacts) {
-        if (c.pair === 0) continue;
-        for (const t of [c.begin, c.end]) if (Number.isFinite(t)) g.fillRect(x.at(t) - 0.6, y.at(restitutionAt(i)) - 0.6, 1.4, 1.4);
-      }
-    }
+    g.strokeStyle = theme.ink;
+    g.lineWidth = 1.4;
+    g.setLineDash([1.4, 2.4]);
+    for (const group of runsOf(this.adiabatic))
+      group[0].contacts.forEach(({ pair }, k) => {
+        if (pair === 0) return;
+        for (const edge of ["begin", "end"] as const) {
+          g.beginPath();
+          for (const row of group) if (Number.isFinite(row.contacts[k][edge])) g.lineTo(x.at(row.contacts[k][edge]), y.at(row.restitution));
+          g.stroke();
+        }
+      });
+    g.setLineDash([]);
   }
 
   private drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme): void {
@@ -145,15 +190,9 @@ export class Timeline {
     g.setLineDash([7, 5]);
     g.beginPath();
     let open = false;
-    for (let i = 0; i < count; i++) {
-      const row = this.at(this.rows, i);
-      if (!row || !Number.isFinite(row.tFloorEnd)) {
-        open = false;
-        continue;
-      }
-      if (open) g.lineTo(x.at(row.tFloorEnd), y.at(restitutionAt(i)));
-      else g.moveTo(x.at(row.tFloorEnd), y.at(restitutionAt(i)));
-      open = true;
+    for (const { restitution, tFloorEnd } of this.rows) {
+      if (Number.isFinite(tFloorEnd)) g[open ? "lineTo" : "moveTo"](x.at(tFloorEnd), y.at(restitution));
+      open = Number.isFinite(tFloorEnd);
     }
     g.stroke();
     g.setLineDash([]);
@@ -216,6 +255,20 @@ export class Timeline {
     g.fillStyle = theme.muted;
     g.fillText("balls", at, f.top - 4);
   }
+}
+
+// Whether two rows have the same contacts, in the same order.
+const alike = (a: TimelineRow, b: TimelineRow): boolean =>
+  a.contacts.length === b.contacts.length && a.contacts.every((c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end));
+
+// Stretches of rows with the same contacts.
+function runsOf(rows: TimelineRow[]): TimelineRow[][] {
+  const runs: TimelineRow[][] = [];
+  rows.forEach((row, i) => {
+    if (i > 0 && alike(rows[i - 1], row)) runs[runs.length - 1].push(row);
+    else runs.push([row]);
+  });
+  return runs;
 }
 
 export interface TimelineLayout {

@@ -1,43 +1,75 @@
-// Points of the map, computed beside the page.
-import { Core } from "./core";
+// What is computed beside the page: one task after another.
+import { Core, Model, type TimelineRow } from "./core";
+import { solve, type Solved, type Unsolved } from "./drop";
+import { risesOf } from "./rises";
+import type { Scenario } from "./scenario";
+import { trajectoryCsv } from "./trajectory_csv";
 
-export interface WorkerStart {
-  kind: "start";
-  module: WebAssembly.Module;
+export interface Tasks {
+  solve: { ask: { scenario: Scenario }; answer: Solved | Unsolved };
+  csv: { ask: { scenario: Scenario }; answer: string | null };
+  // Points (ε, y) of a map; MAP_VALUES numbers each.
+  points: { ask: { column: Float64Array; axis: number; points: Float64Array }; answer: Float64Array };
+  // Of each column how high its top ball rises under Newton’s equations and independent collisions.
+  curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
+  // Rows of the timeline; `adiabatic` also those of the lower ball unaffected by the upper one.
+  timeline: { ask: { column: Float64Array; restitution: number[]; adiabatic: boolean }; answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] } };
 }
-export interface WorkerColumn {
-  kind: "column";
-  job: number;
-  column: Float64Array;
-  axis: number;
+export type Kind = keyof Tasks;
+
+export interface Request<K extends Kind = Kind> {
+  id: number;
+  kind: K;
+  ask: Tasks[K]["ask"];
 }
-export interface WorkerBatch {
-  kind: "batch";
-  job: number;
-  batch: number;
-  points: Float64Array; // (ε, y)
-}
-export interface WorkerResult {
-  job: number;
-  batch: number;
-  values: Float64Array;
+export interface Reply {
+  id: number;
   ms: number;
+  answer?: unknown;
+  error?: string;
+  begun?: { what: string; share: number }; // under way: what begins now
 }
 
-let core: Core | null = null;
-let job = -1;
-let axis = 0;
+let module: WebAssembly.Module;
+let core: Core;
+const post = (reply: Reply, transfer: Transferable[] = []): void => (self as unknown as Worker).postMessage(reply, transfer);
 
-self.onmessage = (event: MessageEvent<WorkerStart | WorkerColumn | WorkerBatch>): void => {
-  const message = event.data;
-  if (message.kind === "start") core = new Core(message.module);
-  else if (message.kind === "column") {
-    core?.setColumn(message.column);
-    ({ job, axis } = message);
-  } else if (core && message.job === job) {
-    const begin = performance.now();
-    const values = core.scan(axis, message.points);
-    const result: WorkerResult = { job, batch: message.batch, values, ms: performance.now() - begin };
-    (self as unknown as Worker).postMessage(result, [values.buffer]);
+const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["answer"] } = {
+  solve: ({ scenario }, id) => solve(core, scenario, (what, share) => post({ id, ms: 0, begun: { what, share } })),
+  csv: ({ scenario }) => trajectoryCsv(core, scenario),
+  points({ column, axis, points }) {
+    core.setColumn(column);
+    return core.scan(axis, points);
+  },
+  curve: ({ columns }) => risesOf(core, columns),
+  timeline({ column, restitution, adiabatic }) {
+    core.setColumn(column);
+    return { newton: core.timeline(Model.newton, restitution), adiabatic: adiabatic ? core.timeline(Model.adiabatic, restitution) : [] };
+  },
+};
+
+function transferable(answer: unknown): Transferable[] {
+  if (answer instanceof Float64Array) return [answer.buffer];
+  if (answer && typeof answer === "object" && "newton" in answer && "icm" in answer) {
+    const { newton, icm } = answer as Solved;
+    return [newton, icm].flatMap(({ samples }) => [samples.times.buffer, samples.rows.buffer]);
+  }
+  return [];
+}
+
+self.onmessage = (event: MessageEvent<WebAssembly.Module | Request>): void => {
+  if (event.data instanceof WebAssembly.Module) {
+    module = event.data;
+    core = new Core(module);
+    return;
+  }
+  const { id, kind, ask } = event.data;
+  const begin = performance.now();
+  try {
+    const answer = (perform[kind] as (ask: unknown, id: number) => unknown)(ask, id);
+    post({ id, ms: performance.now() - begin, answer }, transferable(answer));
+  } catch (error) {
+    core = new Core(module); // what a trap has left is not to be relied on
+    post({ id, ms: performance.now() - begin, error: String(error) });
   }
 };

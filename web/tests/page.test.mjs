@@ -60,9 +60,13 @@ async function open(t, query = "", options = {}) {
 }
 
 const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
-// The page has drawn this often.
+// The page has drawn this often, with nothing left to solve.
 const settled = (page, frames = 2) => page.evaluate((frames) => new Promise((done) => {
-  const tick = () => (frames-- > 0 ? requestAnimationFrame(tick) : done());
+  let left = frames;
+  const tick = () => {
+    if (document.documentElement.dataset.busy !== undefined) left = frames;
+    left-- > 0 ? requestAnimationFrame(tick) : done();
+  };
   tick();
 }), frames);
 const picture = (page) => page.evaluate(() => document.getElementById("map").toDataURL());
@@ -304,10 +308,12 @@ test("timeline chooses ε, map chooses and zooms", async (t) => {
     await mapDone(page);
   };
   await zoomed(async () => {
+    await page.keyboard.down("Shift");
     await page.mouse.move(map.x + map.width * 0.5, map.y + map.height * 0.3);
     await page.mouse.down();
     await page.mouse.move(map.x + map.width * 0.8, map.y + map.height * 0.6, { steps: 5 });
     await page.mouse.up();
+    await page.keyboard.up("Shift");
   });
   const [x0, x1] = new URL(page.url()).searchParams.get("zoom").split(",").map(Number);
   assert.ok(x0 > 0.3 && x1 < 0.95 && x1 > x0);
@@ -396,7 +402,7 @@ test("keyboard alone reaches and works everything", async (t) => {
     assert.ok(ring, `focus of ${id} is visible`);
     if (id) reached.add(id);
   }
-  const wanted = await page.$$eval("button[id], select[id], input[id], canvas[tabindex]", (list) => list.filter((x) => x.type !== "radio").map((x) => x.id));
+  const wanted = await page.$$eval("button[id], select[id], input[id], canvas[tabindex]", (list) => list.filter((x) => x.type !== "radio" && x.checkVisibility()).map((x) => x.id));
   for (const id of wanted) assert.ok(reached.has(id), `${id} is reached`);
   await page.focus("#play");
   await page.keyboard.press("Enter");

@@ -1,0 +1,144 @@
+// Workers that compute beside the page: a few for pictures of many points, one for the drop itself.
+import type { Kind, Reply, Request, Tasks } from "./worker";
+
+// A piece of work, and who wants to know of it.
+export interface Piece<K extends Kind = Kind> {
+  kind: K;
+  ask: Tasks[K]["ask"];
+  done(answer: Tasks[K]["answer"], ms: number): void;
+  begun?(what: string, share: number): void;
+  failed?(error: string): void;
+}
+
+// Gives the next piece whenever a worker is free; null: nothing to do until Pool.wake().
+export type Source = () => Piece | null;
+
+export const piece = <K extends Kind>(p: Piece<K>): Piece => p as unknown as Piece;
+
+const workerUrl = new URL("worker.js", import.meta.url).href;
+
+// One worker, one piece at a time.
+class Hand {
+  private readonly worker: Worker;
+  private at: Piece | null = null;
+  private id = 0;
+
+  constructor(
+    module: WebAssembly.Module,
+    private readonly free: () => void,
+  ) {
+    this.worker = new Worker(workerUrl, { type: "module" });
+    this.worker.postMessage(module);
+    this.worker.onmessage = (event: MessageEvent<Reply>) => this.receive(event.data);
+    this.worker.onerror = (event) => this.receive({ id: this.id, ms: 0, error: event.message });
+  }
+
+  get idle(): boolean {
+    return this.at === null;
+  }
+  take(work: Piece): void {
+    this.at = work;
+    const request: Request = { id: ++this.id, kind: work.kind, ask: work.ask };
+    this.worker.postMessage(request);
+  }
+  end(): void {
+    this.worker.terminate();
+  }
+
+  private receive(reply: Reply): void {
+    const work = this.at;
+    if (!work || reply.id !== this.id) return;
+    if (reply.begun) return work.begun?.(reply.begun.what, reply.begun.share);
+    this.at = null;
+    if (reply.error === undefined) work.done(reply.answer as never, reply.ms);
+    else if (work.failed) work.failed(reply.error);
+    else throw new Error(reply.error);
+    this.free();
+  }
+}
+
+// As many workers as the machine has cores; sources take turns.
+export class Pool {
+  readonly size = Math.min(Math.max(navigator.hardwareConcurrency || 2, 1), 8);
+  private readonly hands: Hand[] = [];
+  private readonly sources: Source[] = [];
+  private readonly urgent: Piece[] = [];
+  private turn = 0;
+
+  constructor(module: WebAssembly.Module) {
+    for (let i = 0; i < this.size; i++) this.hands.push(new Hand(module, () => this.wake()));
+  }
+
+  add(source: Source): void {
+    this.sources.push(source);
+  }
+
+  // Before anything that the sources still have.
+  ask<K extends Kind>(kind: K, ask: Tasks[K]["ask"]): Promise<Tasks[K]["answer"]> {
+    return new Promise((done, refuse) => {
+      this.urgent.push(piece<K>({ kind, ask, done, failed: (error) => refuse(new Error(error)) }));
+      this.wake();
+    });
+  }
+
+  wake(): void {
+    for (const hand of this.hands) {
+      if (!hand.idle) continue;
+      const work = this.next();
+      if (!work) return;
+      hand.take(work);
+    }
+  }
+
+  private next(): Piece | null {
+    const first = this.urgent.shift();
+    if (first) return first;
+    for (let i = 0; i < this.sources.length; i++) {
+      const work = this.sources[this.turn++ % this.sources.length]();
+      if (work) return work;
+    }
+    return null;
+  }
+}
+
+// One worker for what the page waits for: the newest question counts, and it can be given up.
+export class Desk {
+  private hand: Hand;
+  private waiting: Piece | null = null;
+  private since = 0;
+
+  constructor(private readonly module: WebAssembly.Module) {
+    this.hand = this.hire();
+  }
+
+  // In place of what waits; what has been computed for long is given up for it.
+  put(work: Piece): void {
+    this.waiting = work;
+    if (!this.hand.idle && performance.now() - this.since > 150) this.replace();
+    this.go();
+  }
+
+  // Whether a question is without an answer.
+  get waits(): boolean {
+    return this.waiting !== null || !this.hand.idle;
+  }
+
+  giveUp(): void {
+    this.waiting = null;
+    if (!this.hand.idle) this.replace();
+  }
+
+  private go(): void {
+    if (!this.hand.idle || !this.waiting) return;
+    this.since = performance.now();
+    this.hand.take(this.waiting);
+    this.waiting = null;
+  }
+  private hire(): Hand {
+    return new Hand(this.module, () => this.go());
+  }
+  private replace(): void {
+    this.hand.end();
+    this.hand = this.hire();
+  }
+}
