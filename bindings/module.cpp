@@ -16,6 +16,7 @@ void bind_contacts(nb::module_& m);
 void bind_columns(nb::module_& m);
 void bind_planar_contact(nb::module_& m);
 void bind_sweep(nb::module_& m);
+void bind_particles(nb::module_& m);
 
 namespace {
 
@@ -54,4 +55,5 @@ NB_MODULE(_core, m) {
     bind_columns(m);
     bind_planar_contact(m);
     bind_sweep(m);
+    bind_particles(m);
 }
