@@ -21,7 +21,7 @@
 #include "../outcome.hpp"
 #include "archive.hpp"
 #include "events/cluster.hpp"
-#include "planar_contact.hpp"
+#include "soft_contacts.hpp"
 #include "steps/bodies.hpp"
 #include "steps/pair_laws.hpp"
 #include "steps/touches.hpp"
@@ -125,6 +125,7 @@ private:
 
     Box box_;
     steps::PairLaws<Law> laws_;
+    SoftContacts<Law, true> soft_;
     bool keep_log_;
     std::vector<Body> bodies_;
     std::vector<Group> groups_;
@@ -151,6 +152,8 @@ private:
     double widest_margin() const { return 0.1 * largest_; }
     // How far a member may go while its group lasts.
     double travel() const { return 0.25 * smallest_; }
+
+    static SoftContacts<Law, true> soft_contacts(const steps::PairLaws<Law>& laws, std::size_t count);
 
     // events/flight.hpp
     Vector3 position(const Body& b, double t) const;
@@ -205,9 +208,9 @@ private:
                double separation, bool overlapped) const;
 
     // events/lone_contact.hpp
-    bool solve_pair(Isolated& l) const;
+    bool solve_pair(Isolated& l);
     void part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal, const Vector3& across) const;
-    bool solve_wall(Isolated& l) const;
+    bool solve_wall(Isolated& l);
     bool far_from_walls(const Group& g, const Isolated& l) const;
 
     template <class Archive>
@@ -221,6 +224,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
                                 const std::vector<double>& velocity, steps::PairLaws<Law> laws, bool log)
     : box_(box),
       laws_(std::move(laws)),
+      soft_(soft_contacts(laws_, position.size() / 3)),
       keep_log_(log),
       bodies_(position.size() / 3),
       gravity_(std::to_array(box.gravity)) {
@@ -236,6 +240,29 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
     make_cells();
     for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) insert(i);
     for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) predict(i);
+}
+
+// Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and the
+// largest body; any other pair that does not fit is solved by itself.
+template <class Law>
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const steps::PairLaws<Law>& laws,
+                                                         std::size_t count) {
+    std::size_t least = 0, most = 0;
+    for (std::size_t i = 1; i < count; ++i) {
+        if (laws.radius(i) < laws.radius(least)) least = i;
+        if (laws.radius(i) > laws.radius(most)) most = i;
+    }
+    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
+    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
+    const auto damping = [&](std::size_t i, std::size_t j) {
+        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
+        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
+    };
+    const double of_most = damping(most, most);
+    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
+    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
+    const auto first = static_cast<std::int64_t>(most);
+    return {laws(first, first), mass(most, most), reach(most, most), varies};
 }
 
 template <class Law>

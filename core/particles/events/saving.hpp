@@ -23,10 +23,11 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
 
 template <class Law>
 void NewtonEvents<Law>::save(Writer& writer) const {
-    NewtonEvents copy = *this;
-    copy.exchange(writer);
-    writer(copy.groups_.size());
-    for (Group& g : copy.groups_) {
+    NewtonEvents& self =
+        const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
+    self.exchange(writer);
+    writer(groups_.size());
+    for (Group& g : self.groups_) {
         writer(g.alive), writer(g.isolated), writer(g.serial), writer(g.origin), writer(g.body),
             writer(g.offset);
         writer(g.lone);
@@ -38,7 +39,11 @@ void NewtonEvents<Law>::save(Writer& writer) const {
 template <class Law>
 NewtonEvents<Law>::NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log,
                                 Reader& reader)
-    : box_(box), laws_(std::move(laws)), keep_log_(log), gravity_(std::to_array(box.gravity)) {
+    : box_(box),
+      laws_(std::move(laws)),
+      soft_(soft_contacts(laws_, count)),
+      keep_log_(log),
+      gravity_(std::to_array(box.gravity)) {
     for (std::size_t i = 0; i < count; ++i) {
         largest_ = math::max(largest_, laws_.radius(i));
         smallest_ = math::min(smallest_, laws_.radius(i));
