@@ -28,7 +28,7 @@ struct Touch {
     Four normal;                        // unit vector from the one at `at_first` to the other
     double distance;                    // of the centres, or to the wall [m]
     double force, loss, compression;    // at the last step [N], [W], [m]
-    double rate, margin;                // dξ/dt [m/s] and how far ξ is above the law's slack [m]
+    double margin;                      // how far ξ is above the law's slack [m]
     Onset onset;
     bool fresh;  // the last step was its first
     bool closed;
