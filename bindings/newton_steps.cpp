@@ -187,6 +187,7 @@ void bind_engine(nb::module_& m) {
         .def_prop_ro("n_steps", [](const NewtonSteps& run) { return run.engine().steps_taken(); })
         .def_prop_ro("n_lists", [](const NewtonSteps& run) { return run.engine().lists_made(); })
         .def_prop_ro("n_contacts", [](const NewtonSteps& run) { return run.engine().log().begun(); })
+        .def_prop_ro("n_pairs", [](const NewtonSteps& run) { return run.engine().log().pairs(); })
         .def_prop_ro("n_ended", [](const NewtonSteps& run) { return run.engine().log().ended(); })
         .def_prop_ro("n_overlapped", [](const NewtonSteps& run) { return run.engine().log().overlapped(); })
         .def_prop_ro("outcome",
