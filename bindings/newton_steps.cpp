@@ -161,6 +161,11 @@ nb::dict observe(const NewtonSteps& run) {
     d["virial"] = seen.virial;
     d["kinetic_integral"] = nb::none();
     d["n_in_contact"] = seen.in_contact;
+    const steps::ContactLog& log = run.engine().log();
+    d["n_contacts"] = log.begun();
+    d["n_pairs"] = log.pairs();
+    d["n_ended"] = log.ended();
+    d["n_overlapped"] = log.overlapped();
     return d;
 }
 

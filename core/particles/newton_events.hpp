@@ -51,8 +51,9 @@ public:
     int largest_cluster() const { return largest_cluster_; }
     // Part of all time that bodies have spent in groups of several contacts.
     double cluster_share() const;
-    // Contacts so far, but for those that began in a cluster that is still together.
+    // Contacts so far, but for those that began or ended in a group that is still together.
     std::uint64_t contacts_reached() const { return begun_; }
+    std::uint64_t contacts_logged() const { return ended_; }
 
     // What is true now. Groups are integrated on the side; nothing changes.
     struct Survey {
@@ -60,7 +61,7 @@ public:
         double kinetic, potential, contact, dissipated;
         double momentum[3];
         double virial;  // ∫ Σ r·F dt over pairs since the start [J s]
-        std::uint64_t in_contact, begun, ended, overlapped;
+        std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
         std::vector<Row> open;  // contacts that last, and those that are over in groups still together
     };
     Survey survey() const;
@@ -137,7 +138,7 @@ private:
     Vector3 cell_edge_{}, gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
-    std::uint64_t begun_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
+    std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
@@ -151,7 +152,9 @@ private:
     // The cells are wide enough for margins up to this.
     double widest_margin() const { return 0.1 * largest_; }
     // How far a member may go while its group lasts.
-    double travel() const { return 0.25 * smallest_; }
+    // In a small box no second image of a body may come near.
+    double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
+    double smallest_edge() const;
 
     static SoftContacts<Law, true> soft_contacts(const steps::PairLaws<Law>& laws, std::size_t count);
 
@@ -292,6 +295,14 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
 }
 
 template <class Law>
+double NewtonEvents<Law>::smallest_edge() const {
+    double least = math::infinity;
+    for (int axis = 0; axis < box_.dimension; ++axis)
+        if (box_.wraps(axis)) least = math::min(least, box_.edge[axis]);
+    return least;
+}
+
+template <class Law>
 double NewtonEvents<Law>::cluster_share() const {
     return now_ > 0.0 ? clustered_ / (now_ * static_cast<double>(bodies_.size())) : 0.0;
 }
@@ -309,6 +320,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
              virial_,
              0,
              begun_,
+             begun_pairs_,
              ended_,
              overlapped_,
              {}};
@@ -333,6 +345,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
         s.dissipated += c.dissipated;
         s.virial += c.virial;
         s.begun += static_cast<std::uint64_t>(c.begun);
+        s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
         for (std::size_t m = 0; m < g.body.size(); ++m)
             write(static_cast<std::size_t>(g.body[m]), place(g, m, c.members[m].position),
                   c.members[m].velocity);

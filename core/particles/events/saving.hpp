@@ -8,7 +8,8 @@ template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
     archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.base), archive(c.time);
-    archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.ended), archive(c.unresolved);
+    archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
+        archive(c.unresolved);
 }
 
 // All but the groups; the queue follows from what the bodies and groups hold.
@@ -17,7 +18,7 @@ template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(bodies_), archive(spare_), archive(head_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
-    archive(begun_), archive(ended_), archive(overlapped_), archive(events_);
+    archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(paused_), archive(outcome_);
 }
 

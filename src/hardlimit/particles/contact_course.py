@@ -24,7 +24,11 @@ from .system import Floats, ParticleSystem
 PORTION: Final = 0.2
 #: In the header of a checkpoint.
 KIND: Final = "molecular_dynamics"
-ENGINES: Final = {"steps": _core.NewtonSteps}
+ENGINES: Final = {"events": _core.NewtonEvents, "steps": _core.NewtonSteps}
+
+#: What an engine knows of itself.
+STEPS: Final = ("time_step", "n_steps")
+CLUSTERS: Final = ("largest_cluster", "cluster_share")
 
 Log = tuple[NDArray[Any], ...]
 
@@ -58,6 +62,11 @@ class Settings:
     threads: int
     path: Path | None = None  #: of the checkpoint
     every: float = math.inf  #: seconds between two checkpoints [wall clock]
+
+    @property
+    def takes_steps(self) -> bool:
+        """Of equal size, and on several threads."""
+        return self.engine == "steps"
 
 
 class ContactCourse:
@@ -100,7 +109,7 @@ class ContactCourse:
             self.save()
         except KeyboardInterrupt:
             log = self._joined_log()
-            if log is None or len(log[0]) == self.engine.n_ended:  # no row was lost on its way here
+            if log is None or len(log[0]) == self._logged():  # no row was lost on its way here
                 self.save()
             raise
         return self.result()
@@ -108,7 +117,10 @@ class ContactCourse:
     def _advance(self, at: float, report: Report) -> None:
         while self.engine.outcome == "ok" and (self.engine.time < at or self.engine.paused):
             begun = clock.monotonic()
-            self.engine.advance(at, self.settings.threads, self._portion)
+            if self.settings.takes_steps:
+                self.engine.advance(at, self.settings.threads, self._portion)
+            else:
+                self.engine.advance(at, self._portion)
             took = clock.monotonic() - begun
             if took < 0.5 * PORTION:
                 self._portion = min(2 * self._portion, 2**40)
@@ -116,8 +128,17 @@ class ContactCourse:
                 self._portion = max(self._portion // 2, 1)
             if clock.monotonic() - self._saved_at > self.settings.every:
                 self.save()
-            left = (self.target.until - self.engine.time) / self.engine.time_step
-            report(self.engine.n_steps, self.engine.n_steps + math.ceil(left))
+            self._report(report)
+
+    def _report(self, report: Report) -> None:
+        """Steps, or contacts, so far and how many there will be; contacts if they go on at the same rate."""
+        time, end = self.engine.time, self.target.until
+        if self.settings.takes_steps:
+            left = math.ceil((end - time) / self.engine.time_step)
+            report(self.engine.n_steps, self.engine.n_steps + left)
+        else:
+            done = self.engine.contacts_reached
+            report(done, max(done, 1, round(done * (end / time)) if time > 0.0 else 0))
 
     # --- what is kept ---------------------------------------------------------------------------------------
 
@@ -135,10 +156,12 @@ class ContactCourse:
         mass, kinetic = float(self.system.mass.sum()), float(seen["kinetic_energy"])
         momentum = np.asarray(seen["momentum"])
         temperature = (2.0 * kinetic - float(momentum @ momentum) / mass) / (self.system.dimension * mass)
-        counts = ("time", "n_contacts", "n_pairs", "n_ended", "n_overlapped")
-        values = {**seen, "granular_temperature": max(temperature, 0.0)}
-        values |= {name: getattr(self.engine, name) for name in counts}
+        values = {**seen, "granular_temperature": max(temperature, 0.0), "time": self.engine.time}
         return tuple(float(values[name]) for name in COLUMNS)
+
+    def _logged(self) -> int:
+        """Rows of the log that the engine has made."""
+        return int(self.engine.n_ended if self.settings.takes_steps else self.engine.n_logged)
 
     def _joined_log(self) -> Log | None:
         """Contacts that have ended, in the order of their ends."""
@@ -188,7 +211,8 @@ class ContactCourse:
             order = np.argsort(log[0], kind="stable")
             *numbers, overlapped = (part[order] for part in log)
             log = (*numbers, overlapped.astype(bool))
-        counts = ("n_contacts", "n_pairs", "n_ended", "n_overlapped", "n_steps", "time_step", "time")
+        seen, counts = self.engine.observe(), ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
+        special = STEPS if self.settings.takes_steps else CLUSTERS
         return ContactResult(
             system=_moved(self.system, self.engine),
             law=self.settings.law,
@@ -196,7 +220,9 @@ class ContactCourse:
             outcome_name=self.engine.outcome,
             rows=np.array(self._rows),
             log=log,
-            **{name: getattr(self.engine, name) for name in counts},
+            time=self.engine.time,
+            **{name: seen[name] for name in counts},
+            **{name: getattr(self.engine, name) for name in special},
         )
 
 
@@ -219,7 +245,7 @@ def _moved(system: ParticleSystem, engine: Any) -> ParticleSystem:
 
 
 def start(
-    system: ParticleSystem, settings: Settings, time_step: float, target: Target, log: bool
+    system: ParticleSystem, settings: Settings, time_step: float | None, target: Target, log: bool
 ) -> ContactCourse:
     """A run at its beginning; the arguments are checked."""
     law = settings.law
@@ -232,7 +258,7 @@ def start(
         [side == "periodic" for side in system.boundary],
         system.gravity.tolist(),
         (law.record["name"], law.alternative, list(law.parameters.values())),
-        time_step,
+        *([time_step] if settings.takes_steps else []),
         log,
     )
     return ContactCourse(system, settings, engine, target, log=engine.take_log() if log else None)

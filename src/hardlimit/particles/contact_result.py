@@ -65,7 +65,8 @@ LOG: Final = (
 
 OUTCOMES: Final = {
     "ok": "ok",
-    "unresolved": "not resolved: particles became so fast that they move too far in one step",
+    "steps": "not resolved: particles became so fast that they move too far in one step",
+    "events": "not resolved: too many particles hang together by contacts that last; engine='steps' is made for that",
 }
 
 
@@ -76,21 +77,23 @@ class ContactResult:
     system: ParticleSystem  #: the final state, inside the box; particles in contact overlap
     time: float  #: [s] of the final state
     law: Law
-    engine: str  #: ``"steps"``
-    time_step: float  #: the longest step [s]
+    engine: str  #: ``"events"`` or ``"steps"``
     outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
     n_contacts: int  #: that began, with walls too
     n_pairs: int  #: of them between two particles
     n_ended: int
     n_overlapped: int  #: of those that ended: shared a particle with another contact while they lasted
-    n_steps: int
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(repr=False)  #: as in ``LOG``; None without log
+    time_step: float | None = None  #: by steps: the longest [s]
+    n_steps: int | None = None  #: by steps
+    largest_cluster: int | None = None  #: by events: the most particles that were integrated together
+    cluster_share: float | None = None  #: by events: share of all time that particles spent in such clusters
 
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return OUTCOMES.get(self.outcome_name, self.outcome_name)
+        return OUTCOMES["ok" if self.outcome_name == "ok" else self.engine]
 
     @property
     def outcome_code(self) -> int:
@@ -163,7 +166,7 @@ class ContactResult:
             "system": repr(self.system),
             "law": repr(self.law),
             "engine": self.engine,
-            "time_step": self.time_step,
+            **({} if self.time_step is None else {"time_step": self.time_step}),
             "outcome": self.outcome,
             "hardlimit_version": _core.version,
         }
@@ -198,9 +201,14 @@ def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
 def quantities(result: ContactResult) -> list[tuple[str, float]]:
     """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
     kept = dict(zip(COLUMNS, result.rows.T, strict=True))
+    own = {
+        "time step [s]": result.time_step,
+        "largest cluster [particles]": result.largest_cluster,
+        "share of time in clusters": result.cluster_share,
+    }
     return [
         ("time [s]", result.time),
-        ("time step [s]", result.time_step),
+        *((label, float(value)) for label, value in own.items() if value is not None),
         ("contacts", result.n_contacts),
         ("of them with walls", result.n_contacts - result.n_pairs),
         ("contacts per particle", (result.n_contacts + result.n_pairs) / result.system.n),

@@ -17,6 +17,10 @@ from .system import ParticleSystem
 
 MOST_SAMPLES: Final = 10_000_000
 MOST_THREADS: Final = 1024
+#: In radii of the largest particle.
+SMALLEST_EDGE: Final = 4.2
+#: What the progress counts.
+UNITS: Final = {"events": "contacts", "steps": "steps"}
 #: Fewer particles than this for a thread are not worth one.
 LEAST_SHARE: Final = 2000
 
@@ -26,7 +30,7 @@ def molecular_dynamics(
     *,
     law: Law,
     until: float,
-    engine: str = "steps",
+    engine: str = "events",
     restitution_error: float | None = None,
     time_step: float | None = None,
     threads: int | None = None,
@@ -44,17 +48,20 @@ def molecular_dynamics(
     law : Law
         Contact law of all pairs and walls.
     until : float [s]
-    engine : {"steps"}
-        ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step.
+    engine : {"events", "steps"}
+        ``"events"``: exact flight, exact isolated contacts, and integration of high order where contacts share a
+        particle while they last: Newton's equations to 1e-9, on one thread. For contacts that are short.
+        ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step. For dense
+        systems and heaps at rest.
     restitution_error : float
-        The error of ε that steps may make, 1e-3 unless told otherwise. It is measured on isolated contacts of all kinds
+        By steps. The error of ε that steps may make, 1e-3 unless told otherwise. It is measured on isolated contacts of all kinds
         in the system at the speeds to expect, and the longest step that keeps to it is taken.
     time_step : float [s]
-        The longest step, instead. Give at most one of the two.
+        By steps. The longest one, instead. Give at most one of the two.
     threads : int, optional
-        All processors unless told otherwise, as far as the particles suffice. The bits do not depend on it.
+        By steps. All processors unless told otherwise, as far as the particles suffice. The bits do not depend on it.
     samples : int
-        Spacings of the series. A whole number of steps lies between two samples.
+        Spacings of the series. By steps, a whole number of them lies between two samples.
     log : bool
         Keep every contact; 41 bytes each.
     checkpoint : path, optional
@@ -63,7 +70,7 @@ def molecular_dynamics(
     checkpoint_every : float [s]
         By the clock on the wall.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is told the steps so far, and how many there will be.
+        True shows a bar. A function is told the steps, or the contacts, so far, and how many there will be.
 
     Returns
     -------
@@ -83,14 +90,20 @@ def molecular_dynamics(
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     name = validation.one_of("engine", engine, tuple(ENGINES))
-    step = steps.chosen(system, law, restitution_error, time_step)
-    workers = checked_threads(threads, system.n)
+    step: float | None = None
+    workers = 1
+    if name == "steps":
+        step = steps.chosen(system, law, restitution_error, time_step)
+        workers = checked_threads(threads, system.n)
+    else:
+        check_box(system)
+        refuse_steps(restitution_error=restitution_error, time_step=time_step, threads=threads)
     count = validation.whole("samples", samples, 1, MOST_SAMPLES)
     if not isinstance(log, bool):
         raise ValueError(f"log: got {validation.shown(log)}, must be True or False")
     path = None if checkpoint is None else checkpoints.checked_path(checkpoint)
     every = validation.number("checkpoint_every", checkpoint_every, 0.0)
-    with reporter(progress, "molecular dynamics", "steps") as report:
+    with reporter(progress, "molecular dynamics", UNITS[name]) as report:
         settings = Settings(law, name, workers, path, every)
         return start(system, settings, step, Target(end, end, count), log).run(report)
 
@@ -109,7 +122,7 @@ def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report 
     course = load(path)
     if until is not None:
         course.set_end(_later_end(course, until))
-    with reporter(progress, "molecular dynamics", "steps") as report:
+    with reporter(progress, "molecular dynamics", UNITS[course.settings.engine]) as report:
         return course.run(report)
 
 
@@ -120,6 +133,36 @@ def _later_end(course: ContactCourse, until: Any) -> float:
             f"until: got {end:.16g}, must be >= {course.engine.time:.16g}, the time of the checkpoint"
         )
     return end
+
+
+def check_box(system: ParticleSystem) -> None:
+    """By events, no particle may come near two images of another one at a time.
+
+    Raises
+    ------
+    ValueError
+        If a periodic edge is too short; names it.
+    """
+    least = SMALLEST_EDGE * float(system.radius.max())
+    for axis, side in enumerate(system.boundary):
+        if side == "periodic" and not system.box[axis] >= least:
+            raise ValueError(
+                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= {least:.6g} m, "
+                f"{SMALLEST_EDGE:g} largest radii, for engine 'events'"
+            )
+
+
+def refuse_steps(**given: Any) -> None:
+    """Refuse arguments that only steps have.
+
+    Raises
+    ------
+    ValueError
+        If one is given; names it.
+    """
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: engine 'events' takes no steps")
 
 
 def checked_threads(threads: Any, n: int) -> int:
