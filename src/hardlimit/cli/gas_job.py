@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from .. import toml, units, validation
 from ..column import files as columns
+from ..column.scenario import Column
 from ..contact import Law
 from ..particles import event_driven as runs
 from ..particles.checkpoint import checked_path
@@ -223,7 +224,7 @@ def _rules(
 
 def _law(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
     """Another law, or other parameters of the present one."""
-    base = columns.of_column(columns.Column.paper())
+    base = columns.of_column(Column.paper())
     scenario = replace(base, laws=() if present is None else (present,))
     if name is None and not parameters:
         return scenario.laws[0]

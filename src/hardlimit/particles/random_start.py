@@ -115,5 +115,5 @@ def velocities(
     for axis, wrapped in enumerate(periodic):
         if wrapped:
             found[:, axis] -= np.average(found[:, axis], weights=mass)
-    found *= rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", found, found))))
-    return found
+    scaled: Floats = found * (rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", found, found)))))
+    return scaled

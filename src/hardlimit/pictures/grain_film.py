@@ -106,7 +106,7 @@ class Stage:
         sides = [system.boundary[axis] for axis in (self.plane[1], self.plane[0])]
         for i, (a, b) in enumerate(itertools.pairwise(corners)):
             solid = sides[i % 2] == "wall"
-            look = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
+            look: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
             self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **look)
 
     def picture(self, time: float, system: ParticleSystem, collisions: int) -> Frame:
