@@ -176,7 +176,7 @@ class ParticleSystem:
         ValueError
             If a value is outside its range, or so few particles are asked for that the box would be too small.
         """
-        count = validation.whole("n", n, 1, random_start.MOST_PARTICLES)
+        count = random_start.count(n)
         d = validation.whole("dimension", dimension, 2, 3)
         sides = checked_boundary(boundary, d)
         pull = checked_gravity(gravity, d)
