@@ -209,7 +209,7 @@ private:
     }
     template <class Watch>
     void go(int threads, std::chrono::milliseconds period, const Watch& watch) {
-        steps::Crew crew(tasks());
+        steps::Crew crew(threads, tasks());
         const auto work = [&](Stop& stop) {
             crew.work(
                 stop, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
@@ -326,7 +326,7 @@ private:
         phase_ = Phase::cells;
         begin_cells();
         Stop never;
-        steps::Crew crew(tasks());
+        steps::Crew crew(1, tasks());
         crew.work(
             never, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
     }
@@ -471,7 +471,7 @@ private:
     // last one reaches into the first.
     void share_out() {
         const std::uint32_t layers = grid_.layers(), in_layer = grid_.cells_in_layer();
-        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 512, 2, 128);
+        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 256, 2, 128);
         const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(layers, wanted));
         const std::uint32_t count = most < 2 ? 1 : most & ~1u;
         slabs_.resize(count);
