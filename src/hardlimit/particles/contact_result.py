@@ -110,7 +110,7 @@ class ContactResult:
         """Largest |energy + dissipated − energy at the start| of the samples, over the kinetic energy at the start or
         the largest amount dissipated."""
         kept = dict(zip(COLUMNS, self.rows.T, strict=True))
-        total = sum(kept[f"{kind}_energy"] for kind in ("kinetic", "potential", "contact", "dissipated"))  # type: ignore[arg-type]
+        total = sum(kept[f"{kind}_energy"] for kind in ("kinetic", "potential", "contact", "dissipated"))
         scale = max(float(kept["kinetic_energy"].max()), float(kept["dissipated_energy"].max()))
         error = float(np.abs(total - total[0]).max())
         return error / scale if scale > 0.0 else error
