@@ -261,12 +261,11 @@ def lightness(colour: tuple[float, float, float]) -> float:
     return 116 * y ** (1 / 3) - 16 if y > 216 / 24389 else 24389 / 27 * y
 
 
-def test_the_more_contacts_the_darker() -> None:
+def test_the_more_contacts_the_lighter() -> None:
     """Counts keep their order in grey, and neighbours differ by more than can just be seen."""
-    steps = -np.diff([lightness(style.count_colour(n)) for n in range(1, 16)])
+    steps = np.diff([lightness(style.count_colour(n)) for n in range(16)])
     assert np.all(steps > 2.5)
     assert style.count_colour(99) == style.count_colour(15)
-    assert lightness(style.count_colour(0)) > 90
 
 
 def sweep_of(values: np.ndarray, name: str) -> xr.Dataset:
