@@ -10,9 +10,9 @@
 namespace hardlimit::column::exact {
 
 // exp(M t) for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
-// s = u + w, whose slow motion would drown in the rounding of the other's. Of the diagonal both the elements less 1 and
-// the elements themselves are kept: the first hold the digits of what hardly moves through many squarings, the second
-// those of what has decayed.
+// s = u + w, whose slow motion would drown in the rounding of the other's. The diagonal is kept twice: less 1,
+// which holds the digits of what hardly moves through many squarings, and as it is, which holds those of what has
+// decayed.
 struct Propagator {
     double m[4][4];  // exp(M t) − 1
     double kept[4];  // diagonal of exp(M t)
