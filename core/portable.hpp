@@ -25,7 +25,8 @@
 #define HL_ROLL _Pragma("unroll 1")
 #endif
 
-// A function that is not copied into its callers: a loop that does not fit the instruction cache runs at half the speed.
+// A function that is not copied into its callers: a loop that does not fit the instruction cache runs at half the
+// speed.
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
 #define HL_FN_APART HL_FN
 #else
@@ -46,7 +47,8 @@ static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 template <class Real>
 using Mask = decltype(Real{} < Real{});
 
-// T, without a part in the deduction of T: & and | of two bools give an int, which becomes a bool again.
+// T, from which nothing is deduced: & and | of two bools give an int, which a parameter of this type makes a bool
+// again.
 template <class T>
 struct Unchanged {
     using Type = T;
@@ -75,8 +77,8 @@ struct Lanes<Real> {
     using Bits = typename Vector<count>::Bits;
 };
 
-// Two vectors as one: what the arithmetic of one must wait for, the other one does not. A vector type of that width
-// would serve, but gcc takes it through memory.
+// Two vectors as one: while one waits for a result, the processor works on the other. A vector type of that width would
+// serve, but gcc takes it through memory.
 template <class V>
 struct Pair {
     V lo, hi;
@@ -248,7 +250,8 @@ HL_FN Real select(Mask<Real> m, Real yes, Real no) {
         return m ? yes : no;
 }
 
-// b < a ? b : a and a < b ? b : a, lane by lane. gcc makes two instructions of a vector's minimum; x86 has just this one.
+// b < a ? b : a and a < b ? b : a, lane by lane. gcc makes two instructions of a vector's minimum; x86 has just this
+// one.
 template <class Real>
 HL_FN Real min_of(Real a, Real b) {
 #if defined(__AVX512F__) && !defined(__clang__)
