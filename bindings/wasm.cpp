@@ -342,14 +342,15 @@ double* scratch(long n) {
 }
 
 // Solves the column requested: model 0 Newton's equations, 1 adiabatic (two balls, linear law), 2 independent
-// collisions; until NaN: the sequence only. Reply: outcome, contacts of the sequence, t_end, t_floor_end, relative and
+// collisions; until NaN: the sequence only; most_events of independent collisions, 0: as many as in Python. Reply: outcome, contacts of the sequence, t_end, t_floor_end, relative and
 // separation velocity, first and last time, recorded contacts, speed at the floor, ε_eff of both velocities.
 // Returns whether the model exists for this column.
-int solve(int model, double until) {
+int solve(int model, double until, double most_events = 0.0) {
     Solved& slot = solved(model);
     slot.options = {};
     slot.options.until = until;
     slot.options.max_steps = most_steps;
+    if (most_events > 0.0) slot.options.max_events = static_cast<long>(most_events);
     slot.found = with_law([&]<class Law>() {
         return col::solve_column(std::make_shared<const col::Column<Law>>(make_column<Law>()), slot.model,
                                  slot.options);

@@ -51,7 +51,7 @@ struct IndependentRun {
 
 namespace independent {
 
-inline constexpr long max_events = 1'000'000;
+inline constexpr long most_events = 1'000'000;
 inline constexpr double joining_speed = 1e-8;  // in units of the fastest collision so far
 
 struct Event {
@@ -154,8 +154,12 @@ double slowest_opening(const Column<Law>& c, const Flight& f) {
 template <class Law>
 class Run {
 public:
-    Run(const Column<Law>& column, double until, Stop* stop)
-        : c(column), until_(until), stop_(stop), f{0.0, column.gaps, column.velocity} {
+    Run(const Column<Law>& column, double until, Stop* stop, long max_events)
+        : c(column),
+          until_(until),
+          stop_(stop),
+          max_events_(max_events),
+          f{0.0, column.gaps, column.velocity} {
         q.one_ball = c.balls == 1;
         if (c.floor) return;
         q.t_first_touch = 0.0;
@@ -171,7 +175,7 @@ public:
                 break;
             }
             if (q.finished && known_ > end()) break;
-            if (i == max_events) {
+            if (i == max_events_) {
                 q.outcome = Outcome::unresolved;
                 break;
             }
@@ -187,6 +191,7 @@ private:
     const Column<Law>& c;
     const double until_;
     Stop* const stop_;
+    const long max_events_;
     IndependentRun run;
     Sequence& q = run.sequence;
     Flight f;
@@ -243,10 +248,11 @@ private:
 }  // namespace independent
 
 // `until` in s after the first floor touch (cradle: release), NaN for the sequence alone. A run that `stop` has stopped
-// holds nothing of use.
+// holds nothing of use; one that reaches `max_events` collisions is unresolved.
 template <class Law>
-IndependentRun solve_independent(const Column<Law>& c, double until, Stop* stop = nullptr) {
-    return independent::Run<Law>(c, until, stop).solve();
+IndependentRun solve_independent(const Column<Law>& c, double until, Stop* stop = nullptr,
+                                 long max_events = independent::most_events) {
+    return independent::Run<Law>(c, until, stop, max_events).solve();
 }
 
 // States of a run at any time, quickest in ascending order; both arguments must outlive it.

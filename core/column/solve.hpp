@@ -19,7 +19,8 @@ struct SolveOptions {
     bool general = false;      // the general solver also where the exact one applies
     double tolerance = 1e-14;  // of the general solver
     long max_steps = 2'000'000;
-    bool record = true;  // keep what sample() and knots() need
+    long max_events = independent::most_events;  // of independent collisions
+    bool record = true;                          // keep what sample() and knots() need
     Stop* stop = nullptr;
 };
 
@@ -137,7 +138,7 @@ template <class Law>
 class EventDriven final : public Solution {
 public:
     EventDriven(SharedColumn<Law> c, const SolveOptions& o)
-        : column_(std::move(c)), run_(solve_independent(*column_, o.until, o.stop)) {
+        : column_(std::move(c)), run_(solve_independent(*column_, o.until, o.stop, o.max_events)) {
         sequence = run_.sequence;
         contacts = run_.contacts;
         steps = static_cast<long>(contacts.size()) + 1;
@@ -203,7 +204,7 @@ template <class Law>
 Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
                         std::vector<Contact>* contacts) {
     if (model == Model::independent) {
-        IndependentRun run = solve_independent(c, o.until, o.stop);
+        IndependentRun run = solve_independent(c, o.until, o.stop, o.max_events);
         if (contacts) *contacts = std::move(run.contacts);
         return run.sequence;
     }

@@ -6,7 +6,7 @@ interface Exports {
   column_buffer(): number;
   reply_buffer(): number;
   scratch(n: number): number;
-  solve(model: number, until: number): number;
+  solve(model: number, until: number, mostEvents: number): number;
   contacts_of(model: number, out: number): void;
   row_size(): number;
   sample(model: number, n: number, times: number, out: number): void;
@@ -38,6 +38,7 @@ export interface Run {
   separationVelocity: number;
   first: number;
   last: number;
+  events: number; // contacts that were followed
   impactSpeed: number;
   effective: number; // ε_eff at the end of the sequence
   effectiveSeparation: number;
@@ -97,8 +98,9 @@ export class Core {
     this.setColumn(columnOf(scenario));
   }
 
-  solve(model: Model, until = NaN): Run | null {
-    if (!this.x.solve(model, until)) return null;
+  // `mostEvents` of independent collisions; 0: as many as in Python.
+  solve(model: Model, until = NaN, mostEvents = 0): Run | null {
+    if (!this.x.solve(model, until, mostEvents)) return null;
     const r = this.view(this.x.reply_buffer(), 12).slice();
     const n = r[8];
     const pointer = this.x.scratch(3 * n + 1);
@@ -116,6 +118,7 @@ export class Core {
       separationVelocity: r[5],
       first: r[6],
       last: r[7],
+      events: n,
       impactSpeed: r[9],
       effective: r[10],
       effectiveSeparation: r[11],

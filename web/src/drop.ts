@@ -79,9 +79,12 @@ function endOfFilm(s: Scenario, t: Track): number {
   return t.run.last + Math.min(greatest([...flights, ...velocity.map((v) => v / GRAVITY)], 0.15), 3);
 }
 
-// Goes on after the sequence, to the end of the film or as far as the model can be followed.
+// Goes on after the sequence, to the end of the film or as far as the model can be followed. Independent collisions can
+// accumulate again and again: a film shows no more of them than this.
+const mostEvents = 20_000;
+
 function goOn(core: Core, model: Model, t: Track, stop: number): void {
-  const longer = core.solve(model, stop);
+  const longer = core.solve(model, stop, t.run.events + mostEvents);
   if (!longer || !(longer.last >= t.run.last)) return void core.solve(model);
   t.shown = longer.contacts;
   t.known = longer.last;
@@ -135,7 +138,7 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
   const times = new Set<number>();
   const count = 480;
   for (let i = 0; i <= count; i++) times.add(low + ((high - low) * i) / count);
-  const inside = Math.max(Math.floor(9600 / Math.max(contacts.length, 400)), 2);
+  const inside = Math.max(Math.floor(2400 / Math.max(contacts.length, 100)), 2);
   for (const c of contacts) {
     const end = Number.isFinite(c.end) ? c.end : d.to;
     for (const t of edges(c, 1e-9 * span, d.to)) times.add(t);
@@ -150,20 +153,23 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
   }
 }
 
+const mostEdges = 3000; // more contacts come closer than pictures
+
 // Sixty states for each second on the screen, more in contacts that are short on the screen, and both sides of every
 // begin and end.
 function sampleFilm(core: Core, d: Solved): void {
   const clock = new Clock(d.start, d.stop, d.windows);
   const count = Math.ceil(60 * clock.length);
   const even = Array.from({ length: count + 1 }, (_, i) => clock.toPhysical((i / count) * clock.length));
+  const inside = Math.max(Math.floor(1200 / Math.max(d.newton.run.contacts.length, 100)), 2);
   for (const [model, t] of [[Model.newton, d.newton], [Model.independent, d.icm]] as const) {
-    const times = new Set<number>(even);
-    for (const c of t.shown) {
+    const times = new Set<number>([...even, t.known]);
+    for (const c of t.shown.slice(0, mostEdges)) {
       const edge = 4 * Number.EPSILON * Math.max(Math.abs(c.begin), Math.abs(d.start));
       for (const time of edges(c, edge, t.known)) times.add(time);
-      if (model === Model.newton && t.shown.length < 1000) for (let i = 1; i < 12; i++) times.add(c.begin + ((c.end - c.begin) * i) / 12);
+      if (model === Model.newton && c.begin <= t.run.last) for (let i = 1; i < inside; i++) times.add(c.begin + ((c.end - c.begin) * i) / inside);
     }
-    const sorted = Float64Array.from(times).filter((time) => time >= d.start && time <= t.known).sort();
+    const sorted = Float64Array.from(times).filter((time) => time >= d.start && time <= Math.min(t.known, d.stop)).sort();
     t.samples = { times: sorted, rows: core.rows(model, sorted), balls: d.scenario.balls.length };
   }
   findExtent(d);

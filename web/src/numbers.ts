@@ -36,7 +36,7 @@ function rows(d: Solved): Row[] {
     row("later", "… and later to", "after the lowest ball has met the floor again, while the film runs", lengths(later[0] ?? NaN, later[1] ?? NaN));
   row("low", "Lowest ball rises to", "the same for the lowest ball", lengths(newton.peaks[0], icm.peaks[0]));
   if (n > 2) {
-    row("vtop", "Top ball leaves with", "velocity when the sequence is over", both((t) => v(t, n - 1)));
+    row("vtop", "Top ball leaves with", "velocity when the sequence is over; – if it still falls then", both((t) => (t.final.velocity[n - 1] > 0 ? v(t, n - 1) : "–")));
     return list;
   }
   row("vr", "Relative velocity v′_r", "upper minus lower velocity when the last contact of the sequence ends", both((t) => withUnit(t.run.relativeVelocity, "m/s", 3, true)));

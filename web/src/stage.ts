@@ -3,6 +3,7 @@
 import type { State } from "./core";
 import type { Drop, Track } from "./drop";
 import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "./format";
+import { laterHeight } from "./numbers";
 import { lettering } from "./plot";
 import type { Theme } from "./theme";
 
@@ -51,6 +52,24 @@ class Line {
       if (half > 0) this.segment(plane, -Math.sqrt(half), plane, Math.sqrt(half));
     }
   }
+}
+
+// What is written at a contact.
+interface Tag {
+  along: number; // place of the contact
+  radius: number; // of the larger of its balls
+  text: string;
+  color: string;
+  weight: number;
+}
+
+// The places nearest to the wanted ones, ascending, that keep a distance, within [low, high] if there is room.
+export function apart(wanted: number[], distance: number, low: number, high: number): number[] {
+  const places = [...wanted];
+  for (let i = 0; i < places.length; i++) places[i] = Math.max(places[i], i > 0 ? places[i - 1] + distance : low);
+  for (let i = places.length - 1; i >= 0; i--) places[i] = Math.min(places[i], i + 1 < places.length ? places[i + 1] - distance : high);
+  for (let i = 0; i < places.length; i++) places[i] = Math.max(places[i], i > 0 ? places[i - 1] + distance : low);
+  return places;
 }
 
 export interface Moment {
@@ -162,19 +181,36 @@ class Painter {
         const radius = Math.max(b.radius * scale, 3);
         line.ball(Math.max(state.position[i] * scale, radius), radius, -1e4, 1e4, this.style(ghost, i, radius));
       });
-      if (this.m.time > track.run.last) this.peak(line, track, scale, lane, color);
+      if (this.m.time > track.known) this.label("not resolved", line.center, floor - 0.5 * (floor - top), color);
+      else if (this.m.time > track.run.last) this.peaks(line, track, scale, lane, color);
     });
   }
 
-  private peak(line: Line, track: Track, scale: number, lane: number, color: string): void {
-    const n = this.d.scenario.balls.length - 1;
-    const z = track.peaks[n];
-    this.g.strokeStyle = color;
-    this.g.lineWidth = 2;
-    line.segment(z * scale, -0.42 * lane, z * scale, 0.42 * lane);
+  // The rebound height of the top ball, and where it comes higher after the next floor contact, that.
+  private peaks(line: Line, track: Track, scale: number, lane: number, color: string): void {
+    const { d, g, size } = this;
+    const n = d.scenario.balls.length - 1;
+    const both = [d.newton, d.icm];
+    const k = both.indexOf(track);
+    const mark = (z: number, text: string): void => {
+      line.segment(z * scale, -0.42 * lane, z * scale, 0.42 * lane);
+      const [x, y] = line.at(z * scale);
+      this.label(text, x, Math.max(y - 0.9 * size, 1.9 * size), color);
+    };
+    g.strokeStyle = color;
+    g.lineWidth = 2;
     this.font(0.95, 600);
-    const [x, y] = line.at(z * scale);
-    this.label(lengths(this.d.newton.peaks[n], this.d.icm.peaks[n])[track === this.d.icm ? 1 : 0], x, Math.max(y - 0.9 * this.size, 1.9 * this.size), color);
+    const height = track.peaks[n];
+    if (!Number.isFinite(height)) return;
+    mark(height, lengths(d.newton.peaks[n], d.icm.peaks[n])[k]);
+    const later = laterHeight(track, n);
+    if (later === null || (later - height) * scale < 2 * size) return;
+    g.strokeStyle = color;
+    g.lineWidth = 1.5;
+    g.setLineDash([4, 4]);
+    this.font(0.88, 400);
+    mark(later, `later ${withUnit(later, "m", 3, true)}`);
+    g.setLineDash([]);
   }
 
   // Text with a halo, for places where something may lie behind.
@@ -234,29 +270,36 @@ class Painter {
     this.header(r, "Close-up");
     const cradle = this.d.scenario.cradle;
     const { size } = this;
-    const deepest = 1.1 * size;
-    const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
-    const magnify = this.d.compression.map((c, j) => deepest / Math.max(j === 0 ? c : pairs, 1e-15));
-    this.scales(r, magnify);
+    this.sizesSaid(r);
     const begin = cradle ? r.y + 3.4 * size : r.x;
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
-    const length = cradle ? r.w - 5 * size : r.h - 6.4 * size;
-    const radii = this.schematicRadii(length, cradle ? 0.34 * width : 0.27 * width);
+    const length = cradle ? r.w - 5.6 * size : r.h - 6.4 * size;
+    const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // room for a gap
+    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : 0.27 * width, open);
+    const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
+    const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
+    this.scales(r, magnify);
     if (!cradle) this.floor(r.x, r.x + r.w, r.y + r.h - 2.1 * size);
     this.models().forEach(([name, color, state, track, ghost], k) => {
-      const middle = begin + (k + (cradle ? 0.5 : 0.31)) * width;
-      const line = new Line(this.g, cradle, cradle ? r.x + 4.6 * size : r.y + r.h - 2.1 * size, middle);
+      const middle = begin + (k + (cradle ? 0.62 : 0.31)) * width;
+      const line = new Line(this.g, cradle, cradle ? r.x + 5.2 * size : r.y + r.h - 2.1 * size, middle);
       this.font(1, 600);
       if (cradle) this.text(name, r.x, middle, color);
       else this.text(name, middle, r.y + r.h - 0.95 * size, color, "center");
-      this.stack(line, state, track, radii, magnify, ghost);
+      this.stack(line, state, track, radii, magnify, 0.9 * open, ghost);
     });
   }
 
+  private sizesSaid(r: Rect): void {
+    const { size, theme } = this;
+    const begin = r.x + this.g.measureText("Close-up").width + 0.8 * size;
+    this.font(0.88);
+    this.text("sizes ∝ R⁰·⁴, gaps magnified", begin, r.y + 0.9 * size, theme.muted);
+  }
+
   // Sizes that show all balls: ratios are compressed to their power 0.4.
-  private schematicRadii(length: number, widest: number): number[] {
+  private schematicRadii(length: number, widest: number, open: number): number[] {
     const raw = this.d.scenario.balls.map((b) => b.radius ** 0.4);
-    const open = 2.1 * this.size;
     const free = length - raw.length * open;
     const factor = Math.min(free / (2 * raw.reduce((a, b) => a + b, 0)), widest / Math.max(...raw));
     return raw.map((x) => Math.max(x * factor, 4));
@@ -283,10 +326,10 @@ class Painter {
     }
   }
 
-  private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], ghost: boolean): void {
-    const { theme, size, d } = this;
+  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted.
+  private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], limit: number, ghost: boolean): void {
+    const { theme, d } = this;
     const n = radii.length;
-    const limit = 1.9 * size;
     const floor = !d.scenario.cradle;
     const centers: number[] = [];
     const cuts: number[] = []; // plane of contact j: below ball j
@@ -294,7 +337,8 @@ class Painter {
     let surface = 0;
     for (let i = 0; i < n; i++) {
       const wanted = i === 0 && !floor ? 0 : state.gap[i] * magnify[i];
-      const gap = Math.min(wanted, limit);
+      const deepest = 0.5 * Math.min(radii[i], i > 0 ? radii[i - 1] : Infinity); // a small ball stays in sight
+      const gap = Math.max(Math.min(wanted, limit), -deepest);
       broken.push(wanted > limit);
       centers.push(surface + gap + radii[i]);
       if (i === 0 || gap >= 0) cuts.push(i === 0 ? (floor ? 0 : -1e4) : surface + gap / 2);
@@ -311,48 +355,84 @@ class Painter {
       const high = i + 1 < n && state.gap[i + 1] < 0 ? cuts[i + 1] : 1e4;
       line.ball(centers[i], radii[i], low, high, this.style(ghost, i, radii[i]));
     }
+    const tags: Tag[] = [];
     for (let j = floor ? 0 : 1; j < n; j++) {
-      this.contact(line, j, cuts[j], state, radii, ghost, broken[j], centers, limit);
+      const middle = j === 0 ? Math.max((centers[0] - radii[0]) / 2, 0) : cuts[j];
+      this.contact(line, j, cuts[j], state, radii);
+      if (broken[j]) this.dots(line, middle, limit);
+      tags.push(this.tag(j, middle, state, Math.max(radii[j], j > 0 ? radii[j - 1] : 0)));
       if (ghost) this.flash(line, j, cuts[j], track);
+    }
+    if (line.horizontal) this.tagsAbove(line, tags, Math.max(...radii));
+    else this.tagsBeside(line, tags, surface);
+  }
+
+  private dots(line: Line, middle: number, limit: number): void {
+    const { g } = this;
+    g.strokeStyle = this.theme.muted;
+    g.lineWidth = 2;
+    g.setLineDash([2, 4]);
+    line.segment(middle - 0.4 * limit, 0, middle + 0.4 * limit, 0);
+    g.setLineDash([]);
+  }
+
+  private forceOf(j: number, s: State): number {
+    return s.force[j] > 1e-5 * this.d.peakForce[j] ? s.force[j] : 0;
+  }
+
+  // Arrows of the force in contact j.
+  private contact(line: Line, j: number, plane: number, s: State, radii: number[]): void {
+    const { g, theme, size, d } = this;
+    const force = this.forceOf(j, s);
+    if (force === 0) return;
+    const room = 0.75 * Math.min(2.6 * size, radii[j], j > 0 ? radii[j - 1] : Infinity);
+    const length = (0.25 + 0.75 * (force / Math.max(d.peakForce[j], 1e-30))) * room;
+    for (const halo of [true, false]) {
+      g.strokeStyle = g.fillStyle = halo ? theme.ground : theme.pairs[j];
+      this.arrow(line, plane, plane + length, halo);
+      if (j > 0) this.arrow(line, plane, plane - length, halo);
     }
   }
 
-  private contact(line: Line, j: number, plane: number, s: State, radii: number[], ghost: boolean, broken: boolean, centers: number[], limit: number): void {
-    const { g, theme, size, d } = this;
-    const force = s.force[j] > 1e-5 * d.peakForce[j] ? s.force[j] : 0;
-    const middle = j === 0 ? Math.max((centers[0] - radii[0]) / 2, 0) : plane;
-    if (force > 0) {
-      const room = 0.85 * Math.min(2.6 * size, radii[j], j > 0 ? radii[j - 1] : Infinity);
-      const length = (0.25 + 0.75 * (force / Math.max(d.peakForce[j], 1e-30))) * room;
-      for (const halo of [true, false]) {
-        g.strokeStyle = g.fillStyle = halo ? theme.ground : theme.pairs[j];
-        this.arrow(line, plane, plane + length, halo);
-        if (j > 0) this.arrow(line, plane, plane - length, halo);
-      }
+  private tag(j: number, along: number, s: State, radius: number): Tag {
+    const force = this.forceOf(j, s);
+    const gap = s.gap[j] > 0 ? withUnit(s.gap[j], "m", 3, true) : s.gap[j] < 0 && s.force[j] === 0 ? "no force" : "touching";
+    return {
+      along,
+      radius,
+      text: force > 0 ? `${forceName(j)} ${withUnit(force, "N", 3, true)}` : gap,
+      color: force > 0 ? this.theme.pairs[j] : this.theme.muted,
+      weight: force > 0 ? 700 : 400,
+    };
+  }
+
+  // To the right of a column, one below the other, each tied to its contact.
+  private tagsBeside(line: Line, tags: Tag[], top: number): void {
+    const { g, size, theme } = this;
+    const places = apart(tags.map((t) => Math.max(t.along, 0.8 * size)), 1.2 * size, 0.8 * size, Math.max(top + size, 0));
+    const reach = Math.max(...tags.map((t) => t.radius)) + 0.4 * size;
+    tags.forEach((t, i) => {
+      g.strokeStyle = theme.line;
+      g.lineWidth = 1;
+      line.segment(t.along, Math.min(0.72 * t.radius, reach - 6), places[i], reach - 3);
+      this.font(0.92, t.weight);
+      this.label(t.text, ...line.at(places[i], reach), t.color, "left");
+    });
+  }
+
+  // Above a row of balls, in as many lines as keep them apart; a gap without room is left out.
+  private tagsAbove(line: Line, tags: Tag[], radius: number): void {
+    const { g, size } = this;
+    const ends = [-Infinity, -Infinity, -Infinity];
+    for (const t of tags) {
+      this.font(0.92, t.weight);
+      const half = g.measureText(t.text).width / 2;
+      const [x, y] = line.at(t.along, -radius - 0.7 * size);
+      const row = ends.findIndex((end) => x - half > end + 0.4 * size);
+      if (row < 0 || (row === 2 && t.weight < 700)) continue;
+      ends[row] = x + half;
+      this.label(t.text, x, y - 1.15 * row * size, t.color);
     }
-    if (broken) {
-      g.strokeStyle = theme.muted;
-      g.lineWidth = 2;
-      g.setLineDash([2, 4]);
-      line.segment(middle - 0.4 * limit, 0, middle + 0.4 * limit, 0);
-      g.setLineDash([]);
-    }
-    const text = force > 0 ? withUnit(force, "N", 3, true) : s.gap[j] > 0 ? withUnit(s.gap[j], "m", 3, true) : s.gap[j] < 0 && s.force[j] === 0 ? "no force" : "touching";
-    const color = force > 0 ? theme.pairs[j] : theme.muted;
-    this.font(0.92, force > 0 ? 700 : 400);
-    if (line.horizontal) {
-      const [x] = line.at(plane);
-      const [, y] = line.at(0, -Math.max(...radii) - 0.7 * size);
-      if (d.scenario.balls.length < 4 || force > 0 || j === 1) this.label(text, x, y - ((j % 2) * 1.1 * size), color);
-      return;
-    }
-    const reach = Math.max(radii[0], j > 0 ? radii[j - 1] : 0) + 0.4 * size;
-    const [x, y] = line.at(j === 0 ? Math.max(middle, 0.8 * size) : middle, reach);
-    g.strokeStyle = theme.line;
-    g.lineWidth = 1;
-    line.segment(j === 0 ? Math.max(middle, 0.8 * size) : middle, Math.min(0.72 * reach, reach - 6), j === 0 ? Math.max(middle, 0.8 * size) : middle, reach - 3);
-    this.label(text, x, y, color, "left");
-    if (force > 0 && !ghost) this.label(forceName(j), x, y - 1.05 * size, color, "left");
   }
 
   private arrow(line: Line, from: number, to: number, halo: boolean): void {

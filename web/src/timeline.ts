@@ -135,28 +135,22 @@ export class Timeline {
   // The regions in which two bodies touch. Between rows with the same contacts each runs on; where the contacts change,
   // one ends.
   private drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, several: boolean, theme: Theme): void {
+    const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : x.high);
     for (const group of runsOf(this.rows)) {
-      const tops = group.map((row, i) => y.at(i + 1 < group.length ? row.restitution : this.border(row, 1)));
-      const bottoms = group.map((row, i) => y.at(i > 0 ? row.restitution : this.border(row, -1)));
+      const last = group.length - 1;
+      const heights = group.map((row) => y.at(row.restitution));
+      const [bottom, top] = [y.at(this.border(group[0], -1)), y.at(this.border(group[last], 1))];
       group[0].contacts.forEach(({ pair }, k) => {
-        const edge = (c: Contact, at: number): [number, number] => [x.at(c.begin), at];
-        const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : x.high);
-        g.beginPath();
-        group.forEach((row, i) => {
-          g.lineTo(...edge(row.contacts[k], bottoms[i]));
-          g.lineTo(...edge(row.contacts[k], tops[i]));
-        });
-        for (let i = group.length - 1; i >= 0; i--) {
-          g.lineTo(end(group[i].contacts[k]), tops[i]);
-          g.lineTo(end(group[i].contacts[k]), bottoms[i]);
-        }
-        g.closePath();
+        const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
+        const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
+        for (const edge of [left, right]) edge.unshift([edge[0][0], bottom]), edge.push([edge[last + 1][0], top]);
         g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
         g.globalAlpha = several && pair > 0 ? 0.16 : 1;
+        trace(g, [...left, ...right.reverse()]);
         g.fill();
         g.globalAlpha = 1;
         g.lineWidth = pair === 0 ? 0.5 : several ? 2.5 : 1; // bands of several pairs overlap: their edges tell them apart
-        g.stroke();
+        for (const edge of [left, right]) trace(g, edge), g.stroke();
       });
     }
   }
@@ -176,8 +170,7 @@ export class Timeline {
       group[0].contacts.forEach(({ pair }, k) => {
         if (pair === 0) return;
         for (const edge of ["begin", "end"] as const) {
-          g.beginPath();
-          for (const row of group) if (Number.isFinite(row.contacts[k][edge])) g.lineTo(x.at(row.contacts[k][edge]), y.at(row.restitution));
+          trace(g, group.filter((row) => Number.isFinite(row.contacts[k][edge])).map((row) => [x.at(row.contacts[k][edge]), y.at(row.restitution)]));
           g.stroke();
         }
       });
@@ -260,6 +253,11 @@ export class Timeline {
 // Whether two rows have the same contacts, in the same order.
 const alike = (a: TimelineRow, b: TimelineRow): boolean =>
   a.contacts.length === b.contacts.length && a.contacts.every((c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end));
+
+function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
+  g.beginPath();
+  for (const place of places) g.lineTo(...place);
+}
 
 // Stretches of rows with the same contacts.
 function runsOf(rows: TimelineRow[]): TimelineRow[][] {
