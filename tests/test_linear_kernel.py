@@ -60,8 +60,10 @@ def test_same_bits_for_every_instruction_set_and_number_of_threads(model: str) -
     expected = digest(compute(swept, sets[0], model=model))
     for instruction_set in sets[1:]:
         assert digest(compute(swept, instruction_set, model=model)) == expected, instruction_set
+    some = {name: values[:10_000] for name, values in swept.items()}  # some ten batches for each thread
+    expected = digest(compute(some, sets[0], model=model))
     for threads in (2, 3):
-        assert digest(compute(swept, sets[0], threads, model)) == expected, threads
+        assert digest(compute(some, sets[0], threads, model)) == expected, threads
 
 
 def check_against_scalar(swept: dict[str, xr.DataArray]) -> None:

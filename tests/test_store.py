@@ -180,7 +180,7 @@ KILLED_AT_EVERY_STEP = """
     from test_store import GRID, PAPER, files
 
     chunks.POINTS = 20
-    swept = dict(GRID, restitution=GRID["restitution"][:5])
+    swept = dict(GRID, restitution=GRID["restitution"][:3])
     folder, steps, limit = Path({folder!r}), 0, None
 
     def count(event, args):

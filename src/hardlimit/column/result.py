@@ -187,7 +187,7 @@ class Result:
 
     def _attributes(self, what: str) -> dict[str, Any]:
         """Attributes of a Dataset in the names of the CF conventions, and how to compute it again."""
-        facts = {
+        facts: dict[str, Any] = {
             "title": f"{what} of a {'column' if self.column.floor else 'cradle'} of balls",
             "source": f"hardlimit {_core.version}, {MODELS[self.model].label}",
             "model": self.model,

@@ -46,7 +46,8 @@ def spread(indices: NDArray[np.int64], most: int = MOST_DRAWN) -> NDArray[np.int
     """All of them, or ``most`` spread evenly from the first to the last."""
     if len(indices) <= most:
         return indices
-    return indices[np.linspace(0, len(indices) - 1, most).astype(int)]
+    chosen: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, most).astype(int)]
+    return chosen
 
 
 def contacts_of(result: Result, pair: int) -> Curve:

@@ -34,7 +34,7 @@ class Memory:
 
 
 class Gpu(Protocol):
-    """What is asked of a device. Calls on one stream happen in order; all but ``wait`` may return before they are done."""
+    """What is asked of a device. Calls on one stream happen in order; all but ``wait`` may return before their end."""
 
     name: str
 
