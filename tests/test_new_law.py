@@ -15,15 +15,22 @@ LAW = ROOT / "tests" / "new_law" / "conical.hpp"
 
 USE = """
 import json
+import numpy as np
 import hardlimit as hl
+from hardlimit import _core
 law = hl.Conical(cone_stiffness=1e9, restitution=0.7)
 column = hl.Column.paper(law=law)
 drop = hl.newton(column)
+ball = hl.Ball(0.01, density=840.0)
+contact = law.between(ball, ball).core
+oblique = _core.planar_contact(contact, 0.02, 1.0, 0.5)
+read = _core.soft_contacts(contact, 0.02, False, contact, 0.02, np.array([1.0, 1.0]), np.array([0.0, 0.5]))
 print(json.dumps({
     "outcome": drop.outcome, "contacts": drop.n_contacts, "energy_error": drop.energy_error,
     "independent": hl.independent(column).effective_restitution,
     "swept": hl.sweep(column, restitution=[0.7]).relative_velocity.values.tolist(),
     "velocity": drop.relative_velocity,
+    "turn": oblique["turn"], "read": read.tolist(),
 }))
 """
 
@@ -96,6 +103,8 @@ def test_the_steps_of_the_documentation_add_a_law(tmp_path):
     assert found["outcome"] == "ok" and found["contacts"] >= 1
     assert found["energy_error"] < 1e-10
     assert found["independent"] == pytest.approx(0.7, rel=1e-12)
+    assert found["read"][0][3] == pytest.approx(0.7, rel=1e-10)
+    assert found["read"][1][1] == pytest.approx(found["turn"], rel=1e-10)
     assert found["swept"] == pytest.approx([found["velocity"]], rel=1e-9)
     assert "class Conical(Law)" in (tree / "src" / "hardlimit" / "laws.pyi").read_text(encoding="utf-8")
     assert "## Conical" in (tree / "docs" / "generated" / "laws.md").read_text(encoding="utf-8")

@@ -53,8 +53,9 @@ void HardSpheres<d, motion, mixed>::search_block(Look& look, int level, const Pl
         if (here && box_.periodic[k] && (g.cells[k] < 4 || to[k] - from[k] > 2))
             return search_images(look, level, from, to);
     }
+    // Along an axis of three cells that the block does not leave, the nearest image may be one beyond the block.
     for (int k = 0; k < d; ++k)
-        look.query.per_edge[k] = across && box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
+        look.query.per_edge[k] = across && box_.periodic[k] && g.cells[k] >= 4 ? 1.0 / box_.edge[k] : 0.0;
     examine(look, across ? cells_.collect_across(box_, level, from, to, candidates_)
                          : cells_.collect_block(level, from, to, candidates_));
 }
@@ -152,6 +153,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[own];
     const Place<d> at = cells_.place(own, e.cell);
+    const double from = motion == Motion::falling ? now_ : p.time;
     double in = math::infinity;
     Own which = Own::low_x;
     const auto consider = [&](double time, int axis, bool high) {
@@ -159,7 +161,13 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
     };
     for (int k = 0; k < d; ++k) {
         double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const double x = p.position[k], v = p.velocity[k], size = radius(i);
+        double x = p.position[k], v = p.velocity[k];
+        if constexpr (motion == Motion::falling) {
+            // A parabola may cross one border twice: only what lies ahead counts.
+            x = position_after<motion>(p, k, now_ - p.time, box_);
+            v = velocity_after<motion>(p, k, now_ - p.time, box_);
+        }
+        const double size = radius(i);
         if (motion != Motion::growing && !box_.periodic[k]) {
             if (at[k] == 0) low = size;
             if (at[k] == g.cells[k] - 1) high = box_.edge[k] - size;
@@ -176,7 +184,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
             if (at[k] == g.cells[k] - 1) consider(time_below(x + touch, v + rate, box_.edge[k]), k, true);
         }
     }
-    e.own_time = math::max(now_, p.time + in);
+    e.own_time = math::max(now_, from + in);
     e.own = static_cast<u32>(which) & 7u;
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {
