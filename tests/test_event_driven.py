@@ -352,14 +352,14 @@ from pathlib import Path
 sys.path.insert(0, {tests!r})
 from conftest import lattice
 import hardlimit as hl
-hl.event_driven(lattice(125), restitution=0.95, until=2.0, samples=50, log=True,
+hl.event_driven(lattice(125), restitution=0.95, until={until}, samples=50, log=True,
                 checkpoint={path!r}, checkpoint_every={every})
 """
 
 
-def started(path, every):
+def started(path, every, until=2.0):
     """The run of ``RUN`` in another process."""
-    source = RUN.format(tests=str(Path(__file__).parent), path=str(path), every=every)
+    source = RUN.format(tests=str(Path(__file__).parent), path=str(path), every=every, until=until)
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
 
 
@@ -397,17 +397,25 @@ def resumed(path):
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
 
 
-def test_control_c_leaves_a_last_checkpoint(tmp_path, uninterrupted):
+def test_control_c_leaves_a_last_checkpoint(tmp_path):
     path = tmp_path / "run.checkpoint"
-    process = started(path, 1e9)  # none but the first and the last
+    process = started(path, 1e9, until=1e9)  # no checkpoint but the first and the last
     wait_until(path.exists)
     first = path.stat().st_mtime_ns
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
-    if process.returncode:  # else it had come to its end before
-        assert "KeyboardInterrupt" in errors
+    _, errors = process.communicate(timeout=60)
+    assert "KeyboardInterrupt" in errors and process.returncode
     assert path.stat().st_mtime_ns > first
-    assert same(hl.resume(path), uninterrupted)
+    then = hl.resume(path, max_collisions=10**9, until=reached(path))
+    whole = hl.event_driven(lattice(125), restitution=0.95, until=then.time, log=True)
+    assert then.system == whole.system and all(map(np.array_equal, then.log, whole.log))
+
+
+def reached(path):
+    """A time a little later than that of a checkpoint: of the last collision in its log, and a tenth more."""
+    with np.load(path) as content:
+        times = content["log_0"]
+    return 1.1 * float(times[-1]) if len(times) else 0.01
 
 
 def test_runs_in_threads_are_those_of_one():

@@ -152,6 +152,8 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[own];
     const Place<d> at = cells_.place(own, e.cell);
+    // A thrown particle crosses a border twice: its path is taken up where it is now, and what it has crossed is over.
+    const double begin = motion == Motion::falling ? now_ : p.time, after = begin - p.time;
     double in = math::infinity;
     Own which = Own::low_x;
     const auto consider = [&](double time, int axis, bool high) {
@@ -159,7 +161,8 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
     };
     for (int k = 0; k < d; ++k) {
         double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const double x = p.position[k], v = p.velocity[k], size = radius(i);
+        const double x = position_after<motion>(p, k, after, box_);
+        const double v = velocity_after<motion>(p, k, after, box_), size = radius(i);
         if (motion != Motion::growing && !box_.periodic[k]) {
             if (at[k] == 0) low = size;
             if (at[k] == g.cells[k] - 1) high = box_.edge[k] - size;
@@ -176,7 +179,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
             if (at[k] == g.cells[k] - 1) consider(time_below(x + touch, v + rate, box_.edge[k]), k, true);
         }
     }
-    e.own_time = math::max(now_, p.time + in);
+    e.own_time = math::max(now_, begin + in);
     e.own = static_cast<u32>(which) & 7u;
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {
