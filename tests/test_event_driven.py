@@ -174,6 +174,24 @@ def test_an_inelastic_collapse_is_an_outcome():
     assert len(last) > 5  # they did meet again and again
 
 
+def test_what_is_thrown_falls_back():
+    """Disks that bounce alone, each above its own place: through many cells, up and down again."""
+    n, g = 16, 9.81
+    speed = np.linspace(0.1, 1.0, n)
+    at = np.stack([0.01 * np.arange(n) + 0.005, np.full(n, 0.02)], axis=1)
+    up = np.stack([np.zeros(n), speed], axis=1)
+    system = hl.ParticleSystem(at, up, 1e-3, mass=1.0, box=[0.16, 0.2], boundary="wall", gravity=g)
+    run = hl.event_driven(system, restitution=1.0, until=2.0, log=True)
+    fast = np.sqrt(speed**2 + 2.0 * g * 0.019)
+    expected = sorted(
+        t
+        for v, w in zip(speed, fast, strict=True)
+        for k in range(99)
+        if (t := (v + w * (1 + 2 * k)) / g) < 2.0
+    )
+    assert run.log[0] == pytest.approx(expected, rel=1e-12) and set(run.log[2]) == {-3}
+
+
 def test_names_of_walls():
     assert [wall_name(number) for number in (-1, -2, -3, -4, -5, -6)] == [
         "x = 0", "x = L", "y = 0", "y = L", "z = 0", "z = L",
@@ -399,11 +417,14 @@ def resumed(path):
 
 def test_control_c_leaves_a_last_checkpoint(tmp_path):
     path = tmp_path / "run.checkpoint"
-    process = started(path, 1e9, until=1e9)  # no checkpoint but the first and the last
-    wait_until(path.exists)
-    first = path.stat().st_mtime_ns
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=60)
+    with started(path, 1e9, until=1e9) as process:  # no checkpoint but the first and the last
+        try:
+            wait_until(path.exists)
+            first = path.stat().st_mtime_ns
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+        finally:
+            process.kill()
     assert "KeyboardInterrupt" in errors and process.returncode
     assert path.stat().st_mtime_ns > first
     then = hl.resume(path, max_collisions=10**9, until=reached(path))

@@ -103,7 +103,7 @@ class Course:
                 at = target.time(len(rows))
                 if self.engine.time >= at or self._advance(at, report):
                     self._sample()
-                    if self.path is not None and not rows:
+                    if self.path is not None and len(self._sampled[0]) == 1:
                         self.save()
                     yield self.engine.time
             if self.path is not None:
