@@ -174,6 +174,24 @@ def test_an_inelastic_collapse_is_an_outcome():
     assert len(last) > 5  # they did meet again and again
 
 
+def test_what_is_thrown_falls_back():
+    """Disks that bounce alone, each above its own place: through many cells, up and down again."""
+    n, g = 16, 9.81
+    speed = np.linspace(0.1, 1.0, n)
+    at = np.stack([0.01 * np.arange(n) + 0.005, np.full(n, 0.02)], axis=1)
+    up = np.stack([np.zeros(n), speed], axis=1)
+    system = hl.ParticleSystem(at, up, 1e-3, mass=1.0, box=[0.16, 0.2], boundary="wall", gravity=g)
+    run = hl.event_driven(system, restitution=1.0, until=2.0, log=True)
+    fast = np.sqrt(speed**2 + 2.0 * g * 0.019)
+    expected = sorted(
+        t
+        for v, w in zip(speed, fast, strict=True)
+        for k in range(99)
+        if (t := (v + w * (1 + 2 * k)) / g) < 2.0
+    )
+    assert run.log[0] == pytest.approx(expected, rel=1e-12) and set(run.log[2]) == {-3}
+
+
 def test_names_of_walls():
     assert [wall_name(number) for number in (-1, -2, -3, -4, -5, -6)] == [
         "x = 0", "x = L", "y = 0", "y = L", "z = 0", "z = L",
@@ -352,14 +370,14 @@ from pathlib import Path
 sys.path.insert(0, {tests!r})
 from conftest import lattice
 import hardlimit as hl
-hl.event_driven(lattice(125), restitution=0.95, until=2.0, samples=50, log=True,
+hl.event_driven(lattice(125), restitution=0.95, until={until}, samples=50, log=True,
                 checkpoint={path!r}, checkpoint_every={every})
 """
 
 
-def started(path, every):
+def started(path, every, until=2.0):
     """The run of ``RUN`` in another process."""
-    source = RUN.format(tests=str(Path(__file__).parent), path=str(path), every=every)
+    source = RUN.format(tests=str(Path(__file__).parent), path=str(path), every=every, until=until)
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
 
 
@@ -397,17 +415,28 @@ def resumed(path):
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
 
 
-def test_control_c_leaves_a_last_checkpoint(tmp_path, uninterrupted):
+def test_control_c_leaves_a_last_checkpoint(tmp_path):
     path = tmp_path / "run.checkpoint"
-    process = started(path, 1e9)  # none but the first and the last
-    wait_until(path.exists)
-    first = path.stat().st_mtime_ns
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=30)
-    if process.returncode:  # else it had come to its end before
-        assert "KeyboardInterrupt" in errors
+    with started(path, 1e9, until=1e9) as process:  # no checkpoint but the first and the last
+        try:
+            wait_until(path.exists)
+            first = path.stat().st_mtime_ns
+            process.send_signal(signal.SIGINT)
+            _, errors = process.communicate(timeout=60)
+        finally:
+            process.kill()
+    assert "KeyboardInterrupt" in errors and process.returncode
     assert path.stat().st_mtime_ns > first
-    assert same(hl.resume(path), uninterrupted)
+    then = hl.resume(path, max_collisions=10**9, until=reached(path))
+    whole = hl.event_driven(lattice(125), restitution=0.95, until=then.time, log=True)
+    assert then.system == whole.system and all(map(np.array_equal, then.log, whole.log))
+
+
+def reached(path):
+    """A time a little later than that of a checkpoint: of the last collision in its log, and a tenth more."""
+    with np.load(path) as content:
+        times = content["log_0"]
+    return 1.1 * float(times[-1]) if len(times) else 0.01
 
 
 def test_runs_in_threads_are_those_of_one():

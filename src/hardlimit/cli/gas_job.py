@@ -202,7 +202,7 @@ def _start(content: Mapping[str, Any]) -> ParticleSystem:
             raise ValueError(f"{strange[0]}: must be left out with a start from a file")
         system = ParticleSystem.read(content["start"])
         return system.replace(**given) if given else system
-    return ParticleSystem.random(**(USUAL | given))
+    return ParticleSystem.random(**(USUAL | given), progress=True)
 
 
 def _single(value: Any) -> Any:

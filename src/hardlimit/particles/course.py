@@ -33,6 +33,7 @@ class Target:
     max_collisions: int | None
     span: float  #: [s]
     samples: int
+    idle: int = 0  #: times that the spacing has doubled since the last collision
 
     @property
     def open_ended(self) -> bool:
@@ -69,7 +70,6 @@ class Course:
             [] if rows is None else [tuple(row) for row in rows.tolist()],
             target,
         )
-        self._idle = 0
 
     @property
     def target(self) -> Target:
@@ -103,7 +103,7 @@ class Course:
                 at = target.time(len(rows))
                 if self.engine.time >= at or self._advance(at, report):
                     self._sample()
-                    if self.path is not None and not rows:
+                    if self.path is not None and len(self._sampled[0]) == 1:
                         self.save()
                     yield self.engine.time
             if self.path is not None:
@@ -115,7 +115,7 @@ class Course:
 
     def _over(self) -> bool:
         target = self.target
-        if self.engine.outcome != "ok" or self._idle > PATIENCE:
+        if self.engine.outcome != "ok" or self.target.idle > PATIENCE:
             return True
         if target.max_collisions is not None and self.engine.n_rows >= target.max_collisions:
             return True
@@ -160,13 +160,11 @@ class Course:
     def _sample(self) -> None:
         """One more sample; every second one goes, and the spacing doubles, where an open end makes too many."""
         rows, target = self._sampled
-        rows = [*rows, self._row()]
+        rows.append(self._row())
         if target.open_ended and len(rows) > 2 * target.samples:
             still = rows[-1][4] == rows[len(rows) // 2][4]
-            self._idle = self._idle + 1 if still else 0
-            self._sampled = rows[::2], replace(target, span=2.0 * target.span)
-        else:
-            self._sampled = rows, target
+            idle = target.idle + 1 if still else 0
+            self._sampled = rows[::2], replace(target, span=2.0 * target.span, idle=idle)
 
     def _row(self) -> tuple[float, ...]:
         """The sums of ``COLUMNS`` now."""
@@ -260,7 +258,7 @@ class Course:
         if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_rows:
             rows = [*rows, self._row()]
         now = self.current()
-        idle = self._idle > PATIENCE and self.engine.outcome == "ok"
+        idle = self.target.idle > PATIENCE and self.engine.outcome == "ok"
         return ParticleResult(
             system=now,
             time=self.engine.time,

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core, validation
+from ..progress import Report
 from ..room import available_memory, shown_bytes
 
 Floats = NDArray[np.float64]
@@ -107,12 +108,25 @@ def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
     return validation.number("packing_fraction | radius: edge of the box", found, 0.0, LARGEST_RADIUS)
 
 
-def positions(radius: Floats, box: Floats, periodic: Sequence[bool], chance: Chance) -> Floats:
-    """Places (N, d) [m] in the box at which no two particles overlap."""
+def positions(
+    radius: Floats, box: Floats, periodic: Sequence[bool], chance: Chance, report: Report
+) -> Floats:
+    """Places (N, d) [m] in the box at which no two particles overlap; reports thousandths of the growth.
+
+    Raises
+    ------
+    ValueError
+        If the particles found no room, as a few large ones between walls may not.
+    """
     found: Floats = _core.grow_packing(
-        len(radius), len(box), np.ascontiguousarray(radius), box, list(periodic), chance.seed_of_positions
+        len(radius),
+        len(box),
+        np.ascontiguousarray(radius),
+        box.tolist(),
+        list(periodic),
+        chance.seed_of_positions,
+        lambda share, collisions: report(int(1000.0 * share), 1000),
     )
-    found.flags.writeable = False
     return found
 
 

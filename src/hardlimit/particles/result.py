@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, html, validation
+from .. import _core, html
 from ..contact import Law
 from .system import ParticleSystem
 
@@ -277,16 +277,3 @@ def quantities(result: ParticleResult) -> list[tuple[str, float]]:
     if result.settings.rule == "soft":
         found.append(("share with a third body in reach", result.third_body_share))
     return found
-
-
-def checked_result(run: Any) -> ParticleResult:
-    """The argument, if it is a result.
-
-    Raises
-    ------
-    ValueError
-        If it is not.
-    """
-    if not isinstance(run, ParticleResult):
-        raise ValueError(f"run: got {validation.shown(run)}, must be a result of event_driven")
-    return run

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, html, validation
 from ..bodies import HEAVIEST, LIGHTEST
+from ..progress import Report, reporter
 from . import files, random_start
 from .formats.frame import Frame
 
@@ -147,6 +148,7 @@ class ParticleSystem:
         seed: int = 0,
         boundary: str | Sequence[str] = "periodic",
         gravity: Vector = 0.0,
+        progress: bool | Report | None = None,
     ) -> ParticleSystem:
         """Particles at random without overlap, with the velocities of an equilibrium (Maxwell).
 
@@ -170,6 +172,8 @@ class ParticleSystem:
             The same seed gives the same bits.
         boundary, gravity
             As for the system itself.
+        progress : bool or callable(done, total), optional
+            True shows a bar. A function is told how far the particles have grown, in thousandths.
 
         Raises
         ------
@@ -191,9 +195,12 @@ class ParticleSystem:
         box = np.full(d, edge)
         _check_room(box, sides, size)
         periodic = [side == "periodic" for side in sides]
+        speeds = random_start.velocities(weight, d, speed, periodic, chance)
+        with reporter(progress, "random start", "") as report:
+            places = random_start.positions(size, box, periodic, chance, report)
         return cls._of(
-            positions=random_start.positions(size, box, periodic, chance),
-            velocities=random_start.velocities(weight, d, speed, periodic, chance),
+            positions=places,
+            velocities=speeds,
             radius=size,
             mass=weight,
             box=box,
