@@ -166,6 +166,15 @@ ACCEPTED = {
     "optional whole number": {"None"},
     "optional path of a store": {"None", "text", "NumPy text"},
     "path of a film": set(),
+    "path of a box": set(),
+    "optional path": {"None", "text", "NumPy text"},
+    "optional word": {"None"},
+    "optional count": {"None", "0"},
+    "flag": {"True", "False"},
+    "system": set(),
+    "words": set(),
+    "velocities": {"two dimensions", "nested list", "DataArray of two dimensions"},
+    "positions": set(),
     "optional result": {"None"},
 }
 
@@ -249,6 +258,8 @@ def arguments() -> list[Argument]:
         *arguments_of_sweep(),
         *arguments_of_approximations(),
         *arguments_of_film(),
+        *arguments_of_grains(),
+        *arguments_of_runs(),
         *(argument for kind in hl.LAWS for argument in arguments_of_law(kind)),
     ]
 
@@ -310,6 +321,69 @@ def arguments_of_film() -> list[Argument]:
         Argument("Result.animate", "ghost", "optional result", film, RESULT),
         Argument("Result.animate", "width", whole, film, 160),
         Argument("Result.animate", "frames_per_second", whole, film, 1),
+    ]
+
+
+DISKS = {
+    "positions": [[0.01, 0.01], [0.03, 0.03]],
+    "velocities": [[1.0, 0.0], [0.0, 1.0]],
+    "radius": 1e-3,
+    "mass": 1.0,
+    "box": 0.05,
+}
+
+
+def arguments_of_grains() -> list[Argument]:
+    system = hl.ParticleSystem(**DISKS)
+    n, each, whole = "number", "one number for each", "whole number"
+    kinds = {"positions": "positions", "velocities": "velocities", "radius": n, "mass": n, "density": n, "box": each,
+             "boundary": "words", "gravity": each, "allowed_overlap": n}  # fmt: skip
+    good = DISKS | {"density": 2500.0, "boundary": "wall", "gravity": 9.81, "allowed_overlap": 1e-3}
+    found = []
+    for name, kind in kinds.items():
+        others = {key: value for key, value in DISKS.items() if (key, name) != ("mass", "density")}
+        found.append(Argument("ParticleSystem", name, kind, hl.ParticleSystem, good[name], others))
+        if name not in ("allowed_overlap", "positions", "velocities", "boundary"):
+            optional = f"optional {kind.removeprefix('one ')}"
+            found.append(Argument("ParticleSystem.replace", name, optional, system.replace, good[name]))
+    random = {"n": 3, "packing_fraction": 0.1, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
+    kinds = {"n": whole, "packing_fraction": n, "radius": n, "density": n, "rms_speed": n, "dimension": whole,
+             "seed": whole, "boundary": "words", "gravity": each}  # fmt: skip
+    good = random | {"dimension": 2, "seed": 1, "boundary": "wall", "gravity": 9.81}
+    for name, kind in kinds.items():
+        found.append(
+            Argument("ParticleSystem.random", name, kind, hl.ParticleSystem.random, good[name], random)
+        )
+
+    def written(path: Any) -> Any:
+        with TemporaryDirectory() as folder, chdir(folder):
+            return system.write(path), hl.ParticleSystem.read(path)
+
+    return [*found, Argument("ParticleSystem.write", "path", "path of a box", written, "box.xyz")]
+
+
+def arguments_of_runs() -> list[Argument]:
+    def run(system: Any, **options: Any) -> Any:
+        with TemporaryDirectory() as folder, chdir(folder):
+            return hl.event_driven(system, **options)
+
+    system = hl.ParticleSystem(**DISKS)
+    short = {"system": system, "restitution": 0.9, "until": 1e-3}
+    by_count = {"system": system, "restitution": 0.9, "max_collisions": 1}
+    of_law = {"system": system, "until": 1e-3}
+    tc = short | {"rule": "tc"}
+    return [
+        Argument("event_driven", "system", "system", run, system, short),
+        Argument("event_driven", "law", "law", run, LAW, of_law),
+        Argument("event_driven", "restitution", "number", run, 0.9, of_law),
+        Argument("event_driven", "until", "optional number", run, 1e-3, by_count),
+        Argument("event_driven", "max_collisions", "optional count", run, 1, short),
+        Argument("event_driven", "rule", "optional word", run, "constant", short),
+        Argument("event_driven", "contact_duration", "number", run, 1e-6, tc),
+        Argument("event_driven", "samples", "whole number", run, 3, short),
+        Argument("event_driven", "log", "flag", run, True, short),
+        Argument("event_driven", "checkpoint", "optional path", run, "run.checkpoint", short),
+        Argument("event_driven", "checkpoint_every", "number", run, 1.0, short),
     ]
 
 

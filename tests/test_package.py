@@ -7,8 +7,8 @@ from pathlib import Path
 import hardlimit as hl
 
 PUBLIC = {
-    "FLOOR", "LAWS", "OUTCOMES", "PAPER_DENSITY", "Ball", "Column", "Comparison", "Contact", "Result", "Verdict",
-    "adiabatic", "compare", "independent", "newton", "sweep",
+    "FLOOR", "LAWS", "OUTCOMES", "PAPER_DENSITY", "Ball", "Column", "Comparison", "Contact", "ParticleSystem", "Result",
+    "Verdict", "adiabatic", "compare", "event_driven", "independent", "newton", "resume", "sweep",
 }  # fmt: skip
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import ase.io
+import gsd.fl
 import gsd.hoomd
 import numpy as np
 import pytest
@@ -91,9 +92,7 @@ def test_ase_reads_extended_xyz(tmp_path, dimension):
     assert np.array_equal(second.arrays["mass"], system.mass)
     assert np.array_equal(second.cell.lengths()[:dimension], system.box)
     assert second.pbc.tolist() == [False, True, dimension == 3]
-    assert second.info["gravity"].tolist() == [0.0, -9.81, 0.0][: dimension - 1] + [-9.81] + [0.0] * (
-        3 - dimension
-    )
+    assert second.info["gravity"].tolist() == [*system.gravity, 0.0][:3]
 
 
 def test_what_another_program_writes_as_extended_xyz(tmp_path):
@@ -295,6 +294,16 @@ def test_damaged_files_are_read_right_or_refused(tmp_path, data, suffix):
         assert "\n" not in str(error) and path.name in str(error) and len(str(error)) < 500
     else:
         assert system.n >= 1 and math.isfinite(system.kinetic_energy)
+
+
+@pytest.mark.parametrize("name", ["particles/N", "bonds/N"])
+def test_a_damaged_count_takes_no_memory(tmp_path, name):
+    """4e9 particles in a file of 1 kB: gsd would fill 50 GB with default values."""
+    path = tmp_path / "huge.gsd"
+    with gsd.fl.open(str(path), "w", "hardlimit", "hoomd", [1, 4]) as file:
+        file.write_chunk(name, np.array([4_000_000_000], np.uint32))
+        file.end_frame()
+    assert f"{name}: got 4000000000, more than the file holds" in refused(path)
 
 
 def test_files_that_are_none(tmp_path):

@@ -37,6 +37,10 @@ assert_type(hl.restitution_series(0.1), float)
 assert_type(hl.restitution_pade(speeds), Floats)
 assert_type(hl.usual_damping(0.5, 1e6, 0.1), float)
 result: hl.Result = hl.newton(hl.Column.paper(law=law))
+box = hl.ParticleSystem.random(8, 0.1, 1e-3, 2500.0, 1.0)
+run = hl.event_driven(box.replace(gravity=9.81, box=[0.1, 0.1, 0.2]), law=law, until=1.0)
+assert_type(run, hl.ParticleResult)
+assert_type(run.system.positions, Floats)
 """
 
 WRONG = """

@@ -33,6 +33,7 @@ class Target:
     max_collisions: int | None
     span: float  #: [s]
     samples: int
+    idle: int = 0  #: times that the spacing has doubled since the last collision
 
     @property
     def open_ended(self) -> bool:
@@ -69,7 +70,6 @@ class Course:
             [] if rows is None else [tuple(row) for row in rows.tolist()],
             target,
         )
-        self._idle = 0
 
     @property
     def target(self) -> Target:
@@ -115,7 +115,7 @@ class Course:
 
     def _over(self) -> bool:
         target = self.target
-        if self.engine.outcome != "ok" or self._idle > PATIENCE:
+        if self.engine.outcome != "ok" or self.target.idle > PATIENCE:
             return True
         if target.max_collisions is not None and self.engine.n_rows >= target.max_collisions:
             return True
@@ -160,13 +160,11 @@ class Course:
     def _sample(self) -> None:
         """One more sample; every second one goes, and the spacing doubles, where an open end makes too many."""
         rows, target = self._sampled
-        rows = [*rows, self._row()]
+        rows.append(self._row())
         if target.open_ended and len(rows) > 2 * target.samples:
             still = rows[-1][4] == rows[len(rows) // 2][4]
-            self._idle = self._idle + 1 if still else 0
-            self._sampled = rows[::2], replace(target, span=2.0 * target.span)
-        else:
-            self._sampled = rows, target
+            idle = target.idle + 1 if still else 0
+            self._sampled = rows[::2], replace(target, span=2.0 * target.span, idle=idle)
 
     def _row(self) -> tuple[float, ...]:
         """The sums of ``COLUMNS`` now."""
@@ -197,7 +195,7 @@ class Course:
         if self._log is None or kept == self.engine.n_rows:
             return True
         self._keep_log()
-        return sum(len(part[0]) for part in self._log) == self.engine.n_rows
+        return bool(sum(len(part[0]) for part in self._log) == self.engine.n_rows)
 
     def _joined_log(self) -> tuple[NDArray[Any], ...] | None:
         if self._log is None:
@@ -260,7 +258,7 @@ class Course:
         if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_rows:
             rows = [*rows, self._row()]
         now = self.current()
-        idle = self._idle > PATIENCE and self.engine.outcome == "ok"
+        idle = self.target.idle > PATIENCE and self.engine.outcome == "ok"
         return ParticleResult(
             system=now,
             time=self.engine.time,
@@ -303,9 +301,9 @@ def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:
         system.velocities,
         np.ascontiguousarray(system.radius),
         np.ascontiguousarray(system.mass),
-        system.box,
+        system.box.tolist(),
         [side == "periodic" for side in system.boundary],
-        system.gravity,
+        system.gravity.tolist(),
         settings.rule,
         math.nan if settings.restitution is None else settings.restitution,
         None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),

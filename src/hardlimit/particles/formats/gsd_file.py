@@ -87,6 +87,8 @@ def read(path: Path, frame: int) -> Found:
             count = len(file)
             if not -count <= frame < count:
                 raise ValueError(f"frame: got {frame}, must be in [{-count}, {count - 1}]")
+            for index in {0, frame % count}:  # gsd takes from the first what a later one leaves out
+                _check_counts(file.file, index, path.stat().st_size)
             found = file[frame % count]
     except (RuntimeError, OSError, KeyError, TypeError, AssertionError) as error:
         raise ValueError(f"not a GSD file of particles, or damaged: {_line(error)}") from None
@@ -96,6 +98,18 @@ def read(path: Path, frame: int) -> Found:
     if OF_PARTICLES["positions"] in found.log:
         return _in_double(found)
     return _of_another_program(found)
+
+
+def _check_counts(file: Any, frame: int, size: int) -> None:
+    """Refuse damaged numbers of particles or bonds before gsd takes memory for so many."""
+    for what in ("particles", "bonds", "angles", "dihedrals", "impropers", "constraints", "pairs"):
+        name = f"{what}/N"
+        if file.chunk_exists(frame=frame, name=name):
+            count = file.read_chunk(frame=frame, name=name)
+            if count.size != 1 or not 0 <= int(count.flat[0]) <= size // 4:
+                raise ValueError(
+                    f"{name}: got {count.flat[0] if count.size else 'nothing'}, more than the file holds"
+                )
 
 
 def _line(error: Exception) -> str:
