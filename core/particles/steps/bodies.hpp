@@ -13,6 +13,12 @@ inline constexpr Four four(double x, double y, double z, double w) { return Four
 // Of the first three.
 inline double dot(Four a, Four b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
+// The same as plain numbers, four for each.
+inline double* numbers(std::vector<Four>& of) { return reinterpret_cast<double*>(of.data()); }
+inline const double* numbers(const std::vector<Four>& of) {
+    return reinterpret_cast<const double*>(of.data());
+}
+
 // Edges from 0 [m], what the sides are, gravity [m/s²]. Two-dimensional boxes have z = 0 everywhere.
 struct Box {
     int dimension;

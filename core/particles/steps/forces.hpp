@@ -103,15 +103,17 @@ private:
     };
 
     void of_pairs(Slab<Law>& slab, std::uint32_t index) {
-        const Four* place = bodies_.place.data();
+        const double* place = numbers(bodies_.place);
         const Four* shift = grid_.shifts();
         const std::size_t count = slab.pairs.size();
         for (std::size_t k = 0; k < count; ++k) {
             const Pair p = slab.pairs[k];
-            const Four a = place[p.first], b = place[p.second()], d = b - a + shift[p.image()];
-            const double reach = a[3] + b[3], squared = dot(d, d);
+            const double *a = place + 4 * std::size_t{p.first}, *b = place + 4 * std::size_t{p.second()};
+            const Four& s = shift[p.image()];
+            const double x = b[0] - a[0] + s[0], y = b[1] - a[1] + s[1], z = b[2] - a[2] + s[2];
+            const double reach = a[3] + b[3], squared = (x * x + y * y) + z * z;
             if (squared < reach * reach || slab.touch_of_pair[k] >= 0) [[unlikely]]
-                meet_body(slab, index, slab.touch_of_pair[k], p, d);
+                meet_body(slab, index, slab.touch_of_pair[k], p, four(x, y, z, 0.0));
         }
     }
     void of_walls(Slab<Law>& slab, std::uint32_t index) {
@@ -128,9 +130,7 @@ private:
     HL_FN_APART void meet_body(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, Pair p, Four apart) {
         const std::uint32_t i = p.first, j = p.second();
         const double distance = math::sqrt(dot(apart, apart));
-        Four normal = apart * (1.0 / distance);
-        normal[3] = 0.0;
-        const Four v = bodies_.motion[j] - bodies_.motion[i];
+        const Four normal = apart * (1.0 / distance), v = bodies_.motion[j] - bodies_.motion[i];
         const Four a = bodies_.push[j].preceding(now_.step) - bodies_.push[i].preceding(now_.step);
         const double reach = bodies_.place[i][3] + bodies_.place[j][3];
         const auto number = static_cast<std::int32_t>(bodies_.label[j].number);

@@ -143,14 +143,16 @@ inline void list_pairs(const Grid& grid, const std::vector<Four>& place,
     grid.after(cell, [&](std::uint32_t at, std::uint32_t cells, std::uint32_t image) {
         if (start[at] < start[at + cells]) runs[count++] = {start[at], start[at + cells], image};
     });
+    const double* at = numbers(place);
     for (std::uint32_t i = start[cell]; i < start[cell + 1]; ++i) {
-        const Four here = place[i];
+        const double reach = at[4 * std::size_t{i} + 3] + skin;
         const auto consider = [&](std::uint32_t from, std::uint32_t to, std::uint32_t image) {
-            const Four seen = here - grid.shifts()[image];
+            const Four here = place[i] - grid.shifts()[image];
+            const double hx = here[0], hy = here[1], hz = here[2];
             for (std::uint32_t j = from; j < to; ++j) {
-                const Four d = place[j] - seen;
-                const double reach = here[3] + place[j][3] + skin;
-                if (dot(d, d) < reach * reach && j != i) pairs.push_back(Pair::of(i, j, image));
+                const double* there = at + 4 * std::size_t{j};
+                const double x = there[0] - hx, y = there[1] - hy, z = there[2] - hz, far = reach + there[3];
+                if ((x * x + y * y) + z * z < far * far && j != i) pairs.push_back(Pair::of(i, j, image));
             }
         };
         consider(i + 1, start[cell + 1], no_image);
