@@ -81,7 +81,7 @@ function endOfFilm(s: Scenario, t: Track): number {
 
 // Goes on after the sequence, to the end of the film or as far as the model can be followed. Independent collisions can
 // accumulate again and again: a film shows no more of them than this.
-const mostEvents = 5_000;
+const mostEvents = 10_000;
 
 function goOn(core: Core, model: Model, t: Track, stop: number): void {
   const longer = core.solve(model, stop, t.run.events + mostEvents);
