@@ -8,8 +8,8 @@ mkdir -p "$out"
 
 exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights scan_points scan_timeline
     law_records law_ranges outcome_message)
-"${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -O2 -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
-    -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
+"${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -Os -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
+    -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles --no-wasm-opt -I../core \
     ../bindings/wasm.cpp runtime.cpp -o "$out/core.wasm" \
     -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${exports[@]/#/-Wl,--export=}"
 chmod 644 "$out/core.wasm"

@@ -45,6 +45,9 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
   return `${tidy(x / factor)} ${prefix}${unit}`;
 }
 
+// Heights that are read off a ruler in metres.
+export const metres = (x: number): string => (Math.abs(x) >= 0.0995 ? `${minus(String(Number(x.toPrecision(3))))} m` : withUnit(x, "m"));
+
 // Two lengths in one unit, so that they compare at a glance.
 export function lengths(a: number, b: number): [string, string] {
   const large = Math.max(Math.abs(a) || 0, Math.abs(b) || 0);

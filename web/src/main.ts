@@ -6,6 +6,8 @@ import { save } from "./exporting";
 import { Film } from "./film";
 import { forcesSummary } from "./forces";
 import { digits } from "./format";
+import { Lecture } from "./lecture";
+import { baseOf, firstLectureView, lectureFromQuery } from "./lecture_view";
 import { MapPanel } from "./map_panel";
 import { exactNumbers, fillDefinitions, fillEnergy, fillTable, verdict } from "./numbers";
 import { ForcesPanel, TimelinePanel } from "./panels";
@@ -33,6 +35,7 @@ class Page {
   private readonly forces: ForcesPanel;
   private readonly timeline: TimelinePanel;
   private readonly map: MapPanel;
+  private readonly lecture: Lecture;
   private readonly forcesSheet: Sheet;
   private readonly desk: Desk;
   private readonly pool: Pool;
@@ -55,6 +58,7 @@ class Page {
     this.forces = new ForcesPanel(state, this.forcesSheet, this.film);
     this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
     this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
+    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!));
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
     new ThemeSwitch(state);
@@ -68,13 +72,15 @@ class Page {
     const notes: string[] = [];
     const query = new URLSearchParams(location.search);
     const named = presets.find((p) => p.id === query.get("example"));
-    if (query.get("example") !== null && !named) notes.push(`example = “${query.get("example")?.slice(0, 20)}” is unknown: the paper’s is shown`);
-    const preset = named ?? presets[0];
+    if (query.get("example") !== null && !named) notes.push(`example = “${query.get("example")?.slice(0, 20)}” is unknown: ${presets.find((p) => p.id === baseOf(query))!.name} is shown`);
+    const preset = named ?? presets.find((p) => p.id === baseOf(query))!;
     state.scenario = copyOf(preset.scenario);
     Object.assign(state.view, firstView());
+    Object.assign(state.lecture, firstLectureView());
     Object.assign(state.view.map, preset.map);
     fromQuery(state.scenario, query, notes);
     viewFromQuery(state.view, query, notes);
+    lectureFromQuery(state.lecture, query, notes);
     this.note(notes);
     state.playing = state.view.time === null && moves();
     this.choosePreset([preset, ...presets].find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
@@ -87,6 +93,7 @@ class Page {
     this.state.screen = 0;
     this.state.dirty.solve = true;
     this.film.refresh();
+    this.lecture.show();
   }
 
   // ---- scenario ---------------------------------------------------------------------------------------
@@ -179,6 +186,7 @@ class Page {
     this.map.refreshChoices();
     this.timeline.refresh();
     this.map.refresh();
+    this.lecture.solved();
     state.redraw();
     state.writeLink();
     document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
@@ -228,6 +236,7 @@ class Page {
       this.solve();
     }
     if (state.drop && state.playing) this.film.advance(passed);
+    const drawn = state.dirty.plots || state.dirty.stage;
     this.drawPlots();
     if (state.dirty.stage && state.drop) {
       state.dirty.stage = false;
@@ -235,6 +244,7 @@ class Page {
       this.markTime();
     }
     this.map.drawIfDue(now);
+    this.lecture.frame(drawn);
   };
 
   private drawPlots(): void {

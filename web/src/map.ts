@@ -4,6 +4,7 @@ import { logTicks, niceTicks, withUnit } from "./format";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
 import { columnOf, type Scenario } from "./scenario";
 import { countColor, css, inkOn, invalidColor, MOST_COUNTED, ratioColor, type Rgb, type Theme } from "./theme";
+import { drawTrust, trustedRow, type TrustPoint } from "./trust";
 import type { Box, MapAxis, MapShow } from "./view";
 import { piece, type Piece, type Pool } from "./pool";
 
@@ -260,6 +261,7 @@ export class ContactMap {
       g.drawImage(part.sheet, left, high, right - left, low - high);
     }
     if (this.show === "count") this.drawLabels(g, x, y, theme, size);
+    else if (axis === "gap") drawTrust(g, this.trusted(), x, y, f, theme, size);
     g.restore();
     drawAxes(
       g, f, x, y,
@@ -274,6 +276,17 @@ export class ContactMap {
     this.drawMark(g, f, x, y, axis, mark);
     this.drawLegend(g, f, h - legend, theme, size);
     return { x, y, frame: f };
+  }
+
+  // For each column the gap from which on both models agree; nothing until the whole map is there.
+  trusted(): TrustPoint[] {
+    if (this.elapsed === null) return [];
+    const [x, y] = [this.scaleX(0, SIDE), this.scaleY(0, SIDE)];
+    const value = this.show === "separation" ? 2 : 1;
+    return Array.from({ length: SIDE }, (_, i) => {
+      const row = trustedRow((j) => this.values[MAP_VALUES * this.blockOf(i + SIDE * j) + value], SIDE);
+      return { restitution: x.value(i + 0.5), gap: row < SIDE ? y.value(row) : Infinity };
+    });
   }
 
   private drawLabels(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme, size: number): void {

@@ -53,6 +53,28 @@ export class MapPanel {
     find("map-title").textContent = view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball";
   }
 
+  // The map of ε_eff/ε over the gap, where there is one.
+  showTrusted(): void {
+    const { view, scenario } = this.state;
+    const pair = scenario.balls.length === 2 && !scenario.cradle;
+    Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
+    const { x, y } = this.box();
+    view.map.zoom = { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] }; // with more of where the models agree
+    this.map.setShow(view.map.show);
+    this.refreshChoices();
+    this.refresh();
+    this.state.dirty.mapPicture = true;
+  }
+
+  // Gap from which on both models agree for the present ε; infinite: none in the map, null: no such map, or not yet.
+  trusted(): number | null {
+    const { view, scenario } = this.state;
+    if (view.map.show === "count" || view.map.axis !== "gap") return null;
+    const points = this.map.trusted();
+    if (points.length === 0) return null;
+    return points.reduce((a, b) => (Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a)).gap;
+  }
+
   // Begins anew where the map does not show this scenario yet.
   refresh(): void {
     const { drop, scenario, view } = this.state;

@@ -30,7 +30,11 @@ export class Scale {
 }
 
 // Grows with the picture, and with the text of the page beyond it.
-export const fontSize = (w: number): number => Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
+// Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
+export const lettering = { least: 13, lecture: false };
+
+export const fontSize = (w: number): number =>
+  lettering.lecture ? Math.min(lettering.least, Math.max(w / 26, 13)) : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
 
 export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
   g.font = `${weight} ${Math.round(size)}px ${theme.font}`;

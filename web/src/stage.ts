@@ -4,6 +4,7 @@ import type { State } from "./core";
 import type { Drop, Track } from "./drop";
 import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "./format";
 import { laterHeight } from "./numbers";
+import { lettering } from "./plot";
 import type { Theme } from "./theme";
 
 interface Rect {
@@ -80,7 +81,7 @@ export interface Moment {
 
 export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: Moment, theme: Theme): void {
   g.clearRect(0, 0, w, h);
-  const size = Math.min(Math.max(w / 42, 14), Math.max(18, Math.min(w / 52, h / 26)));
+  const size = Math.max(Math.min(Math.max(w / 42, 14), Math.max(18, Math.min(w / 52, h / 26))), Math.min(lettering.least, w / 30, h / 20));
   const pad = 6;
   const stacked = d.scenario.cradle || w < 480;
   const trueShare = d.scenario.cradle ? 0.42 : stacked ? 0.47 : 0.37;
@@ -91,6 +92,12 @@ export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: 
   const paint = new Painter(g, d, m, theme, size);
   paint.trueScale(first);
   paint.closeUp(second);
+}
+
+// The balls at true scale alone, with a title unless that is empty.
+export function drawTrueScale(g: CanvasRenderingContext2D, r: Rect, d: Drop, m: Moment, theme: Theme, title: string): void {
+  const size = Math.min(Math.max(r.w / 34, lettering.least), r.w / 12, Math.max(lettering.least, 18));
+  new Painter(g, d, m, theme, size).trueScale(r, title);
 }
 
 class Painter {
@@ -141,8 +148,8 @@ class Painter {
 
   // ---- true scale ---------------------------------------------------------------------------------------
 
-  trueScale(r: Rect): void {
-    this.header(r, "True scale, metres");
+  trueScale(r: Rect, title = "True scale, metres"): void {
+    this.header(r, title);
     if (this.d.scenario.cradle) this.trueCradle(r);
     else this.trueDrop(r);
   }

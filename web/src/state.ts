@@ -2,12 +2,14 @@
 // what must be drawn again.
 import type { Clock } from "./clock";
 import type { Drop } from "./drop";
-import { toQuery, type Scenario } from "./scenario";
+import { firstLectureView, lectureToQuery, scenarioToQuery, type LectureView } from "./lecture_view";
+import type { Scenario } from "./scenario";
 import { themeOf, type Theme } from "./theme";
 import { firstView, viewToQuery, type View } from "./view";
 
 export class State {
   readonly view: View = firstView();
+  readonly lecture: LectureView = firstLectureView();
   drop: Drop | null = null;
   theme: Theme = themeOf(document.documentElement);
   screen = 0; // place in the film [s on the screen]
@@ -33,8 +35,9 @@ export class State {
 
   link(): string {
     const q = new URLSearchParams();
-    toQuery(this.scenario, q);
+    scenarioToQuery(this.scenario, q);
     viewToQuery({ ...this.view, time: this.playing || this.screen === 0 ? null : this.time() }, q);
+    lectureToQuery(this.lecture, q);
     const text = q.toString().replaceAll("%2C", ",");
     return `${location.origin}${location.pathname}${text ? `?${text}` : ""}`;
   }

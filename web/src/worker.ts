@@ -1,6 +1,7 @@
 // What is computed beside the page: one task after another.
 import { Core, Model, type TimelineRow } from "./core";
 import { solve, type Solved, type Unsolved } from "./drop";
+import { risesOf } from "./rises";
 import type { Scenario } from "./scenario";
 import { trajectoryCsv } from "./trajectory_csv";
 
@@ -9,6 +10,8 @@ export interface Tasks {
   csv: { ask: { scenario: Scenario }; answer: string | null };
   // Points (ε, y) of a map; MAP_VALUES numbers each.
   points: { ask: { column: Float64Array; axis: number; points: Float64Array }; answer: Float64Array };
+  // Of each column how high its top ball rises under Newton’s equations and independent collisions.
+  curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
   // Rows of the timeline; `adiabatic` also those of the lower ball unaffected by the upper one.
   timeline: { ask: { column: Float64Array; restitution: number[]; adiabatic: boolean }; answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] } };
 }
@@ -38,6 +41,7 @@ const perform: { [K in Kind]: (ask: Tasks[K]["ask"], id: number) => Tasks[K]["an
     core.setColumn(column);
     return core.scan(axis, points);
   },
+  curve: ({ columns }) => risesOf(core, columns),
   timeline({ column, restitution, adiabatic }) {
     core.setColumn(column);
     return { newton: core.timeline(Model.newton, restitution), adiabatic: adiabatic ? core.timeline(Model.adiabatic, restitution) : [] };

@@ -1,0 +1,121 @@
+// The lecture around the page: the sentence that says why, the story, single panels, setting A, the curves.
+import { Compare } from "./compare";
+import { find, Sheet } from "./dom";
+import type { Film } from "./film";
+import { Frames, SinglePanel } from "./frames";
+import type { Step } from "./lecture_view";
+import type { MapPanel } from "./map_panel";
+import { fillMeasured } from "./measured_table";
+import { Mini } from "./mini";
+import type { Pool } from "./pool";
+import { ReboundPanel } from "./rebound_panel";
+import type { State } from "./state";
+import { Story } from "./story";
+import { factsOf } from "./story_text";
+import { why } from "./why";
+
+export class Lecture {
+  private readonly frames = new Frames();
+  private readonly single: SinglePanel;
+  private readonly story: Story;
+  private readonly rebound: ReboundPanel;
+  private readonly compare: Compare;
+  private readonly mini: Mini;
+  private mapped: number | null = null; // time the map took, of which the story has told
+  private entered: Step | null = null; // a step that waits for the drop to be computed
+
+  constructor(
+    private readonly state: State,
+    private readonly film: Film,
+    private readonly map: MapPanel,
+    pool: Pool,
+    private readonly moves: () => boolean,
+    load: (example: string) => void,
+  ) {
+    const view = state.lecture;
+    const resized = (): void => state.redraw();
+    this.rebound = new ReboundPanel(state, view, new Sheet("rebound", resized), pool);
+    this.compare = new Compare(state, view, new Sheet("compare-stage", resized), pool, () => this.settingsChanged());
+    this.mini = new Mini(state);
+    this.single = new SinglePanel(this.frames, state, () => this.show());
+    this.story = new Story(state, view, film, new Sheet("tale", resized), this.frames, {
+      told: () => ({ gaps: this.rebound.extremes(), trusted: this.map.trusted() }),
+      entered: (step) => this.enter(step),
+      left: () => this.show(),
+      load,
+    });
+    fillMeasured();
+    this.show();
+    if (view.step) this.enter(view.step);
+  }
+
+  // What the link or a choice asks for: the whole page, the story or one panel.
+  show(): void {
+    const { step, panel } = this.state.lecture;
+    if (!step && !panel) this.frames.show(null, []);
+    this.single.show();
+    this.story.show();
+    this.compare.refresh();
+    this.state.redraw();
+  }
+
+  private settingsChanged(): void {
+    this.compare.refresh();
+    this.rebound.refresh();
+  }
+
+  // ---- what follows from a change -----------------------------------------------------------------------
+
+  solved(): void {
+    const drop = this.state.drop!;
+    const text = why(factsOf(drop));
+    if (find("why").textContent !== text) find("why").textContent = text;
+    find("mini-verdict").textContent = find("verdict").textContent;
+    this.settingsChanged();
+    this.single.refreshLink();
+    if (this.entered) this.enter(this.entered);
+    this.story.dirty = true;
+  }
+
+  // Once for each picture of the page; `drawn`: the film or the plots have been drawn anew.
+  frame(drawn: boolean): void {
+    if (drawn) {
+      this.rebound.dirty = this.story.dirty = true;
+      this.compare.draw();
+      this.mini.draw();
+    }
+    const { elapsed } = this.map.map;
+    if (this.rebound.dirty || elapsed !== this.mapped) this.story.dirty = true;
+    this.mapped = elapsed;
+    this.rebound.drawIfDue();
+    this.story.frame();
+  }
+
+  // ---- the story ----------------------------------------------------------------------------------------
+
+  // What a step does to the film and the map.
+  private enter(step: Step): void {
+    const { state, film } = this;
+    this.entered = state.drop ? null : step;
+    if (!state.drop) return;
+    const actions: Partial<Record<Step, () => void>> = {
+      predict: () => this.start(false, 0, false),
+      drop: () => this.start(false, this.moves() ? 0 : Infinity, this.moves()),
+      slow: () => this.start(true, state.drop!.from - 0.02, this.moves()),
+      gap: () => this.rebound.setAxis("gap"),
+      map: () => this.map.showTrusted(),
+    };
+    actions[step]?.();
+    film.refresh();
+    state.redraw();
+  }
+
+  // The film from a time on; 0 and infinity: from its ends.
+  private start(slow: boolean, time: number, plays: boolean): void {
+    const { state, film } = this;
+    state.view.slow = slow;
+    const clock = state.clock();
+    state.screen = time === 0 ? 0 : clock.toScreen(Math.min(time, clock.stop));
+    film.play(plays);
+  }
+}

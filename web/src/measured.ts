@@ -1,0 +1,99 @@
+// Balls one can buy, with what is known of them and from where, and the stiffness that follows.
+export interface MeasuredBall {
+  id: string;
+  name: string;
+  mass: [number, number]; // kg, lowest and highest allowed
+  diameter: [number, number]; // m
+  restitution: [number, number]; // from the rebound heights below
+  bounce: string; // the test that gives the restitution
+  contact: { time: number; how: string } | null; // s on a rigid floor
+  source: string;
+}
+
+// A ball dropped from `drop` that comes back to `rise`, both heights of its lowest point.
+const fromHeights = (drop: number, rise: [number, number]): [number, number] => [Math.sqrt(rise[0] / drop), Math.sqrt(rise[1] / drop)];
+
+const psi = 6894.757; // Pa
+export const basketballRadius = 0.7645 / (2 * Math.PI); // m, the middle of the circumferences allowed
+const pressure = 8 * psi;
+
+// A ball flattened by x has a contact disc of area π(2Rx − x²) ≈ 2πRx, which its air presses down with p: F = 2πRp x.
+export const airStiffness = (radius: number, overpressure: number): number => 2 * Math.PI * radius * overpressure;
+
+// Contact time of the linear law on the floor: ε = exp(−β t), t = 2 atan2(ω, β)/ω, ω² = k/m − β² (see docs/laws).
+export function contactTime(mass: number, stiffness: number, restitution: number): number {
+  const w0 = Math.sqrt(stiffness / mass);
+  return timeAt(w0, lossAngle(restitution));
+}
+
+// β = ω0 sin φ gives ε = exp(−(π − 2φ) tan φ), which falls steadily with φ.
+function lossAngle(restitution: number): number {
+  let low = 0;
+  let high = Math.PI / 2;
+  for (let i = 0; i < 60; i++) {
+    const middle = 0.5 * (low + high);
+    if (Math.exp(-(Math.PI - 2 * middle) * Math.tan(middle)) > restitution) low = middle;
+    else high = middle;
+  }
+  return 0.5 * (low + high);
+}
+const timeAt = (w0: number, angle: number): number => (Math.PI - 2 * angle) / (w0 * Math.cos(angle));
+
+// The stiffness with which the linear law lasts this long on the floor.
+export function stiffnessFor(mass: number, time: number, restitution: number): number {
+  return mass * timeAt(time, lossAngle(restitution)) ** 2;
+}
+
+export const middle = ([a, b]: [number, number]): number => 0.5 * (a + b);
+
+export const measuredBalls: MeasuredBall[] = [
+  {
+    id: "basketball",
+    name: "Basketball, size 7",
+    mass: [0.567, 0.65],
+    diameter: [0.749 / Math.PI, 0.78 / Math.PI],
+    restitution: fromHeights(1.8, [1.2 - 0.243, 1.4 - 0.243]),
+    bounce: "dropped from 1.8 m (its lowest point), its top comes back to 1.2 to 1.4 m",
+    contact: {
+      time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
+      how: "calculated from the pressure, 7.5 to 8.5 psi (NBA rules): k = 2πRp = 42 kN/m",
+    },
+    source: "FIBA, Official Basketball Rules (mass, circumference, rebound)",
+  },
+  {
+    id: "tennis",
+    name: "Tennis ball, type 2",
+    mass: [0.056, 0.0594],
+    diameter: [0.0654, 0.0686],
+    restitution: fromHeights(2.54, [1.35, 1.47]),
+    bounce: "dropped from 2.54 m on concrete, it comes back to 1.35 to 1.47 m",
+    contact: { time: 5e-3, how: "measured on a force plate, about 5 ms: R. Cross, Sports Engineering 2, 23 (1999)" },
+    source: "ITF, Rules of Tennis, Appendix I",
+  },
+  {
+    id: "tabletennis",
+    name: "Table tennis ball",
+    mass: [0.0027, 0.0027],
+    diameter: [0.04, 0.04],
+    restitution: fromHeights(0.305, [0.24, 0.26]),
+    bounce: "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm",
+    contact: null,
+    source: "ITTF, Laws of Table Tennis 2.3 and Technical Leaflet T3",
+  },
+];
+
+export const ballById = (id: string): MeasuredBall => measuredBalls.find((b) => b.id === id)!;
+
+// A ball in the middle of what its rules allow.
+export const typical = (id: string): { radius: number; mass: number } => {
+  const b = ballById(id);
+  return { radius: Number((0.5 * middle(b.diameter)).toPrecision(4)), mass: Number(middle(b.mass).toPrecision(3)) };
+};
+
+// Of the basketball: what the floor contact, which is the longer one, has.
+export const basketballStiffness = Number(airStiffness(basketballRadius, pressure).toPrecision(2));
+
+export const experiments = [
+  "Y. Berdeni, A. Champneys and R. Szalai, The two-ball bounce problem, Proc. R. Soc. A 471, 20150286 (2015): let go with no gap, the upper ball rises less than with one.",
+  "S. P. Bartz, Delayed rebounds in the two-ball bounce problem, arXiv 2007.15005 (2020): a low first bounce may be followed by a higher second one.",
+];

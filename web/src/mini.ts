@@ -1,0 +1,33 @@
+// On a phone the film scrolls away: a strip keeps what comes out and a small film in sight.
+import { find, Sheet } from "./dom";
+import { drawTrueScale } from "./stage";
+import type { State } from "./state";
+
+export class Mini {
+  private readonly sheet: Sheet;
+  private away = false;
+
+  constructor(private readonly state: State) {
+    this.sheet = new Sheet("mini-stage", () => state.redraw());
+    new IntersectionObserver(([entry]) => {
+      this.away = !entry.isIntersecting && entry.boundingClientRect.top < 0;
+      this.refresh();
+    }).observe(find("film"));
+    find("mini").addEventListener("click", () => find("film").scrollIntoView({ block: "start" }));
+  }
+
+  refresh(): void {
+    find("mini").classList.toggle("away", this.away);
+    this.state.dirty.stage = true;
+  }
+
+  draw(): void {
+    const { state, sheet } = this;
+    if (!this.away || !state.drop || sheet.width < 20) return;
+    sheet.g.clearRect(0, 0, sheet.width, sheet.height);
+    const time = state.time();
+    const { motion } = state.drop;
+    const moment = { time, rate: 1, newton: motion.newton.at(time), icm: motion.icm.at(time) };
+    drawTrueScale(sheet.g, { x: 0, y: 0, w: sheet.width, h: sheet.height }, state.drop, moment, state.theme, "");
+  }
+}

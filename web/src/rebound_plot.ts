@@ -1,0 +1,290 @@
+// The rebound heights of both models as curves over the gap, ε or R1/R2, with measured ones.
+import { digits, logTicks, metres, niceTicks, withUnit } from "./format";
+import type { Measurements } from "./measurements";
+import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
+import type { CurveAxis, CurvePoint, Span } from "./rebound";
+import type { Theme } from "./theme";
+
+export interface CurvePicture {
+  axis: CurveAxis;
+  span: Span;
+  points: CurvePoint[];
+  touching: CurvePoint | null;
+  pinned: CurvePoint[]; // curves of setting A
+  pinnedTouching: CurvePoint | null;
+  pinnedAt: number | null; // x of setting A
+  released: number; // height of the top ball's centre at release [m]; NaN on a cradle
+  measured: Measurements | null;
+  marked: number; // x of the present setting
+  hovered: number | null;
+  cradle: boolean;
+}
+
+export interface CurveLayout {
+  x: Scale;
+  y: Scale;
+  frame: Frame;
+  zero: number; // pixel of gap 0; NaN where there is no such place
+}
+
+export const axisTitle: Record<CurveAxis, string> = { gap: "gap Δh", e: "coefficient of restitution ε", ratio: "R₁/R₂" };
+
+export const nameOf = (axis: CurveAxis, x: number): string =>
+  axis === "gap" ? (x > 0 ? `Δh = ${withUnit(x, "m")}` : "touching") : axis === "e" ? `ε = ${digits(x)}` : `R₁/R₂ = ${digits(x)}`;
+
+// The point computed nearest to x, and gap 0 by itself.
+export function nearest(p: Pick<CurvePicture, "points" | "touching" | "axis" | "span">, x: number): CurvePoint | null {
+  if (p.axis === "gap" && x < 0.75 * p.span.low) return p.touching;
+  const place = (v: number): number => (p.span.log ? Math.log(v) : v);
+  let best: CurvePoint | null = null;
+  for (const point of p.points) if (!best || Math.abs(place(point.x) - place(x)) < Math.abs(place(best.x) - place(x))) best = point;
+  return best;
+}
+
+export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p: CurvePicture, theme: Theme): CurveLayout {
+  g.clearRect(0, 0, w, h);
+  const size = fontSize(w);
+  const left = 3.6 * size;
+  const lane = p.axis === "gap" ? 4.6 * size : 0; // for gap 0, left of the logarithmic axis
+  const frame: Frame = { left: left + lane, top: 2.1 * size, width: w - left - lane - 1.2 * size, height: h - 5.5 * size };
+  const zero = lane > 0 ? left + 0.5 * lane : NaN;
+  const [low, high] = extent(p);
+  const x = new Scale(p.span.low, p.span.high, frame.left, frame.left + frame.width, p.span.log);
+  const y = new Scale(low, high, frame.top + frame.height, frame.top);
+  const unit = p.cradle ? "m/s" : "m";
+  const ticks = niceTicks(low, high, Math.max(3, frame.height / (3.2 * size)));
+  const places = Math.max(0, -Math.floor(Math.log10(ticks[1] - ticks[0]) + 1e-9));
+  const whole: Frame = { ...frame, left, width: frame.width + lane };
+  drawAxes(
+    g, whole, x, y,
+    {
+      ticks: p.span.log ? logTicks(x.low, x.high) : niceTicks(x.low, x.high, Math.max(3, frame.width / (5 * size))),
+      name: (t) => (p.axis === "gap" ? withUnit(t, "m", 4) : String(Number(t.toPrecision(4)))),
+      title: axisTitle[p.axis],
+    },
+    { ticks, name: (v) => v.toFixed(places).replace("-", "−"), title: p.cradle ? `last ball leaves with (${unit})` : `top ball rises to (${unit})` },
+    theme, size,
+  );
+  if (lane > 0) drawLane(g, frame, zero, theme, size);
+  const layout: CurveLayout = { x, y, frame, zero };
+  drawRelease(g, whole, y, p, theme, size);
+  g.save();
+  g.beginPath();
+  g.rect(whole.left, whole.top - 2, whole.width, whole.height + 4);
+  g.clip();
+  drawModels(g, layout, p, theme);
+  drawMeasured(g, layout, p, theme);
+  g.restore();
+  drawPinned(g, layout, p, theme, size);
+  drawPlace(g, layout, p, theme, size);
+  drawNames(g, whole, p, theme, size);
+  return layout;
+}
+
+function extent(p: CurvePicture): [number, number] {
+  const all = [...p.points, ...p.pinned, p.touching, p.pinnedTouching].flatMap((q) => (q ? [q.newton, q.icm] : []));
+  if (p.measured?.axis === p.axis) all.push(...p.measured.list.map((m) => m.height + m.uncertainty));
+  const known = all.filter(Number.isFinite);
+  if (Number.isFinite(p.released)) known.push(p.released);
+  const high = Math.max(...known, 1e-9);
+  return [Math.min(0, 1.1 * Math.min(...known, 0)), 1.12 * high];
+}
+
+// A place of its own for gap 0.
+function drawLane(g: CanvasRenderingContext2D, f: Frame, zero: number, theme: Theme, size: number): void {
+  g.strokeStyle = theme.line;
+  g.lineWidth = 1;
+  g.setLineDash([3, 3]);
+  stroke(g, f.left, f.top, f.left, f.top + f.height);
+  g.setLineDash([]);
+  setFont(g, theme, size);
+  g.fillStyle = theme.muted;
+  g.textAlign = "center";
+  g.textBaseline = "top";
+  g.fillText("touching", zero, f.top + f.height + 7 + 1.3 * size);
+  g.fillText("0", zero, f.top + f.height + 7);
+}
+
+function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme, size: number): void {
+  if (!Number.isFinite(p.released)) return;
+  const at = y.at(p.released);
+  g.strokeStyle = theme.muted;
+  g.lineWidth = 1.5;
+  g.setLineDash([2, 4]);
+  stroke(g, f.left, at, f.left + f.width, at);
+  g.setLineDash([]);
+  setFont(g, theme, 0.92 * size);
+  g.textAlign = "right";
+  g.textBaseline = "bottom";
+  halo(g, `let go at ${metres(p.released)}`, f.left + f.width - 6, at - 3, theme.muted, theme);
+}
+
+function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, color: string, theme: Theme): void {
+  g.lineWidth = 5;
+  g.lineJoin = "round";
+  g.strokeStyle = theme.ground;
+  g.strokeText(text, x, y);
+  g.fillStyle = color;
+  g.fillText(text, x, y);
+}
+
+const models = ["icm", "newton"] as const;
+
+// Newton's curve is drawn through, that of independent collisions dashed; those of setting A are thin and pale.
+function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme): void {
+  for (const pale of [true, false]) {
+    const points = pale ? p.pinned : p.points;
+    const touching = pale ? p.pinnedTouching : p.touching;
+    g.globalAlpha = pale ? 0.6 : 1;
+    for (const model of models) {
+      g.strokeStyle = g.fillStyle = theme[model];
+      g.lineWidth = pale ? 1.5 : 3;
+      g.setLineDash(model === "icm" ? [8, 5] : []);
+      g.beginPath();
+      let open = false;
+      for (const q of points) {
+        if (!Number.isFinite(q[model])) {
+          open = false;
+          continue;
+        }
+        if (open) g.lineTo(l.x.at(q.x), l.y.at(q[model]));
+        else g.moveTo(l.x.at(q.x), l.y.at(q[model]));
+        open = true;
+      }
+      g.stroke();
+      g.setLineDash([]);
+      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero)) dot(g, l.zero, l.y.at(touching[model]), pale ? 3.5 : 5.5, model === "icm", theme);
+    }
+    g.globalAlpha = 1;
+  }
+}
+
+function dot(g: CanvasRenderingContext2D, x: number, y: number, radius: number, hollow: boolean, theme: Theme): void {
+  g.beginPath();
+  g.arc(x, y, radius, 0, 2 * Math.PI);
+  const color = g.fillStyle;
+  if (hollow) g.fillStyle = theme.ground;
+  g.fill();
+  g.fillStyle = color;
+  g.lineWidth = 2.5;
+  g.stroke();
+}
+
+function drawMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme): void {
+  if (p.measured?.axis !== p.axis) return;
+  g.strokeStyle = g.fillStyle = theme.ink;
+  g.lineWidth = 2;
+  for (const m of p.measured.list) {
+    const x = p.axis === "gap" && m.x < l.x.low ? l.zero : l.x.at(m.x);
+    const y = l.y.at(m.height);
+    if (m.uncertainty > 0) {
+      const [a, b] = [l.y.at(m.height - m.uncertainty), l.y.at(m.height + m.uncertainty)];
+      stroke(g, x, a, x, b);
+      for (const end of [a, b]) stroke(g, x - 5, end, x + 5, end);
+    }
+    g.beginPath();
+    g.moveTo(x, y - 6);
+    g.lineTo(x + 6, y);
+    g.lineTo(x, y + 6);
+    g.lineTo(x - 6, y);
+    g.closePath();
+    g.fill();
+  }
+}
+
+// Where a value of x lies, gap 0 included; NaN outside.
+export function pixelOf(l: CurveLayout, x: number): number {
+  if (Number.isFinite(l.zero) && x < 0.75 * l.x.low) return l.zero;
+  return x >= l.x.low * 0.999 && x <= l.x.high * 1.001 ? l.x.at(x) : NaN;
+}
+
+export const valueAt = (l: CurveLayout, pixel: number): number =>
+  Number.isFinite(l.zero) && pixel < l.frame.left - 2 ? 0 : Math.min(Math.max(l.x.value(pixel), l.x.low), l.x.high);
+
+// A line at setting A.
+function drawPinned(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+  const at = p.pinnedAt === null ? NaN : pixelOf(l, p.pinnedAt);
+  if (!Number.isFinite(at)) return;
+  g.strokeStyle = theme.muted;
+  g.lineWidth = 2;
+  g.setLineDash([6, 4]);
+  stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
+  g.setLineDash([]);
+  setFont(g, theme, 1.05 * size, 700);
+  g.textAlign = "left";
+  g.textBaseline = "bottom";
+  halo(g, "A", at + 5, l.frame.top + l.frame.height - 4, theme.muted, theme);
+}
+
+// A line at the present setting, one under the pointer, and dots where they meet the curves.
+function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+  for (const [value, thick] of [[p.hovered, false], [p.marked, true]] as const) {
+    if (value === null) continue;
+    const at = pixelOf(l, value);
+    if (!Number.isFinite(at)) continue;
+    g.strokeStyle = theme.ink;
+    g.lineWidth = thick ? 2 : 1;
+    stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
+    const point = nearest(p, value);
+    if (!point) continue;
+    for (const model of models) {
+      if (!Number.isFinite(point[model])) continue;
+      g.strokeStyle = g.fillStyle = theme[model];
+      dot(g, at, l.y.at(point[model]), thick ? 6.5 : 4.5, model === "icm", theme);
+      if (thick) nameValue(g, l, p, point, model, at, theme, size);
+    }
+  }
+}
+
+// The value beside its dot, on the side with more room.
+function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, point: CurvePoint, model: "newton" | "icm", at: number, theme: Theme, size: number): void {
+  const right = at < l.frame.left + 0.6 * l.frame.width;
+  const other = point[model === "newton" ? "icm" : "newton"];
+  const close = Math.abs(l.y.at(point.newton) - l.y.at(point.icm)) < 2.2 * size;
+  const below = close && (point[model] < other || (point[model] === other && model === "newton"));
+  setFont(g, theme, 1.05 * size, 700);
+  g.textAlign = right ? "left" : "right";
+  g.textBaseline = "middle";
+  const y = l.y.at(point[model]) + (below ? 1 : -1) * size;
+  halo(g, p.cradle ? withUnit(point[model], "m/s") : metres(point[model]), at + (right ? 12 : -12), Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
+}
+
+// What the lines mean, on top.
+function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme: Theme, size: number): void {
+  setFont(g, theme, size, 600);
+  g.textBaseline = "bottom";
+  g.textAlign = "right";
+  let at = f.left + f.width;
+  const y = f.top - 5;
+  const names: [string, string, number[] | null][] = [
+    ["independent collisions", theme.icm, [8, 5]],
+    ["Newton", theme.newton, []],
+  ];
+  if (p.measured?.axis === p.axis) names.push(["measured", theme.ink, null]);
+  if (p.pinned.length > 0) names.push(["thin: A", theme.muted, null]);
+  const short = f.width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
+  for (const [name, color, dash] of names) {
+    const text = short && name.startsWith("independent") ? "ICM" : name;
+    g.fillStyle = color;
+    g.fillText(text, at, y);
+    at -= g.measureText(text).width + 6;
+    if (dash) {
+      g.strokeStyle = color;
+      g.lineWidth = 3;
+      g.setLineDash(dash);
+      stroke(g, at - 26, y - 0.5 * size, at, y - 0.5 * size);
+      g.setLineDash([]);
+      at -= 26;
+    } else if (name === "measured") {
+      g.beginPath();
+      g.moveTo(at - 6, y - 0.5 * size - 6);
+      g.lineTo(at, y - 0.5 * size);
+      g.lineTo(at - 6, y - 0.5 * size + 6);
+      g.lineTo(at - 12, y - 0.5 * size);
+      g.closePath();
+      g.fill();
+      at -= 14;
+    }
+    at -= 14;
+  }
+}

@@ -1,0 +1,121 @@
+// The parts of the lecture that need no browser: sentences, curves, measured balls and heights, links.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { randomness, randomScenario, sources, wasm } from "./sources.mjs";
+
+const lib = await sources("why", "core", "scenario", "measurements", "measured");
+const core = new lib.Core(wasm());
+
+// What why() is made of.
+function factsOf(s) {
+  core.set(s);
+  const newton = core.solve(lib.Model.newton);
+  const icm = core.solve(lib.Model.independent);
+  return newton && icm && Number.isFinite(newton.last) && newton.outcome !== 3 && newton.outcome !== 6 ? { balls: s.balls.length, cradle: s.cradle, newton, icm } : null;
+}
+
+function wellFormed(text, what) {
+  assert.match(text, /^[A-Z]/, what);
+  assert.match(text, /\.$/, what);
+  assert.doesNotMatch(text, /NaN|undefined|null|Infinity|∞|–|  | [.,;]|\.\.|,,|; [A-Z]|\bone contacts\b|\b(?:two|three) (?:ball|pair|contact)\b|\b1 times\b|−/, what);
+  for (const [, number, unit] of text.matchAll(/(\d[\d.·⁻⁰-⁹]*)(\s*)(?=\S)/g)) assert.equal(unit, " ", `a unit follows ${number}: ${what}`);
+  for (const [, unit] of text.matchAll(/\d ([a-zµ/]+)/g)) assert.match(unit, /^(?:[nµm]?s|[nµmck]?m|m\/s|times)$/, what);
+  assert.ok(text.length < 420, `${text.length} characters: ${what}`);
+}
+
+test("why: a well-formed sentence for every setting", () => {
+  const random = randomness(9);
+  const kinds = new Map();
+  let told = 0;
+  for (let i = 0; i < 400; i++) {
+    const s = randomScenario(random, lib);
+    const facts = factsOf(s);
+    if (!facts) continue;
+    const text = lib.why(facts);
+    wellFormed(text, `${text} ← ${JSON.stringify(s)}`);
+    const kind = text.replace(/[\d.·⁻⁰-⁹]+ (?:[nµm]?s)/g, "T");
+    kinds.set(kind, text);
+    told++;
+  }
+  assert.ok(told > 300, `${told} settings`);
+  const all = [...kinds.values()].join("\n");
+  for (const branch of [/has let go when the balls meet/, /while the floor is still pushing/, /at the very instant/, /touch twice/, /Up to \w+ contacts/, /up to \w+ pairs/, /never two pairs|The balls touch once/, /breaks down/, /do not meet/])
+    assert.match(all, branch);
+});
+
+test("why: the paper's Fig. 2", () => {
+  const text = lib.why(factsOf(lib.paper()));
+  assert.equal(text, "The floor pushes for 775 µs; the collision model lets the balls meet after 18.8 µs, while the floor is still pushing. By Newton’s equations they touch four times, between 194 µs and 721 µs.");
+});
+
+test("why: far apart the models agree", () => {
+  const s = lib.paper();
+  s.gaps = [0.01];
+  assert.match(lib.why(factsOf(s)), /^The floor pushes for \d+ µs and has let go when the balls meet after [\d.]+ ms: one collision after the other, as the collision model has it\.$/);
+});
+
+test("measured heights: what is read", () => {
+  const read = (text) => lib.readMeasurements(text);
+  assert.deepEqual(read("gap (mm), height (m), uncertainty (cm)\n# by hand\n0, 1.02, 3\n\n5,1.31\n"), {
+    axis: "gap",
+    list: [{ x: 0, height: 1.02, uncertainty: 0.03 }, { x: 0.005, height: 1.31, uncertainty: 0 }],
+  });
+  assert.deepEqual(read("\uFEFFheight (cm);restitution\r\n98,5;0,8\r\n"), { axis: "e", list: [{ x: 0.8, height: 0.985, uncertainty: 0 }] });
+  assert.deepEqual(read("ratio\theight\n3\t1\n"), { axis: "ratio", list: [{ x: 3, height: 1, uncertainty: 0 }] });
+  assert.deepEqual(read('"gap [um]","height (m)"\n"10","1.5"\n').list, [{ x: 10 * 1e-6, height: 1.5, uncertainty: 0 }]);
+});
+
+test("measured heights: one clear line for what is wrong", () => {
+  const faults = {
+    "": "measurements: the file is empty",
+    "# nothing\n": "measurements: the file is empty",
+    "gap (mm), height (m)\n": "measurements: there is no line of values",
+    "0, 1.02\n": "line 1: got the column “0”",
+    "gap, speed\n1,2\n": "line 1: got the column “speed”",
+    "gap (mm)\n1\n": "line 1: got the columns gap; one must be height",
+    "height (m)\n1\n": "line 1: got the columns height; one must be gap, restitution or ratio",
+    "gap (inch), height (m)\n1,1\n": "line 1: got the unit “inch” for gap",
+    "restitution (m), height (m)\n1,1\n": "line 1: got the unit “m” for restitution, must be none",
+    "gap (mm), height (m)\n1, high\n": "line 2, height: got “high”, must be a number above 0",
+    "gap (mm), height (m)\n-1, 1\n": "line 2, gap: got “-1”, must be a number not below 0",
+    "restitution, height (m)\n1.2, 1\n": "line 2, restitution: got “1.2”, must be a number from 0 to 1",
+    "gap (mm), height (m)\n1\n": "line 2, height: got “”",
+    "gap (mm), height (m)\n1, 2, 3\n": "line 2: got 3 values, must be at most 2",
+    "gap (mm), height (m)\n1, 1e999\n": "line 2, height: got “1e999”",
+  };
+  for (const [text, begin] of Object.entries(faults))
+    assert.throws(() => lib.readMeasurements(text), (e) => e.message.startsWith(begin) && !e.message.includes("\n"), `${JSON.stringify(text)} → ${begin}`);
+  assert.throws(() => lib.readMeasurements("gap,height\n" + "1,1\n".repeat(20_000)), /must be at most/);
+});
+
+test("measured heights: nothing in a file throws anything but that line", () => {
+  const random = randomness(4);
+  const pieces = ["gap", "height", " (mm)", "(", ")", ",", ";", "\t", "\n", "1", "0.5", "-", "e", '"', "#", " ", "µ", "\r\n", "ratio", "NaN", "Infinity", "\u0000"];
+  for (let i = 0; i < 3000; i++) {
+    const text = Array.from({ length: Math.floor(20 * random()) }, () => pieces[Math.floor(pieces.length * random())]).join("");
+    try {
+      for (const m of lib.readMeasurements(text).list) assert.ok(m.x >= 0 && Number.isFinite(m.x) && m.height > 0 && Number.isFinite(m.height) && m.uncertainty >= 0, text);
+    } catch (e) {
+      assert.match(e.message, /^(?:measurements: |line \d+)[^\n]*$/, JSON.stringify(text));
+    }
+  }
+});
+
+test("measured balls: stiffness, restitution and contact time belong together", () => {
+  for (const [mass, stiffness, e] of [[0.6, 4.2e4, 0.76], [0.0577, 2e4, 0.5], [1, 1e6, 1], [1, 1e3, 0.3]]) {
+    const time = lib.contactTime(mass, stiffness, e);
+    assert.ok(Math.abs(lib.stiffnessFor(mass, time, e) / stiffness - 1) < 1e-9);
+    const s = lib.paper();
+    Object.assign(s, { restitution: e, height: 1.1, gaps: [0.5] });
+    s.constants.stiffness = stiffness;
+    s.balls = [{ radius: 0.1, density: lib.densityFor(mass, 0.1) }, { radius: 0.01, density: 1 }];
+    const { newton } = factsOf(s);
+    if (stiffness >= 1e4) assert.ok(Math.abs(newton.tFloorEnd / time - 1) < 0.02, `${newton.tFloorEnd} ${time}`); // gravity adds a little
+  }
+  for (const b of lib.measuredBalls) {
+    for (const [low, high] of [b.mass, b.diameter, b.restitution]) assert.ok(low > 0 && low <= high, b.id);
+    assert.ok(b.restitution[1] < 1 && b.source.length > 5, b.id);
+  }
+  const { restitution: r } = lib.ballById("tennis");
+  assert.deepEqual(r.map((x) => x.toFixed(2)), ["0.73", "0.76"]);
+});

@@ -1,0 +1,61 @@
+// Modules of the page for tests without a browser, and the core they stand on.
+import { build } from "esbuild";
+import { readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+import { laws } from "../laws.mjs";
+
+const page = fileURLToPath(new URL("../../src/hardlimit/explorer/page/", import.meta.url));
+const src = fileURLToPath(new URL("../src/", import.meta.url));
+
+// What the named modules of src/ export, together.
+export async function sources(...names) {
+  const contents = names.map((name) => `export * from "./${name}";`).join("\n");
+  const { outputFiles } = await build({
+    stdin: { contents, resolveDir: src, loader: "ts" }, define: { LAWS: laws(`${page}core.wasm`) },
+    bundle: true, format: "esm", target: "es2022", write: false,
+  });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
+}
+
+export const wasm = () => new WebAssembly.Module(readFileSync(`${page}core.wasm`));
+
+// A generator of numbers in [0, 1) that are the same in every run (mulberry32).
+export function randomness(seed) {
+  return () => {
+    seed = (seed + 0x6d2b79f5) | 0;
+    let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
+
+// A setting anywhere in the ranges of the controls, ties and extremes included.
+export function randomScenario(random, lib) {
+  const { ranges, constants, laws: known, paper, massOf, densityFor, settle } = lib;
+  const within = (r) => {
+    const u = random();
+    if (u < 0.06) return r.zero ? 0 : r.low;
+    if (u > 0.96) return r.high;
+    const v = random();
+    return r.log ? r.low * (r.high / r.low) ** v : r.low + (r.high - r.low) * v;
+  };
+  const s = paper();
+  const balls = 2 + Math.floor(5 * random() ** 2);
+  s.law = known[Math.floor(known.length * random())].name;
+  s.restitution = Math.max(within(ranges.restitution), 0.1);
+  s.cradle = random() < 0.15;
+  s.height = within({ low: 0.05, high: 2, log: true });
+  for (const [name, c] of Object.entries(constants)) s.constants[name] = c.range.log ? c.start * 10 ** (4 * random() - 2) : within(c.range);
+  if (s.constants.poisson_ratio > 0.49) s.constants.poisson_ratio = 0.49;
+  let radius = within({ low: 0.005, high: 0.2, log: true });
+  s.balls = Array.from({ length: balls }, () => {
+    const ball = { radius, density: densityFor(within({ low: 1e-3, high: 5, log: true }), radius) };
+    if (random() < 0.7) radius = Math.max(0.003, radius * (0.3 + 0.7 * random()));
+    return ball;
+  });
+  s.gaps = Array.from({ length: balls - 1 }, () => (random() < 0.25 ? 0 : within({ low: 1e-7, high: 0.1, log: true })));
+  s.velocities = s.balls.map((_, i) => (s.cradle ? (i === 0 ? 1 : random() < 0.3 ? random() - 0.5 : 0) : 0));
+  if (s.balls.some((b) => !(massOf(b) > 0))) throw new Error("no mass");
+  settle(s);
+  return s;
+}
