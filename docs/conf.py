@@ -1,4 +1,8 @@
-from importlib import metadata
+import shutil
+from importlib import metadata, resources
+from pathlib import Path
+
+from sphinx.application import Sphinx
 
 project = "hardlimit"
 author = "The hardlimit authors"
@@ -12,3 +16,14 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 html_theme = "furo"
 html_title = f"hardlimit {release}"
+
+
+def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
+    """Put the explorer's page beside the documentation, which frames single panels of it."""
+    if failed is None and app.builder.format == "html":
+        with resources.as_file(resources.files("hardlimit.explorer") / "page") as page:
+            shutil.copytree(page, Path(app.outdir) / "explorer-page", dirs_exist_ok=True)
+
+
+def setup(app: Sphinx) -> None:
+    app.connect("build-finished", copy_explorer)

@@ -55,7 +55,7 @@ def test_every_file_is_served_with_its_type_and_the_policy(address: tuple[str, i
     for name, content in files.items():
         status, headers, body = get(address, f"/{name}")
         assert (status, body) == (200, content)
-        assert headers["Content-Security-Policy"] == server.CONTENT_SECURITY_POLICY
+        assert headers["Content-Security-Policy"] == f"{server.PAGE_POLICY}; {server.WHOLE_PAGE_IN_FRAMES}"
         assert headers["X-Content-Type-Options"] == "nosniff"
     assert get(address, "/core.wasm")[1]["Content-Type"] == "application/wasm"
 
@@ -70,6 +70,23 @@ def test_nothing_else_is_served(address: tuple[str, int], path: str) -> None:
     status, headers, _ = get(address, path)
     assert status == 404
     assert "Content-Security-Policy" in headers
+
+
+@pytest.mark.parametrize(
+    ("path", "in_frames"),
+    [
+        ("/?panel=film&e=0.8", server.PANEL_IN_FRAMES),
+        ("/index.html?e=0.8&panel=map#top", server.PANEL_IN_FRAMES),
+        ("/", server.WHOLE_PAGE_IN_FRAMES),
+        ("/?panels=film", server.WHOLE_PAGE_IN_FRAMES),
+        ("/?e=panel", server.WHOLE_PAGE_IN_FRAMES),
+        ("/#?panel=film", server.WHOLE_PAGE_IN_FRAMES),
+        ("//[?story=drop", server.WHOLE_PAGE_IN_FRAMES),
+    ],
+)
+def test_only_single_panels_may_be_framed(address: tuple[str, int], path: str, in_frames: str) -> None:
+    """By pages on this machine; the whole page by nobody."""
+    assert get(address, path)[1]["Content-Security-Policy"] == f"{server.PAGE_POLICY}; {in_frames}"
 
 
 def test_head_has_no_body(address: tuple[str, int]) -> None:
@@ -201,7 +218,7 @@ def test_the_page_states_the_policy_of_the_header() -> None:
     html = server.page_files()["index.html"].decode()
     stated = re.search(r'http-equiv="Content-Security-Policy" content="([^"]+)"', html)
     assert stated
-    assert stated[1] + "; frame-ancestors 'none'" == server.CONTENT_SECURITY_POLICY
+    assert stated[1] == server.PAGE_POLICY
     assert not re.search(r"<script(?! type=\"module\" src=)|<style|\son\w+=|\sstyle=", html)
 
 

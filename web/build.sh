@@ -6,10 +6,14 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 out=$(realpath -m "${1:-../src/hardlimit/explorer/page}")
 mkdir -p "$out"
 
+if command -v wasm-opt >/dev/null; then
+    echo "wasm-opt is installed: clang would run it, and the page would have other bytes" >&2
+    exit 1
+fi
 exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights scan_points scan_timeline
     law_records law_ranges outcome_message)
 "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -Os -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
-    -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles --no-wasm-opt -I../core \
+    -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
     ../bindings/wasm.cpp runtime.cpp -o "$out/core.wasm" \
     -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${exports[@]/#/-Wl,--export=}"
 chmod 644 "$out/core.wasm"

@@ -122,7 +122,7 @@ export class Compare {
     };
     const changed = differences(pin, b.scenario);
     if (changed.length === 0) add("Settings", ["the same", "the same"], "");
-    for (const [name, x, y] of changed) add(name[0].toUpperCase() + name.slice(1), [x, y], "");
+    for (const [name, x, y] of changed) add(name.replace(/^[a-z]/, (c) => c.toUpperCase()), [x, y], "");
     if (this.drop) for (const r of results(this.drop, b)) add(r.name, r.values, r.model);
     else add("A", [this.fault || "computing …", ""], "");
     body.replaceChildren(...rows);

@@ -6,6 +6,7 @@ import webbrowser
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib import resources
+from urllib.parse import parse_qs
 
 HOST = "127.0.0.1"
 
@@ -16,12 +17,16 @@ OWN_NAMES = (HOST, "localhost")
 #: Seconds after which a connection that says nothing is closed.
 SILENCE = 30.0
 
-# The page's own <meta> says the same, for copies served by others; frame-ancestors only works as a header.
-CONTENT_SECURITY_POLICY = (
+# The page's own <meta> says the same, for copies served by others.
+PAGE_POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; "
-    "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'"
+    "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'"
 )
+
+# Who may show the page in a frame, which only a header can say: nobody the whole page, pages on this machine a single
+# panel (slides, notebooks, the documentation).
+WHOLE_PAGE_IN_FRAMES = "frame-ancestors 'none'"
+PANEL_IN_FRAMES = "frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
 
 TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -71,7 +76,7 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def own_hosts(self) -> frozenset[str]:
-        """Host headers that mean this server; browsers leave out port 80."""
+        """The Host headers that mean this server; browsers leave out port 80."""
         port = self.server_address[1]
         names = {f"{name}:{port}" for name in OWN_NAMES}
         return frozenset(names | set(OWN_NAMES) if port == 80 else names)
@@ -98,6 +103,12 @@ class PageHandler(BaseHTTPRequestHandler):
     def do_HEAD(self) -> None:
         self.reply(with_body=False)
 
+    @property
+    def policy(self) -> str:
+        """The Content-Security-Policy of the answer."""
+        query = parse_qs(self.path.partition("#")[0].partition("?")[2])
+        return f"{PAGE_POLICY}; {PANEL_IN_FRAMES if 'panel' in query else WHOLE_PAGE_IN_FRAMES}"
+
     def reply(self, with_body: bool) -> None:
         if self.headers.get("Host", "").lower() not in self.server.own_hosts:
             self.answer(
@@ -115,7 +126,7 @@ class PageHandler(BaseHTTPRequestHandler):
         self.send_response(status)
         self.send_header("Content-Type", content_type)
         self.send_header("Content-Length", str(len(body)))
-        self.send_header("Content-Security-Policy", CONTENT_SECURITY_POLICY)
+        self.send_header("Content-Security-Policy", self.policy)
         self.send_header("Cross-Origin-Resource-Policy", "same-origin")
         self.send_header("X-Content-Type-Options", "nosniff")
         self.send_header("Referrer-Policy", "no-referrer")

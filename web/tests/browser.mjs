@@ -1,0 +1,69 @@
+// hardlimit's own server and Chromium, for tests of the page.
+// PYTHON: an interpreter that has hardlimit installed. CHROMIUM: the browser. SHOTS: a folder for screenshots.
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { mkdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const axe = readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+
+export class Site {
+  static async begin() {
+    const site = new Site();
+    site.server = spawn(process.env.PYTHON ?? "python3", ["-m", "hardlimit", "explore", "--port", "0", "--no-browser"], { stdio: ["ignore", "pipe", "inherit"] });
+    site.base = await new Promise((resolve, reject) => {
+      let text = "";
+      site.server.stdout.on("data", (data) => {
+        text += data;
+        const url = /http:\/\/127\.0\.0\.1:\d+\//.exec(text);
+        if (url) resolve(url[0]);
+      });
+      site.server.on("exit", () => reject(new Error("hardlimit explore ended: " + text)));
+    });
+    site.browser = await chromium.launch({
+      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+      args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+    });
+    return site;
+  }
+
+  async end() {
+    await this.browser?.close();
+    this.server?.kill();
+  }
+
+  // A page that fails the test on any complaint of the console and on any request to elsewhere.
+  async open(t, query = "", options = {}) {
+    const context = await this.browser.newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce", acceptDownloads: true, ...options });
+    const page = await context.newPage();
+    const faults = [];
+    page.on("console", (m) => ["error", "warning"].includes(m.type()) && faults.push(m.text()));
+    page.on("pageerror", (e) => faults.push(String(e)));
+    page.on("request", (r) => !/^(data|blob):/.test(r.url()) && !r.url().startsWith(this.base) && faults.push("request to " + r.url()));
+    t.after(async () => {
+      await context.close();
+      assert.deepEqual(faults, []);
+    });
+    await page.goto(this.base + query);
+    await solved(page);
+    return page;
+  }
+}
+
+export const solved = (page) => page.waitForFunction(() => document.documentElement.dataset.numbers);
+
+export async function accessible(page, what) {
+  await page.evaluate(axe);
+  const result = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+  assert.deepEqual(result.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(" ")).join("; ")}`), [], what);
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  assert.ok(wide <= 0, `${what}: ${wide} pixels too wide`);
+}
+
+export async function shoot(page, name) {
+  const { SHOTS: folder } = process.env;
+  if (!folder) return;
+  mkdirSync(folder, { recursive: true });
+  await page.screenshot({ path: join(folder, `${name}.png`) });
+}
