@@ -14,7 +14,7 @@ const shows: Record<Step, (PanelName | "tale")[]> = {
   drop: ["tale"],
   slow: ["film", "forces"],
   count: ["forces", "timeline"],
-  gap: ["film", "rebound"],
+  gap: ["rebound", "film"],
   map: ["map"],
 };
 const onCradle: Partial<Record<Step, PanelName[]>> = { predict: ["film"], drop: ["film"] };
