@@ -178,6 +178,7 @@ auto sample(const Solution& s, In times) {
     require_recorded(*s.found, t, n);
     Trajectory all = unlocked([&](hl::Stop& stop) {
         Trajectory rows;
+        s.found->prepare(stop);
         for (std::size_t i = 0; i < n && !stop.now(); i += most) {
             col::States some(std::min(most, n - i), static_cast<int>(balls), origin(s.column));
             s.found->sample(t + i, some);

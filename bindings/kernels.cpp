@@ -12,5 +12,5 @@ using Wide = hardlimit::Pair<Real>;  // for the kernel that is a long chain of o
 
 extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;
 const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {
-    HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_block<Wide>, &hardlimit::sweep::damping_ratios<Real>,
-    &hardlimit::sweep::solve_viscoelastic_block<Real>, &hardlimit::sweep::leave_block<Real>};
+    HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_batch<Wide>, &hardlimit::sweep::damping_ratios<Real>,
+    &hardlimit::sweep::solve_viscoelastic_batch<Real>, &hardlimit::sweep::leave_batch<Real>};

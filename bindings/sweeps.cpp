@@ -66,13 +66,18 @@ struct LawEntry {
     void (*work)(sw::Job&, hl::u64, hl::Stop&);
     void (*work_columns)(sw::ColumnJob&, hl::u64, hl::Stop&);
     bool (*has_kernel)(sw::Model);
+    bool on_gpu, exact;
 };
 
 LawEntry law_named(const std::string& law) {
-#define HL_LAW(Law)                                                                                         \
-    if (law == hl::contact::Law::record.name)                                                               \
-        return {hl::contact::Law::record, &sw::work<hl::contact::Law>, &sw::work_columns<hl::contact::Law>, \
-                &sw::Vectorised<hl::contact::Law>::covers};
+#define HL_LAW(Law)                                        \
+    if (law == hl::contact::Law::record.name)              \
+        return {hl::contact::Law::record,                  \
+                &sw::work<hl::contact::Law>,               \
+                &sw::work_columns<hl::contact::Law>,       \
+                &sw::Vectorised<hl::contact::Law>::covers, \
+                sw::Vectorised<hl::contact::Law>::on_gpu,  \
+                hl::column::has_exact_solver<hl::contact::Law>};
     HARDLIMIT_LAWS(HL_LAW)
 #undef HL_LAW
     throw nb::value_error(("law: unknown name " + law).c_str());
@@ -118,7 +123,7 @@ void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int thr
          const nb::object& progress) {
     require(threads >= 1, "threads: must be >= 1");
     const hl::u64 share = job.count / (8 * static_cast<hl::u64>(threads)) + 1;
-    const hl::u64 block = std::min<hl::u64>(most, share), blocks = (job.count + block - 1) / block;
+    const hl::u64 size = std::min<hl::u64>(most, share), batches = (job.count + size - 1) / size;
     bool raised = false;
     {
         hl::bindings::Unlocked open;
@@ -136,8 +141,8 @@ void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int thr
             open.unlock();
             return raised;
         };
-        const int wanted = static_cast<int>(std::min<hl::u64>(static_cast<hl::u64>(threads), blocks));
-        hl::Team().run(wanted, open.period, [&](hl::Stop& stop) { work(job, block, stop); }, watch);
+        const int wanted = static_cast<int>(std::min<hl::u64>(static_cast<hl::u64>(threads), batches));
+        hl::Team().run(wanted, open.period, [&](hl::Stop& stop) { work(job, size, stop); }, watch);
     }
     if (raised) throw nb::python_error();
 }
@@ -180,8 +185,8 @@ void run_columns(const std::string& law, int model, int alternative, const std::
     require_alternative(entry.record, alternative);
     require(!density.empty(), "density: must have an entry for each ball");
     const int balls = static_cast<int>(density.size());
-    require(model_of(model) != sw::Model::adiabatic || (balls == 2 && entry.has_kernel(sw::Model::adiabatic)),
-            "model: the adiabatic one is that of two balls under the linear law");
+    require(model_of(model) != sw::Model::adiabatic || (balls == 2 && entry.exact),
+            "model: the adiabatic one is that of two balls under a law with an exact solver");
     const hl::u64 of_balls = count * density.size();
     sw::ColumnJob job{};
     job.axes = axes_of(balls, values, strides);
@@ -193,9 +198,12 @@ void run_columns(const std::string& law, int model, int alternative, const std::
                output<double>(out, "t_floor_end", count),
                output<double>(out, "rebound_height", of_balls),
                output<double>(out, "final_velocity", of_balls)};
-    job.setting = {static_cast<hl::column::Model>(model), alternative,
-                   {density.begin(), density.end()},      tolerance,
-                   job.out.rebound_height != nullptr,     job.out.final_velocity != nullptr};
+    job.setting = {model_of(model),
+                   alternative,
+                   {density.begin(), density.end()},
+                   tolerance,
+                   job.out.rebound_height != nullptr,
+                   job.out.final_velocity != nullptr};
     run(job, entry.work_columns, 64, threads, progress);
 }
 
@@ -240,6 +248,16 @@ void bind_sweep(nb::module_& m) {
         "has_kernel",
         [](const std::string& law, int model) { return law_named(law).has_kernel(model_of(model)); }, "law"_a,
         "model"_a, "Whether points of two balls go through a vector kernel under this law and model.");
+    m.def(
+        "has_gpu_kernel",
+        [](const std::string& law, int model) {
+            const LawEntry entry = law_named(law);
+            return entry.on_gpu && entry.has_kernel(model_of(model));
+        },
+        "law"_a, "model"_a, "Whether such points can be computed on a GPU.");
+    m.def(
+        "has_exact_solver", [](const std::string& law) { return law_named(law).exact; }, "law"_a,
+        "Whether the motion of two balls on a floor under this law has a piecewise closed form.");
     m.def("instruction_sets", [] {
         std::vector<std::string> names;
         for (const hardlimit_abi::Kernel* k : kernels()) names.emplace_back(k->name);

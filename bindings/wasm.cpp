@@ -194,13 +194,13 @@ void scan(int axis, long n, const double* points, double* out) {
 
 // Two balls on a floor, many drops at once through the kernels of sweep/.
 using Pair = hl::Vector<4>::Real;
-using hl::sweep::Block;
+using hl::sweep::Batch;
 
 // A point into the kernel of its law (false: it is not for it), and that kernel, for laws that have one.
 template <class Law>
 struct Way;
 template <class Law>
-concept HasKernel = requires(const Block& b) { Way<Law>::solve(b); };
+concept HasKernel = requires(const Batch& b) { Way<Law>::solve(b); };
 
 template <>
 struct Way<LinearDashpot> {
@@ -211,7 +211,7 @@ struct Way<LinearDashpot> {
                                 col::Coupling::full);
         return s.outcome == hl::Outcome::ok && hl::math::is_finite(s.groups.gravity + s.first.w);
     }
-    static void solve(const Block& b) { hl::sweep::solve_block<Pair>(b); }
+    static void solve(const Batch& b) { hl::sweep::solve_batch<Pair>(b); }
 };
 
 template <>
@@ -239,17 +239,17 @@ struct Way<Viscoelastic> {
                                 {},
                                 {}};
         for (int k = 0; k < hl::max_parameters; ++k) q.floor_law[k] = q.pair_law[k] = request[2 + k];
-        const hl::sweep::Setting setting{hl::sweep::Model::newton, alternative(), false, false,
+        const hl::sweep::Setting setting{col::Model::newton, alternative(), false, false,
                                          restitution_parameter(Viscoelastic::record, alternative())};
         return hl::sweep::enter_viscoelastic(setting, q, argument, argument, rates, s);
     }
-    static void solve(const Block& b) {
-        hl::sweep::solve_viscoelastic_block<Pair>(b, -24.0);  // a pixel does not show more
+    static void solve(const Batch& b) {
+        hl::sweep::solve_viscoelastic_batch<Pair>(b, -24.0);  // a pixel does not show more
     }
 };
 
 template <class Law>
-void scan_block(int axis, long n, const double* points, double* out) {
+void scan_batch(int axis, long n, const double* points, double* out) {
     constexpr int most = 512;
     static hl::sweep::Drops<most> drops;
     static int drop_of[most];  // a point; −1: not for the kernel
@@ -265,7 +265,7 @@ void scan_block(int axis, long n, const double* points, double* out) {
             drop_of[i] = drops.count;
             drops.add(s);
         }
-        way.solve(drops.block());
+        way.solve(drops.batch());
         for (int i = 0; i < count; ++i) {
             const bool lands = again.move_to(first + i);
             const int k = drop_of[i];
@@ -408,7 +408,7 @@ void rebound_heights(int model, double* out) {
 void scan_points(int axis, long n, const double* points, double* out) {
     with_law([&]<class Law>() {
         if constexpr (HasKernel<Law>) {
-            if (balls() == 2 && on_floor()) return scan_block<Law>(axis, n, points, out);
+            if (balls() == 2 && on_floor()) return scan_batch<Law>(axis, n, points, out);
         }
         scan<Law>(axis, n, points, out);
     });

@@ -8,6 +8,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
 
@@ -32,6 +34,10 @@ TYPICAL = {
     "poisson_ratio": 0.3,
     "elastic_prefactor": 1e9,
 }
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--rows", type=int, default=None, help="of each table in test_reference.py, at random")
 
 
 def wait_until(condition: Callable[[], object], timeout: float = 30.0) -> None:
@@ -171,3 +177,15 @@ def free_columns(draw, law=None, least=2, most=5) -> hl.Column:
     if velocities[0] == velocities[-1]:
         velocities[0] += 1.0
     return hl.Column.cradle(balls, velocities, draw(laws()) if law is None else draw(law), gaps)
+
+
+def lattice(n=27, dimension=3, seed=0, spread=1.0, **given) -> hl.ParticleSystem:
+    """Grains near the points of a lattice, with random velocities; radii from 1 mm to 1 mm/spread."""
+    rng = np.random.default_rng(seed)
+    along = max(2, math.ceil(n ** (1.0 / dimension)))
+    points = np.stack(np.meshgrid(*[np.arange(along)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
+    at = (points[:n] + 0.5) * 3e-3 + rng.uniform(-0.4e-3, 0.4e-3, (n, dimension))
+    radius = 1e-3 * spread ** -rng.random(n)
+    velocities = rng.normal(size=(n, dimension))
+    values = {"density": 2500.0, "box": [along * 3e-3] * dimension}
+    return hl.ParticleSystem(at, velocities, radius, **(values | given))

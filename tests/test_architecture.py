@@ -12,7 +12,7 @@ CORE = ROOT / "core"
 PACKAGE = ROOT / "src" / "hardlimit"
 
 # A header may include headers of its own folder and of folders of a lower rank. "." is core/ itself.
-RANK = {".": 0, "contact": 1, "column": 2, "column/exact": 3, "column/general": 3, "sweep": 5, "particles": 5}
+RANK = {".": 0, "contact": 1, "column": 2, "column/exact": 3, "column/general": 3, "sweep": 5, "particles": 5, "particles/steps": 4}
 
 # Neither Python, nor input and output, nor libm: math.hpp has the elementary functions, same bits everywhere.
 FORBIDDEN_INCLUDE = re.compile(

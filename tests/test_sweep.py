@@ -586,8 +586,8 @@ def test_an_axis_is_numbers(axis: object) -> None:
 
 NOT_FOR_A_GPU = {
     "unless two balls are swept": (three_balls(), {}),
-    "unless the law is linear": (SOFT, {}),
-    "unless the law is linear and the model newton": (PAPER, {"model": "independent"}),
+    "for the law viscoelastic and the model newton": (SOFT, {}),
+    "for the law linear and the model independent": (PAPER, {"model": "independent"}),
     "for rebound_height, final_velocity": (PAPER, {"variables": ["n_contacts", "rebound_height"]}),
 }
 

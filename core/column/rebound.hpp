@@ -86,6 +86,7 @@ inline void look_through(const Solution& s, double origin, const std::vector<dou
     constexpr std::size_t most = 1024;
     const std::size_t balls = to.size();
     const std::vector<double> times = marks(s, found.from, to);
+    if (stop) s.prepare(*stop);
     States one(1, static_cast<int>(balls), origin);
     for (std::size_t k = 0; k < times.size() && !(stop && stop->now()); k += most - 1) {  // they share an end
         const double* t = &times[k];

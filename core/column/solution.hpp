@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "../stop.hpp"
 #include "energies.hpp"
 #include "sequence.hpp"
 
@@ -50,6 +51,8 @@ public:
     double energy_error = math::nan;  // largest, relative to the initial energy; NaN unless integrated
 
     virtual ~Solution() = default;
+    // What sample() computes once for all times. After a long run that takes long, hence apart: it may be stopped.
+    virtual void prepare(Stop&) const {}
     // The states at out.n times within [first, last]. Safe to call from several threads at once.
     virtual void sample(const double* times, States& out) const = 0;
     // Times from first to last [s] between which nothing begins or ends.

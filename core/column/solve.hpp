@@ -9,11 +9,10 @@
 #include "exact/drop.hpp"
 #include "general/sample.hpp"
 #include "independent.hpp"
+#include "model.hpp"
 #include "solution.hpp"
 
 namespace hardlimit::column {
-
-enum class Model { newton, adiabatic, independent };
 
 struct SolveOptions {
     double until = math::nan;  // [s] after the first floor touch (cradle: release); NaN: the sequence
@@ -43,8 +42,17 @@ public:
         if (math::abs(last - o.until) <= 1e-12 * math::abs(o.until)) last = o.until;  // reached to rounding
     }
     ~Exact() override { delete dissipated_.load(); }
+    // Only a trajectory asks for it. Threads that ask at once each compute the same; the first to finish sets it.
+    void prepare(Stop& stop) const override {
+        if (dissipated_.load()) return;
+        auto sum = std::make_unique<const std::vector<double>>(dissipated_energy(*column_, drop_, stop));
+        const std::vector<double>* none = nullptr;
+        if (!stop.stopped() && dissipated_.compare_exchange_strong(none, sum.get())) sum.release();
+    }
     void sample(const double* times, States& out) const override {
-        const std::vector<double>& dissipated = dissipated_up_to_nodes();
+        Stop never;
+        prepare(never);
+        const std::vector<double>& dissipated = *dissipated_.load();
         for (std::size_t i = 0; i < out.n; ++i) {
             const DropSample s = sample_drop(*column_, drop_, dissipated, times[i]);
             for (std::size_t j = 0; j < 2; ++j) {
@@ -65,17 +73,10 @@ public:
 private:
     SharedColumn<contact::LinearDashpot> column_;
     Drop drop_;
-    mutable std::atomic<const std::vector<double>*> dissipated_{nullptr};  // null: not asked for yet
+    mutable std::atomic<const std::vector<double>*> dissipated_{
+        nullptr};  // up to each node; null: not asked for yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
-
-    // Only a trajectory asks for it. Threads that ask at once each compute the same; the first to finish sets it.
-    const std::vector<double>& dissipated_up_to_nodes() const {
-        if (const std::vector<double>* known = dissipated_.load()) return *known;
-        auto sum = std::make_unique<const std::vector<double>>(dissipated_energy(*column_, drop_));
-        const std::vector<double>* first_set = nullptr;
-        return dissipated_.compare_exchange_strong(first_set, sum.get()) ? *sum.release() : *first_set;
-    }
 };
 
 inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
@@ -191,10 +192,10 @@ private:
 
 }  // namespace solve
 
-// Whether the exact solver applies: two balls on a floor under the linear law.
+// Whether the exact solver applies to a column: two balls on a floor under a law for which there is one.
 template <class Law>
 bool solved_exactly(const Column<Law>& c) {
-    return std::is_same_v<Law, contact::LinearDashpot> && c.floor && c.balls == 2;
+    return has_exact_solver<Law> && c.floor && c.balls == 2;
 }
 
 // Only the sequence, and with `contacts` what closed and when: for maps. Newton's equations where the adiabatic model
@@ -207,10 +208,10 @@ Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o
         if (contacts) *contacts = std::move(run.contacts);
         return run.sequence;
     }
-    if constexpr (std::is_same_v<Law, contact::LinearDashpot>) {
+    if constexpr (has_exact_solver<Law>) {
         if (solved_exactly(c) && !o.general) {
             const Coupling coupling = model == Model::adiabatic ? Coupling::adiabatic : Coupling::full;
-            if (!contacts) return solve_drop_sequence(c, coupling, o.until);
+            if (!contacts) return solve_drop_sequence(c, coupling, o.until, o.stop);
             Drop d = solve_drop(c, coupling, o.until, false, o.stop);
             *contacts = std::move(d.contacts);
             return d.sequence;
@@ -225,7 +226,7 @@ Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o
 template <class Law>
 std::unique_ptr<Solution> solve_column(SharedColumn<Law> c, Model model, const SolveOptions& o) {
     if (model == Model::independent) return std::make_unique<solve::EventDriven<Law>>(std::move(c), o);
-    if constexpr (std::is_same_v<Law, contact::LinearDashpot>) {
+    if constexpr (has_exact_solver<Law>) {
         const bool adiabatic = model == Model::adiabatic;
         if (solved_exactly(*c) && (adiabatic || !o.general))
             return std::make_unique<solve::Exact>(std::move(c),

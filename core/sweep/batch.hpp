@@ -23,7 +23,7 @@ struct Drops {
         rate[count] = s.units.rate;
         ++count;
     }
-    hardlimit_abi::Block block() {
+    hardlimit_abi::Batch batch() {
         return {count, in[0], in[1],  in[2],  in[3],  in[4],  in[5],  in[6],  in[7],
                 in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
     }
@@ -40,9 +40,9 @@ struct Drops {
     }
 };
 
-// leave() of parameters.hpp for the drops of a block, all but what is counted.
+// leave() of parameters.hpp for the drops of a batch, all but what is counted.
 template <class R>
-HL_FN void leave_block(const hardlimit_abi::Ends& ends) {
+HL_FN void leave_batch(const hardlimit_abi::Ends& ends) {
     struct {
         R t_first_touch, t_end, t_floor_end, relative_velocity, separation_velocity;
     } q;

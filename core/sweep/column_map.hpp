@@ -40,14 +40,14 @@ private:
     }
 };
 
-// Takes blocks until none is left; each result depends on its point alone, so neither the number of threads nor the
-// order matters.
+// Takes batches of `size` points until none is left; each result depends on its point alone, so neither the number of
+// threads nor the order matters.
 template <class Law>
-void work_columns(ColumnJob& job, u64 block, Stop& stop) {
+void work_columns(ColumnJob& job, u64 size, Stop& stop) {
     for (;;) {
-        const u64 begin = job.next.fetch_add(block);
+        const u64 begin = job.next.fetch_add(size);
         if (begin >= job.count || stop.now()) return;
-        const u64 end = begin + block < job.count ? begin + block : job.count;
+        const u64 end = begin + size < job.count ? begin + size : job.count;
         Cursor at(job.axes, job.first + begin);
         for (u64 i = begin; i < end; ++i, at.next()) {
             const ColumnResult r = solve_one<Law>(job.setting, at.values(), stop);

@@ -85,7 +85,7 @@ struct Drop {
         column::Start s;
         if (!enter(setting_of(task), p, ratio_of(task, 0, point), ratio_of(task, 1, point), s)) return false;
         units = s.units;
-        const hardlimit_abi::Block one = {
+        const hardlimit_abi::Batch one = {
             1,          &s.groups.a1, &s.groups.a2, &s.groups.c1, &s.groups.c2, &s.groups.gravity,
             &s.first.u, &s.first.du,  &s.first.w,   &s.first.dw,  &s.t,         nullptr,
             nullptr,    nullptr,      nullptr,      nullptr,      nullptr,      nullptr};

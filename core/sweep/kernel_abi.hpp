@@ -6,15 +6,15 @@ namespace hardlimit_abi {
 
 enum class Status : int { running = 0, done = 1, left = 2, rests = 3 };  // left: for the scalar solver
 
-// Drops of a block, one array each: groups and start in, sequence out (scaled units, times on the clock of t).
-struct Block {
+// Drops of a batch, one array each: groups and start in, sequence out (scaled units, times on the clock of t).
+struct Batch {
     int count;
     const double *a1, *a2, *c1, *c2, *gravity, *u, *du, *w, *dw, *t;
     double *contacts, *t_first, *t_end, *t_floor_end, *relative, *separation;
     int* status;
 };
 
-// Sequences of a block on the way out, one array each, of room for a whole number of vectors: scaled units become SI
+// Sequences of a batch on the way out, one array each, of room for a whole number of vectors: scaled units become SI
 // units in place, and the coefficients of restitution are filled in.
 struct Ends {
     int count;
@@ -26,9 +26,9 @@ struct Ends {
 
 struct Kernel {
     const char* name;
-    void (*solve)(const Block&);
+    void (*solve)(const Batch&);
     void (*damping_ratios)(double*, int);  // b from −ln ε, in place
-    void (*solve_viscoelastic)(const Block&, double log2_tolerance);
+    void (*solve_viscoelastic)(const Batch&, double log2_tolerance);
     void (*leave)(const Ends&);
 };
 

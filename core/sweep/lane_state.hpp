@@ -6,7 +6,7 @@
 
 namespace hardlimit::sweep {
 
-using hardlimit_abi::Block;
+using hardlimit_abi::Batch;
 using hardlimit_abi::Status;
 
 namespace lanes {
@@ -215,7 +215,7 @@ HL_FN void fly(State<R>& q, Mask<R> m) {
     pair_opens<R>(q, d);
 }
 
-// ---- block -------------------------------------------------------------------------------------------------------
+// ---- batch -------------------------------------------------------------------------------------------------------
 
 template <class R>
 HL_FN void put(R& to, int lane, double value) {
@@ -252,7 +252,7 @@ HL_FN int count(const M& m) {
 }
 
 // Whether the groups of drop i are those of the one before, to a relative difference of `tolerance`.
-HL_FN bool alike(const Block& b, int i, double tolerance) {
+HL_FN bool alike(const Batch& b, int i, double tolerance) {
     const auto near = [&](const double* of) {
         return math::abs(of[i] - of[i - 1]) <= tolerance * math::abs(of[i]);
     };
@@ -262,13 +262,13 @@ HL_FN bool alike(const Block& b, int i, double tolerance) {
 // Lanes that must be idle for drops from the next one on to be loaded: a few, or `most` where drops are much alike, as
 // neighbours in a map are. Such drops go the same way, and loaded together they keep in step.
 template <class R>
-HL_FN int due(const Block& b, int next, int most) {
+HL_FN int due(const Batch& b, int next, int most) {
     return next < b.count && alike(b, next, 0.1) ? most : (Lanes<R>::count + 7) / 8;
 }
 
-// Drop i of the block into a lane; `start` completes it.
+// Drop i of the batch into a lane; `start` completes it.
 template <class R>
-HL_FN void load(State<R>& q, int lane, const Block& b, int i) {
+HL_FN void load(State<R>& q, int lane, const Batch& b, int i) {
     put(q.s.a1, lane, b.a1[i]);
     put(q.s.a2, lane, b.a2[i]);
     put(q.s.c1, lane, b.c1[i]);
@@ -304,7 +304,7 @@ HL_FN void start(State<R>& q, Mask<R> m) {
 }
 
 template <class R>
-HL_FN void store(const State<R>& q, int lane, const Block& b, int i) {
+HL_FN void store(const State<R>& q, int lane, const Batch& b, int i) {
     b.contacts[i] = get(q.contacts, lane);
     b.t_first[i] = get(q.t_first, lane);
     b.t_end[i] = get(q.t_end, lane);

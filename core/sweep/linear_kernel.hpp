@@ -3,7 +3,7 @@
 // A step takes lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step of a method of
 // third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where bounds show
 // that this is the next event; else a careful step takes one piece exactly as column/exact/run.hpp does. Each round is
-// spent on the step that most lanes wait for, and lanes that are done take the next drops of the block.
+// spent on the step that most lanes wait for, and lanes that are done take the next drops of the batch.
 //
 // Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
 // not depend on its neighbours, hence neither on the width of the vector nor on the order of the drops.
@@ -480,7 +480,7 @@ HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
     return m;
 }
 
-// The modes of the next drops of a block. Neighbours in a map often share them; then they are found once.
+// The modes of the next drops of a batch. Neighbours in a map often share them; then they are found once.
 template <class R>
 class ModesAhead {
     static constexpr int W = Lanes<R>::count;
@@ -489,7 +489,7 @@ class ModesAhead {
 
 public:
     // Of drop i, the one after the last asked for, into a lane that holds those of row `held`.
-    HL_FN void put_into(Modes<R>& k, int lane, int& held, const Block& b, int i) {
+    HL_FN void put_into(Modes<R>& k, int lane, int& held, const Batch& b, int i) {
         if (!alike(b, i, 0.0)) {
             if (i >= end) find(b, i);
             source = i - first;
@@ -503,7 +503,7 @@ public:
     }
 
 private:
-    HL_FN void find(const Block& b, int i) {
+    HL_FN void find(const Batch& b, int i) {
         first = i;
         end = i + W;
         Groups<R> s{};
@@ -533,9 +533,9 @@ HL_FN void damping_ratios(double* values, int count) {
     }
 }
 
-// Solves the drops of a block.
+// Solves the drops of a batch.
 template <class R>
-HL_FN void solve_block(const Block& b) {
+HL_FN void solve_batch(const Batch& b) {
     using namespace lanes;
     constexpr int W = Lanes<R>::count;
     State<R> q{};

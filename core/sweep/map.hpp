@@ -1,4 +1,4 @@
-// A map: every point of a grid (or list) of parameters, in blocks, on a few threads.
+// A map: every point of a grid (or list) of parameters, in batches, on a few threads.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -50,7 +50,7 @@ struct Job {
     std::mutex guard;
     std::vector<LargeCount> large;  // under the guard
     std::once_flag begun;
-    // Of floor and pair, for each ε of their axis; empty: found block by block.
+    // Of floor and pair, for each ε of their axis; empty: found batch by batch.
     std::vector<double> damping[2];
 
     // Of ε of floor (0) or pair (1), for a law that is given by it.
@@ -84,15 +84,17 @@ struct Job {
 // How a law gets through its vector kernel; a law without one is solved point by point.
 template <class Law>
 struct Vectorised {
+    static constexpr bool on_gpu = false;  // whether kernel.cu is this kernel
     static bool covers(Model) { return false; }
 };
 
 template <>
 struct Vectorised<contact::LinearDashpot> {
-    using Block = hardlimit_abi::Block;
+    using Batch = hardlimit_abi::Batch;
     using Kernel = hardlimit_abi::Kernel;
+    static constexpr bool on_gpu = true;
     static bool covers(Model model) { return model != Model::independent; }
-    static void solve(const Kernel& kernel, const Block& b, double) { kernel.solve(b); }
+    static void solve(const Kernel& kernel, const Batch& b, double) { kernel.solve(b); }
     // What the law needs to know of each ε, in place: β/ω0.
     static void invert(const Kernel& kernel, double* restitution, int n) {
         for (int i = 0; i < n; ++i) restitution[i] = -math::log(restitution[i]);
@@ -105,10 +107,11 @@ struct Vectorised<contact::LinearDashpot> {
 
 template <>
 struct Vectorised<contact::Viscoelastic> {
-    using Block = hardlimit_abi::Block;
+    using Batch = hardlimit_abi::Batch;
     using Kernel = hardlimit_abi::Kernel;
+    static constexpr bool on_gpu = false;
     static bool covers(Model model) { return model == Model::newton; }
-    static void solve(const Kernel& kernel, const Block& b, double log2_tolerance) {
+    static void solve(const Kernel& kernel, const Batch& b, double log2_tolerance) {
         kernel.solve_viscoelastic(b, log2_tolerance);
     }
     static void invert(const Kernel&, double* restitution, int n) {
@@ -122,15 +125,15 @@ private:
     Rates rates;
 };
 
-// Points of one block on their way through the vector kernel.
+// Points of one batch on their way through the vector kernel.
 template <class Law>
-class VectorBlock {
+class VectorBatch {
     using Via = Vectorised<Law>;
 
 public:
     static constexpr int most = 1024;
 
-    VectorBlock(Job& j, Stop& stop_) : job(j), stop(stop_) {
+    VectorBatch(Job& j, Stop& stop_) : job(j), stop(stop_) {
         for (int i = 0; i < parameter_count; ++i) {
             const Axis& k = job.axes[static_cast<std::size_t>(i)];
             if (k.size > 1)
@@ -148,7 +151,7 @@ public:
             fill(value[varying[v]], job.axes[static_cast<std::size_t>(varying[v])], job.first + first, count);
         if (job.setting.restitution_at >= 0) damping();
         enter();
-        Via::solve(*job.kernel, drops.block(), job.log2_tolerance);
+        Via::solve(*job.kernel, drops.batch(), job.log2_tolerance);
         leave();
     }
 
@@ -263,7 +266,8 @@ private:
 
     // Apart: copied into both loops, the scalar solver itself came out 1 to 2 % slower.
     HL_FN_APART void solve_alone(int i) {
-        job.put(first + static_cast<u64>(i), solve_point<Law>(job.setting, parameters(i)));
+        const PointResult r = solve_point<Law>(job.setting, parameters(i), stop);
+        if (!stop.stopped()) job.put(first + static_cast<u64>(i), r);
     }
 };
 
@@ -284,36 +288,39 @@ void tabulate_damping(Job& job) {
     }
 }
 
-// Takes blocks until none is left; each result depends on its point alone, so neither the number of threads nor the
-// order matters.
+// Takes batches of `size` points until none is left; each result depends on its point alone, so neither the number of
+// threads nor the order matters.
 template <class Law>
-void work(Job& job, u64 block, Stop& stop) {
-    const auto each_block = [&](const auto& solve) {
+void work(Job& job, u64 size, Stop& stop) {
+    const auto each_batch = [&](const auto& solve) {
         for (;;) {
-            const u64 begin = job.next.fetch_add(block);
+            const u64 begin = job.next.fetch_add(size);
             if (begin >= job.count || stop.now()) break;
-            const u64 end = begin + block < job.count ? begin + block : job.count;
+            const u64 end = begin + size < job.count ? begin + size : job.count;
             solve(begin, end);
             job.done += end - begin;
         }
     };
     const auto by_point = [&](u64 begin, u64 end) {
         Cursor at(job.axes, job.first + begin);
-        for (u64 i = begin; i < end && !stop.now(); ++i, at.next())
-            job.put(i, solve_point<Law>(job.setting, parameters_at(at.values())));
+        for (u64 i = begin; i < end; ++i, at.next()) {
+            const PointResult r = solve_point<Law>(job.setting, parameters_at(at.values()), stop);
+            if (stop.stopped()) return;
+            job.put(i, r);
+        }
     };
     if (job.kernel && Vectorised<Law>::covers(job.setting.model)) {
         if constexpr (requires { typename Vectorised<Law>::Kernel; }) {
-            constexpr int most = VectorBlock<Law>::most;
+            constexpr int most = VectorBatch<Law>::most;
             std::call_once(job.begun, tabulate_damping<Law>, std::ref(job));
-            const auto lanes = std::make_unique<VectorBlock<Law>>(job, stop);
-            each_block([&](u64 begin, u64 end) {
+            const auto lanes = std::make_unique<VectorBatch<Law>>(job, stop);
+            each_batch([&](u64 begin, u64 end) {
                 for (u64 i = begin; i < end && !stop(); i += most)
                     lanes->solve(i, static_cast<int>(end - i < most ? end - i : most));
             });
         }
     } else {
-        each_block(by_point);
+        each_batch(by_point);
     }
 }
 

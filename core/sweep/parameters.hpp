@@ -3,10 +3,11 @@
 #pragma once
 #include "../column/effective_restitution.hpp"
 #include "../column/exact/scaling.hpp"
+#include "../column/model.hpp"
 
 namespace hardlimit::sweep {
 
-enum class Model : int { newton = 0, adiabatic = 1, independent = 2 };
+using column::Model;
 
 // The physical parameters of a point. Mass or density of each ball, whichever the user gave; a radius ratio that is
 // not NaN replaces the lower radius.
@@ -87,8 +88,8 @@ HL_FN bool measure(const Setting& setting, Parameters& q, Bodies& b) {
     return b.height >= 0.0;
 }
 
-// A drop for the kernel of linear_kernel.hpp under the linear law; false if the point is not one for it. The damping ratios
-// β/ω0 of floor and pair count when the law is given by ε.
+// A drop for the kernel of linear_kernel.hpp under the linear law; false if the point is not one for it. The damping
+// ratios β/ω0 of floor and pair count when the law is given by ε.
 HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, double pair_ratio,
                  column::Start& s) {
     Bodies b;

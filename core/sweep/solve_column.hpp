@@ -8,7 +8,7 @@ namespace hardlimit::sweep {
 
 // What all points have in common.
 struct ColumnSetting {
-    column::Model model;
+    Model model;
     int alternative;                     // of the law's parameters
     std::vector<unsigned char> density;  // [N] whether the matter of a ball is its density, else its mass
     double tolerance;                    // of the general solver

@@ -7,8 +7,9 @@
 
 namespace hardlimit::sweep {
 
+// Of no use where `stop` has ended it.
 template <class Law>
-PointResult solve_point(const Setting& setting, Parameters p) {
+PointResult solve_point(const Setting& setting, Parameters p, Stop& stop) {
     PointResult r;
     if (!math::is_nan(p.radius_ratio)) p.radius_1 = p.radius_ratio * p.radius_2;
     const double height = p.height - p.radius_1;
@@ -21,14 +22,14 @@ PointResult solve_point(const Setting& setting, Parameters p) {
     const Law floor_law = Law::from_parameters(setting.alternative, p.floor_law, floor);
     const Law pair_law = Law::from_parameters(setting.alternative, p.pair_law, pair);
     const column::Gaps start{height, p.velocity_1, p.gap, p.velocity_2 - p.velocity_1};
-    if constexpr (std::is_same_v<Law, contact::LinearDashpot>) {
+    if constexpr (column::has_exact_solver<Law>) {
         if (setting.model != Model::independent) {
             const column::Start s = column::start_two_ball(
                 floor_law, pair_law, m1, m2, p.gravity, start,
                 setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
             r.outcome = s.outcome;
             if (s.outcome != Outcome::ok) return r;
-            column::NoRecorder none;
+            column::NoRecorder none{&stop};
             column::Sequence q = column::run_two_ball(s.groups, s.first, s.t, -math::infinity, none);
             column::to_si(q, s.units);
             finish(q, setting, p, speed, r);
@@ -46,10 +47,11 @@ PointResult solve_point(const Setting& setting, Parameters p) {
     if (math::is_nan(column::fall_time(height, p.velocity_1, p.gravity))) {
         r.outcome = Outcome::never_lands;
     } else if (setting.model == Model::independent) {
-        finish(column::solve_independent(c, math::nan).sequence, setting, p, speed, r);
+        finish(column::solve_independent(c, math::nan, &stop).sequence, setting, p, speed, r);
     } else {
         column::IntegrateOptions options;
         options.tolerance = setting.tolerance;
+        options.stop = &stop;
         finish(column::integrate(c, options).sequence, setting, p, speed, r);
     }
     return r;

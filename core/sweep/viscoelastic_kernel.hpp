@@ -456,9 +456,9 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
 
 }  // namespace viscoelastic
 
-// Solves the drops of a block.
+// Solves the drops of a batch.
 template <class R>
-HL_FN void solve_viscoelastic_block(const Block& b, double log2_tolerance) {
+HL_FN void solve_viscoelastic_batch(const Batch& b, double log2_tolerance) {
     using namespace lanes;
     constexpr int W = Lanes<R>::count;
     State<R> q{};

@@ -11,6 +11,9 @@ from .contact import Contact, Law
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
+from .particles.event_driven import event_driven, resume
+from .particles.result import ParticleResult
+from .particles.system import ParticleSystem
 from .sweep import sweep
 
 __version__: str = _core.version
@@ -28,14 +31,18 @@ __all__ = [
     "Comparison",
     "Contact",
     "Law",
+    "ParticleResult",
+    "ParticleSystem",
     "Result",
     "Verdict",
     "adiabatic",
     "compare",
+    "event_driven",
     "independent",
     "newton",
     "restitution_pade",
     "restitution_series",
+    "resume",
     "sweep",
     "usual_damping",
     *(name for name in _laws if name != "LAWS"),

@@ -29,7 +29,7 @@ def solvable_exactly(column: Scenario) -> bool:
     if not column.floor or len(column.balls) != 2:
         return False
     floor, pair = column.laws
-    return bool(floor.record["name"] == pair.record["name"] == "linear")
+    return floor.record is pair.record and _core.has_exact_solver(floor.record["name"])
 
 
 @dataclass(frozen=True)

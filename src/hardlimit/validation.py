@@ -149,6 +149,62 @@ def array(
     return found
 
 
+def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float64]:
+    """``count`` numbers as an array of its own; a single number stands for all of them and takes no room.
+
+    Raises
+    ------
+    ValueError
+        If there are not ``count`` numbers, or one of them is outside the range; names its place.
+    """
+    if _as_float(values) is not None:
+        return np.broadcast_to(np.float64(number(name, values, **limits)), count)
+    found = _as_array(values)
+    if found is None or found.ndim != 1:
+        raise ValueError(f"{name}: got {shown(values)}, must be a number or {count} numbers")
+    if len(found) != count:
+        raise ValueError(f"{name}: got {len(found)} values, must be {count}")
+    _check_each(name, found, **limits)
+    return _of_its_own(found, values)
+
+
+def _check_each(name: str, found: NDArray[np.float64], **limits: Any) -> None:
+    try:
+        array(name, found, empty_allowed=True, **limits)
+    except ValueError:
+        for i, value in enumerate(found):  # the first bad one refuses, with its place
+            number(f"{name}[{i}]", value, **limits)
+        raise
+
+
+def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
+    """Finite numbers in rows of one of these widths, as an array of its own.
+
+    Raises
+    ------
+    ValueError
+        If it has another shape or no rows, or a number is not finite; names the row.
+    """
+    shapes = " or ".join(f"(N, {width})" for width in widths)
+    found = _as_array(values)
+    if found is None:
+        raise ValueError(f"{name}: got {shown(values)}, must be numbers of shape {shapes}")
+    if found.ndim != 2 or found.shape[1] not in widths or len(found) == 0:
+        raise ValueError(f"{name}: got shape {found.shape}, must be {shapes} with N >= 1")
+    good = np.isfinite(found)
+    if not good.all():
+        bad = int(np.argmin(good.all(axis=1)))
+        raise ValueError(f"{name}[{bad}]: got {found[bad].tolist()}, must be finite")
+    return _of_its_own(found, values)
+
+
+def _of_its_own(found: NDArray[np.float64], given: Any) -> NDArray[np.float64]:
+    """A read-only array that nobody else can change."""
+    kept = found.copy() if hasattr(given, "__array__") else found
+    kept.flags.writeable = False
+    return kept
+
+
 def _as_float(value: Any) -> float | None:
     """A number as a float, too large ones as infinity; None for anything else."""
     if isinstance(value, bool | np.timedelta64):  # Python and NumPy count both among the whole numbers

@@ -81,14 +81,30 @@ function endOfFilm(s: Scenario, t: Track): number {
 
 // Goes on after the sequence, to the end of the film or as far as the model can be followed. Independent collisions can
 // accumulate again and again: a film shows no more of them than this.
-const mostEvents = 20_000;
+const mostEvents = 10_000;
 
 function goOn(core: Core, model: Model, t: Track, stop: number): void {
   const longer = core.solve(model, stop, t.run.events + mostEvents);
   if (!longer || !(longer.last >= t.run.last)) return void core.solve(model);
   t.shown = longer.contacts;
   t.known = longer.last;
-  t.later = core.reboundHeights(model);
+}
+
+// Greatest heights after the first bounce that the samples show; between two of them a ball that turns is in flight.
+function laterHeights(t: Track): number[] {
+  const { times, rows, balls: n } = t.samples;
+  const size = rows.length / times.length;
+  return Array.from({ length: n }, (_, i) => {
+    const bounce = t.shown.find((c) => c.pair === i && c.end >= 0)?.end ?? Infinity;
+    let most = NaN;
+    for (let k = times.findIndex((time) => time >= bounce); k >= 0 && k < times.length; k++) {
+      const [z, v] = [rows[k * size + i], rows[k * size + n + i]];
+      const turns = v > 0 && k + 1 < times.length && rows[(k + 1) * size + n + i] < 0;
+      const top = turns && v < 2 * GRAVITY * (times[k + 1] - times[k]) ? z + (v * v) / (2 * GRAVITY) : z;
+      if (!(top <= most)) most = top;
+    }
+    return most;
+  });
 }
 
 // `report` is told what begins, as a share of the whole.
@@ -171,6 +187,7 @@ function sampleFilm(core: Core, d: Solved): void {
     }
     const sorted = Float64Array.from(times).filter((time) => time >= d.start && time <= Math.min(t.known, d.stop)).sort();
     t.samples = { times: sorted, rows: core.rows(model, sorted), balls: d.scenario.balls.length };
+    t.later = d.scenario.cradle ? [] : laterHeights(t);
   }
   findExtent(d);
 }

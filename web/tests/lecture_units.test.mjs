@@ -1,11 +1,10 @@
 // The parts of the lecture that need no browser: sentences, curves, measured balls and heights, links.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { load, random as randomness } from "./modules.mjs";
-import { randomScenario } from "./scenarios.mjs";
+import { randomness, randomScenario, sources, wasm } from "./sources.mjs";
 
-const lib = await load("why", "measurements", "measured");
-const { core } = lib;
+const lib = await sources("why", "core", "scenario", "measurements", "measured");
+const core = new lib.Core(wasm());
 
 // What why() is made of.
 function factsOf(s) {

@@ -163,12 +163,12 @@ inline double scaled_span(double until, const Units& units) {
 }
 
 // Nothing but the sequence, in SI units.
-inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until) {
+inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until, Stop* stop) {
     const Start s = start_drop(c, coupling);
     Sequence q;
     q.outcome = s.outcome;
     if (s.outcome != Outcome::ok) return q;
-    NoRecorder none;
+    NoRecorder none{stop};
     q = run_two_ball(s.groups, s.first, s.t, scaled_span(until, s.units), none);
     to_si(q, s.units);
     return q;
@@ -192,10 +192,10 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, b
     return d;
 }
 
-// Dissipated energy up to each node [J].
-inline std::vector<double> dissipated_energy(const LinearColumn& c, const Drop& d) {
+// Dissipated energy up to each node [J]; of no use where `stop` has ended it.
+inline std::vector<double> dissipated_energy(const LinearColumn& c, const Drop& d, Stop& stop) {
     std::vector<double> sum{0.0};
-    for (std::size_t i = 0; i + 1 < d.nodes.size(); ++i)
+    for (std::size_t i = 0; i + 1 < d.nodes.size() && !stop(); ++i)
         sum.push_back(sum[i] +
                       drop::dissipated_over(c, d.start, d.nodes[i], d.nodes[i + 1].t - d.nodes[i].t));
     return sum;

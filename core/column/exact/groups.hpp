@@ -4,6 +4,12 @@
 
 namespace hardlimit::column {
 
+// Whether the equations of motion of two balls on a floor have a piecewise closed form under a law.
+template <class Law>
+inline constexpr bool has_exact_solver = false;
+template <>
+inline constexpr bool has_exact_solver<contact::LinearDashpot> = true;
+
 // The dimensionless groups of the problem.
 template <class R>
 struct Groups {

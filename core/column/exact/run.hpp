@@ -1,5 +1,6 @@
 // The run of the exact two-ball solver: from event to event until the sequence is over.
 #pragma once
+#include "../../stop.hpp"
 #include "../sequence.hpp"
 #include "events.hpp"
 #include "glide.hpp"
@@ -280,11 +281,13 @@ HL_FN Sequence run_two_ball(const TwoBall& s, const Gaps& start, double t, doubl
 
 // For maps: nothing but the sequence itself.
 struct NoRecorder {
+    Stop* stop = nullptr;
+
     HL_FN void node(const Node&) {}
     HL_FN void clock_restarts(double) {}
     HL_FN void begins(int, double) {}
     HL_FN void ends(int, double) {}
-    HL_FN bool stopped() { return false; }
+    HL_FN bool stopped() const { return stop && (*stop)(); }
 };
 
 }  // namespace hardlimit::column

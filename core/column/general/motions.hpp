@@ -50,7 +50,7 @@
 #include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
-#include "dormand_prince.hpp"
+#include "../../dormand_prince.hpp"
 
 namespace hardlimit::column {
 

@@ -1,4 +1,4 @@
-"""The command line: ``hardlimit drop | contact | paper | sweep | explore | completion``. It computes nothing itself."""
+"""The command line ``hardlimit``: one module for each command. It computes nothing itself."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from .completion import completion
 from .contact import contact
 from .drop import drop
 from .explore import explore
+from .gas import gas
 from .paper import paper
 from .program import Program
 from .sweep import sweep
@@ -25,12 +26,12 @@ from .sweep import sweep
 def main(context: click.Context) -> None:
     """How far can you trust an event-driven simulation?
 
-    Columns of balls as instantaneous collisions and under Newton's equations, side by side. Quantities are in
-    SI units, or bear their unit: 1e-3 or 1mm.
+    Columns of balls as instantaneous collisions and under Newton's equations, side by side; boxes of grains as
+    hard spheres. Quantities are in SI units, or bear their unit: 1e-3 or 1mm.
     """
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 
 
-for command in (drop, contact, paper, sweep, explore, completion):
+for command in (drop, contact, paper, sweep, gas, explore, completion):
     main.add_command(command)

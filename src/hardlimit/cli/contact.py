@@ -13,8 +13,7 @@ from ..approximations import usual_damping
 from ..bodies import FLOOR, Ball
 from ..column import files
 from ..column.scenario import Column
-from ..contact import Contact, Law
-from ..laws import LAWS
+from ..contact import Contact, Law, law_parameters
 from .drop_report import law_text
 from .options import given_law_parameters, law_options, options, output_option, quantity_option, writable
 from .printing import console, digits, length, print_json, quantity, show, table
@@ -111,18 +110,24 @@ def default_speeds(made: Contact) -> list[float]:
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
 
+def takes_usual_formula(law: Law) -> bool:
+    """Whether the law is a spring and a dashpot, for whose damping the usual formula is made."""
+    units = {name: p["unit"] for name, p in law_parameters(type(law)).items()}
+    return units.get("stiffness") == "N/m" and units.get("damping") == "N s/m"
+
+
 def usual_formula(made: Contact) -> dict[str, float] | None:
-    """What the usual formula's damping gives; only where one ε was asked of a linear law."""
+    """What the usual formula's damping gives; only where one ε was asked of a spring and a dashpot."""
     asked = made.law.specified_restitution
-    if made.law.record["name"] != "linear" or math.isnan(asked):
+    if not takes_usual_formula(made.law) or math.isnan(asked):
         return None
     return {"asked": asked, **obtained(made, asked)}
 
 
 def obtained(made: Contact, asked: float) -> dict[str, float]:
-    """Damping by the usual formula and the restitution it leads to, for a contact of a linear law."""
+    """Damping by the usual formula and the restitution it leads to, for a contact of a spring and a dashpot."""
     damping = usual_damping(asked, made.stiffness, made.effective_mass)
-    law = LAWS["linear"](stiffness=made.stiffness, damping=damping)
+    law = type(made.law)(stiffness=made.stiffness, damping=damping)
     ball = Ball(radius=made.effective_radius, mass=made.effective_mass)
     return {"damping": damping, "restitution": float(law.between(ball).restitution())}
 
@@ -183,10 +188,10 @@ def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> di
 
 
 def draw(made: Contact, path: Any) -> None:
-    """Restitution over speed, or, for a linear law, obtained over asked."""
+    """Restitution over speed, or, for a spring and a dashpot, obtained over asked."""
     from ..pictures import plots
 
-    if made.law.record["name"] != "linear":
+    if not takes_usual_formula(made.law):
         middle = made.law.parameters.get("impact_speed", 1.0)
         plots.save(plots.restitution_over_speed(made, np.geomspace(1e-3, 1e1, 200) * middle), path)
         return

@@ -211,11 +211,18 @@ def _laws(table: Any) -> tuple[Law, ...]:
         count = "neither" if table.law is None else "both"
         raise ValueError(f"law | laws: got {count}, must be one [law] or one [[laws]] for each contact")
     if table.law is not None:
-        return (_law("law.", table.law),)
-    return tuple(_law(f"laws[{i}].", one) for i, one in enumerate(table.laws))
+        return (law_from_table("law.", table.law),)
+    return tuple(law_from_table(f"laws[{i}].", one) for i, one in enumerate(table.laws))
 
 
-def _law(where: str, table: Struct) -> Law:
+def law_from_table(where: str, table: Struct) -> Law:
+    """The law that a table describes; ``where`` stands before its keys in messages.
+
+    Raises
+    ------
+    ValueError
+        If its parameters do not make a law.
+    """
     kind = LAWS[str(table.__struct_config__.tag)]
     units_of = {name: record["unit"] for name, record in law_parameters(kind).items()}
     given = _given(table, where, units_of)
@@ -252,13 +259,20 @@ def with_law(scenario: Scenario, name: str | None, parameters: Mapping[str, floa
     Without ``name`` the parameters decide: those of another law only mean that law.
     """
     kind = type(scenario.laws[0]) if scenario.laws else None
-    wanted = law_class(name) if name is not None else _law_with(kind, parameters)
+    wanted = law_class(name) if name is not None else law_with(kind, parameters)
     if wanted is not kind:
         return replace(scenario, laws=(wanted(**parameters),))
     return replace(scenario, laws=tuple(law.replace(**parameters) for law in scenario.laws))
 
 
-def _law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
+def law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
+    """The law that takes parameters of these names, the present one first.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
     laws = [law for law in (present, *LAWS.values()) if law is not None]
     for law in laws:
         if set(names) <= law_parameters(law).keys():

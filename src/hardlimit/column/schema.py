@@ -33,7 +33,7 @@ def _law_table(name: str) -> type[Struct]:
 LAW_TABLES = {name: _law_table(name) for name in LAWS}
 
 
-def _any_law() -> Any:
+def any_law() -> Any:
     """The union of all laws; the ``name`` of a table says which is meant."""
     first, *others = LAW_TABLES.values()
     union: Any = first
@@ -52,8 +52,8 @@ ColumnTable: Any = defstruct(
         ("gravity", Quantity | None, None),
         ("gaps", Quantity | list[Quantity] | None, None),
         ("velocities", Quantity | list[Quantity] | None, None),
-        ("law", _any_law() | None, None),
-        ("laws", list[_any_law()] | None, None),  # type: ignore[misc]
+        ("law", any_law() | None, None),
+        ("laws", list[any_law()] | None, None),  # type: ignore[misc]
     ],
     forbid_unknown_fields=True,
 )

@@ -8,6 +8,7 @@ This module gathers what may be called; each subject has a module of its own.
 from .contacts import restitution_obtained, restitution_over_speed
 from .drop import drop
 from .forces import forces
+from .gas import gas
 from .heights import heights
 from .maps import count_map, difference_map, sweep_map
 from .style import count_colours, save, style
@@ -18,6 +19,7 @@ __all__ = [
     "difference_map",
     "drop",
     "forces",
+    "gas",
     "heights",
     "restitution_obtained",
     "restitution_over_speed",

@@ -45,12 +45,12 @@ def check(plan: Any) -> None:
     Raises
     ------
     ValueError
-        Unless two balls fall under the linear law, model newton or adiabatic, and no variable is one of each ball.
+        Unless two balls fall under a law and a model for which there is a kernel, and no variable is one of each ball.
     """
     if not isinstance(plan, Plan) or plan.balls != 2:
         need = "must be 'cpu' or 'dask' unless two balls are swept"
-    elif plan.law != "linear" or plan.model == "independent":
-        need = "must be 'cpu' or 'dask' unless the law is linear and the model newton or adiabatic"
+    elif not _core.has_gpu_kernel(plan.law, MODELS.index(plan.model)):
+        need = f"must be 'cpu' or 'dask' for the law {plan.law} and the model {plan.model}"
     elif set(plan.variables) & set(OF_BALL):
         need = f"must be 'cpu' or 'dask' for {', '.join(OF_BALL)}"
     else:

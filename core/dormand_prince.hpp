@@ -8,9 +8,9 @@
 // There is no interpolant. A state inside a step is the end of a shorter step from the same start: it has the
 // full order, at the price of the twelve stages, and nothing but the start needs to be remembered.
 #pragma once
-#include "../../math.hpp"
+#include "math.hpp"
 
-namespace hardlimit::column {
+namespace hardlimit {
 
 struct DormandPrince {
     static constexpr int order = 8;
@@ -122,4 +122,4 @@ private:
     }
 };
 
-}  // namespace hardlimit::column
+}  // namespace hardlimit

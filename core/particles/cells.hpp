@@ -1,0 +1,243 @@
+// Which particles are where: grids of cells, one inside the other.
+//
+// A particle lies in the finest grid whose cells are as long as its diameter. Two particles can touch only where the
+// smaller one's place and the larger one's cell are neighbours in the grid of the larger one. A cell of one grid is 2^d
+// cells of the next finer one, so that a border of a coarse cell is one of a fine cell too. Grids of fewer than three
+// cells along an axis are no special case: neighbours are counted by offset, and an image of a particle that lies one
+// period away is another neighbour.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "box.hpp"
+
+namespace hardlimit::particles {
+
+// Up to three ids, then their number; or, where there are more, four more than the index of the cell that holds the rest.
+struct Cell {
+    u32 id[3];
+    u32 tail;
+};
+static_assert(sizeof(Cell) == 16);
+
+template <int d>
+struct Grid {
+    int cells[d];     // along each axis
+    double edge[d];   // of a cell [m]
+    u32 first;        // cell of the grid, among those of all grids
+    double diameter;  // of the largest particle in it [m]
+};
+
+template <int d>
+struct Place {
+    int at[d];
+
+    int& operator[](int k) { return at[k]; }
+    int operator[](int k) const { return at[k]; }
+};
+
+template <int d>
+class Cells {
+public:
+    // Grids for `n` particles, the finest first.
+    Cells() = default;
+    Cells(const Box<d>& box, std::size_t n, double smallest, double largest) {
+        lay(box, n, smallest, largest);
+    }
+
+    const std::vector<Grid<d>>& grids() const { return grids_; }
+    int levels() const { return static_cast<int>(grids_.size()); }
+
+    int level_for(double diameter) const {
+        int level = 0;
+        while (level + 1 < levels() && diameter > grids_[level].diameter) ++level;
+        return level;
+    }
+
+    u32 number(int level, const Place<d>& place) const {
+        const Grid<d>& g = grids_[level];
+        u32 index = static_cast<u32>(place[d - 1]);
+        for (int k = d - 2; k >= 0; --k)
+            index = index * static_cast<u32>(g.cells[k]) + static_cast<u32>(place[k]);
+        return g.first + index;
+    }
+    Place<d> place(int level, u32 cell) const {
+        const Grid<d>& g = grids_[level];
+        u32 index = cell - g.first;
+        Place<d> p;
+        for (int k = 0; k < d - 1; ++k) {
+            const u32 n = static_cast<u32>(g.cells[k]), rest = index / n;
+            p[k] = static_cast<int>(index - rest * n);
+            index = rest;
+        }
+        p[d - 1] = static_cast<int>(index);
+        return p;
+    }
+    Place<d> place_of(int level, const double (&position)[d]) const {
+        const Grid<d>& g = grids_[level];
+        Place<d> p;
+        for (int k = 0; k < d; ++k)
+            p[k] = std::clamp(static_cast<int>(position[k] / g.edge[k]), 0, g.cells[k] - 1);
+        return p;
+    }
+
+    void insert(u32 cell, u32 id) {
+        Cell* c = &cells_[cell];
+        while (c->tail > inline_ids) c = &spilled_[c->tail - linked];
+        if (c->tail < inline_ids) {
+            c->id[c->tail++] = id;
+            return;
+        }
+        const std::ptrdiff_t at =
+            c >= spilled_.data() && c < spilled_.data() + spilled_.size() ? c - spilled_.data() : -1;
+        const u32 more = new_cell();
+        if (at >= 0) c = &spilled_[static_cast<std::size_t>(at)];
+        c->tail = linked + more;
+        spilled_[more] = {{id, nobody, nobody}, 1};
+    }
+    void remove(u32 cell, u32 id) {
+        Cell* c = &cells_[cell];
+        Cell* before = nullptr;
+        u32* found = nullptr;
+        for (;;) {
+            const u32 held = std::min(c->tail, inline_ids);
+            for (u32 k = 0; k < held; ++k)
+                if (c->id[k] == id) found = &c->id[k];
+            if (c->tail <= inline_ids) break;
+            before = c;
+            c = &spilled_[c->tail - linked];
+        }
+        *found = c->id[--c->tail];
+        if (c->tail == 0 && before) {
+            free_.push_back(before->tail - linked);
+            before->tail = inline_ids;
+        }
+    }
+    void clear() {
+        std::fill(cells_.begin(), cells_.end(), Cell{{nobody, nobody, nobody}, 0});
+        spilled_.clear();
+        free_.clear();
+    }
+
+    // Writes the ids to list[n …] and returns the new n. The list has room for at least four more ids, and keeps it.
+    std::size_t collect(u32 cell, std::vector<u32>& list, std::size_t n) const {
+        const Cell* c = &cells_[cell];
+        u32* to = list.data() + n;
+        to[0] = c->id[0], to[1] = c->id[1], to[2] = c->id[2];
+        if (c->tail <= inline_ids) return n + c->tail;
+        return collect_chain(c, list, n);
+    }
+    // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles in the
+    // cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
+    template <class F>
+    void for_block(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to, const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        Place<d> at = from;
+        for (;;) {
+            Place<d> cell = at;
+            double shift[d] = {};
+            bool inside = true;
+            for (int k = 0; k < d; ++k) {
+                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.edge[k];
+                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.edge[k];
+                inside = inside && (box.periodic[k] || shift[k] == 0.0);
+            }
+            if (inside) f(number(level, cell), shift);
+            int k = 0;
+            for (; k < d && at[k] == to[k]; ++k) at[k] = from[k];
+            if (k == d) return;
+            ++at[k];
+        }
+    }
+    // The block around a cell in its own grid and in each coarser one: f(level, from, to).
+    template <class F>
+    void for_neighbourhoods(int level, u32 cell, const F& f) const {
+        Place<d> at = place(level, cell), from, to;
+        for (; level < levels(); ++level) {
+            for (int k = 0; k < d; ++k) from[k] = at[k] - 1, to[k] = at[k] + 1, at[k] >>= 1;
+            f(level, from, to);
+        }
+    }
+    const Cell* data() const { return cells_.data(); }
+
+    std::size_t bytes() const {
+        return cells_.capacity() * sizeof(Cell) + spilled_.capacity() * sizeof(Cell) +
+               free_.capacity() * sizeof(u32);
+    }
+
+private:
+    static constexpr u32 inline_ids = 3, linked = 4;
+
+    std::vector<Grid<d>> grids_;
+    std::vector<Cell> cells_;
+    std::vector<Cell> spilled_;
+    std::vector<u32> free_;  // of the spilled ones
+
+    u32 new_cell() {
+        if (free_.empty()) {
+            spilled_.push_back({});
+            return static_cast<u32>(spilled_.size() - 1);
+        }
+        const u32 last = free_.back();
+        free_.pop_back();
+        return last;
+    }
+
+    std::size_t collect_chain(const Cell* c, std::vector<u32>& list, std::size_t n) const {
+        for (;;) {
+            if (list.size() < n + 128) list.resize(2 * n + 128);
+            for (u32 k = 0; k < inline_ids; ++k) list[n + k] = c->id[k];
+            n += std::min(c->tail, inline_ids);
+            if (c->tail <= inline_ids) return n;
+            c = &spilled_[c->tail - linked];
+        }
+    }
+
+    // Cells as long as the largest diameter, and longer where that would make more than two for each particle; finer
+    // grids while there are smaller particles and the cells stay few.
+    void lay(const Box<d>& box, std::size_t n, double smallest, double largest) {
+        const double most = 2.0 * static_cast<double>(n) + 32.0;
+        double edge = largest;
+        Grid<d> coarse = grid(box, edge);
+        while (count(coarse) > most) coarse = grid(box, edge *= 1.05);
+        coarse.diameter = largest;
+        grids_ = {coarse};
+        for (double half = 0.5;; half *= 0.5) {
+            Grid<d> g = grids_.back();
+            double longest = g.edge[0];
+            for (int k = 0; k < d; ++k) {
+                g.cells[k] *= 2;
+                g.edge[k] *= 0.5;
+                longest = k == 0 ? g.edge[0] : std::min(longest, g.edge[k]);
+            }
+            if (longest < smallest || count(g) > most) break;
+            g.diameter = longest;
+            grids_.push_back(g);
+        }
+        std::reverse(grids_.begin(), grids_.end());
+        u32 first = 0;
+        for (Grid<d>& g : grids_) {
+            g.first = first;
+            first += static_cast<u32>(count(g));
+        }
+        cells_.resize(first);
+        clear();
+    }
+    static Grid<d> grid(const Box<d>& box, double edge) {
+        Grid<d> g{};
+        for (int k = 0; k < d; ++k) {
+            g.cells[k] = std::max(1, static_cast<int>(math::min(box.edge[k] / edge, 1e9)));
+            // Rounding must not make a cell shorter than a diameter.
+            if (g.cells[k] > 1 && box.edge[k] / g.cells[k] < edge) --g.cells[k];
+            g.edge[k] = box.edge[k] / g.cells[k];
+        }
+        return g;
+    }
+    static double count(const Grid<d>& g) {
+        double product = 1.0;
+        for (int k = 0; k < d; ++k) product *= g.cells[k];
+        return product;
+    }
+};
+
+}  // namespace hardlimit::particles

@@ -1,0 +1,112 @@
+// A contact that nothing disturbs, in closed form from touch to parting.
+#pragma once
+#include "../newton_events.hpp"
+
+namespace hardlimit::particles {
+
+// In the plane of approach. False where there is no such end, or where a member would get too far.
+template <class Law>
+bool NewtonEvents<Law>::solve_pair(Isolated& l) const {
+    Touching<Law>& q = l.pair;
+    const Member &a = l.before[0], &b = l.before[1];
+    Vector3 normal, v, across;
+    for (std::size_t k = 0; k < 3; ++k) {
+        normal[k] = (b.position[k] - a.position[k]) + q.image[k];
+        v[k] = b.velocity[k] - a.velocity[k];
+    }
+    const double distance = math::sqrt(dot(normal, normal));
+    for (double& x : normal) x /= distance;
+    const double approach = -dot(normal, v);
+    for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
+    const double sideways = math::sqrt(dot(across, across));
+    if (!(approach > 0.0)) return false;
+    for (double& x : across) x = sideways > 0.0 ? x / sideways : 0.0;
+    const PlanarContact end = solve_planar_contact(q.law, Approach{q.mass, distance, approach, sideways});
+    if (end.outcome != Outcome::ok) return false;
+    const double separation = end.radial_speed, swing = end.tangential_speed;
+    l.contact = {0, now_, now_ + end.duration, approach, separation, false};
+    q.impact_speed = approach;
+    l.dissipated =
+        0.5 * q.mass * (end.speed_loss * (approach + separation) + (sideways - swing) * (sideways + swing));
+    // r × the equation of motion, integrated over the contact.
+    const double left = distance - end.compression;
+    l.virial = q.mass *
+               ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
+    part_pair(l, end, normal, across);
+    return l.span * (approach + sideways) <= travel() && l.margin <= widest_margin();
+}
+
+// On straight lines from the end of the force until the bodies are apart. The relative path leaves its chord by the
+// compression, by the arc that it turns through, and because it turns faster while it is compressed.
+template <class Law>
+void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal,
+                                  const Vector3& across) const {
+    const Member &a = l.before[0], &b = l.before[1];
+    const double distance = l.pair.reach, r = distance - end.compression;
+    const double out = end.radial_speed, swing = end.tangential_speed;
+    const double left = end.compression * (distance + r), along = r * out;
+    const double square = along * along + (out * out + swing * swing) * left;
+    const double parting = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
+    l.span = end.duration + parting;
+    const auto turn = math::sincos(end.turn);
+    const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
+    const double rn = r * turn.cos + vn * parting, rt = r * turn.sin + vt * parting;
+    const double total = a.mass + b.mass;
+    for (std::size_t m = 0; m < 2; ++m) {
+        Member& to = l.after[m] = l.before[m];
+        const double share = m == 0 ? -b.mass / total : a.mass / total;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double mean = (a.mass * a.velocity[k] + b.mass * b.velocity[k]) / total;
+            const double fall = box_.gravity[k] * l.span;
+            to.position[k] +=
+                l.span * (mean + 0.5 * fall) + share * ((rn - distance) * normal[k] + rt * across[k]);
+            to.velocity[k] = (mean + fall) + share * (vn * normal[k] + vt * across[k]);
+        }
+    }
+    const double deepest = 0.5 * l.contact.impact_speed * end.duration,
+                 angle = end.turn + parting * swing / r;
+    l.margin = 1.1 * (deepest * (1.0 + 2.5 * angle) + 0.25 * distance * angle * angle);
+}
+
+template <class Law>
+bool NewtonEvents<Law>::solve_wall(Isolated& l) const {
+    Touching<Law>& q = l.pair;
+    const auto axis = static_cast<std::size_t>(q.axis);
+    const Member& a = l.before[0];
+    const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
+    if (!(approach > 0.0)) return false;
+    const PlanarContact end =
+        solve_planar_contact(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
+    if (end.outcome != Outcome::ok) return false;
+    const double square = end.radial_speed * end.radial_speed - 2.0 * weight * end.compression;
+    if (square < 0.0) return false;
+    const double opening =
+        end.compression > 0.0 ? 2.0 * end.compression / (end.radial_speed + math::sqrt(square)) : 0.0;
+    l.span = end.duration + opening;
+    Member& to = l.after[0] = a;
+    for (std::size_t k = 0; k < 3; ++k) {
+        to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
+        to.velocity[k] += box_.gravity[k] * l.span;
+    }
+    to.position[axis] = q.wall + q.side * q.reach;
+    to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
+    l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
+    l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
+    q.impact_speed = approach;
+    l.margin = 1.1 * (0.5 * approach + math::abs(weight) * l.span) * l.span;
+    return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin();
+}
+
+// Whether the members stay away from all walls but that of the contact.
+template <class Law>
+bool NewtonEvents<Law>::far_from_walls(const Group& g, const Isolated& l) const {
+    for (int m = 0; m < static_cast<int>(g.body.size()); ++m)
+        for (int axis = 0; axis < box_.dimension; ++axis)
+            for (const bool high : {false, true}) {
+                const bool own = l.pair.second < 0 && l.pair.axis == axis && (l.pair.side < 0.0) == high;
+                if (box_.walled(axis) && !own && near_wall(g, m, axis, high)) return false;
+            }
+    return true;
+}
+
+}  // namespace hardlimit::particles

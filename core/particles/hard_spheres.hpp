@@ -1,0 +1,199 @@
+// Event-driven dynamics of hard spheres and disks.
+//
+// Each particle has two events pending: the earliest collision found, which is told to be superseded by the partner's
+// number of collisions, and one of its own, the border of its cell or a wall. Whoever collides looks for its next
+// collision among all neighbours; whoever enters a cell looks only into the cells that have become neighbours. A
+// collision that is superseded when its time comes makes its particle look anew: it was a lower bound for all others.
+//
+// Particles are held in an order of their own, along the cells. Nothing that comes out depends on it: where order
+// matters, in ties, the user's number of a particle decides.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "archive.hpp"
+#include "calendar.hpp"
+#include "cells.hpp"
+#include "collapse.hpp"
+#include "engine.hpp"
+#include "prediction.hpp"
+
+namespace hardlimit::particles {
+
+// Growing radii: σ(t) = (start + rate t) σ.
+struct Growth {
+    double start = 1.0;  // share of the radius at time 0
+    double rate = 0.0;   // [1/s]
+
+    double at(double time) const { return start + rate * time; }
+};
+
+template <int d, Motion motion, bool mixed>
+class HardSpheres final : public Engine {
+public:
+    // Predicting the first event of each particle takes a while; a run that `stop` has stopped is of no use.
+    HardSpheres(const Setting& s, const RuleChoice& rule, bool keep_log, Stop& stop, Growth growth = {});
+    // A run that was saved; failed() of the reader tells whether it could be.
+    explicit HardSpheres(Reader& saved);
+
+    void advance(double until, i64 most_rows, Stop& stop) override;
+    double time() const override { return now_; }
+    Counts counts() const override { return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, 0, 0}; }
+    Outcome outcome() const override { return outcome_; }
+    Collapse collapse() const override { return collapse_; }
+    void state(double* position, double* velocity) const override;
+    Observation observe() const override;
+    Log take_log() override { return std::exchange(log_, {}); }
+    std::vector<char> save() const override;
+    std::size_t bytes() const override;
+    int dimension() const override { return d; }
+    std::size_t size() const override { return particles_.size(); }
+
+private:
+    // Growing radii that touch part at this many times the speed at which they grow, or faster.
+    static constexpr double separation = 1.5;
+    static constexpr std::size_t least_candidates = 256;
+
+    // A particle as it is now.
+    struct Here {
+        u32 id;
+        double position[d], velocity[d];
+        double radius;
+        u32 except;  // not to be met: what the particle has just collided with
+    };
+    // The earliest collision found so far.
+    struct Earliest {
+        double in = math::infinity;  // [s] from now
+        u32 partner = nobody;
+    };
+
+    Box<d> box_{};
+    Rule rule_;
+    Growth growth_{};
+    bool keep_log_ = false;
+    double mass_ = 0.0;  // of all, unless mixed [kg]
+    double smallest_radius_ = 0.0, largest_radius_ = 0.0;
+    std::vector<Particle<d>> particles_;
+    std::vector<Pending> pending_;
+    std::vector<std::array<int, d>> periods_;  // by which the continuous path differs from the folded place
+    std::vector<u32> names_;                   // the user's number of each
+    std::vector<double> masses_;               // if mixed [kg]
+    Cells<d> cells_;
+    Calendar calendar_;
+    Tally<d> tally_;
+    CollapseWatch watch_;
+    Log log_;
+    double now_ = 0.0;  // [s]
+    Outcome outcome_ = Outcome::ok;
+    Collapse collapse_{math::nan, -1, 0};
+    std::vector<u32> candidates_;
+    double weight_energy_ = 0.0;   // M |g| R [J]
+    i64 refresh_after_ = 0;        // rows
+    std::vector<double> rescans_;  // time of the next look for smaller particles [s]
+    double fastest_ = 0.0;         // bound of the speeds of all particles [m/s]
+    bool small_box_ = false;       // a particle may have two images of another beside it
+
+    u32 size32() const { return static_cast<u32>(particles_.size()); }
+    double mass(u32 i) const {
+        if constexpr (mixed) return masses_[i];
+        return mass_;
+    }
+    double radius(u32 i) const {
+        if constexpr (mixed) return particles_[i].radius;
+        return largest_radius_;
+    }
+    int level(u32 i) const {
+        if constexpr (mixed) return cells_.level_for(2.0 * radius(i));
+        return 0;
+    }
+    double event_time(u32 i) const { return pending_[i].time(); }
+
+    void schedule(u32 i) {
+        calendar_.push(i, event_time(i), [this](u32 id) { return names_[id]; });
+    }
+    const Due* next_due() {
+        return calendar_.next([this](u32 id) { return event_time(id); },
+                              [this](u32 id) { return names_[id]; });
+    }
+
+    // hard_spheres_start.hpp
+    void take(const Setting& s);
+    void lay_cells(std::size_t n);
+    void put_into_cells();
+    void make_rule(const RuleChoice& choice);
+    void predict_all(Stop& stop);
+    void restart_calendar();
+    template <class Archive>
+    void archive(Archive& a);
+    void refresh_tally();
+
+    // hard_spheres_search.hpp
+    Here here(u32 i, u32 except) const;
+    Approach approach(const Here& p, const Particle<d>& q, const double (&shift)[d]) const;
+    void predict(u32 i, u32 except);
+    void predict_unscheduled(u32 i, u32 except);
+    void predict_own(u32 i);
+    void search_block(const Here& p, int level, const Place<d>& from, const Place<d>& to, Earliest& best);
+    void search_wrapped(const Here& p, int level, const Place<d>& from, const Place<d>& to, Earliest& best);
+    void search_finer(const Here& p, int level, Earliest& best);
+    void examine(const Here& p, std::size_t n, const double (&shift)[d], Earliest& best);
+    double frame_speed(const double (&velocity)[d]) const;
+    double fastest_possible() const;
+    void keep(u32 i, const Earliest& found);
+
+    // hard_spheres_events.hpp
+    void happen(u32 i);
+    void leave_cell(u32 i);
+    void meet_wall(u32 i);
+    void collide(u32 i, u32 j);
+    void advance_to_now(u32 i);
+    void nearest(u32 i, u32 j, double (&r)[d]) const;
+    bool had_before(u32 i, double waited) const;
+    double restitution(bool within_contact, double speed, PairGeometry pair);
+    PairGeometry geometry(u32 i, u32 j) const;
+    void note(u32 i, i64 second, double speed, double lost, double waited);
+};
+
+// What a saved run begins with, to be known before its type is.
+struct Kind {
+    int dimension;
+    Motion motion;
+    bool mixed;
+};
+
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& stop) {
+    while (outcome_ == Outcome::ok && (most_rows == 0 || tally_.rows() < most_rows)) {
+        const Due* due = next_due();
+        if (!due || due->time > until) {
+            now_ = math::max(now_, until);
+            return;
+        }
+        if (stop()) return;
+        now_ = math::max(now_, due->time);
+        const u32 i = due->id;
+        calendar_.pop();
+        happen(i);
+    }
+}
+
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) const {
+    for (u32 i = 0; i < size32(); ++i) {
+        const Particle<d>& p = particles_[i];
+        for (int k = 0; k < d; ++k) {
+            const std::size_t at = std::size_t{names_[i]} * d + static_cast<std::size_t>(k);
+            const double after = now_ - p.time;
+            position[at] = position_after<motion>(p, k, after, box_) + periods_[i][k] * box_.edge[k];
+            velocity[at] = velocity_after<motion>(p, k, after, box_);
+        }
+    }
+}
+
+}  // namespace hardlimit::particles
+
+#include "hard_spheres_events.hpp"
+#include "hard_spheres_search.hpp"
+#include "hard_spheres_start.hpp"

@@ -1,0 +1,202 @@
+// What happens when an event's time has come.
+#pragma once
+
+namespace hardlimit::particles {
+
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::happen(u32 i) {
+    const Pending& e = pending_[i];
+    if (e.pair_time <= e.own_time) {
+        if (pending_[e.partner].count == e.partner_count)
+            collide(i, e.partner);
+        else
+            predict(i, nobody);
+        return;
+    }
+    const Own own = static_cast<Own>(e.own);
+    if (own == Own::rescan) return predict(i, nobody);
+    const int axis = axis_of(own), level_i = level(i);
+    const int at = cells_.place(level_i, e.cell)[axis];
+    const int last = is_high(own) ? cells_.grids()[level_i].cells[axis] - 1 : 0;
+    if (at == last && !box_.periodic[axis])
+        meet_wall(i);
+    else
+        leave_cell(i);
+}
+
+// Moves on to the next cell and looks into the cells that have become neighbours, in its own grid and where the border
+// is one of a coarser grid too.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::leave_cell(u32 i) {
+    Pending& e = pending_[i];
+    Particle<d>& p = particles_[i];
+    const Own own = static_cast<Own>(e.own);
+    const int axis = axis_of(own), step = is_high(own) ? 1 : -1, fine = level(i);
+    const Grid<d>& g = cells_.grids()[fine];
+    Place<d> at = cells_.place(fine, e.cell);
+    cells_.remove(e.cell, i);
+    at[axis] += step;
+    if (at[axis] < 0 || at[axis] == g.cells[axis]) {
+        at[axis] -= step * g.cells[axis];
+        p.position[axis] -= step * box_.edge[axis];
+        periods_[i][static_cast<std::size_t>(axis)] += step;
+    }
+    e.cell = cells_.number(fine, at) & (most_cells - 1);
+    cells_.insert(e.cell, i);
+
+    const Here h = here(i, nobody);
+    Earliest best;
+    Place<d> place = at;
+    for (int q = fine;; ++q) {
+        Place<d> from, to;
+        for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
+        from[axis] = to[axis] = place[axis] + step;
+        search_block(h, q, from, to, best);
+        // The border just crossed is one of the next coarser grid where an even number of cells lies below it.
+        const int border = step > 0 ? place[axis] : place[axis] + 1;
+        if (q + 1 == cells_.levels() || border % 2 != 0) break;
+        for (int k = 0; k < d; ++k) place[k] >>= 1;
+    }
+    keep(i, best);
+    predict_own(i);
+    schedule(i);
+}
+
+// Bounces off the wall of its own event.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
+    Particle<d>& p = particles_[i];
+    const Own own = static_cast<Own>(pending_[i].own);
+    const int axis = axis_of(own);
+    const bool high = is_high(own);
+    const double waited = now_ - p.time;
+    advance_to_now(i);
+    if constexpr (motion == Motion::growing) {
+        const double size = radius(i) * growth_.at(now_), rate = radius(i) * growth_.rate;
+        p.position[axis] = high ? box_.edge[axis] - size : size;
+        const double away = math::max(math::abs(p.velocity[axis]), separation * rate);
+        p.velocity[axis] = high ? -away : away;
+        ++tally_.walls;
+    } else {
+        p.position[axis] = high ? box_.edge[axis] - radius(i) : radius(i);
+        const double speed = math::abs(p.velocity[axis]), m = mass(i);
+        const double e = restitution(had_before(i, waited), speed, {m, radius(i)});
+        const double before = p.velocity[axis];
+        p.velocity[axis] = high ? -e * speed : e * speed;
+        ++tally_.walls;
+        tally_.advance(now_);
+        const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
+        tally_.kinetic -= lost;
+        tally_.momentum[axis] += m * (p.velocity[axis] - before);
+        note(i, -1 - 2 * axis - (high ? 1 : 0), speed, lost, waited);
+    }
+    ++pending_[i].count;
+    predict(i, nobody);
+}
+
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::advance_to_now(u32 i) {
+    particles::advance<motion>(particles_[i], now_, box_);
+}
+
+// From i to the image of j that i touches.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::nearest(u32 i, u32 j, double (&r)[d]) const {
+    const Particle<d>&p = particles_[i], &q = particles_[j];
+    for (int k = 0; k < d; ++k) {
+        r[k] = q.position[k] - p.position[k];
+        if (!box_.periodic[k]) continue;
+        const double edge = box_.edge[k];
+        r[k] = nearest_image(r[k], edge);
+        // Where both images may touch, the one that approaches does.
+        const double other = r[k] > 0.0 ? r[k] - edge : r[k] + edge;
+        const double v = q.velocity[k] - p.velocity[k];
+        if (math::abs(r[k]) > 0.499999 * edge && r[k] * v > 0.0) r[k] = other;
+    }
+}
+
+// Whether i collided less than t_c ago.
+template <int d, Motion motion, bool mixed>
+bool HardSpheres<d, motion, mixed>::had_before(u32 i, double waited) const {
+    return rule_.is_tc() && waited < rule_.contact_duration() && pending_[i].count > 0;
+}
+
+template <int d, Motion motion, bool mixed>
+double HardSpheres<d, motion, mixed>::restitution(bool within_contact, double speed, PairGeometry pair) {
+    if (within_contact) {
+        ++tally_.elastic_by_tc;
+        return 1.0;
+    }
+    return rule_.restitution(speed, pair);
+}
+
+template <int d, Motion motion, bool mixed>
+PairGeometry HardSpheres<d, motion, mixed>::geometry(u32 i, u32 j) const {
+    if constexpr (mixed) return {effective(mass(i), mass(j)), effective(radius(i), radius(j))};
+    return {0.5 * mass_, 0.5 * largest_radius_};
+}
+
+// The bookkeeping of a collision, before it is counted: i has met another particle or a wall.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double lost, double waited) {
+    i64 first = names_[i];
+    if (second >= 0 && second < first) std::swap(first, second);
+    if (lost != 0.0) tally_.dissipated.add(lost);
+    if (keep_log_) {
+        log_.time.push_back(now_);
+        log_.first.push_back(first);
+        log_.second.push_back(second);
+        log_.impact_speed.push_back(speed);
+    }
+    if (rule_.elastic_always()) return;
+    const double energy = tally_.thermal() + weight_energy_;
+    if (!watch_.collapses({now_, static_cast<u32>(first), second, speed, waited, !rule_.is_tc()}, energy,
+                          tally_.mass, largest_radius_))
+        return;
+    outcome_ = Outcome::collapse;
+    collapse_ = {now_, first, second};
+}
+
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
+    Particle<d>&p = particles_[i], &q = particles_[j];
+    const double waited_i = now_ - p.time, waited_j = now_ - q.time;
+    advance_to_now(i);
+    advance_to_now(j);
+    double r[d], v[d];
+    nearest(i, j, r);
+    for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
+    const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
+    const double mi = mass(i), mj = mass(j), reduced = geometry(i, j).effective_mass;
+    double gain;  // of relative normal velocity [m/s]
+    if constexpr (motion == Motion::growing) {
+        const double rate = (radius(i) + radius(j)) * growth_.rate;
+        gain = speed + math::max(speed, separation * rate);
+    } else {
+        const double e =
+            restitution(had_before(i, waited_i) || had_before(j, waited_j), speed, geometry(i, j));
+        gain = (1.0 + e) * speed;
+        const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
+        tally_.virial.add(distance * reduced * gain);
+        if (lost != 0.0) {
+            tally_.advance(now_);
+            tally_.kinetic -= lost;
+        }
+        note(i, names_[j], speed, lost, math::max(waited_i, waited_j));
+    }
+    for (int k = 0; k < d; ++k) {
+        const double impulse = reduced * gain / distance * r[k];
+        p.velocity[k] -= impulse / mi;
+        q.velocity[k] += impulse / mj;
+    }
+    ++tally_.pairs;
+    ++pending_[i].count;
+    ++pending_[j].count;
+    if (mixed && cells_.levels() > 1)
+        fastest_ = math::max(fastest_, math::max(frame_speed(p.velocity), frame_speed(q.velocity)));
+    if (tally_.rows() % refresh_after_ == 0) refresh_tally();
+    predict(i, small_box_ ? nobody : j);
+    predict(j, small_box_ ? nobody : i);
+}
+
+}  // namespace hardlimit::particles

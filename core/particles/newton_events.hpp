@@ -1,0 +1,332 @@
+// Newton's equations for a box of spheres or disks, from event to event.
+//
+// Between contacts bodies fly on parabolas, known exactly. Bodies in contact form groups, solved from their `begin` to an
+// `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its approach
+// (planar_contact.hpp), contacts that share a body by integration (events/cluster.hpp). Until its end the members of a group are
+// busy. To the others, each of them is a body on the parabola between the two ends of its path, larger by the `margin`,
+// the most by which its true path leaves that parabola. As long as no other body comes so near, nothing can act on the group
+// and its end stands. When one does (a conflict), the group is integrated again, up to now, and goes on together with
+// that body. So no contact is missed, and nothing is done that a later event could change.
+//
+// Every body keeps its earliest event alone; it is dropped if the partner has been deflected since (`version`).
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "../outcome.hpp"
+#include "archive.hpp"
+#include "events/cluster.hpp"
+#include "planar_contact.hpp"
+#include "steps/bodies.hpp"
+#include "steps/pair_laws.hpp"
+#include "steps/touches.hpp"
+
+namespace hardlimit::particles {
+
+template <class Law>
+class NewtonEvents {
+public:
+    using Box = steps::Box;
+    using Row = steps::Row;
+
+    // A group with more members is not integrated: contacts last, and small steps are cheaper.
+    static constexpr std::size_t most_members = 300;
+
+    // position, velocity [3 N], body by body; positions in the box, bodies apart or touching.
+    NewtonEvents(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
+                 steps::PairLaws<Law> laws, bool log);
+    NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log, Reader& reader);
+
+    // To `until`, or until so many events have happened, or until `stop`.
+    void advance(double until, std::uint64_t most_events, Stop& stop);
+    bool paused() const { return paused_; }
+    double time() const { return now_; }
+    Outcome outcome() const { return outcome_; }
+    std::uint64_t events() const { return events_; }
+    int largest_cluster() const { return largest_cluster_; }
+    // Part of all time that bodies have spent in groups of several contacts.
+    double cluster_share() const;
+    // Contacts so far, but for those that began in a cluster that is still together.
+    std::uint64_t contacts_reached() const { return begun_; }
+
+    // What is true now. Groups are integrated on the side; nothing changes.
+    struct Survey {
+        std::vector<double> position, velocity;  // [3 N], along the unfolded paths
+        double kinetic, potential, contact, dissipated;
+        double momentum[3];
+        double virial;  // ∫ Σ r·F dt over pairs since the start [J s]
+        std::uint64_t in_contact, begun, ended, overlapped;
+        std::vector<Row> open;  // contacts that last, and those that are over in groups still together
+    };
+    Survey survey() const;
+    std::vector<Row> take_log() { return std::exchange(log_, {}); }
+
+    void save(Writer& writer) const;
+
+private:
+    enum class What : unsigned char { none, meets, wall, crosses };
+
+    struct Body {
+        Vector3 position, velocity;  // of the parabola at `from`, in the frame of the cell
+        double from = 0.0;           // [s]
+        double radius, mass;
+        double margin = 0.0;          // of a busy body [m]
+        double end = math::infinity;  // of its group [s]
+        int group = -1;
+        std::array<int, 3> cell{};
+        std::array<int, 3> turns{};  // how often the path has left the box through an edge
+        int next = -1, previous = -1;
+        std::uint32_t version = 0, event = 0;
+        double when = math::infinity;  // of the next event [s]
+        What what = What::none;
+        int partner = -1;  // a body, or 2·axis + (1 at the high side)
+        std::uint32_t partner_version = 0;
+    };
+    // A contact with which nothing interferes: its two ends.
+    struct Isolated {
+        Touching<Law> pair;
+        Member before[2], after[2];
+        double span;        // [s]
+        double margin;      // of the relative path [m]
+        double dissipated;  // [J]
+        double virial;      // [J s]
+        EndedContact contact;
+    };
+    struct Group {
+        bool alive = false, isolated = false;
+        std::uint32_t serial = 0;
+        Vector3 origin{};
+        std::vector<int> body;
+        std::vector<Vector3> offset;  // [members] turns of the frame in which the member's place is given
+        Isolated lone{};              // if isolated
+        Cluster<Law> before, after;   // else
+    };
+    struct Entry {
+        double time;
+        int body;  // or ~group
+        std::uint32_t serial;
+        bool operator<(const Entry& o) const { return time > o.time || (time == o.time && body > o.body); }
+    };
+    // A pair of a group that is not open, by its bodies.
+    struct Live {
+        int first, second;
+        Touching<Law> pair;
+    };
+    // Bodies whose contacts go on after their group has ended, until they form one again.
+    struct Remnant {
+        std::vector<int> body;
+        std::vector<Live> live;
+    };
+
+    Box box_;
+    steps::PairLaws<Law> laws_;
+    bool keep_log_;
+    std::vector<Body> bodies_;
+    std::vector<Group> groups_;
+    std::vector<int> spare_;
+    std::vector<Remnant> remnants_;  // empty between events
+    std::priority_queue<Entry> queue_;
+    std::vector<int> head_;
+    std::array<int, 3> cells_{1, 1, 1};
+    Vector3 cell_edge_{}, gravity_;
+    double largest_ = 0.0, smallest_ = math::infinity;
+    double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    std::uint64_t begun_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
+    int largest_cluster_ = 0;
+    bool paused_ = false;
+    Outcome outcome_ = Outcome::ok;
+    std::vector<Row> log_;
+
+    Body& body(int i) { return bodies_[static_cast<std::size_t>(i)]; }
+    const Body& body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
+    Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
+    const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
+
+    // The cells are wide enough for margins up to this.
+    double widest_margin() const { return 0.1 * largest_; }
+    // How far a member may go while its group lasts.
+    double travel() const { return 0.25 * smallest_; }
+
+    // events/flight.hpp
+    Vector3 position(const Body& b, double t) const;
+    Vector3 velocity(const Body& b, double t) const;
+    void make_cells();
+    std::size_t index(const std::array<int, 3>& cell) const;
+    void insert(int i);
+    void link(int i);
+    void unlink(int i);
+    template <class F>
+    void around(const std::array<int, 3>& cell, const F& f) const;
+    void predict(int i);
+    void predict_meeting(Body& b, int i, const Vector3& x, const Vector3& v);
+    void predict_wall(Body& b, int axis, double x, double v);
+    void predict_crossing(Body& b, int axis, double x, double v);
+    void happen(int i);
+    void cross(int i);
+
+    // events/groups.hpp
+    void meet(int i, int j, int side);
+    void conflict(int i, int j);
+    void finish(int index);
+    void part(const std::vector<int>& bodies, const std::vector<Live>& live);
+    void go_on_together(int index);
+    bool isolate(std::vector<int>& set, std::vector<Live>& live);
+    void form(std::vector<int> set, std::vector<Live> live);
+    void build(int index, const std::vector<int>& set, std::vector<Live>& live);
+    int spare_group();
+    void open_group(Group& g, const std::vector<int>& set) const;
+    void pair_up(Group& g, std::vector<Live>& live) const;
+    void adopt(Touching<Law>& q, Touching<Law>& old, const Cluster<Law>& c) const;
+    double nearest(double x, int axis) const;
+    Touching<Law> pair_of(const Group& g, int i, int j) const;
+    bool near_wall(const Group& g, int i, int axis, bool high) const;
+    Touching<Law> wall_of(const Group& g, int i, int axis, bool high) const;
+    double horizon_of(const Cluster<Law>& c) const;
+    bool margins(int index);
+    double margin_of(const Group& g, std::size_t m) const;
+    void busy(int index, std::size_t m, const Member& after, double span, double margin);
+    void intruders(int i, int index, std::vector<int>& near) const;
+    void stop_at_now(int i);
+    void take(int i, std::vector<int>& set, std::vector<Live>& live);
+    void settle(int index, bool at_end, std::vector<Live>& live);
+    void settle_isolated(int index);
+    void log(const Group& g, const Touching<Law>& q, const EndedContact& e);
+    void drop(int index);
+    void release(int index);
+    void put(const Group& g, std::size_t m, const Member& at);
+    Vector3 place(const Group& g, std::size_t m, Vector3 x) const;
+    Cluster<Law> start_of(const Group& g) const;
+    Row row_of(const Group& g, const Touching<Law>& q, double begin, double end, double impact,
+               double separation, bool overlapped) const;
+
+    // events/lone_contact.hpp
+    bool solve_pair(Isolated& l) const;
+    void part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal, const Vector3& across) const;
+    bool solve_wall(Isolated& l) const;
+    bool far_from_walls(const Group& g, const Isolated& l) const;
+
+    template <class Archive>
+    void exchange(Archive& archive);
+    template <class Archive>
+    static void exchange(Archive& archive, Cluster<Law>& c);
+};
+
+template <class Law>
+NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& position,
+                                const std::vector<double>& velocity, steps::PairLaws<Law> laws, bool log)
+    : box_(box),
+      laws_(std::move(laws)),
+      keep_log_(log),
+      bodies_(position.size() / 3),
+      gravity_(std::to_array(box.gravity)) {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+        Body& b = bodies_[i];
+        std::copy_n(position.data() + 3 * i, 3, b.position.begin());
+        std::copy_n(velocity.data() + 3 * i, 3, b.velocity.begin());
+        b.radius = laws_.radius(i);
+        b.mass = laws_.mass(i);
+        largest_ = math::max(largest_, b.radius);
+        smallest_ = math::min(smallest_, b.radius);
+    }
+    make_cells();
+    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) insert(i);
+    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) predict(i);
+}
+
+template <class Law>
+void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& stop) {
+    const std::uint64_t last = events_ + math::min<double>(static_cast<double>(most_events), 1e18);
+    paused_ = false;
+    while (outcome_ == Outcome::ok && !queue_.empty()) {
+        const Entry next = queue_.top();
+        if (next.time > until) break;
+        if (events_ >= last || stop()) {
+            paused_ = true;
+            return;
+        }
+        queue_.pop();
+        const bool stale = next.body >= 0
+                               ? body(next.body).event != next.serial
+                               : !group(~next.body).alive || group(~next.body).serial != next.serial;
+        if (stale) continue;
+        now_ = math::max(now_, next.time);
+        ++events_;
+        if (next.body >= 0)
+            happen(next.body);
+        else
+            finish(~next.body);
+    }
+    if (outcome_ == Outcome::ok) now_ = math::max(now_, until);
+}
+
+template <class Law>
+double NewtonEvents<Law>::cluster_share() const {
+    return now_ > 0.0 ? clustered_ / (now_ * static_cast<double>(bodies_.size())) : 0.0;
+}
+
+template <class Law>
+typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
+    const std::size_t n = bodies_.size();
+    Survey s{std::vector<double>(3 * n),
+             std::vector<double>(3 * n),
+             0.0,
+             0.0,
+             0.0,
+             dissipated_,
+             {},
+             virial_,
+             0,
+             begun_,
+             ended_,
+             overlapped_,
+             {}};
+    const auto write = [&](std::size_t i, const Vector3& x, const Vector3& v) {
+        const Body& b = bodies_[i];
+        for (std::size_t a = 0; a < 3; ++a) {
+            s.position[3 * i + a] = x[a] + b.turns[a] * box_.edge[a];
+            s.velocity[3 * i + a] = v[a];
+            s.kinetic += 0.5 * b.mass * v[a] * v[a];
+            s.potential -= b.mass * box_.gravity[a] * s.position[3 * i + a];
+            s.momentum[a] += b.mass * v[a];
+        }
+    };
+    for (std::size_t i = 0; i < n; ++i)
+        if (bodies_[i].group < 0) write(i, position(bodies_[i], now_), velocity(bodies_[i], now_));
+    for (const Group& g : groups_) {
+        if (!g.alive) continue;
+        Cluster<Law> c = start_of(g);
+        Stop never;
+        c.run(now_ - c.base, never);
+        s.contact += c.contact_energy();
+        s.dissipated += c.dissipated;
+        s.virial += c.virial;
+        s.begun += static_cast<std::uint64_t>(c.begun);
+        for (std::size_t m = 0; m < g.body.size(); ++m)
+            write(static_cast<std::size_t>(g.body[m]), place(g, m, c.members[m].position),
+                  c.members[m].velocity);
+        for (const EndedContact& e : c.ended) {
+            ++s.ended;
+            s.overlapped += e.overlapped;
+            s.open.push_back(row_of(g, c.pairs[static_cast<std::size_t>(e.pair)], e.begin, e.end,
+                                    e.impact_speed, e.separation_speed, e.overlapped));
+        }
+        for (const Touching<Law>& q : c.pairs) {
+            if (q.touch != Touch::closed) continue;
+            ++s.in_contact;
+            s.open.push_back(row_of(g, q, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped));
+        }
+    }
+    return s;
+}
+
+}  // namespace hardlimit::particles
+
+#include "events/flight.hpp"
+#include "events/groups.hpp"
+#include "events/lone_contact.hpp"
+#include "events/saving.hpp"

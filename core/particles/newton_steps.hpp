@@ -1,0 +1,618 @@
+// Newton's equations for a box of spheres or disks in small equal steps.
+//
+// Leapfrog: the forces at t_n change the velocities from t_n − h/2 to t_n + h/2, with which the bodies move on to t_{n+1}.
+// A force that depends on the velocity is taken at v_{n−1/2} + a_{n−1} h/2, which is v_n to second order; with the velocity
+// half a step ago, ε is right to first order only. New contacts get the impulse that equal steps miss (steps/onset.hpp).
+// So positions, velocities, energies and ε are all of second order in h.
+//
+// A step is a sweep over the list of neighbours, which finds the few pairs in contact, and a pass that moves all bodies. An
+// advance begins and ends with half a step of the velocities: between two calls they belong to the time of the positions.
+//
+// The list is made anew once a body may have moved by half the skin. The sum of the largest speeds bounds that; where
+// the bound says so, distances are measured, since in a dense box bodies do not get far.
+#pragma once
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "../outcome.hpp"
+#include "../parallel.hpp"
+#include "archive.hpp"
+#include "steps/crew.hpp"
+#include "steps/forces.hpp"
+#include "steps/sorting.hpp"
+
+namespace hardlimit::particles {
+
+// Of a box of bodies at one instant.
+struct StepsObservables {
+    double kinetic, potential, contact, dissipated;  // energies [J]; dissipated since the start
+    double momentum[3];                              // [kg m/s]
+    double virial;                                   // ∫ Σ r·F dt over pairs since the start [J s]
+    std::uint64_t in_contact;                        // contacts that last
+};
+
+template <class Law>
+class NewtonSteps {
+public:
+    using Box = steps::Box;
+    using Row = steps::Row;
+
+    // position, velocity [3 N], body by body; positions in the box.
+    NewtonSteps(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
+                steps::PairLaws<Law> laws, double time_step, bool log)
+        : NewtonSteps(box, std::move(laws), position.size() / 3, time_step, log) {
+        for (std::size_t i = 0; i < position.size() / 3; ++i) {
+            const double* x = position.data() + 3 * i;
+            const double* v = velocity.data() + 3 * i;
+            bodies_.place.push_back(steps::four(x[0], x[1], x[2], laws_.radius(i)));
+            bodies_.motion.push_back(steps::four(v[0], v[1], v[2], 1.0 / laws_.mass(i)));
+            bodies_.label.push_back({static_cast<std::uint32_t>(i), {0, 0, 0}});
+            fastest_ = math::max(fastest_, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+        }
+        bodies_.push.resize(bodies_.count());
+        skin_ = 0.05 * mean_width_;
+        start();
+    }
+    // As saved.
+    NewtonSteps(const Box& box, steps::PairLaws<Law> laws, std::size_t bodies, double time_step, bool log,
+                Reader& reader)
+        : NewtonSteps(box, std::move(laws), bodies, time_step, log) {
+        exchange(reader);
+    }
+    void save(Writer& writer) { exchange(writer); }
+
+    // To `until` in equal steps of at most the time step. After `most_steps`, or where the watch says stop, the run pauses
+    // on the way: asked to go on to the same time, it does as if nothing had been, to the last bit.
+    template <class Watch>
+    void advance(double until, std::uint64_t most_steps, int threads, std::chrono::milliseconds period,
+                 const Watch& watch) {
+        if (outcome_ != Outcome::ok) return;
+        quota_ = most_steps;
+        if (paused_ && until != until_) planned_ = done_;
+        if (paused_) {
+            Stop never;
+            begin_sweep(never);
+            go(threads, period, watch);
+        }
+        if (paused_ || !(until > time_) || outcome_ != Outcome::ok) return;
+        plan(until);
+        go(threads, period, watch);
+    }
+    bool paused() const { return paused_; }
+
+    double time() const { return time_; }
+    double time_step() const { return time_step_; }
+    std::uint64_t steps_taken() const { return taken_; }
+    Outcome outcome() const { return outcome_; }
+    const steps::ContactLog& log() const { return log_; }
+    std::size_t count() const { return bodies_.count(); }
+    double skin() const { return skin_; }
+    std::uint64_t lists_made() const { return lists_; }
+    // While another thread advances: the time and the contacts so far.
+    double time_reached() const { return reached_.load(std::memory_order_relaxed); }
+    std::uint64_t contacts_reached() const { return contacts_.load(std::memory_order_relaxed); }
+
+    // Positions along the unfolded paths [m] and velocities [m/s], [3 N] each, by number. In a pause the velocities are
+    // those expected, without the contacts of the last step.
+    void state(double* position, double* velocity) const {
+        for (std::size_t i = 0; i < bodies_.count(); ++i) {
+            const steps::Label& label = bodies_.label[i];
+            const Four v = velocity_of(i);
+            for (int axis = 0; axis < 3; ++axis) {
+                const std::size_t to = 3 * std::size_t{label.number} + static_cast<std::size_t>(axis);
+                position[to] = bodies_.place[i][axis] + label.turns[axis] * box_.edge[axis];
+                velocity[to] = v[axis];
+            }
+        }
+    }
+
+    StepsObservables observe() const {
+        StepsObservables seen{};
+        for (std::size_t i = 0; i < bodies_.count(); ++i) {
+            const Four v = velocity_of(i);
+            const double mass = 1.0 / bodies_.motion[i][3];
+            seen.kinetic += 0.5 * mass * steps::dot(v, v);
+            for (int axis = 0; axis < box_.dimension; ++axis) {
+                const double x = bodies_.place[i][axis] + bodies_.label[i].turns[axis] * box_.edge[axis];
+                seen.potential -= mass * box_.gravity[axis] * x;
+                seen.momentum[axis] += mass * v[axis];
+            }
+        }
+        seen.dissipated = dissipated_, seen.virial = virial_;
+        for (const Slab& s : slabs_) {
+            seen.dissipated += s.dissipated, seen.virial += s.virial;
+            for (const Touch& t : s.touches) {
+                if (t.at_first == steps::nobody) continue;
+                seen.contact += t.law.energy(onset_root<Law::onset_power>(t.compression));
+                seen.in_contact += t.closed;
+            }
+        }
+        return seen;
+    }
+
+    // Contacts that have ended since the last call, in the order of their ends.
+    std::vector<Row> take_log() { return log_.take(); }
+    // Those that last.
+    std::vector<Row> open_contacts() const {
+        std::vector<Row> rows;
+        for (const Slab& s : slabs_)
+            for (const Touch& t : s.touches)
+                if (t.at_first != steps::nobody && t.closed)
+                    rows.push_back(log_.so_far(t, math::nan, math::nan));
+        std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.begin < b.begin; });
+        return rows;
+    }
+
+private:
+    using Slab = steps::Slab<Law>;
+    using Touch = steps::Touch<Law>;
+    using Four = steps::Four;
+    enum class Phase { go_on, move, measure, cells, gather, list, even, odd, settle, over };
+
+    Box box_;
+    steps::PairLaws<Law> laws_;
+    steps::Bodies bodies_;
+    steps::Sorting sorting_;
+    steps::Grid grid_;
+    std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
+    std::vector<Slab> slabs_;
+    std::vector<Touch> moving_;  // while the list is made
+    std::vector<std::pair<std::uint32_t, steps::Push>> moving_pushes_;
+
+    double time_step_;                                                    // the longest [s]
+    double widest_ = 0.0, mean_width_ = 0.0, smallest_ = math::infinity;  // diameters [m]
+    double filled_ = 0.0;                                                 // share of the box
+    double time_ = 0.0, h_ = 0.0;
+    double from_ = 0.0, until_ = 0.0;  // of this advance
+    std::uint64_t planned_ = 0, done_ = 0, taken_ = 0;
+    std::uint64_t quota_ = 0;  // steps until it pauses
+    bool paused_ = false;
+    Phase phase_ = Phase::cells;
+    steps::Instant now_{};
+    double kick_ = 0.0;  // the time by which velocities go on in this phase [s]
+    Outcome outcome_ = Outcome::ok;
+
+    double skin_ = 0.0;                         // [m]
+    double fastest_ = 0.0;                      // no body is faster [m/s]
+    double travelled_ = 0.0, allowance_ = 0.0;  // how far a body may have moved, and may [m]
+    std::uint64_t lists_ = 0;
+
+    double dissipated_ = 0.0, virial_ = 0.0;  // before the list was made
+    steps::ContactLog log_;
+    std::vector<steps::Change> changes_;
+    std::atomic<double> reached_{0.0};
+    std::atomic<std::uint64_t> contacts_{0};
+
+    NewtonSteps(const Box& box, steps::PairLaws<Law> laws, std::size_t bodies, double time_step, bool log)
+        : box_(box), laws_(std::move(laws)), sorting_(bodies), time_step_(time_step), log_(bodies, log) {
+        for (std::size_t i = 0; i < bodies; ++i) {
+            const double width = 2.0 * laws_.radius(i);
+            widest_ = math::max(widest_, width);
+            smallest_ = math::min(smallest_, width);
+            mean_width_ += width / static_cast<double>(bodies);
+            double part = math::pi / (box.dimension == 2 ? 4.0 : 6.0);
+            for (int axis = 0; axis < box.dimension; ++axis) part *= width / box.edge[axis];
+            filled_ += part;
+        }
+    }
+
+    void plan(double until) {
+        const double steps = (until - time_) / time_step_ * (1.0 - 1e-12);
+        planned_ = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
+        from_ = time_, until_ = until, done_ = 0;
+        h_ = (until - time_) / static_cast<double>(planned_);
+        phase_ = Phase::go_on;
+    }
+    template <class Watch>
+    void go(int threads, std::chrono::milliseconds period, const Watch& watch) {
+        steps::Crew crew(tasks());
+        const auto work = [&](Stop& stop) {
+            crew.work(
+                stop, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
+        };
+        try {
+            Team().run(threads, period, work, watch);
+        } catch (...) {  // a task was left half done, for want of memory say
+            if (phase_ != Phase::over) outcome_ = Outcome::unresolved;
+            throw;
+        }
+    }
+
+    Four velocity_of(std::size_t i) const {
+        if (!paused_) return bodies_.motion[i];
+        return bodies_.motion[i] + (bodies_.push[i].at(now_.step) + box_.pull()) * (0.5 * h_);
+    }
+
+    // --- phases ---------------------------------------------------------------------------------------------------
+
+    std::uint32_t slabs() const { return static_cast<std::uint32_t>(slabs_.size()); }
+    std::uint32_t blocks() const { return static_cast<std::uint32_t>(bodies_.count() / 4096) + 1; }
+    std::pair<std::size_t, std::size_t> block(std::uint32_t index) const {
+        return {bodies_.count() * index / blocks(), bodies_.count() * (index + 1) / blocks()};
+    }
+
+    std::uint32_t tasks() const {
+        switch (phase_) {
+            case Phase::move:
+            case Phase::settle:
+                return slabs() + 1;
+            case Phase::go_on:
+            case Phase::measure:
+            case Phase::list:
+                return slabs();
+            case Phase::cells:
+            case Phase::gather:
+                return blocks();
+            case Phase::even:
+                return (slabs() + 1) / 2;
+            case Phase::odd:
+                return slabs() / 2;
+            case Phase::over:
+                break;
+        }
+        return 0;
+    }
+
+    void perform(std::uint32_t task) {
+        switch (phase_) {
+            case Phase::go_on:
+                return steps::Forces<Law>::go_on(slabs_[task], bodies_, h_);
+            case Phase::move:
+                return task == 0 ? note_changes() : move(task - 1);
+            case Phase::settle:
+                return task == 0 ? note_changes() : kick(task - 1);
+            case Phase::measure:
+                return measure(slabs_[task]);
+            case Phase::list:
+                return list(slabs_[task]);
+            case Phase::cells:
+                return find_cells(task);
+            case Phase::gather:
+                return gather(task);
+            case Phase::even:
+                return sweep(2 * task);
+            case Phase::odd:
+                return sweep(2 * task + 1);
+            case Phase::over:
+                return;
+        }
+    }
+
+    // Ends one phase and begins the next one; the number of its tasks.
+    std::uint32_t next(Stop& stop) {
+        switch (phase_) {
+            case Phase::go_on:
+                begin_move(0.5 * h_);
+                break;
+            case Phase::move:
+                end_move(stop);
+                break;
+            case Phase::measure:
+                end_measure(stop);
+                break;
+            case Phase::cells:
+                begin_gather();
+                break;
+            case Phase::gather:
+                begin_list();
+                break;
+            case Phase::list:
+                restore_touches();
+                begin_sweep(stop);
+                break;
+            case Phase::even:
+                if (slabs() > 1)
+                    phase_ = Phase::odd;
+                else
+                    end_sweep();
+                break;
+            case Phase::odd:
+                end_sweep();
+                break;
+            case Phase::settle:
+            case Phase::over:
+                phase_ = Phase::over;
+                break;
+        }
+        return tasks();
+    }
+
+    // The forces at the start, for which velocities are not behind.
+    void start() {
+        phase_ = Phase::cells;
+        begin_cells();
+        Stop never;
+        steps::Crew crew(tasks());
+        crew.work(
+            never, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
+    }
+
+    // --- moving ---------------------------------------------------------------------------------------------------
+
+    void begin_move(double kick) {
+        phase_ = Phase::move;
+        kick_ = kick;
+    }
+
+    // Velocities of the slab's bodies go on by kick_. Few have been pushed; all feel gravity.
+    void kick(std::uint32_t index) {
+        Slab& slab = slabs_[index];
+        const Slab& previous = slabs_[(index + slabs() - 1) % slabs()];
+        for (const std::uint32_t i : slab.pushed_here) kick_body(slab, i);
+        for (const std::uint32_t i : previous.pushed_beyond)
+            if (slab.holds(i)) kick_body(slab, i);
+        jolt(slab, slab);
+        if (slabs() > 1) jolt(slab, previous);
+        const Four fall = box_.pull() * kick_;
+        if (steps::dot(fall, fall) > 0.0)
+            for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies_.motion[i] += fall;
+    }
+    void kick_body(Slab& slab, std::uint32_t i) {
+        bodies_.motion[i] += bodies_.push[i].at(now_.step) * kick_;
+        slab.fastest = math::max(slab.fastest, steps::dot(bodies_.motion[i], bodies_.motion[i]));
+    }
+    void jolt(Slab& slab, const Slab& of) {
+        for (const steps::Jolt& j : of.jolts) {
+            if (!slab.holds(j.body)) continue;
+            bodies_.motion[j.body] += j.change;
+            slab.fastest =
+                math::max(slab.fastest, steps::dot(bodies_.motion[j.body], bodies_.motion[j.body]));
+        }
+    }
+    void move(std::uint32_t index) {
+        kick(index);
+        const Slab& slab = slabs_[index];
+        const Four h = steps::four(h_, h_, h_, 0.0);
+        Four* place = bodies_.place.data();
+        const Four* motion = bodies_.motion.data();
+        for (std::size_t i = slab.first_body; i < slab.last_body; ++i) place[i] += motion[i] * h;
+    }
+
+    void end_move(Stop& stop) {
+        ++done_, ++taken_;
+        time_ = done_ == planned_ ? until_ : from_ + static_cast<double>(done_) * h_;
+        reached_.store(time_, std::memory_order_relaxed);
+        contacts_.store(log_.begun(), std::memory_order_relaxed);
+        for (Slab& s : slabs_) {
+            fastest_ = math::max(fastest_, math::sqrt(s.fastest));
+            s.fastest = 0.0;
+        }
+        fastest_ += math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
+        travelled_ += fastest_ * h_;
+        if (travelled_ <= allowance_) return begin_sweep(stop);
+        phase_ = Phase::measure;
+    }
+
+    // --- the list of neighbours -----------------------------------------------------------------------------------
+
+    void measure(Slab& slab) {
+        const std::vector<Four>& from = sorting_.reference();
+        for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) {
+            const Four d = bodies_.place[i] - from[i], v = bodies_.motion[i];
+            const double way = steps::dot(d, d), speed = steps::dot(v, v);
+            slab.farthest = way <= slab.farthest ? slab.farthest : way;  // also if it is not a number
+            slab.fastest = speed <= slab.fastest ? slab.fastest : speed;
+        }
+    }
+
+    void end_measure(Stop& stop) {
+        double farthest = 0.0, fastest = 0.0;
+        bool sane = true;
+        for (Slab& s : slabs_) {
+            sane = sane && s.farthest < math::infinity && s.fastest < math::infinity;
+            farthest = math::max(farthest, math::sqrt(s.farthest));
+            fastest = math::max(fastest, math::sqrt(s.fastest));
+            s.farthest = s.fastest = 0.0;
+        }
+        fastest_ = fastest, travelled_ = 0.0;
+        allowance_ = 0.5 * skin_ - farthest;
+        if (!(sane && fastest * h_ < 0.25 * smallest_)) {  // bodies could pass through each other
+            outcome_ = Outcome::unresolved;
+            begin_sweep(stop);
+        } else if (allowance_ > 0.05 * skin_) {
+            begin_sweep(stop);
+        } else {
+            begin_cells();
+        }
+    }
+
+    void begin_cells() {
+        phase_ = Phase::cells;
+        if (lists_ > 0) choose_skin();
+        grid_ = steps::Grid(box_, widest_ + skin_, bodies_.count());
+        save_touches();
+    }
+    void choose_skin() {
+        std::size_t listed = 1;
+        for (const Slab& s : slabs_) listed += s.pairs.size();
+        const double pairs = static_cast<double>(listed) / static_cast<double>(bodies_.count());
+        const double step = fastest_ * h_,
+                     dilute = 2.0 * static_cast<double>(box_.dimension) * filled_ / mean_width_;
+        const double best = steps::best_skin(math::max(pairs / skin_, dilute), fastest_, h_);
+        skin_ = math::min(math::max(best, math::max(20.0 * step, 1e-3 * mean_width_)), 0.3 * mean_width_);
+    }
+    // Contacts outlive the list; so do the pushes of the last step.
+    void save_touches() {
+        for (Slab& s : slabs_) {
+            for (const Touch& t : s.touches)
+                if (t.at_first != steps::nobody) moving_.push_back(t);
+            for (const auto* pushed : {&s.pushed_here, &s.pushed_beyond})
+                for (const std::uint32_t i : *pushed) moving_pushes_.push_back({i, bodies_.push[i]});
+            dissipated_ += s.dissipated, virial_ += s.virial;
+        }
+    }
+
+    void find_cells(std::uint32_t task) {
+        const auto [first, last] = block(task);
+        sorting_.find_cells(box_, grid_, bodies_, first, last);
+    }
+    void begin_gather() {
+        phase_ = Phase::gather;
+        sorting_.order(grid_.cells(), start_);
+    }
+    void gather(std::uint32_t task) {
+        const auto [first, last] = block(task);
+        sorting_.move(bodies_, first, last);
+    }
+    void begin_list() {
+        phase_ = Phase::list;
+        sorting_.swap(bodies_);
+        for (const auto& [body, push] : moving_pushes_) bodies_.push[body].stamp = 0;
+        for (const auto& [body, push] : moving_pushes_) bodies_.push[sorting_.where(body)] = push;
+        moving_pushes_.clear();
+        share_out();
+    }
+
+    // Whole layers to slabs of about as many bodies each. The number of slabs is even, or one: with periodic sides the
+    // last one reaches into the first.
+    void share_out() {
+        const std::uint32_t layers = grid_.layers(), in_layer = grid_.cells_in_layer();
+        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 512, 2, 128);
+        const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(layers, wanted));
+        const std::uint32_t count = most < 2 ? 1 : most & ~1u;
+        slabs_.resize(count);
+        std::uint32_t layer = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            Slab& s = slabs_[k];
+            s.first_cell = layer * in_layer, s.first_body = start_[s.first_cell];
+            const std::uint32_t last = layers - (count - 1 - k);
+            for (++layer; layer < last && (k + 1 == count || start_[layer * in_layer] < n * (k + 1) / count);)
+                ++layer;
+            s.last_cell = layer * in_layer, s.last_body = start_[s.last_cell];
+            s.touches.clear(), s.vacant.clear(), s.vacated.clear(), s.changes.clear();
+            s.clear_step();
+            s.dissipated = s.virial = s.farthest = s.fastest = 0.0;
+        }
+    }
+
+    void list(Slab& slab) {
+        slab.pairs.clear(), slab.walls.clear();
+        for (std::uint32_t cell = slab.first_cell; cell < slab.last_cell; ++cell)
+            steps::list_pairs(grid_, bodies_.place, start_, cell, skin_, slab.pairs);
+        steps::list_walls(box_, bodies_.place, slab.first_body, slab.last_body, skin_, slab.walls);
+        slab.touch_of_pair.assign(slab.pairs.size(), -1);
+        slab.touch_of_wall.assign(slab.walls.size(), -1);
+        sorting_.number(bodies_, slab.first_body, slab.last_body);
+        std::copy(bodies_.place.begin() + slab.first_body, bodies_.place.begin() + slab.last_body,
+                  sorting_.reference().begin() + slab.first_body);
+    }
+
+    void restore_touches() {
+        for (const Touch& t : moving_) {
+            const std::uint32_t i = sorting_.where(static_cast<std::uint32_t>(t.first));
+            if (t.second < 0) {
+                restore_wall(t, i);
+                continue;
+            }
+            const std::uint32_t j = sorting_.where(static_cast<std::uint32_t>(t.second));
+            if (!restore_pair(t, i, j, 1)) restore_pair(t, j, i, -1);
+        }
+        moving_.clear();
+        travelled_ = 0.0, allowance_ = 0.5 * skin_;
+        ++lists_;
+    }
+    Slab& slab_of(std::uint32_t body) {
+        return *std::find_if(slabs_.begin(), slabs_.end(), [&](const Slab& s) { return body < s.last_body; });
+    }
+    void restore_wall(const Touch& t, std::uint32_t body) {
+        Slab& s = slab_of(body);
+        const auto wall = static_cast<std::uint32_t>(-1 - t.second);
+        for (std::size_t k = 0; k < s.walls.size(); ++k)
+            if (s.walls[k].body == body && s.walls[k].wall == wall) put(s, s.touch_of_wall[k], t);
+    }
+    // Whether the pair is listed as (i, j), j being the second of the contact if sense = 1, the first if −1.
+    bool restore_pair(const Touch& t, std::uint32_t i, std::uint32_t j, int sense) {
+        Slab& s = slab_of(i);
+        const auto before = [](const steps::Pair& p, std::uint32_t body) { return p.first < body; };
+        auto p = std::lower_bound(s.pairs.begin(), s.pairs.end(), i, before);
+        for (; p != s.pairs.end() && p->first == i; ++p) {
+            if (p->second() != j) continue;
+            const auto turns = steps::unfolded(*p, bodies_.label);
+            bool same = true;
+            for (int axis = 0; axis < 3; ++axis)
+                same = same && turns[static_cast<std::size_t>(axis)] == sense * t.turns[axis];
+            if (!same) continue;
+            put(s, s.touch_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], t);
+            return true;
+        }
+        return false;
+    }
+    static void put(Slab& s, std::int32_t& slot, const Touch& t) {
+        slot = static_cast<std::int32_t>(s.touches.size());
+        s.touches.push_back(t);
+    }
+
+    // --- forces ---------------------------------------------------------------------------------------------------
+
+    void begin_sweep(Stop& stop) {
+        const bool first = now_.step == 0;
+        const bool closing = first || done_ == planned_ || outcome_ != Outcome::ok;
+        paused_ = !closing && !paused_ && (quota_ == 0 || stop.now());
+        if (paused_) {
+            phase_ = Phase::over;
+            return;
+        }
+        phase_ = Phase::even;
+        --quota_;
+        const double share = closing ? 0.5 : 1.0, h = first ? 0.0 : h_;
+        now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, share * h, closing};
+    }
+    void sweep(std::uint32_t index) {
+        steps::Forces<Law>(box_, grid_, bodies_, laws_, now_).of(slabs_[index], index);
+    }
+    void end_sweep() {
+        if (now_.closing) {
+            phase_ = Phase::settle;
+            kick_ = now_.ahead;
+        } else {
+            begin_move(h_);
+        }
+        for (Slab& s : slabs_) {
+            changes_.insert(changes_.end(), s.changes.begin(), s.changes.end());
+            s.changes.clear();
+        }
+    }
+
+    // What began and ended since the step before, in the order of time.
+    void note_changes() {
+        const auto touch = [&](const steps::Change& c) -> Touch& { return slabs_[c.slab].touches[c.slot]; };
+        std::sort(changes_.begin(), changes_.end(), [&](const steps::Change& a, const steps::Change& b) {
+            if (a.time != b.time) return a.time < b.time;
+            const Touch &s = touch(a), &t = touch(b);
+            return s.first != t.first ? s.first < t.first : s.second < t.second;
+        });
+        for (const steps::Change& c : changes_)
+            if (c.begins)
+                log_.begins(touch(c));
+            else
+                log_.ends(touch(c), c.time, c.separation_speed);
+        changes_.clear();
+        for (Slab& s : slabs_) {
+            s.vacant.insert(s.vacant.end(), s.vacated.begin(), s.vacated.end());
+            s.vacated.clear();
+        }
+    }
+
+    // --- all of it, as bytes --------------------------------------------------------------------------------------
+
+    template <class Archive>
+    void exchange(Archive& archive) {
+        archive(bodies_.place), archive(bodies_.motion), archive(bodies_.label), archive(bodies_.push);
+        archive(sorting_.reference()), archive(grid_), archive(start_);
+        archive(time_), archive(h_), archive(taken_), archive(now_), archive(outcome_);
+        archive(skin_), archive(fastest_), archive(travelled_), archive(allowance_), archive(lists_);
+        archive(from_), archive(until_), archive(planned_), archive(done_), archive(paused_);
+        archive(dissipated_), archive(virial_);
+        log_.exchange(archive);
+        std::size_t count = slabs_.size();
+        archive(count);
+        slabs_.resize(count);
+        for (Slab& s : slabs_) s.exchange(archive);
+    }
+};
+
+}  // namespace hardlimit::particles

@@ -1,0 +1,267 @@
+// The forces of one step: who touches, what pushes whom, and what begins or ends between two steps.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "isolated.hpp"
+#include "neighbours.hpp"
+#include "pair_laws.hpp"
+#include "touches.hpp"
+
+namespace hardlimit::particles::steps {
+
+// An impulse over the mass, beside the accelerations [m/s].
+struct Jolt {
+    std::uint32_t body;
+    Four change;
+};
+
+// A share of the bodies, and everything that one task writes when it works on their pairs.
+template <class Law>
+struct alignas(64) Slab {
+    std::uint32_t first_body, last_body, first_cell, last_cell;
+    std::vector<Pair> pairs;
+    std::vector<AtWall> walls;
+    std::vector<std::int32_t> touch_of_pair, touch_of_wall;  // place in touches, −1: none
+    std::vector<Touch<Law>> touches;
+    std::vector<std::int32_t> vacant, vacated;  // places in touches: free, and free after this step
+    std::vector<std::uint32_t> pushed_here, pushed_beyond;  // bodies of this slab and of the next
+    std::vector<Jolt> jolts;                                // of both
+    std::vector<Change> changes;
+    double dissipated = 0.0, virial = 0.0;  // [J] since the list was made
+    double farthest = 0.0, fastest = 0.0;   // squares [m²], [m²/s²]
+
+    bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
+    void clear_step() { pushed_here.clear(), pushed_beyond.clear(), jolts.clear(); }
+    template <class Archive>
+    void exchange(Archive& archive) {
+        archive(first_body), archive(last_body), archive(first_cell), archive(last_cell);
+        archive(pairs), archive(walls), archive(touch_of_pair), archive(touch_of_wall);
+        archive(touches), archive(vacant), archive(pushed_here), archive(pushed_beyond);
+        archive(dissipated), archive(virial);
+    }
+};
+
+// The instant at which forces are asked for.
+struct Instant {
+    std::uint64_t step;  // counts on for ever, from 2
+    double time;         // [s]
+    double h;            // the step that led here [s]
+    double ahead;        // how far velocities are behind [s]: h/2, at the start 0
+    double weight;       // the share of time that this step stands for in integrals [s]: h, at an end h/2
+    bool closing;        // the velocities are wanted at this instant
+};
+
+template <class Law>
+class Forces {
+public:
+    Forces(const Box& box, const Grid& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
+        : box_(box), grid_(grid), bodies_(bodies), laws_(laws), now_(now) {}
+
+    void of(Slab<Law>& slab, std::uint32_t index) {
+        slab.clear_step();
+        of_pairs(slab, index);
+        of_walls(slab, index);
+    }
+
+    // What the half step after an instant with known forces misses of contacts that were new then.
+    static void go_on(Slab<Law>& slab, const Bodies& bodies, double h) {
+        slab.jolts.clear();
+        for (const Touch<Law>& t : slab.touches) {
+            if (t.at_first == nobody) continue;
+            const bool pair = t.at_second != nobody;
+            double impulse = 0.0;
+            slab.dissipated += 0.5 * h * t.loss;
+            if (t.fresh && t.force > 0.0) {
+                const auto [force, loss] = setting_in(t);
+                impulse = 0.5 * h * t.force + force.missed(t.onset, h) - force.reached(t.onset);
+                slab.dissipated += 0.5 * h * t.loss + loss.missed(t.onset, h) - loss.reached(t.onset);
+                jolt(slab, bodies, t, impulse);
+            }
+            if (pair) slab.virial += (0.5 * h * t.force + impulse) * t.distance;
+        }
+    }
+
+private:
+    const Box& box_;
+    const Grid& grid_;
+    Bodies& bodies_;
+    const PairLaws<Law>& laws_;
+    Instant now_;
+
+    // Two bodies as they are seen from the first: the second, or the wall.
+    struct Meeting {
+        std::uint32_t first, second;  // second: none at a wall
+        std::int32_t number;          // of the second, or the wall's
+        std::uint32_t image;
+        Four normal;
+        double distance, reach;  // reach: at touch [m]
+        Four relative;           // velocity of the second [m/s], `ahead` before now
+        Four acceleration;       // of the second, at the step before [m/s²]
+        double compression() const { return reach - distance; }
+    };
+
+    void of_pairs(Slab<Law>& slab, std::uint32_t index) {
+        const Four* place = bodies_.place.data();
+        const Four* shift = grid_.shifts();
+        const std::size_t count = slab.pairs.size();
+        for (std::size_t k = 0; k < count; ++k) {
+            const Pair p = slab.pairs[k];
+            const Four a = place[p.first], b = place[p.second()], d = b - a + shift[p.image()];
+            const double reach = a[3] + b[3], squared = dot(d, d);
+            if (squared < reach * reach || slab.touch_of_pair[k] >= 0) [[unlikely]]
+                meet_body(slab, index, slab.touch_of_pair[k], p, d);
+        }
+    }
+    void of_walls(Slab<Law>& slab, std::uint32_t index) {
+        for (std::size_t k = 0; k < slab.walls.size(); ++k) {
+            const AtWall w = slab.walls[k];
+            const Four place = bodies_.place[w.body];
+            const double x = place[static_cast<int>(w.wall / 2)];
+            const double distance = w.wall % 2 == 0 ? x : box_.edge[w.wall / 2] - x;
+            if (distance < place[3] || slab.touch_of_wall[k] >= 0)
+                meet_wall(slab, index, slab.touch_of_wall[k], w, distance);
+        }
+    }
+
+    HL_FN_APART void meet_body(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, Pair p, Four apart) {
+        const std::uint32_t i = p.first, j = p.second();
+        const double distance = math::sqrt(dot(apart, apart));
+        Four normal = apart * (1.0 / distance);
+        normal[3] = 0.0;
+        const Four v = bodies_.motion[j] - bodies_.motion[i];
+        const Four a = bodies_.push[j].preceding(now_.step) - bodies_.push[i].preceding(now_.step);
+        const double reach = bodies_.place[i][3] + bodies_.place[j][3];
+        const auto number = static_cast<std::int32_t>(bodies_.label[j].number);
+        meet(slab, index, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, apart);
+    }
+    HL_FN_APART void meet_wall(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, AtWall w,
+                               double distance) {
+        const int axis = static_cast<int>(w.wall / 2);
+        Four normal{};
+        normal[axis] = w.wall % 2 == 0 ? -1.0 : 1.0;
+        const Four a = -bodies_.push[w.body].preceding(now_.step) - box_.pull();
+        const std::int32_t number = -1 - static_cast<std::int32_t>(w.wall);
+        const Meeting m = {w.body,
+                           nobody,
+                           number,
+                           no_image,
+                           normal,
+                           distance,
+                           bodies_.place[w.body][3],
+                           -bodies_.motion[w.body],
+                           a};
+        meet(slab, index, slot, m, normal * distance);
+    }
+
+    void meet(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, const Meeting& m, Four apart) {
+        const bool fresh = slot < 0 && now_.ahead > 0.0;
+        if (slot < 0) {
+            slot = vacancy(slab);
+            slab.touches[static_cast<std::size_t>(slot)] = begin(m, apart);
+        }
+        Touch<Law>& t = slab.touches[static_cast<std::size_t>(slot)];
+        const double rate = -dot(m.normal, m.relative + m.acceleration * now_.ahead);
+        const double compression = m.compression();
+        const double margin = compression - math::max(0.0, t.law.slack(rate).depth);
+        const Strength p = compression > 0.0 ? strength_of(t.law, compression, rate) : Strength{0.0, 0.0};
+        if ((p.force > 0.0) != t.closed) {
+            note(slab, index, slot, t, rate, margin, fresh);
+            t.closed = p.force > 0.0;
+        }
+        t.at_first = m.first, t.at_second = m.second;
+        t.normal = m.normal, t.distance = m.distance;
+        t.rate = rate, t.margin = margin, t.fresh = fresh;
+        t.force = p.force, t.loss = p.loss, t.compression = compression;
+        act(slab, t);
+        if (!(compression > 0.0)) {
+            t.at_first = nobody;
+            slab.vacated.push_back(slot);
+            slot = -1;
+        }
+    }
+
+    static std::int32_t vacancy(Slab<Law>& slab) {
+        if (slab.vacant.empty()) {
+            slab.touches.emplace_back();
+            return static_cast<std::int32_t>(slab.touches.size()) - 1;
+        }
+        const std::int32_t slot = slab.vacant.back();
+        slab.vacant.pop_back();
+        return slot;
+    }
+
+    // Bodies that overlap for the first time. Between the steps they moved straight; where they began to touch
+    // follows from the compressions at both, the rate there from the curvature of the distance.
+    Touch<Law> begin(const Meeting& m, Four apart) const {
+        Touch<Law> t{};
+        t.first = static_cast<std::int32_t>(bodies_.label[m.first].number);
+        t.second = m.number;
+        t.law = laws_(t.first, m.second == nobody ? -1 : m.number);
+        if (m.second != nobody) t.turns = unfolded(Pair::of(m.first, m.second, m.image), bodies_.label);
+        t.begin = now_.time;
+        t.impact_speed = -dot(m.normal, m.relative);
+        if (!(now_.ahead > 0.0)) return t;
+        const Four before = apart - m.relative * now_.h;
+        const double was = m.second == nobody ? -dot(before, m.normal) : -math::sqrt(dot(before, before));
+        const double grown = math::max(-m.distance - was, 1e-300), compression = m.compression();
+        const double share = math::min(1.0, compression / grown);
+        t.onset = {share * now_.h, grown / now_.h};
+        const double across = dot(m.relative, m.relative) - t.impact_speed * t.impact_speed;
+        const double curvature = m.second == nobody ? 0.0 : across / m.distance;
+        const double bend = -dot(m.normal, m.acceleration) - curvature;
+        t.begin -= t.onset.since;
+        t.impact_speed = math::max(0.0, t.onset.rate + bend * (0.5 * now_.h - t.onset.since));
+        if (t.impact_speed > 0.0) t.onset.rate = t.impact_speed;
+        return t;
+    }
+    // A contact begins or ends. Other than at touch that is where the margin passes through zero.
+    void note(Slab<Law>& slab, std::uint32_t index, std::int32_t slot, Touch<Law>& t, double rate,
+              double margin, bool fresh) const {
+        const bool begins = !t.closed;
+        const double span = t.margin - margin;
+        const double share = span != 0.0 ? math::clamp(t.margin / span, 0.0, 1.0) : 1.0;
+        const double time = now_.time - (1.0 - share) * now_.h, at = t.rate + share * (rate - t.rate);
+        if (begins && !fresh && now_.ahead > 0.0) t.begin = time, t.impact_speed = at;
+        const double when = begins ? t.begin : time;
+        slab.changes.push_back({when, index, static_cast<std::uint32_t>(slot), begins, -at});
+    }
+
+    static std::pair<SettingIn<Law::onset_power>, SettingIn<Law::onset_power>> setting_in(
+        const Touch<Law>& t) {
+        auto force = force_sets_in(t.law, t.onset.rate);
+        auto loss = loss_sets_in(t.law, t.onset.rate);
+        force.value = t.force;
+        loss.value = t.loss;
+        return {force, loss};
+    }
+
+    void act(Slab<Law>& slab, const Touch<Law>& t) {
+        double impulse = 0.0, lost = now_.weight * t.loss;
+        if (t.fresh && t.force > 0.0) {
+            const auto [force, loss] = setting_in(t);
+            impulse =
+                now_.closing ? force.reached(t.onset) - now_.weight * t.force : force.missed(t.onset, now_.h);
+            lost = now_.closing ? loss.reached(t.onset) : lost + loss.missed(t.onset, now_.h);
+            jolt(slab, bodies_, t, impulse);
+        }
+        slab.dissipated += lost;
+        if (t.at_second != nobody) slab.virial += (now_.weight * t.force + impulse) * t.distance;
+        if (!(t.force > 0.0)) return;
+        push(slab, t.at_first, t.normal * (-t.force * bodies_.motion[t.at_first][3]));
+        if (t.at_second != nobody)
+            push(slab, t.at_second, t.normal * (t.force * bodies_.motion[t.at_second][3]));
+    }
+    void push(Slab<Law>& slab, std::uint32_t body, Four acceleration) {
+        if (bodies_.push[body].add(now_.step, acceleration))
+            (slab.holds(body) ? slab.pushed_here : slab.pushed_beyond).push_back(body);
+    }
+    static void jolt(Slab<Law>& slab, const Bodies& bodies, const Touch<Law>& t, double impulse) {
+        slab.jolts.push_back({t.at_first, t.normal * (-impulse * bodies.motion[t.at_first][3])});
+        if (t.at_second != nobody)
+            slab.jolts.push_back({t.at_second, t.normal * (impulse * bodies.motion[t.at_second][3])});
+    }
+};
+
+}  // namespace hardlimit::particles::steps

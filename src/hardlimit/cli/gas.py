@@ -1,0 +1,116 @@
+"""``hardlimit gas``: a box of grains as hard spheres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..particles import files
+from ..particles.course import Course
+from ..particles.event_driven import RULES
+from ..particles.result import ParticleResult
+from ..particles.system import BOUNDARIES, ParticleSystem
+from ..progress import Report, bar
+from .gas_job import make_job
+from .gas_report import as_mapping, print_report, save
+from .options import dpi_option, law_options, options, output_option, quantity_option
+from .printing import print_json
+from .program import Command
+
+start_options = options(
+    click.option("--n", type=int, help="Particles.  [default: 1000]"),
+    quantity_option("--packing-fraction", unit="1", help="Share of the box they fill.  [default: 0.3]"),
+    quantity_option(
+        "--radius", unit="m", multiple=True, help="[m]; twice: smallest and largest.  [default: 0.001]"
+    ),
+    quantity_option("--density", unit="kg/m3", help="[kg/m³].  [default: 2500]"),
+    quantity_option("--rms-speed", unit="m/s", help="Of the start [m/s].  [default: 1]"),
+    click.option("--dimension", type=int, help="3: spheres, 2: disks.  [default: 3]"),
+    click.option("--seed", type=int, help="Of the random start.  [default: 0]"),
+    click.option("--boundary", multiple=True, help=f"{' | '.join(BOUNDARIES)}, one or one for each axis."),
+    quantity_option(
+        "--gravity", unit="m/s2", multiple=True, help="[m/s²], down the last axis, or one for each axis."
+    ),
+)
+run_options = options(
+    click.option("--rule", help=f"{' | '.join(sorted({r for rules in RULES.values() for r in rules}))}"),
+    quantity_option("--contact-duration", unit="s", help="Of the rule tc [s]."),
+    quantity_option("--until", unit="s", help="End [s].  [default: some 20 collisions per particle]"),
+    click.option("--max-collisions", type=int, help="End at this collision."),
+    click.option("--samples", type=int, help="Spacings of series and frames.  [default: 100]"),
+    output_option("--checkpoint", "Written every minute and at Ctrl-C."),
+    quantity_option("--checkpoint-every", unit="s", help="[s]  [default: 60]"),
+    output_option("--resume", "Go on from a checkpoint."),
+)
+file_options = options(
+    output_option("--out", "Trajectory: gsd (hardlimit[files]) or extended xyz."),
+    output_option("--save", "Series, collisions and final state as NetCDF.", "FILE.nc"),
+    output_option("--plot", "Temperature, rate and pressure over time, with theory (png, pdf, …)."),
+    dpi_option,
+    output_option("--animate", "Film (gif; mp4 with hardlimit[film]); spheres: a slice."),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON."),
+)
+
+
+@click.command(
+    cls=Command,
+    epilog="\b\nExample:\n  hardlimit gas --n 2000 --packing-fraction 0.2 --restitution 0.8 --until 0.2 --plot gas.png",
+)
+@click.argument("file", required=False, metavar="[FILE]")
+@start_options
+@law_options()
+@run_options
+@file_options
+def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **given: Any) -> None:
+    """Let a box of grains collide as hard spheres, and compare with theory.
+
+    FILE is a job (.toml), or particles to start from (.xyz, .gsd, .data). Without one: 1000 spheres of radius
+    1 mm and density 2500 kg/m³ in a periodic box, filled to 0.3, with restitution 0.9. A restitution alone is that
+    of all collisions; with other parameters of a law it depends on pair and speed. Numbers may bear a unit.
+    """
+    job = make_job(file, resume, given)
+    start = job.course.current()
+    result = carry_out(job.course, job.outputs)
+    written = [path for path in (job.outputs["out"], job.outputs["animate"]) if path]
+    if job.outputs["save"]:
+        written.append(save(result, job.outputs["save"]))
+    if job.outputs["plot"]:
+        from ..pictures import plots
+
+        written.append(plots.save(plots.gas(result), job.outputs["plot"], dpi))
+    if as_json:
+        print_json(as_mapping(start, result, written))
+    else:
+        print_report(start, result, written)
+
+
+def carry_out(course: Course, outputs: dict[str, Path | None]) -> ParticleResult:
+    """The run, with a frame for the trajectory and the film at every sample."""
+    with ExitStack() as open_files:
+        report = open_files.enter_context(bar("event-driven", "collisions"))
+        append = open_files.enter_context(files.appender(outputs["out"])) if outputs["out"] else None
+        if append is None and not outputs["animate"]:
+            return course.run(report)
+        instants = frames(course, report, append)
+        if outputs["animate"]:
+            from ..pictures.grain_film import film
+
+            film(outputs["animate"], instants, course.target.span)
+        for _ in instants:
+            pass
+    return course.result()
+
+
+def frames(
+    course: Course, report: Report, append: files.Append | None
+) -> Iterator[tuple[float, ParticleSystem, int]]:
+    """Time, state and number of collisions at every sample, each written to the trajectory."""
+    for time in course.steps(report):
+        system = course.current()
+        if append is not None:
+            append(system.as_frame(time))
+        yield time, system, course.engine.n_rows

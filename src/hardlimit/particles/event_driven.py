@@ -1,0 +1,239 @@
+"""Hard spheres by events: the rules of collision, a run from a system or from a checkpoint."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from .. import validation
+from ..contact import Law
+from ..progress import Report, reporter
+from . import checkpoint as checkpoints
+from .course import Course, Target, engine_of, load
+from .result import ParticleResult, Settings
+from .system import ParticleSystem
+from .theory import Gas
+
+#: Rules with a constant restitution, and those with a contact law.
+RULES: Final = {"restitution": ("constant", "tc"), "law": ("law", "tc", "soft")}
+MOST_COLLISIONS: Final = 2**62
+MOST_SAMPLES: Final = 10_000_000
+#: How much finer than expected the samples of an open-ended run are at first.
+FINER: Final = 64
+
+
+def event_driven(
+    system: ParticleSystem,
+    *,
+    law: Law | None = None,
+    restitution: float | None = None,
+    until: float | None = None,
+    max_collisions: int | None = None,
+    rule: str | None = None,
+    contact_duration: float | None = None,
+    samples: int = 100,
+    log: bool = False,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: float = 60.0,
+    progress: bool | Report | None = None,
+) -> ParticleResult:
+    """Let the particles of a box collide as hard spheres: every collision is an instant.
+
+    Parameters
+    ----------
+    system : ParticleSystem
+    law : Law
+        Contact law, whose restitution depends on the pair and the speed of impact; or
+    restitution : float
+        ε of all collisions, in [0, 1]. Give exactly one of the two.
+    until : float [s]
+    max_collisions : int
+        Stop at the instant of this collision; those with walls count. Give one of the two, or both.
+    rule : {"constant", "law", "tc", "soft"}
+        ``"constant"``: ε (default with ``restitution``). ``"law"``: ε(v) of the law (default with ``law``). ``"tc"``:
+        elastic where a partner has collided less than ``contact_duration`` ago, with anything (Luding & McNamara 1998).
+        ``"soft"``: a contact takes time and turns the normal, as the law says (Müller & Pöschel 2013).
+    contact_duration : float [s]
+        Of the rule tc.
+    samples : int
+        Spacings of the series. With ``max_collisions`` alone, at least half as many and at most twice.
+    log : bool
+        Keep every collision; 28 bytes each.
+    checkpoint : path, optional
+        A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every`` seconds, at Ctrl-C
+        and at the end.
+    checkpoint_every : float [s]
+        By the clock on the wall.
+    progress : bool or callable(done, total), optional
+        True shows a bar. A function is told the collisions so far, and how many to expect at this rate.
+
+    Returns
+    -------
+    ParticleResult
+        An inelastic collapse is an outcome, no error.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or two do not go together.
+    OSError
+        If a checkpoint cannot be written; names it.
+
+    Notes
+    -----
+    Sources: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301 (2013).
+    """
+    if not isinstance(system, ParticleSystem):
+        raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
+    settings = checked_settings(law, restitution, rule, contact_duration)
+    target = checked_target(system, until, max_collisions, samples)
+    path = None if checkpoint is None else checkpoints.checked_path(checkpoint)
+    every = validation.number("checkpoint_every", checkpoint_every, 0.0)
+    keep = _checked_flag("log", log)
+    with reporter(progress, "event-driven", "collisions") as report:
+        return start(system, settings, target, keep, path, every).run(report)
+
+
+def start(
+    system: ParticleSystem,
+    settings: Settings,
+    target: Target,
+    log: bool = False,
+    path: Path | None = None,
+    every: float = math.inf,
+) -> Course:
+    """A run at its beginning; the arguments are checked."""
+    empty = (np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
+    engine = engine_of(system, settings, log)
+    return Course(system, settings, engine, target, log=empty if log else None, path=path, every=every)
+
+
+def resume(
+    path: str | Path,
+    *,
+    until: float | None = None,
+    max_collisions: int | None = None,
+    progress: bool | Report | None = None,
+) -> ParticleResult:
+    """Go on with a run from its checkpoint, with the bits of a run that was not stopped; checkpoints go on as well.
+
+    Parameters
+    ----------
+    path : path
+        The checkpoint.
+    until : float [s], optional
+    max_collisions : int, optional
+        Counted from the start of the run. Without both, the end that the run was given. The samples keep their spacing.
+    progress
+        As for :func:`event_driven`.
+
+    Raises
+    ------
+    ValueError
+        If the file is no checkpoint, is damaged or of another version, or the new end lies before its state.
+    OSError
+        If a checkpoint cannot be written; names it.
+    """
+    course = load(path)
+    if until is not None or max_collisions is not None:
+        course.set_end(*later_end(course, until, max_collisions))
+    with reporter(progress, "event-driven", "collisions") as report:
+        return course.run(report)
+
+
+def later_end(course: Course, until: Any, max_collisions: Any) -> tuple[float | None, int | None]:
+    """The end of a run that goes on, checked.
+
+    Raises
+    ------
+    ValueError
+        If it lies before the state of the checkpoint.
+    """
+    end = None if until is None else validation.number("until", until)
+    if end is not None and end < course.engine.time:
+        raise ValueError(
+            f"until: got {end:.16g}, must be >= {course.engine.time:.16g}, the time of the checkpoint"
+        )
+    most = None
+    if max_collisions is not None:
+        most = validation.whole("max_collisions", max_collisions, course.engine.n_rows, MOST_COLLISIONS)
+    return end, most
+
+
+# --- checks of the input ------------------------------------------------------------------------------------
+
+
+def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
+    """What the collisions obey.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, or two do not go together.
+    """
+    given = validation.exactly_one(law=law, restitution=restitution)
+    if given == "law" and not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    chosen = RULES[given][0]
+    if rule is not None:
+        known = sorted({name for names in RULES.values() for name in names})
+        chosen = validation.one_of("rule", rule, known)
+        if chosen not in RULES[given]:
+            raise ValueError(f"rule: got {rule!r} with {given}, must be one of {', '.join(RULES[given])}")
+    if given == "restitution":
+        limits = {"lowest_allowed": True, "highest_allowed": True}
+        restitution = validation.number("restitution", restitution, 0.0, 1.0, **limits)
+    if chosen != "tc":
+        if contact_duration is not None:
+            shown = validation.shown(contact_duration)
+            raise ValueError(f"contact_duration: got {shown}, must be left out unless the rule is tc")
+        return Settings(chosen, restitution, law, None)
+    if contact_duration is None:
+        raise ValueError("contact_duration: missing, must be given for the rule tc")
+    duration = validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
+    return Settings(chosen, restitution, law, duration)
+
+
+def checked_target(system: ParticleSystem, until: Any, max_collisions: Any, samples: Any) -> Target:
+    """Where the run ends, and when it is sampled.
+
+    Raises
+    ------
+    ValueError
+        If there is no end, or a value is outside its range.
+    """
+    if until is None and max_collisions is None:
+        raise ValueError("until | max_collisions: got neither, must be at least one of them")
+    end = None if until is None else validation.number("until", until, 0.0, lowest_allowed=True)
+    most = None
+    if max_collisions is not None:
+        most = validation.whole("max_collisions", max_collisions, 0, MOST_COLLISIONS)
+    count = validation.whole("samples", samples, 1, MOST_SAMPLES)
+    if end is None:
+        assert most is not None
+        return Target(None, most, expected_duration(system, most) / FINER, count)
+    return Target(end, most, end, count)
+
+
+def expected_duration(system: ParticleSystem, collisions: int) -> float:
+    """A rough guess of the time [s] that so many collisions take: Enskog's, or of falling; never 0."""
+    volume, mean = float(np.prod(system.box)), float(system.radius.mean())
+    temperature = system.granular_temperature
+    g = float(np.linalg.norm(system.gravity))
+    fallen = g * float(system.box.max())
+    scale = max(temperature, fallen)
+    if not scale > 0.0:
+        return 1.0
+    dense = Gas(system.n, mean, 1.0, volume, system.dimension)
+    rate = float(dense.collision_rate(scale))
+    found = 2.0 * max(collisions, 1) / (system.n * rate) if rate > 0.0 else 1.0
+    return found if 0.0 < found < math.inf else 1.0
+
+
+def _checked_flag(name: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{name}: got {validation.shown(value)}, must be True or False")
+    return value

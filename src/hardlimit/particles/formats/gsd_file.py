@@ -1,0 +1,143 @@
+"""GSD, the binary trajectory format of HOOMD-blue, which OVITO reads; by the library gsd.
+
+The format keeps single precision with the origin in the middle of the box. The same values stand beside it in double
+precision under ``log``, so that a system comes back to the last bit; so do what GSD does not know, walls and gravity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from .frame import Append, Floats, Found, Frame, three, words
+
+#: Values in double precision, by our name.
+OF_PARTICLES: Final = {
+    name: f"particles/hardlimit/{name}" for name in ("positions", "velocities", "radius", "mass")
+}
+OF_BOX: Final = {name: f"hardlimit/{name}" for name in ("box", "periodic", "gravity", "time")}
+
+
+def _library() -> Any:
+    try:
+        import gsd.hoomd
+    except ImportError:
+        raise ValueError("a .gsd file needs the library gsd: pip install 'hardlimit[files]'") from None
+    return gsd.hoomd
+
+
+@contextmanager
+def appender(path: Path) -> Iterator[Append]:
+    """Appends frames to a new file."""
+    library = _library()
+    with library.open(str(path), "w") as file:
+        yield lambda frame: file.append(_made(library.Frame(), len(file), frame))
+
+
+def _made(made: Any, step: int, frame: Frame) -> Any:
+    """What gsd writes of a frame."""
+    made.configuration.step = step
+    made.configuration.dimensions = len(frame.box)
+    made.configuration.box = [*_single(three(frame.box)), 0.0, 0.0, 0.0]
+    made.particles.N = len(frame.positions)
+    for name, values in _in_single(vars(frame)).items():
+        setattr(made.particles, name, values)
+    for name, key in OF_PARTICLES.items():
+        made.log[key] = np.ascontiguousarray(getattr(frame, name))
+    made.log[OF_BOX["box"]] = np.array(frame.box)
+    made.log[OF_BOX["periodic"]] = np.array([side == "periodic" for side in frame.boundary], np.uint8)
+    made.log[OF_BOX["gravity"]] = np.array(frame.gravity)
+    made.log[OF_BOX["time"]] = np.array([frame.time])
+    return made
+
+
+def _single(values: Floats) -> Any:
+    with np.errstate(over="ignore"):
+        found = values.astype(np.float32)
+    if not np.isfinite(found).all():
+        raise ValueError("gsd: got a value beyond single precision, must be below 3.4e38 in every unit")
+    return found
+
+
+def _in_single(values: dict[str, Any]) -> dict[str, Any]:
+    """Position, velocity, diameter and mass as GSD keeps them."""
+    return {
+        "position": _single(three(values["positions"] - 0.5 * values["box"])),
+        "velocity": _single(three(values["velocities"])),
+        "diameter": _single(2.0 * values["radius"]),
+        "mass": _single(values["mass"]),
+    }
+
+
+def read(path: Path, frame: int) -> Found:
+    """One frame of the file.
+
+    Raises
+    ------
+    ValueError
+        If it is not GSD, is damaged, or gsd is not installed.
+    """
+    library = _library()
+    try:
+        with library.open(str(path), "r") as file:
+            count = len(file)
+            if not -count <= frame < count:
+                raise ValueError(f"frame: got {frame}, must be in [{-count}, {count - 1}]")
+            found = file[frame % count]
+    except (RuntimeError, OSError, KeyError, TypeError, AssertionError) as error:
+        raise ValueError(f"not a GSD file of particles, or damaged: {_line(error)}") from None
+    tilted = np.any(found.configuration.box[3:])
+    if found.particles.N == 0 or tilted:
+        raise ValueError("the box is tilted" if tilted else "the file holds no particles")
+    if OF_PARTICLES["positions"] in found.log:
+        return _in_double(found)
+    return _of_another_program(found)
+
+
+def _line(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
+
+
+def _in_double(found: Any) -> Found:
+    """The values that stand under ``log``, if those in single precision are still the same."""
+    missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in found.log]
+    if missing:
+        raise ValueError(f"log: {missing[0]} is missing")
+    values = {name: found.log[key] for name, key in (OF_PARTICLES | OF_BOX).items()}
+    try:
+        single = _in_single(values)
+        same = all(np.array_equal(getattr(found.particles, name), single[name]) for name in single)
+    except ValueError:  # shapes that do not go together
+        same = False
+    if not same:
+        raise ValueError(
+            "log: differs from the values in single precision, which another program has changed"
+        )
+    values.pop("time")
+    return Found(values | {"boundary": words(values.pop("periodic"))})
+
+
+def _of_another_program(found: Any) -> Found:
+    """Single precision, all sides periodic: what GSD itself says."""
+    d = found.configuration.dimensions
+    p = found.particles
+    box = found.configuration.box[:d].astype(np.float64)
+    positions = p.position[:, :d].astype(np.float64) + 0.5 * box
+    rounding = float(np.finfo(np.float32).eps) * box
+    beyond = (positions < 0.0) & (positions > -rounding)
+    positions[beyond] = 0.0
+    beyond = (positions > box) & (positions < box + rounding)
+    positions[beyond] = np.broadcast_to(box, positions.shape)[beyond]
+    arguments = {
+        "positions": positions,
+        "velocities": p.velocity[:, :d].astype(np.float64),
+        "radius": 0.5 * p.diameter.astype(np.float64),
+        "mass": p.mass.astype(np.float64),
+        "box": box,
+    }
+    smallest = max(float(arguments["radius"].min()), np.finfo(np.float64).tiny)
+    return Found(arguments, min(2.0 * float(rounding.max()) / smallest, 1e-2))

@@ -1,0 +1,282 @@
+"""What a run of a box of grains found: the final state, series over time, collisions."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core, html, validation
+from ..contact import Law
+from .system import ParticleSystem
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+#: What is kept of every sample: sums from the start of the run on, so that samples can be left out later.
+COLUMNS: Final = (
+    "time",
+    "kinetic_energy",
+    "potential_energy",
+    "granular_temperature",
+    "n_collisions",
+    "n_pairs",
+    "virial",
+    "kinetic_integral",
+    "dissipated_energy",
+)
+
+#: Unit and meaning of the series.
+SERIES: Final = {
+    "kinetic_energy": ("J", "Σ m v²/2"),
+    "potential_energy": ("J", "−Σ m g·x along unfolded paths"),
+    "granular_temperature": ("m2/s2", "granular temperature Σ m|v − V|²/(d Σ m)"),
+    "n_collisions": ("1", "collisions so far, those with walls included"),
+    "collision_rate": ("1/s", "2·pair collisions/(N·time), mean since the sample before"),
+    "pressure": ("Pa", "from the virial of pair collisions, mean since the sample before"),
+    "dissipated_energy": ("J", "energy lost in collisions so far"),
+}
+
+OUTCOMES: Final = {
+    "ok": "ok",
+    "no_contact": "nothing collides any more",
+    "collapse": "inelastic collapse",
+}
+
+
+class Collapse(NamedTuple):
+    """Where collisions accumulate in a finite time."""
+
+    time: float  #: [s]
+    position: tuple[float, ...]  #: of the first particle [m]
+    first: int
+    second: int  #: a particle, or a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the collisions of a run obey."""
+
+    rule: str  #: "constant", "law", "tc" or "soft"
+    restitution: float | None  #: of rules that take a constant one
+    law: Law | None
+    contact_duration: float | None  #: of the rule tc [s]
+
+    def words(self) -> str:
+        """For a table or an attribute."""
+        parts = [self.rule]
+        parts += [f"restitution {self.restitution:g}"] if self.restitution is not None else []
+        parts += [repr(self.law)] if self.law is not None else []
+        parts += (
+            [f"contact duration {self.contact_duration:g} s"] if self.contact_duration is not None else []
+        )
+        return ", ".join(parts)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ParticleResult:
+    """Outcome of one run of a box of grains. Times in s after its start. It never changes.
+
+    Where a rule may be wrong is counted: ``n_elastic_by_tc`` collisions that the rule tc made elastic, and among
+    ``n_soft`` contacts of the rule soft ``n_soft_third_body`` during which a third body was in reach.
+    """
+
+    system: ParticleSystem  #: the final state, inside the box
+    time: float  #: [s] of the final state
+    settings: Settings
+    outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
+    n_collisions: int  #: of pairs and with walls
+    n_pairs: int
+    n_walls: int
+    n_elastic_by_tc: int
+    n_soft: int
+    n_soft_third_body: int
+    collapse: Collapse | None  #: where the outcome is one
+    rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
+    log: tuple[NDArray[Any], ...] | None = field(
+        repr=False
+    )  #: time, first, second, impact speed; None without log
+
+    @property
+    def outcome(self) -> str:
+        """``"ok"``, or one sentence that says what happened instead."""
+        if self.collapse is None:
+            return OUTCOMES.get(self.outcome_name, self.outcome_name)
+        at = ", ".join(f"{x:.6g}" for x in self.collapse.position)
+        pair = f"particles {self.collapse.first} and {self.collapse.second}"
+        if self.collapse.second < 0:
+            pair = f"particle {self.collapse.first} and the wall {wall_name(self.collapse.second)}"
+        return (
+            f"inelastic collapse: {pair} collide without end at {self.collapse.time:.6g} s, near ({at}) m; "
+            "the rule tc avoids it"
+        )
+
+    @property
+    def outcome_code(self) -> int:
+        """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
+        return _core.outcome_names.index(self.outcome_name)
+
+    @property
+    def elastic_share(self) -> float:
+        """Share of the collisions that the rule tc made elastic; NaN under other rules."""
+        return self._share(self.n_elastic_by_tc, self.n_collisions, "tc")
+
+    @property
+    def third_body_share(self) -> float:
+        """Share of the soft contacts during which a third body was in reach; NaN under other rules."""
+        return self._share(self.n_soft_third_body, self.n_soft, "soft")
+
+    def _share(self, count: int, total: int, rule: str) -> float:
+        return count / total if total and self.settings.rule == rule else math.nan
+
+    @property
+    def series(self) -> xr.Dataset:
+        """Dataset over ``time`` [s], equally spaced; the last sample is the end of the run.
+
+        ``kinetic_energy``, ``potential_energy`` and ``dissipated_energy`` [J], ``granular_temperature`` [m²/s²],
+        ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` [Pa; disks N/m]. The rate and the pressure are means
+        since the sample before and NaN at the first.
+        """
+        return self._series.copy()
+
+    @cached_property
+    def _series(self) -> xr.Dataset:
+        import xarray as xr
+
+        values = series_values(self.rows, self.system)
+        data = {}
+        for name, (unit, meaning) in SERIES.items():
+            shown = "N/m" if name == "pressure" and self.system.dimension == 2 else unit
+            data[name] = ("time", values[name], {"units": shown, "long_name": meaning})
+        time = ("time", self.rows[:, 0], {"units": "s", "long_name": "time after the start of the run"})
+        return xr.Dataset(data, {"time": time}, self._attributes("Series"))
+
+    @property
+    def collisions(self) -> xr.Dataset:
+        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed`` [m/s].
+
+        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
+
+        Raises
+        ------
+        ValueError
+            If the run kept no log.
+        """
+        import xarray as xr
+
+        if self.log is None:
+            raise ValueError("log: got False, must be True for the run to keep its collisions")
+        time, first, second, speed = self.log
+        return xr.Dataset(
+            {
+                "time": ("collision", time, {"units": "s"}),
+                "first": ("collision", first, {"long_name": "particle"}),
+                "second": (
+                    "collision",
+                    second,
+                    {"long_name": "particle; −1 − 2·axis wall at 0, −2 − 2·axis at L"},
+                ),
+                "impact_speed": ("collision", speed, {"units": "m/s", "long_name": "speed of approach"}),
+            },
+            attrs=self._attributes("Collisions"),
+        )
+
+    def _attributes(self, what: str) -> dict[str, Any]:
+        return {
+            "title": f"{what} of a box of grains",
+            "source": f"hardlimit {_core.version}, event-driven",
+            "system": repr(self.system),
+            "rule": self.settings.words(),
+            "outcome": self.outcome,
+            "hardlimit_version": _core.version,
+        }
+
+    def plot(self) -> Figure:
+        """Temperature, collision rate and pressure over time, with theory beside them where it applies."""
+        from ..pictures import plots
+
+        return plots.gas(self)
+
+    def __repr__(self) -> str:
+        found = f"{self.n_collisions} collisions in {self.time:.6g} s, {self.outcome}"
+        return f"<ParticleResult of {self.system.n} particles ({self.settings.words()}): {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        return html.table(self.settings.words(), ["", ""], [*rows, ["outcome", self.outcome]])
+
+
+def wall_name(second: int) -> str:
+    """The wall that a negative partner stands for, such as ``z = 0``."""
+    axis, upper = divmod(-1 - second, 2)
+    return f"{'xyz'[axis]} = {'L' if upper else '0'}"
+
+
+def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
+    """The series from the sums that are kept."""
+    kept = dict(zip(COLUMNS, rows.T, strict=True))
+    lasted = np.diff(kept["time"])
+    total = float(system.mass.sum())
+    relative = kept["granular_temperature"] * (system.dimension * total)  # Σ m v'²
+    mean = 0.5 * (relative[1:] + relative[:-1])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rate = 2.0 * np.diff(kept["n_pairs"]) / (system.n * lasted)
+        integral = np.diff(kept["kinetic_integral"]) / lasted
+        kinetic = np.where(np.isnan(integral), mean, integral)
+        volume = system.dimension * float(np.prod(system.box))
+        pressure = (kinetic + np.diff(kept["virial"]) / lasted) / volume
+    found = {name: kept[name] for name in SERIES if name in kept}
+    found["n_collisions"] = kept["n_collisions"].astype(np.int64)
+    found["collision_rate"] = np.concatenate([[math.nan], rate])
+    found["pressure"] = np.concatenate([[math.nan], pressure])
+    return found
+
+
+def quantities(result: ParticleResult) -> list[tuple[str, float]]:
+    """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
+    rows, d = result.rows, result.system.dimension
+    lasted = np.diff(rows[:, 0])
+    means = {}
+    if lasted.sum() > 0.0:
+        values = series_values(rows, result.system)
+        means = {
+            name: float(np.average(values[name][1:][lasted > 0.0], weights=lasted[lasted > 0.0]))
+            for name in ("collision_rate", "pressure")
+        }
+    found: list[tuple[str, float]] = [
+        ("time [s]", result.time),
+        ("collisions", result.n_collisions),
+        ("of them with walls", result.n_walls),
+        ("collisions per particle", (2.0 * result.n_pairs + result.n_walls) / result.system.n),
+        ("granular temperature at the start [m²/s²]", float(rows[0, 3])),
+        ("granular temperature at the end [m²/s²]", float(rows[-1, 3])),
+    ]
+    if means:
+        found.append(("mean collision rate [1/s]", means["collision_rate"]))
+        found.append((f"mean pressure [{'N/m' if d == 2 else 'Pa'}]", means["pressure"]))
+    found.append(("dissipated energy [J]", float(rows[-1, 8])))
+    if result.settings.rule == "tc":
+        found.append(("share that tc made elastic", result.elastic_share))
+    if result.settings.rule == "soft":
+        found.append(("share with a third body in reach", result.third_body_share))
+    return found
+
+
+def checked_result(run: Any) -> ParticleResult:
+    """The argument, if it is a result.
+
+    Raises
+    ------
+    ValueError
+        If it is not.
+    """
+    if not isinstance(run, ParticleResult):
+        raise ValueError(f"run: got {validation.shown(run)}, must be a result of event_driven")
+    return run
