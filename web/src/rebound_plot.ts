@@ -1,8 +1,9 @@
 // The rebound heights of both models as curves over the gap, ε or R1/R2, with measured ones.
 import { digits, logTicks, metres, niceTicks, withUnit } from "./format";
+import type { CurveAxis } from "./lecture_view";
 import type { Measurements } from "./measurements";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
-import type { CurveAxis, CurvePoint, Span } from "./rebound";
+import type { CurvePoint, Span } from "./rebound";
 import type { Theme } from "./theme";
 
 export interface CurvePicture {
