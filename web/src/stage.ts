@@ -81,7 +81,7 @@ export interface Moment {
 
 export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: Moment, theme: Theme): void {
   g.clearRect(0, 0, w, h);
-  const size = Math.max(Math.min(Math.max(w / 42, 14), Math.max(18, Math.min(w / 52, h / 26))), Math.min(lettering.least, w / 30, h / 20));
+  const size = Math.max(Math.min(Math.max(w / 42, 14), Math.max(18, Math.min(w / 52, h / 26))), Math.min(lettering.least, w / 38, h / 20));
   const pad = 6;
   const stacked = d.scenario.cradle || w < 480;
   const trueShare = d.scenario.cradle ? 0.42 : stacked ? 0.47 : 0.37;

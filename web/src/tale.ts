@@ -119,7 +119,7 @@ function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number
   g.textBaseline = "top";
   g.textAlign = "left";
   g.fillStyle = theme.muted;
-  const apart = gaps.every((gap) => gap === 0) ? "let go touching" : `let go ${gaps.map((gap) => withUnit(gap, "m")).join(", ")} apart`;
+  const apart = gaps.every((gap) => gap === 0) ? "let go touching" : `let go ${[...new Set(gaps.map((gap) => withUnit(gap, "m")))].join(", ")} apart`;
   g.fillText(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size);
 }
 
