@@ -1,6 +1,7 @@
-// The kernels of core/sweep/ for one instruction set: compiled once for each, with `hardlimit` renamed and
+// The kernels of core/sweep/ and core/particles/ for one instruction set: compiled once for each, with `hardlimit` renamed and
 // HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
 // CMakeLists.txt). The number of lanes changes the speed, never the result.
+#include "particles/touch_kernel.hpp"
 #include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
 #include "sweep/viscoelastic_kernel.hpp"
@@ -14,3 +15,7 @@ extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;
 const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {
     HARDLIMIT_KERNEL_NAME, &hardlimit::sweep::solve_batch<Wide>, &hardlimit::sweep::damping_ratios<Real>,
     &hardlimit::sweep::solve_viscoelastic_batch<Real>, &hardlimit::sweep::leave_batch<Real>};
+
+extern const hardlimit_abi::TouchKernels HARDLIMIT_TOUCH_KERNELS;
+const hardlimit_abi::TouchKernels HARDLIMIT_TOUCH_KERNELS =
+    hardlimit::particles::touch_kernels<Real>(HARDLIMIT_KERNEL_NAME);

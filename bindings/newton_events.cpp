@@ -20,7 +20,7 @@ namespace {
 struct Seen {
     Numbers position, velocity;
     double kinetic, potential, contact, dissipated, momentum[3], virial;
-    std::uint64_t in_contact, begun, ended, overlapped;
+    std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
     std::vector<hp::steps::Row> open;
 };
 
@@ -33,6 +33,7 @@ public:
     virtual double time() const = 0;
     virtual std::uint64_t events() const = 0;
     virtual std::uint64_t contacts_reached() const = 0;
+    virtual std::uint64_t contacts_logged() const = 0;
     virtual hl::Outcome outcome() const = 0;
     virtual int largest_cluster() const = 0;
     virtual double cluster_share() const = 0;
@@ -54,6 +55,7 @@ public:
     double time() const override { return run_.time(); }
     std::uint64_t events() const override { return run_.events(); }
     std::uint64_t contacts_reached() const override { return run_.contacts_reached(); }
+    std::uint64_t contacts_logged() const override { return run_.contacts_logged(); }
     hl::Outcome outcome() const override { return run_.outcome(); }
     int largest_cluster() const override { return run_.largest_cluster(); }
     double cluster_share() const override { return run_.cluster_share(); }
@@ -69,6 +71,7 @@ public:
                 s.virial,
                 s.in_contact,
                 s.begun,
+                s.begun_pairs,
                 s.ended,
                 s.overlapped,
                 std::move(s.open)};
@@ -156,6 +159,7 @@ nb::dict observe(const NewtonEvents& run) {
     d["kinetic_integral"] = nb::none();
     d["n_in_contact"] = seen.in_contact;
     d["n_contacts"] = seen.begun;
+    d["n_pairs"] = seen.begun_pairs;
     d["n_ended"] = seen.ended;
     d["n_overlapped"] = seen.overlapped;
     return d;
@@ -177,6 +181,9 @@ void bind_newton_events(nb::module_& m) {
         .def_prop_ro(
             "contacts_reached", [](const NewtonEvents& run) { return run.engine().contacts_reached(); },
             "Contacts so far, but for those that began in a cluster that is still together.")
+        .def_prop_ro(
+            "n_logged", [](const NewtonEvents& run) { return run.engine().contacts_logged(); },
+            "Contacts known to be over.")
         .def_prop_ro("largest_cluster",
                      [](const NewtonEvents& run) { return run.engine().largest_cluster(); })
         .def_prop_ro("cluster_share", [](const NewtonEvents& run) { return run.engine().cluster_share(); })

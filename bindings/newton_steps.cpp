@@ -38,6 +38,7 @@ public:
     virtual double time() const = 0;
     virtual std::uint64_t steps_taken() const = 0;
     virtual std::uint64_t lists_made() const = 0;
+    virtual double skin() const = 0;
     virtual hl::Outcome outcome() const = 0;
     virtual const steps::ContactLog& log() const = 0;
     virtual void state(double* position, double* velocity) const = 0;
@@ -79,6 +80,7 @@ public:
     double time() const override { return steps_.time(); }
     std::uint64_t steps_taken() const override { return steps_.steps_taken(); }
     std::uint64_t lists_made() const override { return steps_.lists_made(); }
+    double skin() const override { return steps_.skin(); }
     hl::Outcome outcome() const override { return steps_.outcome(); }
     const steps::ContactLog& log() const override { return steps_.log(); }
     void state(double* position, double* velocity) const override { steps_.state(position, velocity); }
@@ -161,6 +163,11 @@ nb::dict observe(const NewtonSteps& run) {
     d["virial"] = seen.virial;
     d["kinetic_integral"] = nb::none();
     d["n_in_contact"] = seen.in_contact;
+    const steps::ContactLog& log = run.engine().log();
+    d["n_contacts"] = log.begun();
+    d["n_pairs"] = log.pairs();
+    d["n_ended"] = log.ended();
+    d["n_overlapped"] = log.overlapped();
     return d;
 }
 
@@ -186,7 +193,9 @@ void bind_engine(nb::module_& m) {
         .def_prop_ro("time_step", [](const NewtonSteps& run) { return run.setting().time_step; })
         .def_prop_ro("n_steps", [](const NewtonSteps& run) { return run.engine().steps_taken(); })
         .def_prop_ro("n_lists", [](const NewtonSteps& run) { return run.engine().lists_made(); })
+        .def_prop_ro("skin", [](const NewtonSteps& run) { return run.engine().skin(); })
         .def_prop_ro("n_contacts", [](const NewtonSteps& run) { return run.engine().log().begun(); })
+        .def_prop_ro("n_pairs", [](const NewtonSteps& run) { return run.engine().log().pairs(); })
         .def_prop_ro("n_ended", [](const NewtonSteps& run) { return run.engine().log().ended(); })
         .def_prop_ro("n_overlapped", [](const NewtonSteps& run) { return run.engine().log().overlapped(); })
         .def_prop_ro("outcome",

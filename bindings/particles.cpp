@@ -15,6 +15,7 @@
 
 #include "arrays.hpp"
 #include "particles/check.hpp"
+#include "particles/growth.hpp"
 #include "particles/make_engine.hpp"
 
 namespace nb = nanobind;
@@ -25,7 +26,20 @@ using hl::bindings::In;
 using hl::bindings::make_array;
 using hl::bindings::Unlocked;
 
+extern const hardlimit_abi::TouchKernels hardlimit_touch_base, hardlimit_touch_avx2, hardlimit_touch_avx512;
+
 namespace {
+
+// The widest registers that the processor at hand has. Which, changes the speed, never the result.
+const hardlimit_abi::TouchKernels& touch_kernels() {
+#if defined(HARDLIMIT_X86)
+    static const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+                             __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
+    if (wide) return hardlimit_touch_avx512;
+    if (__builtin_cpu_supports("avx2")) return hardlimit_touch_avx2;
+#endif
+    return hardlimit_touch_base;
+}
 
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
@@ -42,6 +56,12 @@ void require_values(const char* name, std::size_t got, std::size_t wanted, const
                       std::to_string(wanted) + ", " + what);
 }
 
+void require_particles(std::size_t n) {
+    if (n == 0) throw refusal("positions: got no particles, must be at least one");
+    if (n >= (std::size_t{1} << 28))
+        throw refusal("positions: got " + std::to_string(n) + " particles, must be < 2^28");
+}
+
 // What Python gives of the box, checked as far as lengths go.
 void set_box(box::Setting& s, int dimension, const std::vector<double>& edge,
              const std::vector<bool>& periodic, const std::vector<double>& gravity) {
@@ -52,6 +72,7 @@ void set_box(box::Setting& s, int dimension, const std::vector<double>& edge,
     require_values("periodic", periodic.size(), d, "one for each axis");
     require_values("gravity", gravity.size(), d, "one for each axis");
     s.dimension = dimension;
+    s.kernels = &touch_kernels();
     for (std::size_t k = 0; k < d; ++k) {
         s.edge[k] = edge[k];
         s.periodic[k] = periodic[k];
@@ -221,8 +242,7 @@ HardSpheres make_hard_spheres(Rows positions, Rows velocities, In radius, In mas
     box::Setting s{};
     set_box(s, static_cast<int>(positions.shape(1)), edge, periodic, gravity);
     s.n = positions.shape(0);
-    if (s.n == 0) throw refusal("positions: got no particles, must be at least one");
-    if (s.n >= (std::size_t{1} << 31)) throw refusal("positions: got too many particles, must be < 2^31");
+    require_particles(s.n);
     require_values("velocities", velocities.size(), positions.size(), "as of positions");
     require_values("radius", radius.size(), s.n, "one for each particle");
     require_values("mass", mass.size(), s.n, "one for each particle");
@@ -240,10 +260,54 @@ HardSpheres make_hard_spheres(Rows positions, Rows velocities, In radius, In mas
     return HardSpheres(std::move(engine));
 }
 
+template <int d>
+auto grow(const box::Setting& s, hl::u64 seed, const nb::object& progress) {
+    bool grown, stopped, refused = false;
+    std::vector<double> positions;
+    {
+        Unlocked open;
+        hl::Stop stop = open.stop();
+        box::Grow<d> growth(s, seed);
+        grown = growth.run(stop, [&](box::GrowthReport r) {
+            if (progress.is_none()) return true;
+            open.lock();
+            PyObject* answer = PyObject_CallFunction(progress.ptr(), "dL", r.share, r.collisions);
+            refused = answer == nullptr;
+            Py_XDECREF(answer);
+            open.unlock();
+            return !refused;
+        });
+        positions = std::move(growth).positions();
+        stopped = stop.stopped();
+        open.lock();
+    }
+    if (stopped || refused) throw nb::python_error();
+    if (!grown)
+        throw refusal("packing_fraction: got " + in_words(box::packing_fraction(s)) +
+                      ", at which random places without overlap were not found, must be lower");
+    return make_array(std::move(positions), {s.n, static_cast<std::size_t>(d)});
+}
+
+nb::object grow_packing(std::size_t n, int dimension, In radius, const std::vector<double>& edge,
+                        const std::vector<bool>& periodic, hl::u64 seed, const nb::object& progress) {
+    box::Setting s{};
+    set_box(s, dimension, edge, periodic, std::vector<double>(edge.size()));
+    require_particles(n);
+    require_values("radius", radius.size(), n, "one for each particle");
+    s.n = n;
+    s.radius = radius.data();
+    const box::Fault fault = box::fault_of_sizes(s);
+    if (fault.kind != box::Fault::none) throw refusal(in_words(fault, s));
+    if (!(box::packing_fraction(s) < 1.0))
+        throw refusal("packing_fraction: got " + in_words(box::packing_fraction(s)) + ", must be < 1");
+    return dimension == 2 ? nb::cast(grow<2>(s, seed, progress)) : nb::cast(grow<3>(s, seed, progress));
+}
+
 HardSpheres load(const nb::bytes& saved) {
     const char* data = saved.c_str();
     const std::size_t n = saved.size();
-    auto engine = hl::bindings::unlocked([&](hl::Stop&) { return box::load_engine(data, n); });
+    auto engine =
+        hl::bindings::unlocked([&](hl::Stop&) { return box::load_engine(data, n, touch_kernels()); });
     if (!engine)
         throw refusal("saved: got " + std::to_string(n) +
                       " bytes that are damaged, cut short or of another version, must be what save() gave");
@@ -326,4 +390,9 @@ void bind_particles(nb::module_& m) {
         .def("save", &save)
         .def_static("load", &load, "saved"_a)
         .def_prop_ro("memory", [](const HardSpheres& h) { return h.engine().bytes(); });
+    m.def(
+        "grow_packing", &grow_packing, "n"_a, "dimension"_a, "radius"_a, "box"_a, "periodic"_a, "seed"_a,
+        "progress"_a.none() = nb::none(),
+        "Random positions (n, dimension) of particles that do not overlap: small ones thrown in, which move and collide "
+        "while they grow. progress(share of the final radii, collisions) is called now and then.");
 }

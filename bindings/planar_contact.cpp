@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "contact.hpp"
 #include "particles/drawn_back.hpp"
+#include "particles/soft_contacts.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -60,6 +61,34 @@ auto planar_path(const Contact& c, double distance, double normal, double tangen
     return make_array(std::move(rows), {n, std::size_t{3}});
 }
 
+// Duration, turn, compression left, radial and tangential speed of contacts at these speeds, as an event-driven run
+// computes them whose first pair is `own`.
+auto soft_contacts(const Contact& own, double own_distance, bool damping_varies, const Contact& c,
+                   double distance, In normal, In tangential) {
+    const std::size_t n = normal.shape(0);
+    if (tangential.shape(0) != n)
+        throw nb::value_error(("tangential_speed: got " + std::to_string(tangential.shape(0)) +
+                               " values, must be " + std::to_string(n) + " as of normal_speed")
+                                  .c_str());
+    std::vector<double> rows;
+    std::visit(
+        [&](const auto& law) {
+            using Law = std::decay_t<decltype(law)>;
+            const Law* first = std::get_if<Law>(&own.law);
+            if (!first) throw nb::value_error("contact: must be of the law of own");
+            hl::particles::SoftContacts<Law> contacts(*first, own.pair.effective_mass, own_distance,
+                                                      damping_varies);
+            for (std::size_t i = 0; i < n; ++i) {
+                const auto end =
+                    contacts(law, {c.pair.effective_mass, distance, normal.data()[i], tangential.data()[i]});
+                rows.insert(rows.end(), {end.duration, end.turn, end.compression, end.radial_speed,
+                                         end.tangential_speed});
+            }
+        },
+        c.law);
+    return make_array(std::move(rows), {n, std::size_t{5}});
+}
+
 }  // namespace
 
 void bind_planar_contact(nb::module_& m) {
@@ -72,4 +101,9 @@ void bind_planar_contact(nb::module_& m) {
     m.def("planar_path", &planar_path, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
           "times"_a, "gravity"_a = 0.0,
           "Compression, its rate and the turn of the line of centres at times since touch [n, 3].");
+    m.def(
+        "soft_contacts", &soft_contacts, "own"_a, "own_distance"_a, "damping_varies"_a, "contact"_a,
+        "distance"_a, "normal_speed"_a, "tangential_speed"_a,
+        "Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run "
+        "computes them, whose polynomials are made for the pair `own`.");
 }

@@ -1,7 +1,8 @@
 // The core behind a C interface of plain numbers, for WebAssembly: conversion, nothing else. The same file compiled
 // natively (web/golden.cpp) gives the values that the WebAssembly build is tested against, bit for bit.
 //
-// The caller writes a column to column_buffer() and calls a solver; results lie in reply_buffer(). Layout of the column:
+// The caller writes a column to column_buffer() and calls a solver; results lie in reply_buffer(). Layout of the
+// column:
 //   [0] law, place in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
 //   [6] number of balls   [7] 1: floor, 0: cradle   [8] gravity [m/s²]
 //   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
@@ -111,7 +112,7 @@ col::SolveOptions coarse() {
     return options;
 }
 
-// What a scan varies besides the coefficient of restitution.
+// The quantity that a scan varies besides the coefficient of restitution.
 enum Axis { pair_gap, radius_ratio };
 
 // The lower ball's radius as a multiple of the second one's; height of its centre and density stay.
@@ -414,7 +415,7 @@ void scan_points(int axis, long n, const double* points, double* out) {
     });
 }
 
-// Contacts for each ε: contacts of the sequence, t_end, t_floor_end, number k, then k times (pair, begin, end).
+// For each ε: contacts of the sequence, t_end, t_floor_end, a number k, then k times (pair, begin, end).
 // Returns the doubles written.
 long scan_timeline(int model, long n, const double* restitution, double* out, long room) {
     return with_law([&]<class Law>() { return timeline<Law>(model, n, restitution, out, room); });

@@ -16,8 +16,8 @@ namespace hardlimit {
 class Team {
 public:
     // Calls work(stop) on `threads` threads and `watch()` on this one every `period`, until all have returned. `watch`
-    // returns whether to stop. Threads that the system refuses to start are done without; if it starts none, this
-    // thread works alone and watches where the work asks.
+    // returns whether to stop. If the system refuses to start some of the threads, the others do the work; if it starts
+    // none, this thread works alone and calls `watch` whenever the work asks whether to stop.
     template <class Work, class Watch>
     void run(int threads, std::chrono::milliseconds period, const Work& work, const Watch& watch) {
         start(threads, work);

@@ -25,7 +25,8 @@
 #define HL_ROLL _Pragma("unroll 1")
 #endif
 
-// A function that is not copied into its callers: a loop that does not fit the instruction cache runs at half the speed.
+// A function that is not copied into its callers: a loop that does not fit the instruction cache runs at half the
+// speed.
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
 #define HL_FN_APART HL_FN
 #else
@@ -46,7 +47,8 @@ static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 template <class Real>
 using Mask = decltype(Real{} < Real{});
 
-// T, without a part in the deduction of T: & and | of two bools give an int, which becomes a bool again.
+// T, from which nothing is deduced: & and | of two bools give an int, which a parameter of this type makes a bool
+// again.
 template <class T>
 struct Unchanged {
     using Type = T;
@@ -75,8 +77,8 @@ struct Lanes<Real> {
     using Bits = typename Vector<count>::Bits;
 };
 
-// Two vectors as one: what the arithmetic of one must wait for, the other one does not. A vector type of that width
-// would serve, but gcc takes it through memory.
+// Two vectors as one: while one waits for a result, the processor works on the other. A vector type of that width would
+// serve, but gcc takes it through memory.
 template <class V>
 struct Pair {
     V lo, hi;
@@ -154,6 +156,82 @@ HL_FN void set_lane(T& x, int lane, Value value) {
     }
 }
 
+// Lanes of two vectors side by side, by number: those of b follow those of a.
+#if defined(__clang__)
+#define HL_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define HL_SHUFFLE(a, b, ...) \
+    __builtin_shuffle(a, b, typename Vector<static_cast<int>(sizeof(a) / 8)>::Integers{__VA_ARGS__})
+#endif
+
+// Eight columns of as many rows as there are lanes: a cache line of eight doubles for each lane.
+template <class Real>
+struct Columns {
+    Real of[8];
+};
+#if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+template <class Real>
+HL_FN Real load_lanes(const double* from) {
+    Real r;
+    __builtin_memcpy(&r, from, sizeof r);
+    return r;
+}
+template <class Real>
+HL_FN void store_lanes(double* to, const Real& r) {
+    __builtin_memcpy(to, &r, sizeof r);
+}
+template <class Real>
+HL_FN Columns<Real> load_columns(const double* const* row) {
+    constexpr int lanes = Lanes<Real>::count;
+    static_assert(lanes == 1 || lanes == 2 || lanes == 4 || lanes == 8);
+    Columns<Real> c;
+    if constexpr (lanes == 1) {
+        for (int k = 0; k < 8; ++k) c.of[k] = row[0][k];
+    } else if constexpr (lanes == 2) {
+        HL_UNROLL
+        for (int k = 0; k < 8; k += 2) {
+            const Real a = load_lanes<Real>(row[0] + k), b = load_lanes<Real>(row[1] + k);
+            c.of[k] = HL_SHUFFLE(a, b, 0, 2);
+            c.of[k + 1] = HL_SHUFFLE(a, b, 1, 3);
+        }
+    } else if constexpr (lanes == 4) {
+        HL_UNROLL
+        for (int k = 0; k < 8; k += 4) {
+            const Real r0 = load_lanes<Real>(row[0] + k), r1 = load_lanes<Real>(row[1] + k);
+            const Real r2 = load_lanes<Real>(row[2] + k), r3 = load_lanes<Real>(row[3] + k);
+            const Real even0 = HL_SHUFFLE(r0, r1, 0, 4, 2, 6), odd0 = HL_SHUFFLE(r0, r1, 1, 5, 3, 7);
+            const Real even2 = HL_SHUFFLE(r2, r3, 0, 4, 2, 6), odd2 = HL_SHUFFLE(r2, r3, 1, 5, 3, 7);
+            c.of[k] = HL_SHUFFLE(even0, even2, 0, 1, 4, 5);
+            c.of[k + 1] = HL_SHUFFLE(odd0, odd2, 0, 1, 4, 5);
+            c.of[k + 2] = HL_SHUFFLE(even0, even2, 2, 3, 6, 7);
+            c.of[k + 3] = HL_SHUFFLE(odd0, odd2, 2, 3, 6, 7);
+        }
+    } else {
+        Real even[4], odd[4];  // of rows 2p and 2p + 1
+        HL_UNROLL
+        for (int p = 0; p < 4; ++p) {
+            const Real a = load_lanes<Real>(row[2 * p]), b = load_lanes<Real>(row[2 * p + 1]);
+            even[p] = HL_SHUFFLE(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+            odd[p] = HL_SHUFFLE(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+        }
+        const Real* const pairs[2] = {even, odd};
+        HL_UNROLL
+        for (int parity = 0; parity < 2; ++parity) {
+            const Real* const r = pairs[parity];
+            const Real low0 = HL_SHUFFLE(r[0], r[1], 0, 1, 8, 9, 4, 5, 12, 13);
+            const Real low4 = HL_SHUFFLE(r[2], r[3], 0, 1, 8, 9, 4, 5, 12, 13);
+            const Real high0 = HL_SHUFFLE(r[0], r[1], 2, 3, 10, 11, 6, 7, 14, 15);
+            const Real high4 = HL_SHUFFLE(r[2], r[3], 2, 3, 10, 11, 6, 7, 14, 15);
+            c.of[parity] = HL_SHUFFLE(low0, low4, 0, 1, 2, 3, 8, 9, 10, 11);
+            c.of[parity + 4] = HL_SHUFFLE(low0, low4, 4, 5, 6, 7, 12, 13, 14, 15);
+            c.of[parity + 2] = HL_SHUFFLE(high0, high4, 0, 1, 2, 3, 8, 9, 10, 11);
+            c.of[parity + 6] = HL_SHUFFLE(high0, high4, 4, 5, 6, 7, 12, 13, 14, 15);
+        }
+    }
+    return c;
+}
+#endif
+
 // All lanes the same.
 template <class Real>
 HL_FN Real broadcast(double x) {
@@ -172,7 +250,8 @@ HL_FN Real select(Mask<Real> m, Real yes, Real no) {
         return m ? yes : no;
 }
 
-// b < a ? b : a and a < b ? b : a, lane by lane. gcc makes two instructions of a vector's minimum; x86 has just this one.
+// b < a ? b : a and a < b ? b : a, lane by lane. gcc makes two instructions of a vector's minimum; x86 has just this
+// one.
 template <class Real>
 HL_FN Real min_of(Real a, Real b) {
 #if defined(__AVX512F__) && !defined(__clang__)

@@ -29,8 +29,8 @@ HL_FN R slope_at(const R* f, R x) {
 inline constexpr double never = math::infinity;
 
 // First θ in [0, 1] at which sign·f, a polynomial of degree D, rises to zero from below; `never` if it does not. A
-// function that vanishes at θ = 0 because the last switch put it there is divided by θ first (`at_zero`). Each step
-// goes to the zero of a parabola above f (|f''| <= bound), so no zero can be passed, and converges quadratically.
+// function that vanishes at θ = 0 because the last event put it there is divided by θ first (`at_zero`). Each step goes
+// to the zero of a parabola above f (|f''| <= bound), so no zero can be passed, and the steps converge quadratically.
 template <int D, class R>
 HL_FN R first_crossing(const R* f, R sign, Mask<R> at_zero) {
     R g[D + 1];

@@ -1,10 +1,11 @@
-// How a long computation learns that it should give up: it asks at every step, which costs a counter.
+// How a long computation learns that it should give up: by asking. The question costs no more than a counter.
 #pragma once
 #include "portable.hpp"
 
 namespace hardlimit {
 
-// Asks whoever waits for the result, at every 64th step; the answer "give up" is final. Without anyone to ask: never.
+// Every 64th question is passed on to whoever waits for the result, and a yes is final. With nobody to ask, the answer
+// is always no.
 class Stop {
 public:
     using Ask = bool (*)(void*);

@@ -1,6 +1,6 @@
-// For tests/test_sequence_rules.py: random orders of events through column/sequence.hpp, and the same events lane by lane
-// through sweep/lane_state.hpp. Prints how many drops were compared, how many of them came to their end, met the floor
-// again with a pair contact open, and had a separation velocity, and in how many the two sets of rules differ.
+// For tests/test_sequence_rules.py: random orders of events through column/sequence.hpp, and the same events lane by
+// lane through sweep/lane_state.hpp. Prints how many drops were compared, how many of them came to their end, met the
+// floor again with a pair contact open, and had a separation velocity, and in how many the two sets of rules differ.
 #include <cstdio>
 #include <random>
 

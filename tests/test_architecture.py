@@ -5,6 +5,7 @@ The order of the Python modules among each other is a contract of import-linter 
 
 import ast
 import re
+import unicodedata
 from pathlib import Path, PurePosixPath
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -12,7 +13,16 @@ CORE = ROOT / "core"
 PACKAGE = ROOT / "src" / "hardlimit"
 
 # A header may include headers of its own folder and of folders of a lower rank. "." is core/ itself.
-RANK = {".": 0, "contact": 1, "column": 2, "column/exact": 3, "column/general": 3, "sweep": 5, "particles": 5, "particles/steps": 4}
+RANK = {
+    ".": 0,
+    "contact": 1,
+    "column": 2,
+    "column/exact": 3,
+    "column/general": 3,
+    "sweep": 5,
+    "particles": 5,
+    "particles/steps": 4,
+}
 
 # Neither Python, nor input and output, nor libm: math.hpp has the elementary functions, same bits everywhere.
 FORBIDDEN_INCLUDE = re.compile(
@@ -153,3 +163,19 @@ def test_the_checks_see_faults() -> None:
         "laws", "from . import _core\nfrom ._core import x\nimport hardlimit.column"
     )
     assert not package_import_faults("paper.figures", "import hardlimit as hl")
+
+
+def test_no_line_of_cpp_is_too_long() -> None:
+    """clang-format breaks code at 110 columns and leaves comments alone; marks above letters take no column."""
+    folders = ["core", "bindings", "tests", "benchmarks", "web"]
+    sources = [path for folder in folders for path in (ROOT / folder).rglob("*.?pp")] + [
+        *ROOT.glob("core/**/*.cu")
+    ]
+    long = [
+        f"{path.relative_to(ROOT)}, line {number}"
+        for path in sources
+        if "node_modules" not in path.parts
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if sum(not unicodedata.combining(letter) for letter in line) > 120
+    ]
+    assert long == []

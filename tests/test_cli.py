@@ -48,7 +48,7 @@ def printed(*args: object) -> dict:
 
 # --- help ---------------------------------------------------------------------------------------------------
 
-COMMANDS = ["drop", "contact", "paper", "sweep", "explore", "completion"]
+COMMANDS = ["drop", "contact", "paper", "sweep", "gas", "explore", "completion"]
 
 
 def test_help_lists_the_commands() -> None:
@@ -695,8 +695,11 @@ def test_ctrl_c_ends_with_130() -> None:
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda p: p.stem)
 def test_example_files_run(path: Path) -> None:
-    if "[sweep]" in path.read_text(encoding="utf-8"):
+    text = path.read_text(encoding="utf-8")
+    if "[sweep]" in text:
         assert printed("sweep", path)["outcomes"] == {"ok": 3600}
+    elif "[event_driven]" in text:
+        assert printed("gas", path)["outcome"]["name"] == "ok"
     else:
         assert printed("drop", path)["models"]["newton"]["outcome"] == "ok"
 

@@ -37,6 +37,8 @@ def without_solvers() -> Iterator[None]:
         mock.patch("hardlimit.explorer.server.serve", refuse),
         mock.patch("hardlimit.paper.run", refuse),
         mock.patch("hardlimit.cli.contact.draw", refuse),
+        mock.patch("hardlimit.particles.random_start.positions", refuse),
+        mock.patch("hardlimit.particles.event_driven.start", refuse),
     ):
         yield
 
@@ -143,21 +145,21 @@ def spoiled(draw: st.DrawFn) -> dict[str, Any]:
 
 
 @settings(max_examples=400)
-@given(spoiled(), st.sampled_from(["drop", "sweep"]))
+@given(spoiled(), st.sampled_from(["drop", "sweep", "gas"]))
 def test_spoiled_tables(content: dict[str, Any], command: str) -> None:
     with without_solvers(), mock.patch("hardlimit.toml.read", lambda path: copy.deepcopy(content)):
         one_line_or_success(command, "file.toml")
 
 
 @settings(max_examples=150)
-@given(st.dictionaries(keys, anything, max_size=6), st.sampled_from(["drop", "sweep"]))
+@given(st.dictionaries(keys, anything, max_size=6), st.sampled_from(["drop", "sweep", "gas"]))
 def test_arbitrary_tables(content: dict[str, Any], command: str) -> None:
     with without_solvers(), mock.patch("hardlimit.toml.read", lambda path: copy.deepcopy(content)):
         one_line_or_success(command, "file.toml")
 
 
 @settings(max_examples=300)
-@given(st.data(), st.sampled_from(EXAMPLES), st.sampled_from(["drop", "sweep"]))
+@given(st.data(), st.sampled_from(EXAMPLES), st.sampled_from(["drop", "sweep", "gas"]))
 def test_spoiled_text(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject, example: Path, command: str
 ) -> None:
@@ -251,7 +253,7 @@ SKIPPED = {"resume", "help", "open_browser"}
 
 @st.composite
 def command_lines(draw: st.DrawFn) -> list[str]:
-    name = draw(st.sampled_from(["drop", "contact", "sweep", "explore", "paper", "completion"]))
+    name = draw(st.sampled_from(["drop", "contact", "sweep", "gas", "explore", "paper", "completion"]))
     options = [p for p in main.commands[name].params if isinstance(p, click.Option) and p.name not in SKIPPED]
     line = [name]
     for _ in range(draw(st.integers(0, 6 if options else 0))):

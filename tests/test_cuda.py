@@ -280,7 +280,9 @@ def test_what_this_machine_says() -> None:
 @pytest.mark.parametrize("model", ["newton", "independent"])
 def test_other_laws_and_models_are_refused(model: str) -> None:
     soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
-    with pytest.raises(ValueError, match=f"engine: got 'cuda', must be .* for the law .* and the model {model}"):
+    with pytest.raises(
+        ValueError, match=f"engine: got 'cuda', must be .* for the law .* and the model {model}"
+    ):
         hl.sweep(soft if model == "newton" else PAPER, model=model, engine="cuda", gap=[1e-4])
 
 

@@ -618,3 +618,66 @@ def test_times_after_a_long_flight_keep_their_digits():
 def test_contacts_without_measure_end(stiffness):
     result = hl.newton(hl.Column.paper(stiffness=stiffness))
     assert result.outcome_code == hl.OUTCOMES.index("at_rest")
+
+
+def ringing_column(rng: np.random.Generator, restitution: float) -> hl.Column:
+    """A light ball on the floor and a heavy one that touches it, each spring of its own."""
+    ratio = 10.0 ** rng.uniform(5.0, 12.0)
+    stiffness = 10.0 ** rng.uniform(4.0, 8.0, 2)
+    laws = [hl.LinearDashpot(stiffness=float(k), restitution=restitution) for k in stiffness]
+    balls = [hl.Ball(0.01, mass=1.0 / ratio), hl.Ball(0.01, mass=1.0)]
+    return hl.Column(balls, [0.0], 0.01 + 10.0 ** rng.uniform(-4.0, 0.0), laws)
+
+
+def undamped_gap(column: hl.Column, t: float) -> tuple[float, float]:
+    """Gap of the pair and its largest value so far, both contacts being closed since t = 0, in 30 digits."""
+    m1, m2 = (mpmath.mpf(ball.mass) for ball in column.balls)
+    k1, k2 = (mpmath.mpf(contact.stiffness) for contact in column.contacts)
+    g, v = mpmath.mpf(column.gravity), mpmath.mpf(column.impact_speed)
+    a, b, c, d = (k1 + k2) / m1, -k2 / m1, -k2 / m2, k2 / m2
+    fast = (a + d + mpmath.sqrt((a - d) ** 2 + 4 * b * c)) / 2
+    slow = (a * d - b * c) / fast
+    still = (-(m1 + m2) * g / k1, -(m1 + m2) * g / k1 - m2 * g / k2)
+
+    def modes(u: mpmath.mpf, s: mpmath.mpf) -> tuple[mpmath.mpf, mpmath.mpf]:
+        along = (u - (slow - d) * s / c) / (fast - slow)
+        return along, s / c - along
+
+    heights, rates = modes(-still[0], -still[1]), modes(-v, -v)
+    gap, scale = still[1] - still[0], mpmath.mpf(0)
+    for square, height, rate in zip((fast, slow), heights, rates, strict=True):
+        w = mpmath.sqrt(square)
+        share = c - (square - d)
+        gap += share * (height * mpmath.cos(w * t) + rate / w * mpmath.sin(w * t))
+        scale += abs(share) * mpmath.sqrt(height**2 + (rate / w) ** 2)
+    return float(gap), float(scale)
+
+
+def test_a_light_ball_that_rings_for_ever_is_glided_over():
+    """Up to 1e6 oscillations: few pieces, and the pair's force ends where the closed form has its zero."""
+    rng = np.random.default_rng(5)
+    compared = 0
+    for _ in range(60):
+        column = ringing_column(rng, 1.0)
+        result = hl.newton(column)
+        assert result.outcome == "ok" and result._core.steps < 100_000
+        if result.n_contacts > 1 or result.t_floor_end < result.t_end:
+            continue  # not both contacts all the time
+        with mpmath.workdps(30):
+            gap, scale = undamped_gap(column, result.t_end)
+        assert abs(gap) <= 1e-10 * scale
+        compared += 1
+    assert compared >= 15
+
+
+@pytest.mark.parametrize("loss", [1e-9, 1e-6, 1e-4])
+def test_a_light_ball_that_rings_long_is_glided_over(loss):
+    """With a little damping, which couples the modes: the energy balance holds, which knows nothing of modes."""
+    rng = np.random.default_rng(6)
+    for _ in range(12):
+        column = ringing_column(rng, 1.0 - loss)
+        result = hl.newton(column)
+        assert result.outcome == "ok" and result._core.steps < 100_000
+        end = result.trajectory([0.0, result.t_end])
+        energy = end.kinetic_energy + end.potential_energy + end.contact_energy + end.dissipated_energy
+        assert float(abs(energy[1] - energy[0])) <= 1e-8 * float(energy[0])

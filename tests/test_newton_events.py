@@ -11,81 +11,266 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from conftest import DATA
-from hardlimit import _core
 
 REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
 CASES = [(kind, k) for kind in ("newton", "dilute") for k in range(len(REFERENCE[kind]))]
-LAWS: list[hl.contact.Law] = [
+LAWS = [
     hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
     hl.LinearDashpot(stiffness=2000.0, restitution=1.0),
+    hl.LinearDashpot(stiffness=2000.0, damping=0.05),
     hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5),
     hl.Tsuji(elastic_prefactor=1e5, restitution=0.7),
 ]
 
 
-def choice(law: hl.contact.Law) -> tuple[str, int, list[float]]:
-    """A law as the core takes it."""
-    return law.record["name"], law.alternative, list(law.parameters.values())
-
-
-def engine(
-    positions: Any, velocities: Any, law: hl.contact.Law, *, radius: Any = 1e-3, density: float = 2500.0,
-    box: Any, periodic: Any, gravity: Any = None, log: bool = True,
-) -> Any:  # fmt: skip
-    """The compiled engine with these bodies."""
-    positions = np.ascontiguousarray(positions, float)
-    n, d = positions.shape
-    radii = np.broadcast_to(np.asarray(radius, float), (n,)).copy()
-    mass = density * 4.0 / 3.0 * math.pi * radii**3
-    pull = np.zeros(d) if gravity is None else gravity
-    return _core.NewtonEvents(
-        positions, np.ascontiguousarray(velocities, float), radii, mass, list(map(float, box)),
-        list(periodic), list(map(float, pull)), choice(law), log,
-    )  # fmt: skip
-
-
-def contacts(run: Any) -> list[tuple[Any, ...]]:
-    """All contacts so far, by their begin."""
-    parts = [run.take_log(), run.open_contacts()]
-    return sorted(row for part in parts for row in zip(*(c.tolist() for c in part), strict=True))
-
-
-def energy(run: Any) -> float:
-    seen = run.observe()
-    names = ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_energy")
-    return float(sum(seen[name] for name in names))
-
-
-def law_of(case: dict[str, Any]) -> hl.contact.Law:
+def law_of(case: dict[str, Any]) -> hl.Law:
     if case["law"] == "linear":
         return hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
     names = ("youngs_modulus", "poisson_ratio", "dissipative_time")
     return hl.Viscoelastic(**{name: case[name] for name in names})
 
 
+def system_of(case: dict[str, Any]) -> hl.ParticleSystem:
+    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
+    return hl.ParticleSystem(**{name: case[name] for name in names})
+
+
+def rows(run: Any) -> list[tuple[Any, ...]]:
+    """Contacts in the order of their begins."""
+    names = ("begin", "end", "first", "second")
+    return list(zip(*(run.contacts[name].values.tolist() for name in names), strict=True))
+
+
+def random_system(seed: int, *, n: int, phi: float, d: int, boundary: Any, mixed: bool) -> hl.ParticleSystem:
+    radius = (0.6e-3, 1.4e-3) if mixed else 1e-3
+    gravity = 9.81 if "wall" in boundary else 0.0
+    return hl.ParticleSystem.random(
+        n=n, packing_fraction=phi, radius=radius, density=2500.0, rms_speed=1.0, dimension=d, seed=seed,
+        boundary=boundary, gravity=gravity,
+    )  # fmt: skip
+
+
 @pytest.mark.parametrize(("kind", "k"), CASES)
 def test_reference_boxes(kind: str, k: int) -> None:
     """Every contact of the reference, and the state at its end."""
     case = REFERENCE[kind][k]
-    run = engine(
-        case["positions"], case["velocities"], law_of(case), radius=case["radius"], density=case["density"],
-        box=case["box"], periodic=[b == "periodic" for b in case["boundary"]], gravity=case["gravity"],
-    )  # fmt: skip
-    before = energy(run)
-    run.advance(case["until"])
+    run = hl.molecular_dynamics(system_of(case), law=law_of(case), until=case["until"], log=True, samples=7)
     assert run.outcome == "ok"
-    found = contacts(run)
     wanted = sorted(map(tuple, case["contacts"]))
-    assert [row[2:4] for row in found] == [row[2:4] for row in wanted]
-    scale = 1e-8 * case["until"] if case["law"] == "linear" else 1e-7 * case["until"]
+    found = rows(run)
+    assert [row[2:] for row in found] == [row[2:] for row in wanted]
+    scale = max(1e-9, 10.0 * case["tolerance"]) * case["until"]
     for row, other in zip(found, wanted, strict=True):
         assert row[0] == pytest.approx(other[0], abs=scale)
         if other[1] is None or not other[1] <= case["until"]:
             assert math.isnan(row[1])
         else:
             assert row[1] == pytest.approx(other[1], abs=scale)
-    positions, velocities = run.state()
+    smallest, box = min(case["radius"]), np.array(case["box"])
+    walls = np.array([side == "wall" for side in case["boundary"]])
+    away = run.system.positions - np.array(case["end_positions"])
+    away -= np.where(walls, 0.0, box * np.round(away / box))
     rms = math.sqrt(np.mean(np.sum(np.square(case["velocities"]), axis=1)))
-    assert np.abs(positions - case["end_positions"]).max() < case["tolerance"] * min(case["radius"])
-    assert np.abs(velocities - case["end_velocities"]).max() < case["tolerance"] * rms
-    assert energy(run) == pytest.approx(before, rel=1e-11)
+    assert np.abs(away).max() < case["tolerance"] * smallest
+    assert np.abs(run.system.velocities - case["end_velocities"]).max() < case["tolerance"] * rms
+    assert run.energy_error < 1e-11
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int) -> None:
+    """Balls above each other, without sideways motion: the contacts of ``hl.newton``."""
+    balls = [hl.Ball(1e-3 * r, density=2500.0) for r in (1.0, 0.7, 0.8, 0.5)[:count]]
+    gaps, height = [2e-5, 1e-4, 5e-5][: count - 1], 5e-3
+    column = hl.Column(balls, gaps, height, law)
+    wanted = hl.newton(column, until=0.03)
+    at = [height]
+    for k, gap in enumerate(gaps):
+        at.append(at[-1] + balls[k].radius + gap + balls[k + 1].radius)
+    system = hl.ParticleSystem(
+        positions=[[0.05, y] for y in at], velocities=np.zeros((count, 2)), radius=[b.radius for b in balls],
+        mass=[b.mass for b in balls], box=[0.1, 0.1], boundary="wall", gravity=9.81,
+    )  # fmt: skip
+    fall = math.sqrt(2.0 * (height - balls[0].radius) / 9.81)
+    run = hl.molecular_dynamics(system, law=law, until=fall + 0.03, log=True, samples=3)
+    assert run.outcome == "ok"
+    found = [(-1 if j < 0 else i, begin - fall, end - fall) for begin, end, i, j in rows(run)]
+    pairs = wanted.contacts.pair.values
+    other = [
+        (int(p) - 1, float(b), float(e))
+        for p, b, e in zip(pairs, wanted.contacts.begin.values, wanted.contacts.end.values, strict=True)
+    ]
+    assert [row[0] for row in found] == [row[0] for row in other]
+    for row, one in zip(found, other, strict=True):
+        assert row[1:] == pytest.approx(one[1:], abs=1e-8 * 0.03, nan_ok=True)
+
+
+@settings(max_examples=40)
+@given(
+    seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), d=st.sampled_from([2, 3]), mixed=st.booleans(),
+    boundary=st.sampled_from(["periodic", "wall"]), phi=st.floats(0.05, 0.45),
+)  # fmt: skip
+def test_balances_of_random_boxes(
+    seed: int, law: hl.Law, d: int, mixed: bool, boundary: str, phi: float
+) -> None:
+    """Energy always, momentum where all is periodic; nobody leaves the box or sinks into another one at rest."""
+    system = random_system(seed, n=40, phi=phi, d=d, boundary=boundary, mixed=mixed)
+    run = hl.molecular_dynamics(system, law=law, until=5e-3, samples=5, log=True)
+    assert run.outcome == "ok" and run.n_contacts > 5
+    assert run.energy_error < 1e-9
+    if boundary == "periodic":
+        scale = float((system.mass * np.linalg.norm(system.velocities, axis=1)).sum())
+        assert np.abs(run.system.momentum).max() < 1e-12 * scale
+    begins = run.contacts.begin.values
+    ends = run.contacts.end.values
+    assert np.all(np.diff(begins) >= 0.0) and np.all(ends[~np.isnan(ends)] > begins[~np.isnan(ends)])
+    assert np.all(run.contacts.impact_speed.values > 0.0)
+    share = _overlapped(run)
+    assert share == run.contacts.overlapped.values.tolist()
+
+
+def _overlapped(run: Any) -> list[bool]:
+    """From the rows alone: who shares a particle with another contact while both last."""
+    known = rows(run)
+    until = run.time
+    found = []
+    for a in range(len(known)):
+        begin, end, *bodies = known[a]
+        mine = {b for b in bodies if b >= 0}
+        found.append(
+            any(
+                mine & {b for b in other[2:] if b >= 0}
+                and max(begin, other[0]) < min(_or(end, until), _or(other[1], until))
+                for k, other in enumerate(known)
+                if k != a
+            )
+        )
+    return found
+
+
+def _or(end: float, until: float) -> float:
+    return until if math.isnan(end) else end
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_small_steps_find_the_same_contacts(seed: int) -> None:
+    """An independent engine: contacts in the same order, end states that converge to this one as dt²."""
+    system = random_system(seed, n=30, phi=0.3, d=3, boundary="periodic", mixed=seed % 2 == 1)
+    law = LAWS[0]
+    exact = hl.molecular_dynamics(system, law=law, until=1e-3, log=True, samples=2)
+    errors = []
+    for step in (4e-7, 1e-7):
+        near = hl.molecular_dynamics(
+            system, law=law, until=1e-3, engine="steps", time_step=step, log=True, samples=2, threads=1
+        )
+        errors.append(np.abs(near.system.velocities - exact.system.velocities).max())
+    assert [row[2:] for row in rows(near)] == [row[2:] for row in rows(exact)]
+    assert errors[1] < 1e-3 and errors[1] < errors[0] / 5.0
+
+
+def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
+    """However often it is stopped, saved and resumed, in the middle of contacts too."""
+    system = random_system(5, n=60, phi=0.3, d=3, boundary="periodic", mixed=True)
+    law = LAWS[3]
+    whole = hl.molecular_dynamics(system, law=law, until=2e-3, log=True, samples=8)
+    path = tmp_path / "run"
+    hl.molecular_dynamics(system, law=law, until=0.3e-3, log=True, samples=8, checkpoint=path)
+    # The samples of the first run are finer; what counts is the state and the log.
+    for until in (0.31e-3, 0.9e-3, 1.4e-3, 2e-3):
+        resumed = hl.resume(path, until=until)
+    assert np.array_equal(whole.system.positions, resumed.system.positions)
+    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
+    assert whole.contacts.equals(resumed.contacts)
+
+
+def test_looking_changes_nothing() -> None:
+    system = random_system(6, n=60, phi=0.3, d=2, boundary="periodic", mixed=False)
+    often, seldom = (
+        hl.molecular_dynamics(system, law=LAWS[0], until=2e-3, log=True, samples=k) for k in (200, 1)
+    )
+    assert np.array_equal(often.system.positions, seldom.system.positions)
+    assert often.contacts.equals(seldom.contacts)
+
+
+def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:
+    """The same definition in all engines: the shorter the contacts, the nearer to instantaneous collisions."""
+    system = random_system(7, n=200, phi=0.2, d=3, boundary="periodic", mixed=False)
+    hard = hl.event_driven(system, restitution=1.0, until=0.02, samples=1)
+    soft = hl.molecular_dynamics(
+        system, law=hl.LinearDashpot(stiffness=2e8, restitution=1.0), until=0.02, samples=200
+    )
+    expected = float(hard.series.pressure.values[-1])
+    assert float(soft.series.pressure.values[1:].mean()) == pytest.approx(expected, rel=0.03)
+
+
+def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
+    """Σ m x·v changes by ∫ (Σ m v² + r·F) dt: two bodies that meet obliquely, from before to after."""
+    for law in LAWS:
+        system = hl.ParticleSystem(
+            positions=[[0.03, 0.05, 0.05], [0.0325, 0.0508, 0.05]], radius=1e-3, density=2500.0, box=[0.1] * 3,
+            velocities=[[1.0, 0.0, 0.0], [-1.0, 0.2, 0.1]],
+        )  # fmt: skip
+        run = hl.molecular_dynamics(system, law=law, until=4e-3, samples=4000)
+        assert run.n_ended == 1
+        m, kinetic = float(system.mass[0]), run.series.kinetic_energy.values
+        moved = sum(
+            m * (np.sum(s.positions * s.velocities)) * sign
+            for s, sign in ((run.system, 1.0), (system, -1.0))
+        )
+        work = moved - 2.0 * np.trapezoid(kinetic, run.series.time.values)
+        volume = 3.0 * 1e-3
+        pressure = run.series.pressure.values[1:]
+        thermal = 3.0 * 2.0 * m * run.series.granular_temperature.values
+        mean = np.sum(0.5 * (thermal[1:] + thermal[:-1]) * np.diff(run.series.time.values))
+        virial = np.sum(pressure * np.diff(run.series.time.values)) * volume - mean
+        assert virial == pytest.approx(work, rel=1e-4)
+
+
+def test_a_heap_is_told_to_take_steps() -> None:
+    """Contacts that last hang together; beyond some size this is an outcome, not hours of work."""
+    x, y = np.meshgrid(np.arange(30) * 2.0005e-3 + 1.1e-3, np.arange(14) * 2.0005e-3 + 1.0005e-3)
+    system = hl.ParticleSystem(
+        positions=np.column_stack([x.ravel(), y.ravel()]), velocities=np.zeros((420, 2)), radius=1e-3,
+        density=2500.0, box=[0.0622, 0.1], boundary="wall", gravity=9.81,
+    )  # fmt: skip
+    run = hl.molecular_dynamics(system, law=hl.LinearDashpot(stiffness=500.0, restitution=0.3), until=0.2, samples=4)
+    assert run.outcome.startswith("not resolved: too many particles hang together")
+    assert run.largest_cluster is not None and run.largest_cluster <= 300
+    assert run.time < 0.2
+
+
+def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
+    law = hl.LinearDashpot(stiffness=2000.0, restitution=0.3)
+    system = hl.ParticleSystem(
+        positions=[[0.01, 1.5e-3]], velocities=[[0.0, 0.0]], radius=1e-3, density=2500.0, box=[0.02, 0.02],
+        boundary="wall", gravity=9.81,
+    )  # fmt: skip
+    run = hl.molecular_dynamics(system, law=law, until=0.5, samples=5, log=True)
+    depth = float(system.mass[0]) * 9.81 / 2000.0
+    assert run.outcome == "ok"
+    assert run.system.positions[0, 1] == pytest.approx(1e-3 - depth, abs=1e-3 * depth)
+    assert math.isnan(run.contacts.end.values[-1])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"time_step": 1e-7}, "time_step: got 1e-07, must be left out: engine 'events' takes no steps"),
+        ({"restitution_error": 1e-3}, "restitution_error: got 0.001, must be left out"),
+        ({"threads": 2}, "threads: got 2, must be left out"),
+        ({"engine": "leaps"}, "engine: got 'leaps', must be"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(given: dict[str, Any], message: str) -> None:
+    system = random_system(1, n=8, phi=0.1, d=3, boundary="periodic", mixed=False)
+    with pytest.raises(ValueError, match=message) as refused:
+        hl.molecular_dynamics(**({"system": system, "law": LAWS[0], "until": 1e-3} | given))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_box_where_images_meet_is_refused() -> None:
+    system = hl.ParticleSystem(
+        positions=[[1e-3, 1e-3]], velocities=[[1.0, 0.0]], radius=1e-3, density=2500.0, box=[4.1e-3, 0.1]
+    )
+    with pytest.raises(ValueError, match=r"box: got 0\.0041 m along periodic axis 0, must be >= 0\.0042 m"):
+        hl.molecular_dynamics(system, law=LAWS[0], until=1e-3)

@@ -91,9 +91,7 @@ def test_ase_reads_extended_xyz(tmp_path, dimension):
     assert np.array_equal(second.arrays["mass"], system.mass)
     assert np.array_equal(second.cell.lengths()[:dimension], system.box)
     assert second.pbc.tolist() == [False, True, dimension == 3]
-    assert second.info["gravity"].tolist() == [0.0, -9.81, 0.0][: dimension - 1] + [-9.81] + [0.0] * (
-        3 - dimension
-    )
+    assert second.info["gravity"].tolist() == [*system.gravity, 0.0][:3]
 
 
 def test_what_another_program_writes_as_extended_xyz(tmp_path):

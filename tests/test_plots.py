@@ -261,12 +261,11 @@ def lightness(colour: tuple[float, float, float]) -> float:
     return 116 * y ** (1 / 3) - 16 if y > 216 / 24389 else 24389 / 27 * y
 
 
-def test_the_more_contacts_the_darker() -> None:
+def test_the_more_contacts_the_lighter() -> None:
     """Counts keep their order in grey, and neighbours differ by more than can just be seen."""
-    steps = -np.diff([lightness(style.count_colour(n)) for n in range(1, 16)])
+    steps = np.diff([lightness(style.count_colour(n)) for n in range(16)])
     assert np.all(steps > 2.5)
     assert style.count_colour(99) == style.count_colour(15)
-    assert lightness(style.count_colour(0)) > 90
 
 
 def sweep_of(values: np.ndarray, name: str) -> xr.Dataset:
@@ -454,6 +453,38 @@ def test_films_of_any_width(width: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["film.avi", "film", "no folder/film.mp4"])
 def test_unwritable_films_are_refused(name: str, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="animate: got") as refused:
+    with pytest.raises(ValueError, match="path: got") as refused:
         hl.newton(hl.Column.paper()).animate(tmp_path / name)
     assert "\n" not in str(refused.value)
+
+
+def test_a_run_that_was_not_resolved_is_drawn_as_far_as_it_is_known() -> None:
+    """A million bounces are the limit of the model: of them some are drawn, and the title says up to when."""
+    ball = hl.Column([STEEL], [], 0.1, hl.LinearDashpot(stiffness=1e6, restitution=1.0))
+    result = hl.independent(ball, until=1e7)
+    known = result.known_until
+    assert "not resolved" in result.outcome and 0.0 < known < 1e7
+    assert result.default_times()[-1] == known
+    trajectory = result.trajectory([0.0, known])
+    assert trajectory.attrs["known_until"] == known
+    assert np.isfinite(trajectory.position.values).all()
+    assert result.plot().get_suptitle().startswith("not resolved: known up to ")
+    with pytest.raises(ValueError, match=r"times: got .*, where the solution ends: not resolved"):
+        result.trajectory([1.01 * known])
+
+
+def test_of_very_many_contacts_some_are_drawn() -> None:
+    ball = hl.Column([STEEL], [], 0.1, hl.LinearDashpot(stiffness=1e6, restitution=1.0))
+    result = hl.newton(ball, until=500.0)
+    assert len(result.contacts.pair) > forces.MOST_DRAWN
+    assert f"{forces.MOST_DRAWN} of them drawn" in texts(result.plot())
+    times, values = forces.force_curve(result, 0, 500.0)
+    assert len(times) <= 202 * forces.MOST_DRAWN and values.max() > 0.0
+    assert times[0] == 0.0 and times[-1] > 499.0
+
+
+def test_the_end_of_one_ball_is_that_of_its_first_bounce() -> None:
+    ball = hl.Column([STEEL], [], 0.1, hl.LinearDashpot(stiffness=1e6, restitution=0.7))
+    result = hl.newton(ball, until=1.0)
+    assert len(result.contacts.pair) > 1
+    assert result.t_end == result.t_floor_end == result.contacts.end.values[0]

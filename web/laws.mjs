@@ -1,6 +1,6 @@
-// The laws as the core states them (bindings/wasm.cpp), in the order of its registry, as JSON. Infinite bounds become null.
 import { readFileSync } from "node:fs";
 
+// The laws as the core states them (bindings/wasm.cpp), in the order of its registry. Infinite bounds become null.
 export function laws(wasm) {
   const core = new WebAssembly.Instance(new WebAssembly.Module(readFileSync(wasm)), {}).exports;
   const text = new Uint8Array(core.memory.buffer, core.law_records());

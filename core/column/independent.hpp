@@ -6,15 +6,16 @@
 // v'10 − g (t12 − t10) (the printed v12 = v'10 − g t12 contradicts Eq. 5); its inverse is effective_restitution.
 // The sequence is event-driven for any number of balls: it does not stop after the upward cascade.
 //
-// Collapse. Infinitely many collisions can happen in a finite time: a ball on the floor bounces for 2 ε V/(g (1 − ε)),
-// a law with ε → 1 at small speed also sums to a finite time, and so do three balls between each other. A collision
+// Collapse. Infinitely many collisions can happen in a finite time. A ball on the floor has bounced its last after
+// 2 ε V/(g (1 − ε)); the times also have a finite sum under a law with ε → 1 at small speed, and so have those of three
+// balls that collide with each other. A collision
 // slower than 1e-8 of the fastest one so far is therefore the last of its pair: it joins the two, perfectly inelastic,
 // together with all that touches them and moves with them to within that speed. The energy and the heights that this
-// leaves out are 1e-16 of the fastest collision's, which is rounding. Balls joined in flight stay together, gap and rate
-// 0, since they fall alike, until one of them is hit; then the rules for touching balls apply. Balls joined with the
-// floor rest on it, and a ball above them falls onto a floor that they are, until a collision sets the uppermost of
-// them in motion. The outcome says collapse if ε < 1 and the collisions did accumulate: a slow collision after a wait
-// longer than all the time before is balls of nearly one velocity that meet late.
+// leaves out are 1e-16 of the fastest collision's, which is rounding. Balls joined in flight stay together, gap and
+// rate 0, since they fall alike, until one of them is hit; then the rules for touching balls apply. Balls joined with
+// the floor rest on it and are the floor for a ball above them, until a collision sets the uppermost of them in
+// motion. The outcome says collapse only if ε < 1 and the collisions accumulated. After a wait longer than all the
+// time before they did not: balls of nearly equal velocity met late.
 #pragma once
 #include <algorithm>
 
@@ -35,7 +36,7 @@ struct Flight {
 };
 
 struct IndependentRun {
-    // States kept: one in so many collisions (more balls, fewer states), the ones between being computed again.
+    // The state is kept once in so many collisions, less often for more balls; those between are computed again.
     static constexpr std::size_t stride = 64;
 
     Sequence sequence;

@@ -37,8 +37,8 @@ inline void find_bounces(const Solution& s, std::vector<double>& from) {
     }
 }
 
-// Height at which a ball that rises at `low` and falls at `high` turns: the zero of its velocity, by false position with
-// the weight of an end that stays halved (Illinois).
+// Height at which a ball that rises at `low` and falls at `high` turns: the zero of its velocity, by false position
+// with the weight of an end that stays halved (Illinois).
 inline double apex(const Solution& s, std::size_t ball, States& at, double low, double rising, double high,
                    double falling) {
     const double rounding = 1e-13 * (rising - falling);

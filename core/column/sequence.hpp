@@ -5,7 +5,7 @@
 // last ball–ball contact that began before that instant, an open one being followed to its end. The separation
 // velocity is the gap rate of the pair at the first instant >= t_f at which no force acts and the gap is not
 // closing. With more than two balls the velocities are not defined and t_f is the end of the last such contact. One
-// ball has the floor contact only: t_f is its end, re-engagements before the gap has opened included.
+// ball has the floor contact only: t_f is then its end, or that of the last re-engagement before the gap has opened.
 #pragma once
 #include "../math.hpp"
 #include "../outcome.hpp"

@@ -1,5 +1,7 @@
 // Collisions that are those of the linear dashpot in another coordinate:
-//   m ξ̈ = −k ξ^{2q+1} − c ξ^q ξ̇,   with X = ξ^{q+1}:   v dv/dX = −ω² X − 2βv,   ω² = k/((q + 1) m),  2β = c/((q + 1) m).
+//   m ξ̈ = −k ξ^{2q+1} − c ξ^q ξ̇,
+// with X = ξ^{q+1} that is
+//   v dv/dX = −ω² X − 2βv,   ω² = k/((q + 1) m),  2β = c/((q + 1) m).
 // The speed v = dξ/dt is the same in both, and so is where the force ends, X + 2βv/ω² = 0. The coefficient of
 // restitution is therefore that of the linear dashpot at b = β/ω = c/(2√((q + 1) k m)), whatever the speed of impact V.
 // Only the time differs: dt = dξ/v, and dX/v is the time of the linear dashpot, so that

@@ -60,8 +60,8 @@ HL_FN double evaluate(const double* c, double h) {
     return sum;
 }
 
-// Step for which the last two terms of σ and V fall below rounding. V ends as ε, which may be tiny: its terms
-// count against V itself, or where that passes through zero against the speed p σ² at which the contact ends.
+// Step for which the last two terms of σ and V fall below rounding. V ends as ε, which may be tiny, so its terms are
+// compared with V itself or, where that passes through zero, with the speed p σ² at which the contact ends.
 HL_FN double step_size(const Series& c, double p) {
     const double speed = math::max(math::abs(c.v[0]), p * c.s[0] * c.s[0]);
     double h = 4.0;  // longer than any step, and left alone where the terms underflow
@@ -226,11 +226,13 @@ struct Viscoelastic {
     double dissipative_time;   // A [s]
 
     static constexpr int onset_power = 2;
+    static constexpr bool similar = true;
     static constexpr LawRecord record = {
         "viscoelastic",
         "Viscoelastic",
         "Viscoelastic spheres: F = max(0, ρ ξ^(3/2) + (3/2) ρ A √ξ dξ/dt), ρ = 2Y√R_eff/(3(1 − ν²)). A = 0 is Hertz.",
-        "Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), Eqs. B1–B3; Brilliantov et al., Phys. Rev. E 53, 5382 (1996)",
+        "Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), Eqs. B1–B3; "
+        "Brilliantov et al., Phys. Rev. E 53, 5382 (1996)",
         2,
         {youngs_modulus, poisson_ratio},
         2,

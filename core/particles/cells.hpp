@@ -39,6 +39,8 @@ struct Place {
 template <int d>
 class Cells {
 public:
+    static constexpr std::size_t slack = 32;
+
     // Grids for `n` particles, the finest first.
     Cells() = default;
     Cells(const Box<d>& box, std::size_t n, double smallest, double largest) {
@@ -119,7 +121,7 @@ public:
         free_.clear();
     }
 
-    // Writes the ids to list[n …] and returns the new n. The list has room for at least four more ids, and keeps it.
+    // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids, and keeps it.
     std::size_t collect(u32 cell, std::vector<u32>& list, std::size_t n) const {
         const Cell* c = &cells_[cell];
         u32* to = list.data() + n;
@@ -127,6 +129,35 @@ public:
         if (c->tail <= inline_ids) return n + c->tail;
         return collect_chain(c, list, n);
     }
+    // All ids in a block that lies in the grid.
+    std::size_t collect_block(int level, const Place<d>& from, const Place<d>& to,
+                              std::vector<u32>& list) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        const u32 length = static_cast<u32>(to[0] - from[0]) + 1, row = static_cast<u32>(g.cells[0]);
+        const u32 plane = d == 3 ? row * static_cast<u32>(g.cells[1]) : 0;
+        const int planes = d == 3 ? to[d - 1] - from[d - 1] : 0;
+        u32 first = number(level, from);
+        std::size_t n = 0;
+        for (int z = 0; z <= planes; ++z, first += plane) {
+            u32 cell = first;
+            for (int y = from[1]; y <= to[1]; ++y, cell += row) {
+                if (list.size() < n + 3 * length + slack) list.resize(2 * n + 3 * length + slack);
+                for (u32 x = 0; x < length; ++x) n = collect(cell + x, list, n);
+            }
+        }
+        return n;
+    }
+    // The same for a block across borders of the box: what lies beyond is found on the other side, or not at a wall.
+    std::size_t collect_across(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to,
+                               std::vector<u32>& list) const {
+        std::size_t n = 0;
+        for_block(box, level, from, to, [&](u32 cell, const double (&)[d]) {
+            if (list.size() < n + slack) list.resize(2 * n + slack);
+            n = collect(cell, list, n);
+        });
+        return n;
+    }
+
     // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles in the
     // cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
     template <class F>
@@ -185,7 +216,7 @@ private:
 
     std::size_t collect_chain(const Cell* c, std::vector<u32>& list, std::size_t n) const {
         for (;;) {
-            if (list.size() < n + 128) list.resize(2 * n + 128);
+            if (list.size() < n + slack) list.resize(2 * n + slack);
             for (u32 k = 0; k < inline_ids; ++k) list[n + k] = c->id[k];
             n += std::min(c->tail, inline_ids);
             if (c->tail <= inline_ids) return n;

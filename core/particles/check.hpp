@@ -29,10 +29,23 @@ public:
     }
 
     Fault fault() const {
-        Fault f = of_numbers();
+        Fault f = of_sizes();
+        if (f.kind == Fault::none) f = of_numbers();
         if (f.kind == Fault::none) f = of_places();
         if (f.kind == Fault::none) f = of_pairs();
         return f;
+    }
+
+    // Of radii and box alone.
+    Fault of_sizes() const {
+        for (std::size_t i = 0; i < s_.n; ++i)
+            if (!(s_.radius[i] > 0.0 && math::is_finite(s_.radius[i])))
+                return {Fault::radius, i, 0, 0, s_.radius[i]};
+        const double diameter = 2.0 * *std::max_element(s_.radius, s_.radius + s_.n);
+        for (int k = 0; k < d; ++k)
+            if (!(box_.edge[k] >= diameter && math::is_finite(box_.edge[k])))
+                return {Fault::box, 0, 0, k, diameter};
+        return {};
     }
 
 private:
@@ -43,18 +56,12 @@ private:
 
     Fault of_numbers() const {
         for (std::size_t i = 0; i < s_.n; ++i) {
-            if (!(s_.radius[i] > 0.0 && math::is_finite(s_.radius[i])))
-                return {Fault::radius, i, 0, 0, s_.radius[i]};
             if (!(s_.mass[i] > 0.0 && math::is_finite(s_.mass[i]))) return {Fault::mass, i, 0, 0, s_.mass[i]};
             for (int k = 0; k < d; ++k)
                 if (!math::is_finite(position(i, k)) ||
                     !math::is_finite(s_.velocity[i * d + static_cast<std::size_t>(k)]))
                     return {Fault::not_finite, i, 0, k, 0.0};
         }
-        const double diameter = 2.0 * *std::max_element(s_.radius, s_.radius + s_.n);
-        for (int k = 0; k < d; ++k)
-            if (!(box_.edge[k] >= diameter && math::is_finite(box_.edge[k])))
-                return {Fault::box, 0, 0, k, diameter};
         return {};
     }
     Fault of_places() const {
@@ -110,6 +117,10 @@ private:
 
 inline Fault fault_of(const Setting& s) {
     return s.dimension == 2 ? Check<2>(s).fault() : Check<3>(s).fault();
+}
+
+inline Fault fault_of_sizes(const Setting& s) {
+    return s.dimension == 2 ? Check<2>(s).of_sizes() : Check<3>(s).of_sizes();
 }
 
 }  // namespace hardlimit::particles

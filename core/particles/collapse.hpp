@@ -2,9 +2,10 @@
 // particles between each other (McNamara & Young, Phys. Fluids A 4, 496 (1992)).
 //
 // Speeds and waiting times then shrink together, by a factor at each collision. So a particle collapses where it collides
-// three times, each time more slowly than before, at less than 1e-8 of the thermal speed and after less than 1e-6 of the
-// time in which a particle moves by a radius. In a gas one collision of 1e16 is so slow and one of 1e6 so soon after the
-// last. What is below the rounding of the thermal speed are particles in touch: they are left to the other criterion, ten thousand collisions, a thousand of them of one particle, in 1e-9 of that time.
+// three times at less than 1e-8 of the thermal speed and after less than the hundredth of the time in which a particle
+// moves by a radius, each time more slowly and sooner than before. In a gas one collision of 1e16 is so slow. What is below
+// the rounding of the thermal speed are particles in touch: they are left to the other criterion, ten thousand
+// collisions, a thousand of them of one particle, in 1e-9 of that time.
 #pragma once
 #include <unordered_map>
 #include <vector>
@@ -45,10 +46,10 @@ public:
     }
 
 private:
-    static constexpr double slow = 1e-8, soon = 1e-6, at_an_instant = 1e-9, rounding = 4.0 * math::epsilon;
+    static constexpr double slow = 1e-8, soon = 1e-2, at_an_instant = 1e-9, rounding = 4.0 * math::epsilon;
     static constexpr int many_at_once = 10'000, of_one = 1'000, in_a_row = 3;
     struct Streak {
-        double speed;
+        double speed, waited;
         int length;
     };
     double instant_ = -math::infinity, window_ = 0.0;
@@ -80,15 +81,16 @@ private:
     bool shrinks(const Impact& c, double thermal_speed, double radius) {
         if (!(c.waited * thermal_speed < soon * radius) || !(c.speed > rounding * thermal_speed))
             return false;
-        const bool first = grows(c.first, c.speed);
-        const bool second = c.second >= 0 && grows(static_cast<u32>(c.second), c.speed);
+        const bool first = grows(c.first, c);
+        const bool second = c.second >= 0 && grows(static_cast<u32>(c.second), c);
         return first || second;
     }
-    bool grows(u32 particle, double speed) {
-        const auto [at, fresh] = streaks_.try_emplace(particle, Streak{speed, 0});
+    bool grows(u32 particle, const Impact& c) {
+        const auto [at, fresh] = streaks_.try_emplace(particle, Streak{c.speed, c.waited, 0});
         Streak& s = at->second;
-        s.length = fresh || speed < s.speed ? s.length + 1 : 1;
-        s.speed = speed;
+        s.length = fresh || (c.speed < s.speed && c.waited <= s.waited) ? s.length + 1 : 1;
+        s.speed = c.speed;
+        s.waited = c.waited;
         return s.length >= in_a_row;
     }
 };

@@ -8,6 +8,7 @@
 #include "../stop.hpp"
 #include "rules.hpp"
 #include "tally.hpp"
+#include "touch_kernel.hpp"
 
 namespace hardlimit::particles {
 
@@ -21,7 +22,8 @@ struct Setting {
     const double* mass;      // [kg]
     double edge[3];          // [m]
     bool periodic[3];
-    double gravity[3];  // [m/s²]
+    double gravity[3];                           // [m/s²]
+    const hardlimit_abi::TouchKernels* kernels;  // for the processor at hand
 };
 
 // Collisions in the order of time.

@@ -19,6 +19,7 @@
 #include "collapse.hpp"
 #include "engine.hpp"
 #include "prediction.hpp"
+#include "touch_kernel.hpp"
 
 namespace hardlimit::particles {
 
@@ -36,7 +37,7 @@ public:
     // Predicting the first event of each particle takes a while; a run that `stop` has stopped is of no use.
     HardSpheres(const Setting& s, const RuleChoice& rule, bool keep_log, Stop& stop, Growth growth = {});
     // A run that was saved; failed() of the reader tells whether it could be.
-    explicit HardSpheres(Reader& saved);
+    HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels);
 
     void advance(double until, i64 most_rows, Stop& stop) override;
     double time() const override { return now_; }
@@ -56,15 +57,11 @@ private:
     static constexpr double separation = 1.5;
     static constexpr std::size_t least_candidates = 256;
 
-    // A particle as it is now.
-    struct Here {
+    // A particle that looks for its next collision, and what it has found.
+    struct Look {
+        hardlimit_abi::TouchQuery query;
         u32 id;
-        double position[d], velocity[d];
-        double radius;
-        u32 except;  // not to be met: what the particle has just collided with
-    };
-    // The earliest collision found so far.
-    struct Earliest {
+        u32 except = nobody;         // not to be met: what the particle has just collided with
         double in = math::infinity;  // [s] from now
         u32 partner = nobody;
     };
@@ -88,13 +85,18 @@ private:
     double now_ = 0.0;  // [s]
     Outcome outcome_ = Outcome::ok;
     Collapse collapse_{math::nan, -1, 0};
+    hardlimit_abi::TouchTimes touch_times_ = nullptr;
     std::vector<u32> candidates_;
+    std::vector<double> times_;    // until they are touched [s]
     double weight_energy_ = 0.0;   // M |g| R [J]
     i64 refresh_after_ = 0;        // rows
     std::vector<double> rescans_;  // time of the next look for smaller particles [s]
     double fastest_ = 0.0;         // bound of the speeds of all particles [m/s]
     bool small_box_ = false;       // a particle may have two images of another beside it
 
+    static hardlimit_abi::TouchTimes times_of(const hardlimit_abi::TouchKernels& kernels) {
+        return kernels.times[d - 2][static_cast<int>(motion)];
+    }
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double mass(u32 i) const {
         if constexpr (mixed) return masses_[i];
@@ -130,18 +132,17 @@ private:
     void refresh_tally();
 
     // hard_spheres_search.hpp
-    Here here(u32 i, u32 except) const;
-    Approach approach(const Here& p, const Particle<d>& q, const double (&shift)[d]) const;
+    Look look(u32 i) const;
     void predict(u32 i, u32 except);
     void predict_unscheduled(u32 i, u32 except);
     void predict_own(u32 i);
-    void search_block(const Here& p, int level, const Place<d>& from, const Place<d>& to, Earliest& best);
-    void search_wrapped(const Here& p, int level, const Place<d>& from, const Place<d>& to, Earliest& best);
-    void search_finer(const Here& p, int level, Earliest& best);
-    void examine(const Here& p, std::size_t n, const double (&shift)[d], Earliest& best);
-    double frame_speed(const double (&velocity)[d]) const;
+    void search_block(Look& look, int level, const Place<d>& from, const Place<d>& to);
+    void search_images(Look& look, int level, const Place<d>& from, const Place<d>& to);
+    void search_finer(Look& look, int level);
+    void examine(Look& look, std::size_t n);
+    void keep(const Look& found);
+    double frame_speed(const double* velocity) const;
     double fastest_possible() const;
-    void keep(u32 i, const Earliest& found);
 
     // hard_spheres_events.hpp
     void happen(u32 i);

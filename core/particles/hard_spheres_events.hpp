@@ -44,20 +44,19 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i) {
     e.cell = cells_.number(fine, at) & (most_cells - 1);
     cells_.insert(e.cell, i);
 
-    const Here h = here(i, nobody);
-    Earliest best;
+    Look found = look(i);
     Place<d> place = at;
     for (int q = fine;; ++q) {
         Place<d> from, to;
         for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
         from[axis] = to[axis] = place[axis] + step;
-        search_block(h, q, from, to, best);
+        search_block(found, q, from, to);
         // The border just crossed is one of the next coarser grid where an even number of cells lies below it.
         const int border = step > 0 ? place[axis] : place[axis] + 1;
         if (q + 1 == cells_.levels() || border % 2 != 0) break;
         for (int k = 0; k < d; ++k) place[k] >>= 1;
     }
-    keep(i, best);
+    keep(found);
     predict_own(i);
     schedule(i);
 }

@@ -4,97 +4,76 @@
 namespace hardlimit::particles {
 
 template <int d, Motion motion, bool mixed>
-auto HardSpheres<d, motion, mixed>::here(u32 i, u32 except) const -> Here {
+auto HardSpheres<d, motion, mixed>::look(u32 i) const -> Look {
     const Particle<d>& p = particles_[i];
-    Here h;
-    h.id = i;
+    Look look{};
+    hardlimit_abi::TouchQuery& q = look.query;
+    look.id = i;
+    q.now = now_;
+    q.radius = radius(i);
+    q.share = growth_.at(now_);
+    q.rate = growth_.rate;
     for (int k = 0; k < d; ++k) {
-        h.position[k] = position_after<motion>(p, k, now_ - p.time, box_);
-        h.velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
+        q.position[k] = position_after<motion>(p, k, now_ - p.time, box_);
+        q.velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
+        q.edge[k] = box_.edge[k];
+        q.half_gravity[k] = 0.5 * box_.gravity[k];
+        q.gravity[k] = box_.gravity[k];
     }
-    h.radius = radius(i);
-    h.except = except;
-    return h;
+    return look;
 }
 
-// Of q, moved by `shift`, and p.
+// The first n candidates. Simultaneous ones are told apart by the user's numbers.
 template <int d, Motion motion, bool mixed>
-Approach HardSpheres<d, motion, mixed>::approach(const Here& p, const Particle<d>& q,
-                                                 const double (&shift)[d]) const {
-    double r[d], v[d];
-    const double after = now_ - q.time;
-    for (int k = 0; k < d; ++k) {
-        r[k] = position_after<motion>(q, k, after, box_) + shift[k] - p.position[k];
-        v[k] = velocity_after<motion>(q, k, after, box_) - p.velocity[k];
-    }
-    double touch = 0.0;
-    if constexpr (mixed)
-        touch = p.radius + q.radius;
-    else
-        touch = 2.0 * largest_radius_;
-    if constexpr (motion == Motion::growing) {
-        const double now = touch * growth_.at(now_), rate = touch * growth_.rate;
-        return {dot(v, v) - rate * rate, dot(r, v) - now * rate, dot(r, r) - now * now};
-    } else {
-        return {dot(v, v), dot(r, v), dot(r, r) - touch * touch};
-    }
-}
-
-// The first n candidates, all moved by `shift`. Nothing branches before it is known who will be met.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::examine(const Here& p, std::size_t n, const double (&shift)[d],
-                                            Earliest& best) {
+void HardSpheres<d, motion, mixed>::examine(Look& look, std::size_t n) {
+    if (times_.size() < n + 8) times_.resize(2 * n + 8);
+    double* const times = times_.data();
+    double first = touch_times_(look.query, particles_.data(), candidates_.data(), n, look.id, times);
+    if (!(first <= look.in) || first == math::infinity) return;
     for (std::size_t k = 0; k < n; ++k) {
+        if (times[k] > look.in || times[k] == math::infinity) continue;
         const u32 id = candidates_[k];
-        const Approach a = approach(p, particles_[id], shift);
-        const double discriminant = a.discriminant();
-        double in;
-        if constexpr (motion == Motion::growing) {
-            if (id == p.id || !will_touch(a, discriminant)) continue;
-            in = time_to_touch_growing(a, discriminant);
-        } else {
-            if (!((a.b < 0.0) & (discriminant > 0.0))) continue;
-            in = time_to_touch(a.b, a.c, discriminant);
+        if (id == look.except) continue;
+        if (times[k] < look.in || names_[id] < names_[look.partner]) {
+            look.in = times[k];
+            look.partner = id;
         }
-        if (in > best.in || id == p.except) continue;
-        if (in < best.in || names_[id] < names_[best.partner]) best = {in, id};
     }
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::search_block(const Here& p, int level, const Place<d>& from,
-                                                 const Place<d>& to, Earliest& best) {
-    const Grid<d>& g = cells_.grids()[level];
+void HardSpheres<d, motion, mixed>::search_block(Look& look, int level, const Place<d>& from,
+                                                 const Place<d>& to) {
+    const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level)];
+    bool across = false;
+    for (int k = 0; k < d; ++k) {
+        const bool here = from[k] < 0 || to[k] >= g.cells[k];
+        across = across || here;
+        // With four cells an image that is not the nearest one is more than two cells away.
+        if (here && box_.periodic[k] && (g.cells[k] < 4 || to[k] - from[k] > 2))
+            return search_images(look, level, from, to);
+    }
     for (int k = 0; k < d; ++k)
-        if (from[k] < 0 || to[k] >= g.cells[k]) return search_wrapped(p, level, from, to, best);
-    std::size_t n = 0;
-    Place<d> row = from;
-    const u32 length = static_cast<u32>(to[0] - from[0]) + 1;
-    const int high = d == 3 ? to[d - 1] : 0, low = d == 3 ? from[d - 1] : 0;
-    for (int z = low; z <= high; ++z) {
-        if constexpr (d == 3) row[2] = z;
-        for (row[1] = from[1]; row[1] <= to[1]; ++row[1]) {
-            const u32 first = cells_.number(level, row);
-            if (candidates_.size() < n + 4 * length + 4) candidates_.resize(2 * n + 4 * length + 4);
-            for (u32 c = 0; c < length; ++c) n = cells_.collect(first + c, candidates_, n);
-        }
-    }
-    const double none[d] = {};
-    examine(p, n, none, best);
+        look.query.per_edge[k] = across && box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
+    examine(look, across ? cells_.collect_across(box_, level, from, to, candidates_)
+                         : cells_.collect_block(level, from, to, candidates_));
 }
 
-// A block that reaches across a border of the box.
+// A block that is so large a part of the box that several images of a particle may lie in it.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::search_wrapped(const Here& p, int level, const Place<d>& from,
-                                                   const Place<d>& to, Earliest& best) {
+void HardSpheres<d, motion, mixed>::search_images(Look& look, int level, const Place<d>& from,
+                                                  const Place<d>& to) {
+    for (double& per_edge : look.query.per_edge) per_edge = 0.0;
     cells_.for_block(box_, level, from, to, [&](u32 cell, const double (&shift)[d]) {
-        examine(p, cells_.collect(cell, candidates_, 0), shift, best);
+        for (int k = 0; k < d; ++k) look.query.shift[k] = shift[k];
+        examine(look, cells_.collect(cell, candidates_, 0));
     });
+    for (double& shift : look.query.shift) shift = 0.0;
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::keep(u32 i, const Earliest& found) {
-    Pending& e = pending_[i];
+void HardSpheres<d, motion, mixed>::keep(const Look& found) {
+    Pending& e = pending_[found.id];
     const double time = now_ + found.in;
     if (found.partner == nobody || time > e.pair_time) return;
     if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[found.partner]) return;
@@ -114,22 +93,22 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
     Pending& e = pending_[i];
     const int own = level(i);
-    const Here p = here(i, except);
-    Earliest best;
+    Look found = look(i);
+    found.except = except;
     cells_.for_neighbourhoods(own, e.cell, [&](int level, const Place<d>& from, const Place<d>& to) {
-        search_block(p, level, from, to, best);
+        search_block(found, level, from, to);
     });
     e.pair_time = math::infinity;
     e.partner = nobody;
     if constexpr (mixed)
-        if (own > 0) search_finer(p, own, best);
-    keep(i, best);
+        if (own > 0) search_finer(found, own);
+    keep(found);
     predict_own(i);
 }
 
 // Speed now in a frame that falls with gravity along the periodic axes, where a speed would grow for ever.
 template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::frame_speed(const double (&velocity)[d]) const {
+double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const {
     double square = 0.0;
     for (int k = 0; k < d; ++k) {
         const double v = velocity[k] - (box_.periodic[k] ? box_.gravity[k] * now_ : 0.0);
@@ -148,21 +127,21 @@ double HardSpheres<d, motion, mixed>::fastest_possible() const {
 
 // Smaller particles may be many: only those that can arrive before the next look are examined.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::search_finer(const Here& p, int level, Earliest& best) {
+void HardSpheres<d, motion, mixed>::search_finer(Look& look, int level) {
     double horizon = math::infinity;
-    const double speed = frame_speed(p.velocity) + fastest_possible();
+    const double speed = frame_speed(look.query.velocity) + fastest_possible();
     for (int q = 0; q < level; ++q) {
         const Grid<d>& g = cells_.grids()[q];
-        const double margin = 1.5 * g.diameter, reach = p.radius + 0.5 * g.diameter + margin;
+        const double margin = 1.5 * g.diameter, reach = look.query.radius + 0.5 * g.diameter + margin;
         horizon = math::min(horizon, 0.99 * margin / speed);
         Place<d> from, to;
         for (int k = 0; k < d; ++k) {
-            from[k] = floor_of((p.position[k] - reach) / g.edge[k]);
-            to[k] = floor_of((p.position[k] + reach) / g.edge[k]);
+            from[k] = floor_of((look.query.position[k] - reach) / g.edge[k]);
+            to[k] = floor_of((look.query.position[k] + reach) / g.edge[k]);
         }
-        search_block(p, q, from, to, best);
+        search_block(look, q, from, to);
     }
-    rescans_[p.id] = now_ + horizon;
+    rescans_[look.id] = now_ + horizon;
 }
 
 // Leaves the cell or meets a wall, whichever comes first.

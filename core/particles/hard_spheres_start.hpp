@@ -6,7 +6,7 @@ namespace hardlimit::particles {
 template <int d, Motion motion, bool mixed>
 HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& rule, bool keep_log,
                                            Stop& stop, Growth growth)
-    : growth_(growth), keep_log_(keep_log) {
+    : growth_(growth), keep_log_(keep_log), touch_times_(times_of(*s.kernels)) {
     for (int k = 0; k < d; ++k) {
         box_.edge[k] = s.edge[k];
         box_.periodic[k] = s.periodic[k];
@@ -27,7 +27,8 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
 }
 
 template <int d, Motion motion, bool mixed>
-HardSpheres<d, motion, mixed>::HardSpheres(Reader& saved) {
+HardSpheres<d, motion, mixed>::HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels)
+    : touch_times_(times_of(kernels)) {
     archive(saved);
     if (saved.failed()) return;
     candidates_.resize(least_candidates);

@@ -42,13 +42,14 @@ inline std::unique_ptr<Engine> make_engine(const Setting& s, const RuleChoice& r
 }
 
 // Nothing where the bytes are not a whole archive.
-inline std::unique_ptr<Engine> load_engine(const char* data, std::size_t n) {
+inline std::unique_ptr<Engine> load_engine(const char* data, std::size_t n,
+                                           const hardlimit_abi::TouchKernels& kernels) {
     Reader reader(data, n);
     Kind kind{};
     if (!reader.whole()) return nullptr;
     reader(kind);
     auto engine = with_kind(kind, [&]<int d, Motion motion, bool mixed>() -> std::unique_ptr<Engine> {
-        return std::make_unique<HardSpheres<d, motion, mixed>>(reader);
+        return std::make_unique<HardSpheres<d, motion, mixed>>(reader, kernels);
     });
     return reader.failed() ? nullptr : std::move(engine);
 }

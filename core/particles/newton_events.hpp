@@ -21,7 +21,7 @@
 #include "../outcome.hpp"
 #include "archive.hpp"
 #include "events/cluster.hpp"
-#include "planar_contact.hpp"
+#include "soft_contacts.hpp"
 #include "steps/bodies.hpp"
 #include "steps/pair_laws.hpp"
 #include "steps/touches.hpp"
@@ -51,8 +51,9 @@ public:
     int largest_cluster() const { return largest_cluster_; }
     // Part of all time that bodies have spent in groups of several contacts.
     double cluster_share() const;
-    // Contacts so far, but for those that began in a cluster that is still together.
+    // Contacts so far, but for those that began or ended in a group that is still together.
     std::uint64_t contacts_reached() const { return begun_; }
+    std::uint64_t contacts_logged() const { return ended_; }
 
     // What is true now. Groups are integrated on the side; nothing changes.
     struct Survey {
@@ -60,7 +61,7 @@ public:
         double kinetic, potential, contact, dissipated;
         double momentum[3];
         double virial;  // ∫ Σ r·F dt over pairs since the start [J s]
-        std::uint64_t in_contact, begun, ended, overlapped;
+        std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
         std::vector<Row> open;  // contacts that last, and those that are over in groups still together
     };
     Survey survey() const;
@@ -125,6 +126,7 @@ private:
 
     Box box_;
     steps::PairLaws<Law> laws_;
+    SoftContacts<Law, true> soft_;
     bool keep_log_;
     std::vector<Body> bodies_;
     std::vector<Group> groups_;
@@ -136,7 +138,7 @@ private:
     Vector3 cell_edge_{}, gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
-    std::uint64_t begun_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
+    std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
@@ -150,7 +152,11 @@ private:
     // The cells are wide enough for margins up to this.
     double widest_margin() const { return 0.1 * largest_; }
     // How far a member may go while its group lasts.
-    double travel() const { return 0.25 * smallest_; }
+    // In a small box no second image of a body may come near.
+    double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
+    double smallest_edge() const;
+
+    static SoftContacts<Law, true> soft_contacts(const steps::PairLaws<Law>& laws, std::size_t count);
 
     // events/flight.hpp
     Vector3 position(const Body& b, double t) const;
@@ -205,9 +211,9 @@ private:
                double separation, bool overlapped) const;
 
     // events/lone_contact.hpp
-    bool solve_pair(Isolated& l) const;
+    bool solve_pair(Isolated& l);
     void part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal, const Vector3& across) const;
-    bool solve_wall(Isolated& l) const;
+    bool solve_wall(Isolated& l);
     bool far_from_walls(const Group& g, const Isolated& l) const;
 
     template <class Archive>
@@ -221,6 +227,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
                                 const std::vector<double>& velocity, steps::PairLaws<Law> laws, bool log)
     : box_(box),
       laws_(std::move(laws)),
+      soft_(soft_contacts(laws_, position.size() / 3)),
       keep_log_(log),
       bodies_(position.size() / 3),
       gravity_(std::to_array(box.gravity)) {
@@ -236,6 +243,29 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
     make_cells();
     for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) insert(i);
     for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) predict(i);
+}
+
+// Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and the
+// largest body; any other pair that does not fit is solved by itself.
+template <class Law>
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const steps::PairLaws<Law>& laws,
+                                                         std::size_t count) {
+    std::size_t least = 0, most = 0;
+    for (std::size_t i = 1; i < count; ++i) {
+        if (laws.radius(i) < laws.radius(least)) least = i;
+        if (laws.radius(i) > laws.radius(most)) most = i;
+    }
+    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
+    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
+    const auto damping = [&](std::size_t i, std::size_t j) {
+        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
+        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
+    };
+    const double of_most = damping(most, most);
+    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
+    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
+    const auto first = static_cast<std::int64_t>(most);
+    return {laws(first, first), mass(most, most), reach(most, most), varies};
 }
 
 template <class Law>
@@ -265,6 +295,14 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
 }
 
 template <class Law>
+double NewtonEvents<Law>::smallest_edge() const {
+    double least = math::infinity;
+    for (int axis = 0; axis < box_.dimension; ++axis)
+        if (box_.wraps(axis)) least = math::min(least, box_.edge[axis]);
+    return least;
+}
+
+template <class Law>
 double NewtonEvents<Law>::cluster_share() const {
     return now_ > 0.0 ? clustered_ / (now_ * static_cast<double>(bodies_.size())) : 0.0;
 }
@@ -282,6 +320,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
              virial_,
              0,
              begun_,
+             begun_pairs_,
              ended_,
              overlapped_,
              {}};
@@ -306,6 +345,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
         s.dissipated += c.dissipated;
         s.virial += c.virial;
         s.begun += static_cast<std::uint64_t>(c.begun);
+        s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
         for (std::size_t m = 0; m < g.body.size(); ++m)
             write(static_cast<std::size_t>(g.body[m]), place(g, m, c.members[m].position),
                   c.members[m].velocity);

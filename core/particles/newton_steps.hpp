@@ -54,7 +54,6 @@ public:
             fastest_ = math::max(fastest_, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
         }
         bodies_.push.resize(bodies_.count());
-        skin_ = 0.05 * mean_width_;
         start();
     }
     // As saved.
@@ -209,7 +208,7 @@ private:
     }
     template <class Watch>
     void go(int threads, std::chrono::milliseconds period, const Watch& watch) {
-        steps::Crew crew(tasks());
+        steps::Crew crew(threads, tasks());
         const auto work = [&](Stop& stop) {
             crew.work(
                 stop, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
@@ -326,7 +325,7 @@ private:
         phase_ = Phase::cells;
         begin_cells();
         Stop never;
-        steps::Crew crew(tasks());
+        steps::Crew crew(1, tasks());
         crew.work(
             never, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
     }
@@ -422,18 +421,24 @@ private:
 
     void begin_cells() {
         phase_ = Phase::cells;
-        if (lists_ > 0) choose_skin();
+        choose_skin();
         grid_ = steps::Grid(box_, widest_ + skin_, bodies_.count());
         save_touches();
     }
     void choose_skin() {
-        std::size_t listed = 1;
-        for (const Slab& s : slabs_) listed += s.pairs.size();
-        const double pairs = static_cast<double>(listed) / static_cast<double>(bodies_.count());
-        const double step = fastest_ * h_,
-                     dilute = 2.0 * static_cast<double>(box_.dimension) * filled_ / mean_width_;
-        const double best = steps::best_skin(math::max(pairs / skin_, dilute), fastest_, h_);
-        skin_ = math::min(math::max(best, math::max(20.0 * step, 1e-3 * mean_width_)), 0.3 * mean_width_);
+        const double d = box_.dimension, dilute = 2.0 * d * filled_ / mean_width_;
+        // The first list: as in a fluid, in which touch is more likely by the inverse of the free volume.
+        double pairs_per_skin = dilute / math::pow(1.0 - math::min(filled_, 0.7), d);
+        if (lists_ > 0) {
+            std::size_t listed = 0;
+            for (const Slab& s : slabs_) listed += s.pairs.size();
+            const double pairs = static_cast<double>(listed) / static_cast<double>(bodies_.count());
+            pairs_per_skin = math::max(pairs / skin_, dilute);
+        }
+        const double step = lists_ > 0 ? h_ : time_step_;
+        const double least = math::max(20.0 * fastest_ * step, 1e-3 * mean_width_);
+        const double best = steps::best_skin(pairs_per_skin, fastest_, step);
+        skin_ = math::min(math::max(best, least), 0.3 * mean_width_);
     }
     // Contacts outlive the list; so do the pushes of the last step.
     void save_touches() {
@@ -471,7 +476,7 @@ private:
     // last one reaches into the first.
     void share_out() {
         const std::uint32_t layers = grid_.layers(), in_layer = grid_.cells_in_layer();
-        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 512, 2, 128);
+        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 256, 2, 128);
         const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(layers, wanted));
         const std::uint32_t count = most < 2 ? 1 : most & ~1u;
         slabs_.resize(count);

@@ -99,7 +99,7 @@ struct PlanarMotion {
         const double s = root * y[root_depth], closing = speed * y[rate];
         const double x = power(y[root_depth]), clock = column::newton::power<p - 1>(y[root_depth]);
         const double force = force_unit * law->force(s, closing);
-        const double damping = force - force_unit * law->elastic_force(s);
+        const double damping = force - force_unit * law->force(s, 0.0);  // exactly zero where none is
         const double inverse = 1.0 / (1.0 - ratio * x), inverse2 = inverse * inverse;
         dy[root_depth] = y[rate] * (1.0 / p);
         dy[rate] = -clock * ((force + swing * (inverse2 * inverse)) - gravity);

@@ -40,7 +40,7 @@ struct Drops {
     }
 };
 
-// leave() of parameters.hpp for the drops of a batch, all but what is counted.
+// leave() of parameters.hpp for a whole batch, without the numbers of contacts.
 template <class R>
 HL_FN void leave_batch(const hardlimit_abi::Ends& ends) {
     struct {

@@ -1,7 +1,7 @@
-// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A warp keeps a pool of drops under
-// way in shared memory. Each round its threads take drops that wait for the same step of the kernel of linear_kernel.hpp, the step that most
-// of the pool wait for, so that they do the same work. A drop that is done makes room for the next one of a queue
-// that all warps share. A result depends on its point alone, so it has the bits of a processor's.
+// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A warp keeps a pool of drops
+// under way in shared memory. Each round its threads take drops that wait for the same step of linear_kernel.hpp,
+// that which most of the pool wait for, so that they do the same work. A drop that is done makes room for the next
+// one of a queue that all warps share. A result depends on its point alone, so it has the bits of a processor's.
 #include "linear_kernel.hpp"
 #include "parameters.hpp"
 

@@ -60,8 +60,9 @@ HL_FN void clear(M& flag, Same<M> where) {
 }
 
 // ---- events: the definitions of column/sequence.hpp, lane by lane ---------------------------------------------
-// They stand here a second time: a lane holds two balls, so one mask says what column::Sequence counts for any number of
-// pairs, and each rule acts on the lanes of a mask. tests/test_sequence_rules.py compares both over random events.
+// The rules are written twice. column::Sequence counts the open contacts of any number of pairs and branches, whereas a
+// lane holds two balls, needs one bit for what is counted there, and cannot branch. tests/test_sequence_rules.py
+// compares the two over random events.
 
 template <class R>
 HL_FN void finish(State<R>& q, Mask<R> m) {

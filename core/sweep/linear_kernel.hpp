@@ -1,9 +1,9 @@
 // Many two-ball drops at once under the linear law, one drop in each lane of a vector.
 //
-// A step takes lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step of a method of
-// third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where bounds show
-// that this is the next event; else a careful step takes one piece exactly as column/exact/run.hpp does. Each round is
-// spent on the step that most lanes wait for, and lanes that are done take the next drops of the batch.
+// A step takes lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step of a
+// method of third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where
+// bounds show that this is the next event; else a careful step takes one piece exactly as column/exact/run.hpp does.
+// Each round is spent on the step that most lanes wait for, and lanes that are done take the next drops of the batch.
 //
 // Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
 // not depend on its neighbours, hence neither on the width of the vector nor on the order of the drops.
@@ -106,8 +106,9 @@ HL_FN R polish(R f, R f1, R f2) {
 // How far the short step and the last one may go, in units of 1/ω.
 inline constexpr double nearby = 0.02, polished = 1e-6;
 
-// The next event of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the floor
-// lets go. w is concave while the floor pushes, so it has a zero before the release exactly if it is negative then.
+// The next event of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the
+// floor lets go. w is concave while the floor pushes, so it has a zero before the release exactly if it is negative
+// then.
 template <class R>
 HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
@@ -129,10 +130,10 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
             dw_then = (climb - s.gravity * release) - du_then;
     const R doubt =
         1e-4 * (math::abs<R>(u_then) + math::abs<R>(w0) + (release + k.floor_period) * math::abs<R>(dw_then));
-    // A slack pair opens by the zero of w + ẇ t − worst t²/2, where worst bounds −ẅ until then; as L2 = w + c2 ẇ >= 0, that
-    // is before 2 c2. Its force does not switch on before if L2 only rises, or if L2 is concave, for it is positive at
-    // both ends. Nor does it before the floor lets go if L2' > 0 until then. Else it does, at about the second zero of a
-    // parabola of L2.
+    // A slack pair opens by the zero of w + ẇ t − worst t²/2, where worst bounds −ẅ until then; as L2 = w + c2 ẇ >= 0,
+    // that is before 2 c2. Its force does not switch on before if L2 only rises, or if L2 is concave, for it is
+    // positive at both ends. Nor does it before the floor lets go if L2' > 0 until then. Else it does, at about the
+    // second zero of a parabola of L2.
     const Mask<R> slack = negation(q.pair_open);
     const R steepest = strength * omega, rise = select<R>(l1_rate >= 0.0, R{}, s.a1 * steepest);
     const R worst = now + rise * (2.0 * s.c2), square = dw0 * dw0 + 2.0 * (worst * w0),
@@ -305,8 +306,8 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R bends = real_product<R>(slow_rate, floor_drift), bends_then = real_product<R>(slow_rate, then);
     const Mask<R> stays = (rest1 + math::max<R>(floor_drift.re, then.re) + size * k.floor_share < 0.0) &
                           ((bends <= 0.0) | (bends_then >= 0.0)) & (slow_rate.im * when < math::pi);
-    // An open floor gap is concave while the pair pushes. A slack floor contact stays so if L1' > 0; it has then opened or
-    // not, as u says at the end.
+    // An open floor gap is concave while the pair pushes. A slack floor contact stays so if L1' > 0; it has then
+    // opened or not, as u says at the end.
     const Mask<R> slack = negation(both | q.floor_open);
     const Mask<R> clear_of_floor = select<Mask<R>>(
         slack, (end.du > s.c1 * (s.gravity + s.a2 * size)) & (math::abs<R>(end.u) > 1e-12 * end.du),
@@ -435,8 +436,8 @@ HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
     raise(wait.lasting, lasting);
 }
 
-// One round: the step that most lanes wait for, but short flights as soon as some wait. Returns the lanes whose step is
-// over.
+// One round: the step that most lanes wait for; short flights, though, as soon as some lanes wait for one. Returns the
+// lanes whose step is over.
 template <class R>
 HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
     constexpr int few = (Lanes<R>::count + 3) / 4;

@@ -50,10 +50,10 @@ struct Job {
     std::mutex guard;
     std::vector<LargeCount> large;  // under the guard
     std::once_flag begun;
-    // Of floor and pair, for each ε of their axis; empty: found batch by batch.
+    // Damping of floor and pair for each ε of their axis; where empty, it is found batch by batch.
     std::vector<double> damping[2];
 
-    // Of ε of floor (0) or pair (1), for a law that is given by it.
+    // The axis of ε of floor (0) or pair (1), for a law that is given by ε.
     const Axis& restitution_axis(int side) const {
         return axes[static_cast<std::size_t>(geometry_count + side * max_parameters +
                                              setting.restitution_at)];
@@ -125,7 +125,7 @@ private:
     Rates rates;
 };
 
-// Points of one batch on their way through the vector kernel.
+// A batch of points on its way through the vector kernel.
 template <class Law>
 class VectorBatch {
     using Via = Vectorised<Law>;
@@ -162,7 +162,7 @@ private:
     Stop& stop;
     Via via;
     int varying[parameter_count], n_varying = 0;
-    u64 alike = 0;  // what is not the gap changes at multiples of this only; 0: never
+    u64 alike = 0;  // parameters other than the gap change at multiples of this only; 0: never
     u64 first;
     int count;
     double value[parameter_count][room];  // the parameters

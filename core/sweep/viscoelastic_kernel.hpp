@@ -1,10 +1,10 @@
 // Many two-ball drops under the viscoelastic law at once, one drop in each lane of a vector.
 //
-// In the units of an elastic impact of the pair (viscoelastic_scaling.hpp) and with compressions ξ = −gap, their rates v and
-// f = ξ + c v, the equations of motion (1: floor, 2: pair; forces F = √ξ f of closed contacts only) are
+// In the units of an elastic impact of the pair (viscoelastic_scaling.hpp) and with compressions ξ = −gap, their
+// rates v and f = ξ + c v, the equations of motion (1: floor, 2: pair; forces F = √ξ f of closed contacts only) are
 //   v1' = G − a1 F1 + a2 F2,      v2' = a1 F1 − F2,
-// so that every event is defined as in linear_kernel.hpp, on the same functions. Only the steps are others: with the closed
-// contact a that is nearest to its onset, and b the other one,
+// so that every event is defined as in linear_kernel.hpp, on the same functions. Only the steps differ: with a the
+// closed contact that is nearest to its onset, and b the other one,
 //   ξ_a = s²,  dt = s dτ:   ds/dτ = v_a/2,   dξ_b/dτ = s v_b,   dv/dτ = s G + k_a ξ_a f_a + k_b s F_b,
 // which is polynomial but for √ξ_b and therefore smooth through the onset and the end of contact a. The Taylor series
 // of this system about the present state is summed by recurrence, its last terms give the length of the step, and
@@ -271,8 +271,9 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
     p.xa[N] = twice * p.s[N] + s_s.inner_square(p.s, N);
 }
 
-// Length for which the last terms stay below the tolerance. An error of a length turns into one of a velocity, of s times
-// about 2s √(1.5s), which is 0.4 where the balls ring, and of ξ_b times the frequency of that contact; hence the weights.
+// Length for which the last terms stay below the tolerance. An error of a length becomes one of a velocity, of s times
+// about 2s √(1.5s), which is 0.4 where the balls ring, and of ξ_b times the frequency of that contact; hence the
+// weights.
 template <class R>
 HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     R log_h = constant<R>(40.0);

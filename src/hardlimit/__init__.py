@@ -11,8 +11,11 @@ from .contact import Contact, Law
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
-from .particles.event_driven import event_driven, resume
+from .particles.contact_result import ContactResult
+from .particles.event_driven import event_driven
+from .particles.molecular_dynamics import molecular_dynamics
 from .particles.result import ParticleResult
+from .particles.resuming import resume
 from .particles.system import ParticleSystem
 from .sweep import sweep
 
@@ -30,6 +33,7 @@ __all__ = [
     "Column",
     "Comparison",
     "Contact",
+    "ContactResult",
     "Law",
     "ParticleResult",
     "ParticleSystem",
@@ -39,6 +43,7 @@ __all__ = [
     "compare",
     "event_driven",
     "independent",
+    "molecular_dynamics",
     "newton",
     "restitution_pade",
     "restitution_series",

@@ -137,7 +137,7 @@ def _structures(at: Any) -> list[Any]:
 
 
 def _structure(at: Any, value: Any) -> Any:
-    """The structure meant by a table; one of several says by its tag which."""
+    """The structure that a table describes; where there are several, its tag says which."""
     structures = _structures(at)
     return next((one for one in structures if value.get(one.tag_field) == one.tag), structures[0])
 

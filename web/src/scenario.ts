@@ -182,7 +182,7 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
 // Reads what it can over `s`; what it cannot is said in `notes`.
 export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): void {
   const number = (key: string, text: string, r: Range, fallback: number): number => {
-    const x = text.trim() === "" ? NaN : Number(text);
+    const x = text.trim() === "" ? NaN : Number(text.replace(/e (?=\d)/i, "e+")); // a link turns a plus sign into a space
     if (!Number.isFinite(x)) {
       notes.push(`${key} = “${text.slice(0, 20)}” is not a number: ${fallback} used`);
       return fallback;

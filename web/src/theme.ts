@@ -55,12 +55,12 @@ function oklch(l: number, c: number, hue: number): Rgb {
 
 export const MOST_COUNTED = 15;
 
-// 0 … 15 contacts: light to dark, straw over orange and purple to near black.
+// 0 … 15 contacts: dark to light, purple over orange to straw.
 const counts: Rgb[] = Array.from({ length: MOST_COUNTED + 1 }, (_, n) => {
-  if (n === 0) return [238, 240, 243] as Rgb;
+  if (n === 0) return [44, 46, 50] as Rgb;
   const t = (n - 1) / (MOST_COUNTED - 1);
   const eased = t ** 0.8;
-  return oklch(0.93 - 0.72 * eased, 0.055 + 0.115 * Math.sin(Math.PI * Math.min(1, 0.12 + 0.88 * eased)), 100 - 180 * eased);
+  return oklch(0.36 + 0.59 * eased, 0.055 + 0.115 * Math.sin(Math.PI * (1 - 0.88 * eased)), -80 + 180 * eased);
 });
 
 export const countColor = (n: number): Rgb => counts[Math.min(Math.max(Math.round(n), 0), MOST_COUNTED)];

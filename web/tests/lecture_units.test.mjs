@@ -1,10 +1,11 @@
 // The parts of the lecture that need no browser: sentences, curves, measured balls and heights, links.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { randomness, randomScenario, sources, wasm } from "./sources.mjs";
+import { load, random as randomness } from "./modules.mjs";
+import { randomScenario } from "./scenarios.mjs";
 
-const lib = await sources("why", "core", "scenario", "measurements", "measured", "story_text", "drop", "lecture_view", "presets", "trust");
-const core = new lib.Core(wasm());
+const lib = await load("why", "measurements", "measured", "story_text", "lecture_view", "presets", "trust");
+const { core } = lib;
 
 // What why() is made of.
 function factsOf(s) {

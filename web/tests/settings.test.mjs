@@ -3,34 +3,13 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { test } from "node:test";
-import { randomness, sources, wasm } from "./sources.mjs";
+import { load, random, randomLink } from "./modules.mjs";
 
 const count = 500;
-const { Core, solve, dropOf, exactNumbers, fromQuery, toQuery, toToml, paper, trajectoryCsv, verdict } =
-  await sources("core", "drop", "numbers", "scenario", "trajectory_csv");
-const core = new Core(wasm());
-
-// A link to some setting of two to six balls, ties and touching balls among them.
-function randomLink(next) {
-  const log = (low, high) => Number((low * (high / low) ** next()).toPrecision(4));
-  const n = 2 + Math.floor(5 * next());
-  const law = ["linear", "viscoelastic", "tsuji"][Math.floor(3 * next())];
-  const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : (0.3 + 0.7 * next()).toFixed(3) });
-  if (law === "linear") q.set("k", log(1e5, 1e8));
-  if (law === "viscoelastic") for (const [key, value] of [["Y", log(1e7, 1e11)], ["nu", (0.5 * next()).toFixed(2)], ["v", log(0.1, 10)]]) q.set(key, value);
-  if (law === "tsuji") q.set("K", log(1e7, 1e10));
-  const one = log(0.005, 0.1);
-  const alike = next() < 0.2;
-  const list = (make) => Array.from({ length: n }, make).join();
-  q.set("r", list(() => (alike ? one : log(0.005, 0.1))));
-  q.set("rho", list(() => log(300, 8000)));
-  q.set("gap", Array.from({ length: n - 1 }, () => (next() < 0.25 ? 0 : log(1e-6, 0.03))).join());
-  q.set("h", log(0.15, 2));
-  return q;
-}
+const { core, solve, dropOf, exactNumbers, fromQuery, toQuery, toToml, paper, trajectoryCsv, verdict } = await load();
 
 function settings() {
-  const next = randomness(20260);
+  const next = random(20260);
   return Array.from({ length: count }, () => {
     const q = randomLink(next);
     const scenario = paper();

@@ -12,7 +12,8 @@ namespace hardlimit::column {
 
 using LinearColumn = Column<contact::LinearDashpot>;
 
-// What a recorded run keeps: its contacts, and where it can be sampled its nodes, of which there are max_pieces at most.
+// What a recorded run keeps: its contacts, and where it can be sampled its nodes, of which there are max_pieces at
+// most.
 struct Recorder {
     bool keep_nodes = true;
     Stop* stop = nullptr;
@@ -85,8 +86,9 @@ inline constexpr double gauss_at[4] = {0.18343464249564980494, 0.525532409916328
 inline constexpr double gauss_weight[4] = {0.36268378337836198297, 0.31370664587788728734,
                                            0.22238103445337447054, 0.10122853629037625915};
 
-// Work done by the dashpots in motion C of the adiabatic model, whose mechanical energy is lost to the reaction it leaves
-// out as well. Over t it is a quadratic form W(t) of the state, and W(2t) = W(t) + Φᵀ W(t) Φ with Φ = exp(M t).
+// Work done by the dashpots in motion C of the adiabatic model. It is not what the mechanical energy loses, because the
+// reaction that the model leaves out takes some as well. Over t it is a quadratic form W(t) of the state, and W(2t) =
+// W(t) + Φᵀ W(t) Φ with Φ = exp(M t).
 inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
     const TwoBall& groups = s.groups;
     const double half_piece = 0.5 * exact::piece_length(groups, true, true);
@@ -113,8 +115,8 @@ inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x
 }
 
 // Work done by the dashpots, and energy that a contact still stores when its clipped force vanishes, from the node
-// over dt: an eight-point Gauss rule on half pieces is exact to rounding. A force-free overlap gives its stored
-// energy away. Over many pieces it is what the mechanical energy loses.
+// over dt: an eight-point Gauss rule on half pieces is exact to rounding. The energy stored in a
+// force-free overlap counts as lost as it opens. Over many pieces the sum is taken from the loss of mechanical energy.
 inline double dissipated_over(const LinearColumn& c, const Start& s, const Node& n, double dt) {
     const double speed2 = s.units.speed * s.units.speed;
     const auto power = [&](const Gaps& x) {

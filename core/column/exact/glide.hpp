@@ -1,16 +1,18 @@
 // Gliding over a lasting contact of both balls (motion C): many pieces in one step where nothing can happen.
 //
 // d²L/dt² is bounded by energies of the derivatives, which never rise (rest.hpp). So L1 and L2 stay below parabolas;
-// while these are negative no contact ends, and the state goes on by a power of exp(M h).
+// while these are negative no contact ends, and the state goes on by a power of exp(M h). A light ball that rings
+// between the floor and a heavy one makes those energies large. There the slow mode alone stays below a parabola, and
+// the fast one adds its amplitude.
 #pragma once
 #include "rest.hpp"
 
 namespace hardlimit::column::exact {
 
 // exp(M t) for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
-// s = u + w, whose slow motion would drown in the rounding of the other's. Of the diagonal both the elements less 1 and
-// the elements themselves are kept: the first hold the digits of what hardly moves through many squarings, the second
-// those of what has decayed.
+// s = u + w, whose slow motion would drown in the rounding of the other's. The diagonal is kept twice: less 1,
+// which holds the digits of what hardly moves through many squarings, and as it is, which holds those of what has
+// decayed.
 struct Propagator {
     double m[4][4];  // exp(M t) − 1
     double kept[4];  // diagonal of exp(M t)
@@ -145,6 +147,75 @@ struct Glide {
     }
 };
 
+// Bounds on L1 and L2 from now on, coupled balls, from the two modes of the motion without damping.
+//
+// With p = y/√a2 and r = (y + v)/√b2, y and v being the distances of u and w from the equilibrium, the equations read
+// q̈ + C q̇ + K q = 0 for q = (p, r), with symmetric C and K. Along the eigenvectors of K, slow (sin θ, cos θ) and fast
+// (cos θ, −sin θ), only the element C_fs couples, and the energy bounds every velocity by E = √(|q̇|² + q·K q). So the
+// amplitudes of both grow no faster than |C_fs| E.
+class Ringing {
+public:
+    HL_FN static Ringing of(const TwoBall& s, const Gaps& x) {
+        const double root1 = math::sqrt(s.a2), root2 = math::sqrt(s.b2);
+        const double half = 0.5 * (s.a1 + 1.0), product = s.a1 * s.b2;
+        const double fast = half + math::sqrt(math::max(half * half - product, 0.0)), slow = product / fast;
+        const double tangent = root1 * root2 / ((s.a1 + s.a2) - slow);
+        const double cos = 1.0 / math::sqrt(1.0 + tangent * tangent), sin = tangent * cos;
+        const double w0 = -s.gravity / s.b2, u0 = w0 / s.a1, y = x.u - u0;
+        const double p = y / root1, r = (y + (x.w - w0)) / root2;
+        const double dp = x.du / root1, dr = (x.du + x.dw) / root2;
+        const double along = root2 * cos - root1 * sin,
+                     across = -(root1 * cos + root2 * sin);  // w of the modes
+
+        Ringing m;
+        const double floor = s.a1 * s.c1, ringing = cos * p - sin * r, rate = cos * dp - sin * dr;
+        const double damping_slow = floor * (sin * sin) + s.c2 * (along * along);
+        const double damping_fast = floor * (cos * cos) + s.c2 * (across * across);
+        const double rounding = 1e-14 * (math::abs(p) + math::abs(r));
+        m.coupling = math::abs(floor * (sin * cos) + s.c2 * (along * across));
+        m.q = sin * p + cos * r;
+        m.dq = sin * dp + cos * dr;
+        m.ddq = -slow * m.q - damping_slow * m.dq - (floor * (sin * cos) + s.c2 * (along * across)) * rate;
+        m.amplitude = math::sqrt(ringing * ringing + rate * rate / fast) + rounding;
+        m.energy = math::sqrt((dp * dp + dr * dr) + (slow * (m.q * m.q) + fast * (ringing * ringing)));
+        m.own_energy = math::sqrt(m.dq * m.dq + slow * (m.q * m.q));
+        m.slow = slow;
+        m.fast = fast;
+        m.damping_slow = damping_slow;
+        m.damping_fast = damping_fast;
+        m.floor = {u0, s.c1, root1 * sin, root1 * cos};
+        m.pair = {w0, s.c2, along, math::abs(across)};
+        return m;
+    }
+    // No contact ends within t.
+    HL_FN bool holds(double t) const {
+        const double grown = coupling * energy * t, own = own_energy + grown,
+                     ring = amplitude + grown / math::sqrt(fast);
+        const double second = (math::sqrt(slow) + damping_slow) * own + coupling * energy;
+        const double third = slow * own + damping_slow * second +
+                             coupling * (math::sqrt(fast) + damping_fast + coupling) * energy;
+        const auto closed = [&](const Force& f) {
+            const double now = q + f.c * dq, rate = dq + f.c * ddq, bend = second + f.c * third;
+            const double most = f.slow * (now + rate * t) + math::abs(f.slow) * (0.5 * bend * t * t);
+            // At the end of the stretch and, where the parabola bends up, at its beginning: in between it is lower.
+            const double from = f.slow * now;
+            return f.still + math::max(most, from) + f.fast * ring * math::sqrt(1.0 + f.c * f.c * fast) < 0.0;
+        };
+        return closed(floor) && closed(pair);
+    }
+
+private:
+    // L = still + slow (q + c q̇) + fast (the same of the other mode).
+    struct Force {
+        double still, c, slow, fast;
+    };
+    Force floor, pair;
+    double q, dq, ddq, own_energy;                // the slow mode
+    double amplitude, energy;                     // of the fast mode; E
+    double slow, fast;                            // squares of the frequencies
+    double damping_slow, damping_fast, coupling;  // elements of C, the last one's size
+};
+
 // Powers of the propagator of one piece, found as they are asked for.
 class Powers {
     static constexpr int most = 64;
@@ -156,9 +227,11 @@ public:
     HL_FN static int doublings(const TwoBall& s, const Gaps& x, double span) {
         constexpr int least = 3;
         const Glide g = Glide::of(s, x);
+        const bool coupled = s.a2 > 0.0;
+        const Ringing ringing = coupled ? Ringing::of(s, x) : Ringing{};
         double t = 8.0 * piece_length(s, true, true);
         int n = least - 1;
-        for (; n + 1 < most && t <= span && g.holds(t); t *= 2.0) ++n;
+        for (; n + 1 < most && t <= span && (g.holds(t) || (coupled && ringing.holds(t))); t *= 2.0) ++n;
         return n >= least ? n : -1;
     }
     HL_FN const Propagator& of(const TwoBall& s, int doublings) {

@@ -18,18 +18,19 @@ struct Groups {
     R gravity;  // G = g/(V ω)
 };
 
-// Below this share of the upper ball the lower one is light, and 1 − a2 has lost its digits.
+// Below this b2 the lower ball counts as light: 1 − a2 would have lost its digits.
 inline constexpr double light_below = 1.0 / 512.0;
 
-// Above this gravity squares overflow: the contacts are so soft that a ball sinks in by 1e100 times its own impact.
+// Above this gravity squares overflow. The contacts are then so soft that its weight presses a ball in 1e100 times
+// deeper than its impact does.
 inline constexpr double strongest_gravity = 1e100;
 
-// The groups of one problem, with b2: the pair force on the upper ball, as a2 is on the lower one, s̈ = −G − b2 L2 for
-// its height s = u + w. b2 = 1 − a2 in exact numbers. Far below 1 that difference would lose its digits, and with them
-// the momentum of a heavy upper ball; b2 is then m_eff/m2.
+// The groups of one problem, and b2, which is to the upper ball what a2 is to the lower one: its height s = u + w obeys
+// s̈ = −G − b2 L2. In exact numbers b2 = 1 − a2. Where it is small that difference would lose its digits, and with them
+// the momentum of a heavy upper ball; b2 is then computed as m_eff/m2.
 struct TwoBall : Groups<double> {
     double b2;
-    // The lower ball is much the lighter one: the velocity of the upper ball is then followed by its own momentum.
+    // The lower ball is much the lighter one. The velocity of the upper ball is then followed by its own momentum.
     HL_FN bool light() const { return b2 < light_below; }
 };
 

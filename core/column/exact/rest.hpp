@@ -115,8 +115,8 @@ HL_FN bool creeps_on_both(TwoBall s, Gaps x) {
     return floor.acceleration + pair < 1.0;
 }
 
-// A time within which a slack pair contact, overlapping without force above a lower ball that stays on the floor, neither
-// opens nor pushes again: w stays below a parabola, and L2 above one.
+// A time within which a slack pair contact, overlapping without force above a lower ball that stays on the floor,
+// neither opens nor pushes again: w stays below a parabola, and L2 above one.
 HL_FN double slack_for(const TwoBall& s, const Gaps& x) {
     const double u2 = -s.gravity - s.a1 * (x.u + s.c1 * x.du), u3 = -s.a1 * (x.du + s.c1 * u2);
     double jerk = math::sqrt(u3 * u3 + s.a1 * (u2 * u2));

@@ -46,10 +46,11 @@ public:
 
 private:
     enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
-    // Pieces without an event after which a contact is examined for creep, and after which it is glided over, in the
-    // sequence and after it.
+    // After so many pieces without an event a contact is examined for creep, and after so many it may be glided over,
+    // in the sequence and after it.
     static constexpr long creeps_after = 32, glides_after = 4000, glides_later_after = 32;
-    // After the sequence a lasting contact of both balls has a node at every so many pieces: its closed form spans them.
+    // After the sequence a lasting contact of both balls has a node at every so many pieces: its closed form spans
+    // them.
     static constexpr long pieces_per_node = 32;
 
     TwoBall s;
@@ -171,13 +172,15 @@ private:
         on = OnSurface{};
     }
 
-    // Gravity and the force of the pair act on it. In u and w, each of which moves fast with the light ball between,
-    // the slow change of its velocity would be a small difference of large ones.
+    // The upper ball's velocity by its own momentum, which gravity and the force of the pair change. It changes slowly;
+    // as the sum of u̇ and ẇ, both of which follow the fast light ball, the change would be a small difference of large
+    // numbers.
     HL_FN void follow_upper_ball() {
         rise -= s.gravity * dt;
         if (motion == Motion::series && phase.pair) rise -= s.b2 * impulse(piece, dt / piece.h);
     }
-    // The velocity of the light ball below, or without a pair force that of the gap, is what is left.
+    // u̇ + ẇ is the upper ball's velocity. From it follows that of the light ball, or without a pair force that of the
+    // gap.
     HL_FN void match_upper_ball() {
         if (motion == Motion::glide || motion == Motion::rest)
             rise = x.du + x.dw;

@@ -18,7 +18,7 @@ struct Start {
     Outcome outcome;
 };
 
-// What the gap of the pair at release has a say in.
+// Sets what depends on the initial gap of the pair.
 HL_FN void release_pair(Start& s, double gap) {
     s.released.w = gap * s.per_metre;
     const double w_touch = s.released.w + s.released.dw * s.fall;
@@ -27,7 +27,7 @@ HL_FN void release_pair(Start& s, double gap) {
     s.t = pair_first ? -s.fall : 0.0;
 }
 
-// Whatever the law: its groups and units are given, the speed of the units being that at the floor.
+// For any law, given its groups and units; the unit of speed is the speed at the floor.
 HL_FN Start start_scaled(const TwoBall& groups, const Units& units, double gravity, Gaps released) {
     Start s{};
     const double speed = units.speed;

@@ -43,9 +43,9 @@ inline double time_to_close(double gap, double rate, double g) {
 // law's slack at the rate then, rate + g t; infinity if it comes apart first. A pair that has just been put on this
 // surface (`fresh`) starts at zero distance. A law with a relaxation time has a closed form.
 //
-// Else, while the bodies separate, ξ and the slack both fall with time. Over a stretch of time their difference is therefore
-// at most ξ at its beginning less the slack at its end. Where this is negative the stretch holds no zero; else it is
-// halved, down to rounding, so that no zero is missed.
+// For any other law: while the bodies separate, ξ and the slack both fall with time. Over a stretch of time their
+// difference is therefore at most ξ at its beginning less the slack at its end. Where this is negative the stretch
+// holds no zero; else it is halved, down to rounding, so that no zero is missed.
 template <class Law>
 double time_to_engage(const Law& law, double depth, double rate, double g, bool fresh) {
     if constexpr (requires { law.relaxation_time(); }) {

@@ -88,7 +88,7 @@ public:
     std::vector<EndedContact> ended;
     std::vector<Knot> trace;
     bool unresolved = false;
-    long begun = 0;  // contacts since the start of this object
+    long begun = 0, begun_pairs = 0;  // contacts since the start of this object; those between two bodies
 
     // Goes on to `until`, or to the instant at which the last pair has opened if that comes first.
     void run(double until, Stop& stop) {
@@ -769,6 +769,7 @@ private:
     void begin(int index, const Geometry& g) {
         Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
         ++begun;
+        begun_pairs += q.second >= 0;
         q.touch = Touch::closed;
         scale(q);
         q.begin = base + y_[clock()];

@@ -20,8 +20,9 @@ void NewtonEvents<Law>::meet(int i, int j, int side) {
     std::vector<int> set{i};
     if (j >= 0) set.push_back(j);
     for (const int k : set) stop_at_now(k);
-    if (isolate(set, live)) return;
     ++begun_;
+    begun_pairs_ += j >= 0;
+    if (isolate(set, live)) return;
     form(set, live);
 }
 
@@ -103,7 +104,6 @@ bool NewtonEvents<Law>::isolate(std::vector<int>& set, std::vector<Live>& live) 
         for (const int k : near) take(k, set, live);
         return false;
     }
-    ++begun_;
     for (const int i : set) predict(i);
     queue_.push({now_ + l.span, ~index, ++g.serial});
     return true;
@@ -410,6 +410,7 @@ void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) 
     dissipated_ += c.dissipated;
     virial_ += c.virial;
     begun_ += static_cast<std::uint64_t>(c.begun);
+    begun_pairs_ += static_cast<std::uint64_t>(c.begun_pairs);
     if (!g.isolated) clustered_ += (now_ - c.base) * static_cast<double>(g.body.size());
     for (const EndedContact& e : c.ended) log(g, c.pairs[static_cast<std::size_t>(e.pair)], e);
     for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, c.members[m]);

@@ -6,7 +6,7 @@ namespace hardlimit::particles {
 
 // In the plane of approach. False where there is no such end, or where a member would get too far.
 template <class Law>
-bool NewtonEvents<Law>::solve_pair(Isolated& l) const {
+bool NewtonEvents<Law>::solve_pair(Isolated& l) {
     Touching<Law>& q = l.pair;
     const Member &a = l.before[0], &b = l.before[1];
     Vector3 normal, v, across;
@@ -21,7 +21,8 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) const {
     const double sideways = math::sqrt(dot(across, across));
     if (!(approach > 0.0)) return false;
     for (double& x : across) x = sideways > 0.0 ? x / sideways : 0.0;
-    const PlanarContact end = solve_planar_contact(q.law, Approach{q.mass, distance, approach, sideways});
+    const Approach touch{q.mass, distance, approach, sideways};
+    const PlanarContact end = soft_(q.law, touch);
     if (end.outcome != Outcome::ok) return false;
     const double separation = end.radial_speed, swing = end.tangential_speed;
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
@@ -69,14 +70,13 @@ void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const V
 }
 
 template <class Law>
-bool NewtonEvents<Law>::solve_wall(Isolated& l) const {
+bool NewtonEvents<Law>::solve_wall(Isolated& l) {
     Touching<Law>& q = l.pair;
     const auto axis = static_cast<std::size_t>(q.axis);
     const Member& a = l.before[0];
     const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
     if (!(approach > 0.0)) return false;
-    const PlanarContact end =
-        solve_planar_contact(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
+    const PlanarContact end = soft_(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
     if (end.outcome != Outcome::ok) return false;
     const double square = end.radial_speed * end.radial_speed - 2.0 * weight * end.compression;
     if (square < 0.0) return false;

@@ -8,7 +8,8 @@ template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
     archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.base), archive(c.time);
-    archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.ended), archive(c.unresolved);
+    archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
+        archive(c.unresolved);
 }
 
 // All but the groups; the queue follows from what the bodies and groups hold.
@@ -17,16 +18,17 @@ template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(bodies_), archive(spare_), archive(head_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
-    archive(begun_), archive(ended_), archive(overlapped_), archive(events_);
+    archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(paused_), archive(outcome_);
 }
 
 template <class Law>
 void NewtonEvents<Law>::save(Writer& writer) const {
-    NewtonEvents copy = *this;
-    copy.exchange(writer);
-    writer(copy.groups_.size());
-    for (Group& g : copy.groups_) {
+    NewtonEvents& self =
+        const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
+    self.exchange(writer);
+    writer(groups_.size());
+    for (Group& g : self.groups_) {
         writer(g.alive), writer(g.isolated), writer(g.serial), writer(g.origin), writer(g.body),
             writer(g.offset);
         writer(g.lone);
@@ -38,7 +40,11 @@ void NewtonEvents<Law>::save(Writer& writer) const {
 template <class Law>
 NewtonEvents<Law>::NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log,
                                 Reader& reader)
-    : box_(box), laws_(std::move(laws)), keep_log_(log), gravity_(std::to_array(box.gravity)) {
+    : box_(box),
+      laws_(std::move(laws)),
+      soft_(soft_contacts(laws_, count)),
+      keep_log_(log),
+      gravity_(std::to_array(box.gravity)) {
     for (std::size_t i = 0; i < count; ++i) {
         largest_ = math::max(largest_, laws_.radius(i));
         smallest_ = math::min(smallest_, laws_.radius(i));

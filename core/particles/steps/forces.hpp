@@ -167,12 +167,12 @@ private:
         const double margin = compression - math::max(0.0, t.law.slack(rate).depth);
         const Strength p = compression > 0.0 ? strength_of(t.law, compression, rate) : Strength{0.0, 0.0};
         if ((p.force > 0.0) != t.closed) {
-            note(slab, index, slot, t, rate, margin, fresh);
+            note(slab, index, slot, t, m, margin, fresh);
             t.closed = p.force > 0.0;
         }
         t.at_first = m.first, t.at_second = m.second;
         t.normal = m.normal, t.distance = m.distance;
-        t.rate = rate, t.margin = margin, t.fresh = fresh;
+        t.margin = margin, t.fresh = fresh;
         t.force = p.force, t.loss = p.loss, t.compression = compression;
         act(slab, t);
         if (!(compression > 0.0)) {
@@ -204,28 +204,38 @@ private:
         t.impact_speed = -dot(m.normal, m.relative);
         if (!(now_.ahead > 0.0)) return t;
         const Four before = apart - m.relative * now_.h;
-        const double was = m.second == nobody ? -dot(before, m.normal) : -math::sqrt(dot(before, before));
-        const double grown = math::max(-m.distance - was, 1e-300), compression = m.compression();
-        const double share = math::min(1.0, compression / grown);
+        const double was = m.second == nobody ? dot(before, m.normal) : math::sqrt(dot(before, before));
+        const double grown = math::max(was - m.distance, 1e-300);
+        const double share = math::min(1.0, m.compression() / grown);
         t.onset = {share * now_.h, grown / now_.h};
-        const double across = dot(m.relative, m.relative) - t.impact_speed * t.impact_speed;
-        const double curvature = m.second == nobody ? 0.0 : across / m.distance;
-        const double bend = -dot(m.normal, m.acceleration) - curvature;
         t.begin -= t.onset.since;
-        t.impact_speed = math::max(0.0, t.onset.rate + bend * (0.5 * now_.h - t.onset.since));
+        t.impact_speed = math::max(0.0, rate_at(t.begin, m, grown, 0.0));
         if (t.impact_speed > 0.0) t.onset.rate = t.impact_speed;
         return t;
     }
+
+    // dξ/dt [m/s] at a time between the last two steps, ξ having grown by `grown`. `own` [N]: the force of this
+    // contact at the step before, which counts no more.
+    double rate_at(double time, const Meeting& m, double grown, double own) const {
+        const bool pair = m.second != nobody;
+        const double along = dot(m.normal, m.relative);
+        const double turning = pair ? (dot(m.relative, m.relative) - along * along) / m.distance : 0.0;
+        const double inverse_mass = bodies_.motion[m.first][3] + (pair ? bodies_.motion[m.second][3] : 0.0);
+        const double bend = own * inverse_mass - dot(m.normal, m.acceleration) - turning;
+        return grown / now_.h + bend * (time - (now_.time - 0.5 * now_.h));
+    }
+
     // A contact begins or ends. Other than at touch that is where the margin passes through zero.
-    void note(Slab<Law>& slab, std::uint32_t index, std::int32_t slot, Touch<Law>& t, double rate,
+    void note(Slab<Law>& slab, std::uint32_t index, std::int32_t slot, Touch<Law>& t, const Meeting& m,
               double margin, bool fresh) const {
-        const bool begins = !t.closed;
+        const bool begins = !t.closed, known = begins && (fresh || !(now_.ahead > 0.0));
         const double span = t.margin - margin;
         const double share = span != 0.0 ? math::clamp(t.margin / span, 0.0, 1.0) : 1.0;
-        const double time = now_.time - (1.0 - share) * now_.h, at = t.rate + share * (rate - t.rate);
-        if (begins && !fresh && now_.ahead > 0.0) t.begin = time, t.impact_speed = at;
-        const double when = begins ? t.begin : time;
-        slab.changes.push_back({when, index, static_cast<std::uint32_t>(slot), begins, -at});
+        const double time = known ? t.begin : now_.time - (1.0 - share) * now_.h;
+        const double rate =
+            known ? t.impact_speed : rate_at(time, m, m.compression() - t.compression, t.force);
+        if (begins) t.begin = time, t.impact_speed = rate;
+        slab.changes.push_back({time, index, static_cast<std::uint32_t>(slot), begins, -rate});
     }
 
     static std::pair<SettingIn<Law::onset_power>, SettingIn<Law::onset_power>> setting_in(

@@ -28,7 +28,7 @@ struct Touch {
     Four normal;                        // unit vector from the one at `at_first` to the other
     double distance;                    // of the centres, or to the wall [m]
     double force, loss, compression;    // at the last step [N], [W], [m]
-    double rate, margin;                // dξ/dt [m/s] and how far ξ is above the law's slack [m]
+    double margin;                      // how far ξ is above the law's slack [m]
     Onset onset;
     bool fresh;  // the last step was its first
     bool closed;
@@ -52,6 +52,7 @@ public:
     ContactLog(std::size_t bodies, bool keep) : company_(bodies), keep_(keep) {}
 
     std::uint64_t begun() const { return begun_; }
+    std::uint64_t pairs() const { return pairs_; }  // of them with another body, not a wall
     std::uint64_t ended() const { return ended_; }
     std::uint64_t overlapped() const { return overlapped_; }
 
@@ -59,7 +60,9 @@ public:
     void begins(Touch<Law>& t) {
         ++begun_;
         t.overlapped = joins(t.first, t.crowd_first);
-        if (t.second >= 0) t.overlapped = joins(t.second, t.crowd_second) || t.overlapped;
+        if (t.second < 0) return;
+        ++pairs_;
+        t.overlapped = joins(t.second, t.crowd_second) || t.overlapped;
     }
     template <class Law>
     void ends(const Touch<Law>& t, double time, double separation_speed) {
@@ -87,7 +90,7 @@ public:
 
     template <class Archive>
     void exchange(Archive& archive) {
-        archive(company_), archive(rows_), archive(keep_), archive(begun_), archive(ended_),
+        archive(company_), archive(rows_), archive(keep_), archive(begun_), archive(pairs_), archive(ended_),
             archive(overlapped_);
     }
 
@@ -98,7 +101,7 @@ private:
     std::vector<Company> company_;  // [N] by number
     std::vector<Row> rows_;
     bool keep_;
-    std::uint64_t begun_ = 0, ended_ = 0, overlapped_ = 0;
+    std::uint64_t begun_ = 0, pairs_ = 0, ended_ = 0, overlapped_ = 0;
 
     std::uint32_t crowd(std::int32_t body) const { return company_[static_cast<std::size_t>(body)].crowd; }
     bool joins(std::int32_t body, std::uint32_t& crowd) {

@@ -12,6 +12,7 @@ import click
 from ..particles import files
 from ..particles.course import Course
 from ..particles.event_driven import RULES
+from ..particles.formats.frame import Append
 from ..particles.result import ParticleResult
 from ..particles.system import BOUNDARIES, ParticleSystem
 from ..progress import Report, bar
@@ -106,7 +107,7 @@ def carry_out(course: Course, outputs: dict[str, Path | None]) -> ParticleResult
 
 
 def frames(
-    course: Course, report: Report, append: files.Append | None
+    course: Course, report: Report, append: Append | None
 ) -> Iterator[tuple[float, ParticleSystem, int]]:
     """Time, state and number of collisions at every sample, each written to the trajectory."""
     for time in course.steps(report):

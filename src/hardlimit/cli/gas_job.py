@@ -9,10 +9,11 @@ from typing import Any, Final
 
 from .. import toml, units, validation
 from ..column import files as columns
+from ..column.scenario import Column
 from ..contact import Law
 from ..particles import event_driven as runs
 from ..particles.checkpoint import checked_path
-from ..particles.course import Course, Target, load
+from ..particles.course import Course, load
 from ..particles.files import FORMATS, format_of
 from ..particles.result import Settings
 from ..particles.system import ParticleSystem
@@ -81,10 +82,13 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     every = 60.0 if run["checkpoint_every"] is None else run["checkpoint_every"]
     every = validation.number("checkpoint_every", every, 0.0)
     samples = 100 if run["samples"] is None else run["samples"]
-    _refuse_frames_without_end(outputs, run["until"], run["max_collisions"])
+    end = runs.checked_end(run["until"], run["max_collisions"], samples)
+    _refuse_frames_without_end(outputs, end.until, end.max_collisions)
     system = _start(content)
-    target = _target(system, run["until"], run["max_collisions"], samples)
-    return Job(runs.start(system, settings, target, outputs["save"] is not None, checkpoint, every), outputs)
+    if end.until is None and end.max_collisions is None:
+        end = end._replace(until=_usual_end(system))
+    keep = outputs["save"] is not None
+    return Job(runs.start(system, settings, end.target(system), keep, checkpoint, every), outputs)
 
 
 def _resumed(file: str | None, path: str, options: dict[str, Any]) -> Job:
@@ -223,7 +227,7 @@ def _rules(
 
 def _law(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
     """Another law, or other parameters of the present one."""
-    base = columns.of_column(columns.Column.paper())
+    base = columns.of_column(Column.paper())
     scenario = replace(base, laws=() if present is None else (present,))
     if name is None and not parameters:
         return scenario.laws[0]
@@ -232,12 +236,9 @@ def _law(present: Law | None, name: str | None, parameters: Mapping[str, float])
     return columns.law_with(None, parameters)(**parameters)
 
 
-def _target(system: ParticleSystem, until: Any, max_collisions: Any, samples: Any) -> Target:
-    """The end that was asked for, else time for some collisions."""
-    if until is None and max_collisions is None:
-        expected = runs.expected_duration(system, USUAL_COLLISIONS * system.n // 2)
-        until = float(f"{expected:.2g}")
-    return runs.checked_target(system, until, max_collisions, samples)
+def _usual_end(system: ParticleSystem) -> float:
+    """Time [s] for some collisions of every particle, as a round number."""
+    return float(f"{runs.expected_duration(system, USUAL_COLLISIONS * system.n // 2):.2g}")
 
 
 def _checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:

@@ -77,7 +77,7 @@ def all_law_parameters() -> dict[str, list[tuple[type[Law], dict[str, Any]]]]:
 
 def law_options(kind: Callable[[str], click.ParamType[Any]] = Quantity) -> Callable[[F], F]:
     """``--law`` and one option for each parameter of a registered law; ``kind`` makes its type from the unit."""
-    made = [click.option("--law", type=click.Choice(list(LAWS)), help="Contact law.")]
+    made = [click.option("--law", type=click.Choice(list(LAWS)), help="Law of every contact.")]
     for name, uses in all_law_parameters().items():
         record = uses[0][1]
         laws = ", ".join(law.record["name"] for law, _ in uses)
@@ -106,17 +106,41 @@ def given_law_parameters(given: dict[str, Any]) -> dict[str, Any]:
 def column_options(function: F) -> F:
     """The options that describe a column; :func:`column_from` reads them."""
     decorate = options(
-        quantity_option("--gap", "gaps", unit="m", multiple=True, help="Δh [m]; repeat for more balls."),
-        quantity_option("--radius-ratio", unit="1", help="R1/R2; changes the lower radius."),
-        quantity_option("--radius-1", unit="m", help="R1 [m], the lowest ball."),
-        quantity_option("--radius-2", unit="m", help="R2 [m], the next ball."),
-        quantity_option("--radius", "radii", unit="m", multiple=True, help="[m], repeated, bottom first."),
         quantity_option(
-            "--density", "densities", unit="kg/m3", multiple=True, help="[kg/m³], of all or each."
+            "--gap",
+            "gaps",
+            unit="m",
+            multiple=True,
+            help="Δh [m], of all; or repeated, one for each gap, the lowest first.",
         ),
-        quantity_option("--mass", "masses", unit="kg", multiple=True, help="[kg], of each ball."),
+        quantity_option("--radius-ratio", unit="1", help="R1/R2; changes the lower radius."),
+        quantity_option("--radius-1", unit="m", help="R1 [m], of the lowest ball."),
+        quantity_option("--radius-2", unit="m", help="R2 [m], of the next one."),
+        quantity_option(
+            "--radius",
+            "radii",
+            unit="m",
+            multiple=True,
+            help="[m], repeated for each ball of a column of any number, the lowest first.",
+        ),
+        quantity_option(
+            "--density", "densities", unit="kg/m3", multiple=True, help="[kg/m³], of all balls; or repeated."
+        ),
+        quantity_option(
+            "--mass",
+            "masses",
+            unit="kg",
+            multiple=True,
+            help="[kg], instead of the density; repeated for each ball.",
+        ),
         quantity_option("--height", unit="m", help="z1(0) [m], centre of the lowest ball at release."),
-        quantity_option("--velocity", "velocities", unit="m/s", multiple=True, help="[m/s], upwards."),
+        quantity_option(
+            "--velocity",
+            "velocities",
+            unit="m/s",
+            multiple=True,
+            help="[m/s], upwards, of all balls; or repeated.",
+        ),
         quantity_option("--gravity", unit="m/s2", help="g [m/s²]."),
         law_options(),
     )

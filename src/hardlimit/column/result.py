@@ -66,7 +66,10 @@ class Result:
 
     @property
     def t_end(self) -> float:
-        """t_f [s]: end of the last ball–ball contact that began before the second floor contact."""
+        """t_f [s]: end of the last ball–ball contact that began before the second floor contact.
+
+        Of one ball, the end of its first bounce: of the last time the floor pushes before their gap opens.
+        """
         return self._core.t_end
 
     @property
@@ -118,6 +121,12 @@ class Result:
     def outcome_code(self) -> int:
         """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
         return self._core.outcome
+
+    @property
+    def known_until(self) -> float:
+        """Up to when [s] the motion can be told: infinite unless the run was not resolved."""
+        resolved = _core.outcome_names[self.outcome_code] != "unresolved"
+        return math.inf if resolved else self._core.t_last
 
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
@@ -187,7 +196,9 @@ class Result:
             "outcome": self.outcome,
             "hardlimit_version": _core.version,
         }
-        return facts if self.until is None else facts | {"until": self.until}
+        if self.until is not None:
+            facts["until"] = self.until
+        return facts if math.isinf(self.known_until) else facts | {"known_until": self.known_until}
 
     @cached_property
     def _final(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -234,12 +245,15 @@ class Result:
             stop = float(marks.max(initial=0.0))
             start = float(marks.min(initial=0.0))
             margin = 0.05 * (stop - start)
-            start, stop = max(start - margin, self._core.t_first), stop + margin
+            start, stop = max(start - margin, self._core.t_first), min(stop + margin, self.known_until)
         inside = marks[(marks >= start) & (marks <= stop)]
         return np.unique(np.concatenate([np.linspace(start, stop, 1001), inside]))
 
     def trajectory(self, times: ArrayLike | None = None) -> xr.Dataset:
         """Positions, velocities, contact forces and energies at ``times`` [s], any time from release on.
+
+        By default at times that show the contacts, as far as the motion is known: the attribute ``known_until`` is
+        there if the run was not resolved.
 
         Returns
         -------
@@ -251,8 +265,8 @@ class Result:
         Raises
         ------
         ValueError
-            If ``times`` is not a number or a one-dimensional array of them, or one lies before release or is not
-            finite.
+            If ``times`` is not a number or a one-dimensional array of them, or one lies before release, after
+            ``known_until`` or is not finite.
         """
         import xarray as xr
 

@@ -76,7 +76,7 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def own_hosts(self) -> frozenset[str]:
-        """Host headers that mean this server; browsers leave out port 80."""
+        """The Host headers that mean this server; browsers leave out port 80."""
         port = self.server_address[1]
         names = {f"{name}:{port}" for name in OWN_NAMES}
         return frozenset(names | set(OWN_NAMES) if port == 80 else names)

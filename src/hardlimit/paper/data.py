@@ -79,7 +79,7 @@ class Data:
 
 
 def parameters_of(column: Column) -> dict[str, float]:
-    """The numbers that make one of the paper's columns, by name and unit."""
+    """The numbers that describe one of the paper's columns, by name and unit."""
     lower, upper = column.balls
     law = {f"{name}{_UNITS.get(name, '')}": value for name, value in column.laws[0].parameters.items()}
     geometry = {"gap_m": column.gaps[0], "radius_1_m": lower.radius, "radius_2_m": upper.radius}

@@ -132,7 +132,7 @@ def share(holds: NDArray[np.bool_], *axes: Axis) -> float:
 
 
 def _stretches(x: Array) -> Array:
-    """Length of what is nearest to each of the ascending points, between the first and the last."""
+    """The length nearest to each of the ascending points, between the first and the last."""
     borders = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
     return np.diff(borders)
 

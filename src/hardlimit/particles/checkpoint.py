@@ -34,10 +34,11 @@ def checked_path(path: Any) -> Path:
     target = Path(path)
     shown = validation.shown(str(path))
     try:
-        if not target.name or target.is_dir() or not os.access(target.resolve().parent, os.W_OK):
-            raise ValueError(f"checkpoint: got {shown}, must be a file in a folder that can be written")
-    except OSError as error:
-        raise ValueError(f"checkpoint: got {shown}: {error.strerror or error}") from None
+        good = bool(target.name) and not target.is_dir() and os.access(target.resolve().parent, os.W_OK)
+    except (OSError, ValueError):  # too long a name, or a null character in it
+        good = False
+    if not good:
+        raise ValueError(f"checkpoint: got {shown}, must be a file in a folder that can be written")
     return target
 
 
@@ -50,9 +51,9 @@ def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[An
         If it cannot be written; names it, and the former one stays.
     """
     facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
-    text = np.frombuffer(json.dumps(facts).encode(), np.uint8)
+    content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
-        np.savez(file, **{HEADER: text}, **arrays)
+        np.savez(file, **content)
         file.flush()
         os.fsync(file.fileno())  # before it takes the name of the former one
 
@@ -75,7 +76,7 @@ def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (ValueError, KeyError, TypeError, EOFError, AttributeError, zipfile.BadZipFile, MemoryError):
-        raise ValueError(f"{validation.shown(str(path))[1:-1]}: no checkpoint, or damaged") from None
+        raise ValueError(f"{path}: no checkpoint, or damaged") from None
     if written != (FORMAT, _core.version):
         raise ValueError(
             f"{path}: a checkpoint of hardlimit {validation.shown(written[1])[1:-1]}, "

@@ -197,7 +197,7 @@ class Course:
         if self._log is None or kept == self.engine.n_rows:
             return True
         self._keep_log()
-        return sum(len(part[0]) for part in self._log) == self.engine.n_rows
+        return bool(sum(len(part[0]) for part in self._log) == self.engine.n_rows)
 
     def _joined_log(self) -> tuple[NDArray[Any], ...] | None:
         if self._log is None:
@@ -303,9 +303,9 @@ def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:
         system.velocities,
         np.ascontiguousarray(system.radius),
         np.ascontiguousarray(system.mass),
-        system.box,
+        system.box.tolist(),
         [side == "periodic" for side in system.boundary],
-        system.gravity,
+        system.gravity.tolist(),
         settings.rule,
         math.nan if settings.restitution is None else settings.restitution,
         None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),

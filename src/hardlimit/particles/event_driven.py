@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -89,12 +89,14 @@ def event_driven(
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
     settings = checked_settings(law, restitution, rule, contact_duration)
-    target = checked_target(system, until, max_collisions, samples)
+    end = checked_end(until, max_collisions, samples)
+    if until is None and max_collisions is None:
+        raise ValueError("until | max_collisions: got neither, must be at least one of them")
     path = None if checkpoint is None else checkpoints.checked_path(checkpoint)
     every = validation.number("checkpoint_every", checkpoint_every, 0.0)
     keep = _checked_flag("log", log)
     with reporter(progress, "event-driven", "collisions") as report:
-        return start(system, settings, target, keep, path, every).run(report)
+        return start(system, settings, end.target(system), keep, path, every).run(report)
 
 
 def start(
@@ -197,25 +199,36 @@ def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: An
     return Settings(chosen, restitution, law, duration)
 
 
-def checked_target(system: ParticleSystem, until: Any, max_collisions: Any, samples: Any) -> Target:
-    """Where the run ends, and when it is sampled.
+class End(NamedTuple):
+    """Where a run shall end, and how many samples it shall have."""
+
+    until: float | None  #: [s]
+    max_collisions: int | None
+    samples: int
+
+    def target(self, system: ParticleSystem) -> Target:
+        """The same with a first spacing of the samples."""
+        if self.until is not None:
+            return Target(self.until, self.max_collisions, self.until, self.samples)
+        assert self.max_collisions is not None
+        return Target(
+            None, self.max_collisions, expected_duration(system, self.max_collisions) / FINER, self.samples
+        )
+
+
+def checked_end(until: Any, max_collisions: Any, samples: Any) -> End:
+    """The end of a run.
 
     Raises
     ------
     ValueError
-        If there is no end, or a value is outside its range.
+        If a value is outside its range.
     """
-    if until is None and max_collisions is None:
-        raise ValueError("until | max_collisions: got neither, must be at least one of them")
     end = None if until is None else validation.number("until", until, 0.0, lowest_allowed=True)
     most = None
     if max_collisions is not None:
         most = validation.whole("max_collisions", max_collisions, 0, MOST_COLLISIONS)
-    count = validation.whole("samples", samples, 1, MOST_SAMPLES)
-    if end is None:
-        assert most is not None
-        return Target(None, most, expected_duration(system, most) / FINER, count)
-    return Target(end, most, end, count)
+    return End(end, most, validation.whole("samples", samples, 1, MOST_SAMPLES))
 
 
 def expected_duration(system: ParticleSystem, collisions: int) -> float:

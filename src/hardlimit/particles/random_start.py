@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core, validation
+from ..room import available_memory, shown_bytes
 
 Floats = NDArray[np.float64]
 
-MOST_PARTICLES: Final = 2_000_000_000
+MOST_PARTICLES: Final = 2**31 - 1
+#: Memory that growing a start, or a run, takes for each particle [bytes].
+BYTES_PER_PARTICLE: Final = 300
 #: The densest random starts that growth reaches, by dimension.
 DENSEST: Final = {2: 0.82, 3: 0.62}
 LARGEST_RADIUS: Final = 1e100
@@ -34,6 +37,23 @@ class Chance:
         self.sizes = np.random.default_rng(sizes)
         self.speeds = np.random.default_rng(speeds)
         self.seed_of_positions = int(places.generate_state(1, np.uint64)[0] >> np.uint64(1))
+
+
+def count(n: Any) -> int:
+    """N, if so many particles fit in memory.
+
+    Raises
+    ------
+    ValueError
+        If it is no whole number from 1 on, or they do not fit.
+    """
+    wanted = validation.whole("n", n, 1, MOST_PARTICLES)
+    needed, room = wanted * BYTES_PER_PARTICLE, available_memory()
+    if needed > room:
+        raise ValueError(
+            f"n: got {wanted}, which take {shown_bytes(needed)}, must fit in the {shown_bytes(room)} of free memory"
+        )
+    return wanted
 
 
 def radii(radius: Any, n: int, chance: Chance) -> Floats:
@@ -115,5 +135,5 @@ def velocities(
     for axis, wrapped in enumerate(periodic):
         if wrapped:
             found[:, axis] -= np.average(found[:, axis], weights=mass)
-    found *= rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", found, found))))
-    return found
+    scaled: Floats = found * (rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", found, found)))))
+    return scaled

@@ -154,8 +154,12 @@ class ParticleResult:
         data = {}
         for name, (unit, meaning) in SERIES.items():
             shown = "N/m" if name == "pressure" and self.system.dimension == 2 else unit
-            data[name] = ("time", values[name], {"units": shown, "long_name": meaning})
-        time = ("time", self.rows[:, 0], {"units": "s", "long_name": "time after the start of the run"})
+            data[name] = ("time", _fixed(values[name]), {"units": shown, "long_name": meaning})
+        time = (
+            "time",
+            _fixed(self.rows[:, 0]),
+            {"units": "s", "long_name": "time after the start of the run"},
+        )
         return xr.Dataset(data, {"time": time}, self._attributes("Series"))
 
     @property
@@ -173,7 +177,7 @@ class ParticleResult:
 
         if self.log is None:
             raise ValueError("log: got False, must be True for the run to keep its collisions")
-        time, first, second, speed = self.log
+        time, first, second, speed = map(_fixed, self.log)
         return xr.Dataset(
             {
                 "time": ("collision", time, {"units": "s"}),
@@ -211,6 +215,12 @@ class ParticleResult:
     def _repr_html_(self) -> str:
         rows = [[label, html.number(value)] for label, value in quantities(self)]
         return html.table(self.settings.words(), ["", ""], [*rows, ["outcome", self.outcome]])
+
+
+def _fixed(array: NDArray[Any]) -> NDArray[Any]:
+    """The array, read-only: a result remembers it."""
+    array.flags.writeable = False
+    return array
 
 
 def wall_name(second: int) -> str:

@@ -16,11 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core, html, validation
 from ..bodies import HEAVIEST, LIGHTEST
 from . import files, random_start
+from .formats.frame import Frame
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
+#: One number for all axes, or one for each.
+Vector = float | Sequence[float] | Floats
 
 AXES: Final = ("x", "y", "z")
 BOUNDARIES: Final = ("periodic", "wall")
@@ -79,9 +82,9 @@ class ParticleSystem:
         density: float | ArrayLike | None = None,
         mass: float | ArrayLike | None = None,
         *,
-        box: float | Sequence[float],
+        box: Vector,
         boundary: str | Sequence[str] = "periodic",
-        gravity: float | Sequence[float] = 0.0,
+        gravity: Vector = 0.0,
         allowed_overlap: float = ROUNDING,
     ) -> None:
         given = validation.exactly_one(density=density, mass=mass)
@@ -143,7 +146,7 @@ class ParticleSystem:
         dimension: int = 3,
         seed: int = 0,
         boundary: str | Sequence[str] = "periodic",
-        gravity: float | Sequence[float] = 0.0,
+        gravity: Vector = 0.0,
     ) -> ParticleSystem:
         """Particles at random without overlap, with the velocities of an equilibrium (Maxwell).
 
@@ -173,7 +176,7 @@ class ParticleSystem:
         ValueError
             If a value is outside its range, or so few particles are asked for that the box would be too small.
         """
-        count = validation.whole("n", n, 1, random_start.MOST_PARTICLES)
+        count = random_start.count(n)
         d = validation.whole("dimension", dimension, 2, 3)
         sides = checked_boundary(boundary, d)
         pull = checked_gravity(gravity, d)
@@ -239,9 +242,9 @@ class ParticleSystem:
         """
         return files.write(path, [self.as_frame()])
 
-    def as_frame(self, time: float = 0.0) -> files.Frame:
+    def as_frame(self, time: float = 0.0) -> Frame:
         """What a file holds of the system at ``time`` [s]."""
-        return files.Frame(**{field.name: getattr(self, field.name) for field in fields(self)}, time=time)
+        return Frame(**{field.name: getattr(self, field.name) for field in fields(self)}, time=time)
 
     def replace(
         self,
@@ -251,9 +254,9 @@ class ParticleSystem:
         radius: float | ArrayLike | None = None,
         density: float | ArrayLike | None = None,
         mass: float | ArrayLike | None = None,
-        box: float | Sequence[float] | None = None,
+        box: Vector | None = None,
         boundary: str | Sequence[str] | None = None,
-        gravity: float | Sequence[float] | None = None,
+        gravity: Vector | None = None,
     ) -> ParticleSystem:
         """The system with other values; what is not given stays, the masses included.
 
@@ -265,7 +268,9 @@ class ParticleSystem:
         if density is not None and mass is not None:
             raise ValueError("density | mass: got both, must be at most one of them")
         new = {"positions": positions, "radius": radius, "box": box, "boundary": boundary}
-        kept = {name: getattr(self, name) if value is None else value for name, value in new.items()}
+        kept: dict[str, Any] = {
+            name: getattr(self, name) if value is None else value for name, value in new.items()
+        }
         moved = any(value is not None for value in new.values())
         return ParticleSystem(
             velocities=self.velocities if velocities is None else velocities,

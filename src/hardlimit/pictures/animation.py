@@ -62,15 +62,15 @@ def animate(
         If the file cannot be written; names it.
     """
     if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"animate: got {validation.shown(path)}, must be a path")
+        raise ValueError(f"path: got {validation.shown(path)}, must be a path")
     if progress is not None and not callable(progress):
         raise ValueError(f"progress: got {validation.shown(progress)}, must be callable with (done, total)")
     target = Path(path)
     film = target.suffix.lower() == ".mp4"
     if target.suffix.lower() not in ENDINGS:
-        raise ValueError(f"animate: got {str(path)!r}, must end in {' or '.join(ENDINGS)}")
+        raise ValueError(f"path: got {str(path)!r}, must end in {' or '.join(ENDINGS)}")
     if not target.parent.is_dir() or not os.access(target.parent, os.W_OK) or target.is_dir():
-        raise ValueError(f"animate: got {str(path)!r}, must be in a folder that can be written")
+        raise ValueError(f"path: got {str(path)!r}, must be in a folder that can be written")
     if film:
         video.require_ffmpeg()
     rate = _whole("frames_per_second", frames_per_second, 30 if film else 15, RATES)

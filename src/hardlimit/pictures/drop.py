@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from .forces import draw_forces, pairs_of
+from .forces import draw_forces, pairs_of, unresolved
 from .heights import add_legend, draw_heights
 from .style import PAGE_WIDTH, style
 
@@ -34,4 +34,6 @@ def drop(newton: Result, independent: Result, adiabatic: Result | None = None) -
         ax = right.subplots()
         draw_heights(ax, results, None)
         add_legend(right, ax, 1)
+        if note := unresolved(results):
+            figure.suptitle(note, fontsize="medium")
     return figure

@@ -21,21 +21,32 @@ if TYPE_CHECKING:
 
 Curve = tuple["NDArray[np.float64]", "NDArray[np.float64]"]
 
+MOST_DRAWN = 400  #: contacts of one pair; of more, so many spread evenly: a picture has no room for them
+
 
 def force_curve(result: Result, pair: int, stop: float, samples: int = 200) -> Curve:
-    """Times [s] and forces [N] of one pair as a line: each contact from begin to end, zero in between."""
+    """Times [s] and forces [N] of one pair as a line: each contact from begin to end, zero in between.
+
+    Of more contacts than ``MOST_DRAWN`` some are left out.
+    """
     begin, end = contacts_of(result, pair)
-    times, forces = [np.empty(0)], [np.empty(0)]
-    for a, b in zip(begin, np.where(np.isnan(end), stop, end), strict=True):
-        b = min(b, stop)
-        if not b > a:
-            continue
-        # Just inside the contact: the force jumps at its begin.
-        inside = a + (b - a) * np.concatenate([[1e-6], np.linspace(0.0, 1.0, samples)[1:-1], [1 - 1e-6]])
-        force = result.trajectory(inside)["force"].sel(pair=pair).values
-        times.append(np.concatenate([[a], inside, [b]]))
-        forces.append(np.concatenate([[0.0], force, [0.0]]))
-    return np.concatenate(times), np.concatenate(forces)
+    end = np.minimum(np.where(np.isnan(end), stop, end), stop)
+    chosen = spread(np.flatnonzero(end > begin))
+    begin, end = begin[chosen, None], end[chosen, None]
+    # Just inside the contact: the force jumps at its begin.
+    share = np.concatenate([[1e-6], np.linspace(0.0, 1.0, samples)[1:-1], [1 - 1e-6]])
+    inside = begin + (end - begin) * share
+    force = result.trajectory(inside.ravel())["force"].sel(pair=pair).values.reshape(inside.shape)
+    outside = np.zeros_like(begin)
+    times, forces = np.hstack([begin, inside, end]), np.hstack([outside, force, outside])
+    return times.ravel(), forces.ravel()
+
+
+def spread(indices: NDArray[np.int64], most: int = MOST_DRAWN) -> NDArray[np.int64]:
+    """All of them, or ``most`` spread evenly from the first to the last."""
+    if len(indices) <= most:
+        return indices
+    return indices[np.linspace(0, len(indices) - 1, most).astype(int)]
 
 
 def contacts_of(result: Result, pair: int) -> Curve:
@@ -51,19 +62,31 @@ def pairs_of(result: Result) -> list[int]:
 
 
 def window(results: Iterable[Result]) -> tuple[float, float]:
-    """The time span [s] in which the contacts lie, with a margin."""
+    """The time span [s] in which the contacts lie, with a margin, as far as all results know the motion."""
     marks: list[float] = [0.0]
+    known = math.inf
     for result in results:
+        known = min(known, result.known_until)
         if result.until is not None:
             marks.append(result.until)
         for name in ("begin", "end"):
             values = result.contacts[name].values
-            marks += [float(v) for v in values[np.isfinite(values)]]
+            values = values[np.isfinite(values)]
+            marks += [float(values.min()), float(values.max())] if len(values) else []
         if math.isfinite(result.t_end):
             marks.append(result.t_end)
     start, stop = min(marks), max(marks)
     margin = 0.05 * (stop - start) or 1e-6
-    return start - margin, stop + margin
+    return start - margin, min(stop + margin, known)
+
+
+def unresolved(results: Iterable[Result]) -> str:
+    """A title that says up to when the motion is known; empty if it is known to the end."""
+    known = min(result.known_until for result in results)
+    if math.isinf(known):
+        return ""
+    factor, unit = scaled(known, "s")
+    return f"not resolved: known up to {known * factor:.4g} {unit}"
 
 
 def forces(result: Result) -> Figure:
@@ -76,6 +99,8 @@ def forces(result: Result) -> Figure:
         figure = Figure(figsize=(PAGE_WIDTH * 0.72, 1.0 + 1.35 * len(pairs)))
         axes = figure.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
         draw_forces(list(axes), result, None)
+        if note := unresolved([result]):
+            figure.suptitle(note, fontsize="medium")
     return figure
 
 
@@ -114,7 +139,8 @@ def _bodies_and_contacts(result: Result, pair: int) -> str:
 
 def _contacts(result: Result, pair: int) -> str:
     n = len(contacts_of(result, pair)[0])
-    return "no contact" if n == 0 else "1 contact" if n == 1 else f"{n} contacts"
+    some = f", {MOST_DRAWN} of them drawn" if n > MOST_DRAWN else ""
+    return "no contact" if n == 0 else "1 contact" if n == 1 else f"{n} contacts{some}"
 
 
 def _mark_end(axes: list[Axes], end: float, span: tuple[float, float], factor: float) -> None:
@@ -166,8 +192,8 @@ def _draw_impulses(ax: Axes, result: Result, pair: int, time_factor: float) -> N
 
 
 def _draw_instants(ax: Axes, instants: NDArray[np.float64], colour: str) -> None:
-    """Instantaneous collisions as arrows that stand on the axis."""
-    for t in instants:
+    """Instantaneous collisions as arrows that stand on the axis; of many, some."""
+    for t in instants[spread(np.arange(len(instants)))]:
         ax.annotate(
             "",
             (t, 0.8),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from ..particles import theory
 from .labels import scaled
@@ -63,6 +64,10 @@ def _set_scale(ax: Axes, values: Any, others: list[Any]) -> None:
     positive = good[good > 0.0]
     if len(positive) == len(good) > 0 and positive.max() > WIDE * positive.min():
         ax.set_yscale("log")
+        decades = float(np.log10(positive.max() / positive.min()))
+        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 3.0 else (1.0,)))
+        ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        ax.yaxis.set_minor_formatter(NullFormatter())
     elif len(good) and good.min() >= 0.0:
         ax.set_ylim(0.0, 1.15 * float(good.max()) or 1.0)
 

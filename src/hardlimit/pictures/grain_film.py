@@ -106,7 +106,7 @@ class Stage:
         sides = [system.boundary[axis] for axis in (self.plane[1], self.plane[0])]
         for i, (a, b) in enumerate(itertools.pairwise(corners)):
             solid = sides[i % 2] == "wall"
-            look = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
+            look: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
             self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **look)
 
     def picture(self, time: float, system: ParticleSystem, collisions: int) -> Frame:
@@ -116,11 +116,9 @@ class Stage:
         self.bodies.set(offsets=at, widths=size, heights=size, angles=np.zeros(len(size)), array=speed)
         factor, unit = self.unit
         self.clock.set_text(f"t = {time * factor:.3f} {unit}")
-        per_particle = 2.0 * collisions / system.n
         grouped = f"{collisions:,}".replace(",", "\u202f")
         self.facts.set_text(
-            f"{grouped} collisions, {per_particle:.3g} per particle\n"
-            f"granular temperature {system.granular_temperature:.3g} m²/s²"
+            f"{grouped} collisions\ngranular temperature {system.granular_temperature:.3g} m²/s²"
         )
         self.canvas.draw()
         return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
@@ -128,12 +126,8 @@ class Stage:
 
 def caption(system: ParticleSystem) -> str:
     """What is shown."""
-    what = (
-        f"{system.n} disks"
-        if system.dimension == 2
-        else f"{system.n} spheres, those cut by the plane y = L/2"
-    )
-    return f"{what}; dashed sides are periodic" if "periodic" in system.boundary else what
+    what = f"{system.n} disks" if system.dimension == 2 else f"{system.n} spheres, cut by the plane y = L/2"
+    return f"{what}\ndashed sides are periodic" if "periodic" in system.boundary else what
 
 
 def shown(system: ParticleSystem) -> tuple[Floats, Floats, Floats]:

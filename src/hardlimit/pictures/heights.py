@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..models import MODELS
-from .forces import window
+from .forces import spread, unresolved, window
 from .labels import LINES, scaled
 from .style import PAGE_WIDTH, ball_colour, style
 
@@ -35,6 +35,8 @@ def heights(*results: Result, until: float | None = None) -> Figure:
         ax = figure.subplots()
         draw_heights(ax, results, until)
         add_legend(figure, ax, 2)
+        if note := unresolved(results):
+            figure.suptitle(note, fontsize="medium")
     return figure
 
 
@@ -85,7 +87,7 @@ def time_shown(results: Sequence[Result]) -> float:
 
 def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> None:
     """One line for each ball and model; dots mark the tops of the flights."""
-    stops = [time_shown([result]) if until is None else until for result in results]
+    stops = [min(time_shown([r]) if until is None else until, r.known_until) for r in results]
     start = min(min(release_time(r) for r in results), 0.0)
     factor, unit = scaled(max(*stops, -start), "s")
     floor = results[0].column.floor
@@ -121,7 +123,8 @@ def _mark_tops(ax: Axes, result: Result, stop: float, factor: float) -> None:
 
 def _sample(result: Result, start: float, stop: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times [s], and heights of the centres [m]; a cradle's balls are counted from where they began."""
-    marks = np.append(result.contacts["begin"].values, tops(result)[0])
+    begin = result.contacts["begin"].values
+    marks = np.append(begin[spread(np.arange(len(begin)))], tops(result)[0])
     marks = marks[(marks > start) & (marks < stop)]
     times = np.unique(np.concatenate([np.linspace(start, stop, 600), marks]))
     z = result.trajectory(times)["position"].values

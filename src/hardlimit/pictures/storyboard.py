@@ -46,7 +46,7 @@ def storyboard(result: Result, ghost: Result, rate: int) -> list[Scene]:
     if not result.column.floor:
         return [contacts]
     release = release_time(result)
-    end = time_shown([result, ghost])
+    end = min(time_shown([result, ghost]), result.known_until, ghost.known_until)
     wide = []
     if release < start:
         slowed = round_up(2.0 / (start - release))
@@ -70,7 +70,9 @@ def _sequence(result: Result, ghost: Result) -> tuple[float, float]:
             marks += [float(t) for t in values[np.isfinite(values)]]
     start, stop = min(marks), max(marks)
     margin = 0.06 * (stop - start) or 1e-6
-    return max(start - margin, release_time(result)), stop + margin
+    return max(start - margin, release_time(result)), min(
+        stop + margin, result.known_until, ghost.known_until
+    )
 
 
 def _instants(start: float, stop: float, slowed: float, rate: int) -> NDArray[np.float64]:

@@ -162,23 +162,23 @@ def oklch(lightness: float, chroma: float, hue: float) -> tuple[float, float, fl
 def count_colour(n: int) -> tuple[float, float, float]:
     """The colour of ``n`` contacts, in every picture and on the page (``countColor`` in web/src/theme.ts).
 
-    The colours grow darker with the count, from straw through orange and purple to almost black, so that
-    they keep their order in grey and for colour-blind readers; no contact is a very light grey.
+    The colours grow lighter with the count, from purple through orange to straw, so that they keep their order
+    in grey and for colour-blind readers; no contact is a dark grey.
     """
     if n == 0:
-        return 238 / 255, 240 / 255, 243 / 255
+        return 44 / 255, 46 / 255, 50 / 255
     eased = ((min(n, MOST_COUNTED) - 1) / (MOST_COUNTED - 1)) ** 0.8
-    chroma = 0.055 + 0.115 * math.sin(math.pi * min(1.0, 0.12 + 0.88 * eased))
-    return oklch(0.93 - 0.72 * eased, chroma, 100.0 - 180.0 * eased)
+    chroma = 0.055 + 0.115 * math.sin(math.pi * (1.0 - 0.88 * eased))
+    return oklch(0.36 + 0.59 * eased, chroma, -80.0 + 180.0 * eased)
 
 
 def count_colours(highest: int, lowest: int = 0) -> tuple[Colormap, BoundaryNorm]:
     """Colour map and norm for counts ``lowest`` … ``highest``; a count always has the same colour.
 
-    Counts above 15 are black; missing values are grey.
+    Counts above 15 are white; missing values are grey.
     """
     last = min(max(int(highest), 1), MOST_COUNTED)
     first = min(max(int(lowest), 0), last)
     colours = [count_colour(n) for n in range(first, last + 1)]
-    cmap = ListedColormap(colours, "contacts").with_extremes(over="black", bad=MISSING)
+    cmap = ListedColormap(colours, "contacts").with_extremes(over="white", bad=MISSING)
     return cmap, BoundaryNorm(np.arange(first - 0.5, last + 1.0), last - first + 1)

@@ -21,7 +21,7 @@ def require_ffmpeg() -> Any:
         import imageio_ffmpeg
     except ImportError:
         raise ValueError(
-            "animate: got a path that ends in .mp4, must end in .gif unless imageio-ffmpeg is installed: "
+            "path: got one that ends in .mp4, must end in .gif unless imageio-ffmpeg is installed: "
             "pip install 'hardlimit[film]'"
         ) from None
     return imageio_ffmpeg

@@ -1,14 +1,12 @@
-"""The results of a sweep in arrays; what ``store.Store`` is on disk. And how much fits."""
+"""The results of a sweep in arrays; what ``store.Store`` is on disk. And whether they fit."""
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from ..room import available_memory, shown_bytes
 from .chunks import Chunks
 from .computation import Computation, Values, dataset
 
@@ -17,10 +15,6 @@ if TYPE_CHECKING:
 
 #: Chunks of a store at most: each is a file of every variable.
 MOST_CHUNKS: Final = 1 << 22
-
-#: Where Linux says how much a process may still take, and the limit of its container.
-AVAILABLE: Final = Path("/proc/meminfo")
-CONTAINER: Final = Path("/sys/fs/cgroup/memory.max")
 
 
 class Memory:
@@ -63,7 +57,7 @@ def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> 
         With the room that the results would take.
     """
     each = sum(variable.bytes_of_point for variable in computation.results.values())
-    points, taken = computation.size, f"{_shown_bytes(computation.size * each)} of results"
+    points, taken = computation.size, f"{shown_bytes(computation.size * each)} of results"
     if in_store:
         most = MOST_CHUNKS * (points // chunks.number or 1)
         if chunks.number > MOST_CHUNKS:
@@ -71,27 +65,5 @@ def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> 
         return
     room = available_memory()
     if points * each > room:
-        need = f"must fit in the {_shown_bytes(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
+        need = f"must fit in the {shown_bytes(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
         raise ValueError(f"points: got {points:.3g}, {taken}, {need}")
-
-
-def available_memory() -> int:
-    """Bytes that this process may still take; all there is where the system does not tell."""
-    known = []
-    with suppress(OSError, ValueError, StopIteration):
-        lines = AVAILABLE.read_text().splitlines()
-        known.append(1024 * int(next(line for line in lines if line.startswith("MemAvailable")).split()[1]))
-    with suppress(OSError, ValueError):  # "max": none
-        known.append(int(CONTAINER.read_text()))
-    if not known and hasattr(os, "sysconf"):
-        with suppress(OSError, ValueError):
-            known.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    return min(known, default=1 << 47)  # the address space of a process
-
-
-def _shown_bytes(count: float) -> str:
-    for unit in ("B", "kB", "MB", "GB", "TB"):
-        if count < 1000.0:
-            return f"{count:.3g} {unit}"
-        count /= 1000.0
-    return f"{count:.3g} PB"

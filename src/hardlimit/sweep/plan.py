@@ -79,7 +79,7 @@ class Plan:
         return {"model": self.model, "column": self.column, **how, "hardlimit_version": _core.version}
 
     def fingerprint(self) -> str:
-        """Of all that a result or a label depends on."""
+        """A hash of all that a result or a label depends on."""
         named = [(c.name, c.dim, str(c.values.dtype)) for c in self.coordinates]
         how = (self.law, self.alternative, self.densities, self.restitution_at, self.general_tolerance)
         layout = (self.strides, self.dims, self.shape, self.variables, named)

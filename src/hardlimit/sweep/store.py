@@ -1,4 +1,4 @@
-"""A computation on disk: a Zarr store that fills chunk by chunk and can be gone on with after anything.
+"""A computation on disk: a Zarr store that fills chunk by chunk and can be resumed after any interruption.
 
 The store lacks nothing but chunks from the moment its folder appears (it is prepared under another name), and a file
 is whole from the moment it appears (likewise). Every file that is not text ends with a checksum (Zarr's ``crc32c``).
@@ -237,7 +237,7 @@ def _write_labels(folder: Path, computation: Computation, chunks: Chunks) -> Non
 
 
 def _metadata(computation: Computation, chunks: Chunks) -> dict[str, Any]:
-    """The metadata files of a store by their names, parsed."""
+    """The metadata files of a store by name, parsed."""
     from zarr.storage import MemoryStore
 
     files: dict[str, Any] = {}
@@ -256,7 +256,7 @@ def _consolidate(store: Any) -> None:
 
 
 def _arrays(path: Path, computation: Computation) -> dict[str, zarr.Array[Any]]:
-    """The variables; a chunk is written even if it holds nothing but what stands where nothing was computed."""
+    """The arrays of the variables; a chunk is written even if it holds nothing but fill values."""
     import zarr
 
     with zarr.config.set({"array.write_empty_chunks": True}):
@@ -343,7 +343,7 @@ def _as_dict(json: Any) -> dict[str, Any]:
 
 
 def _json(file: Path) -> Any:
-    """What a metadata file says; None if that is nothing that can be read."""
+    """The content of a metadata file; None if it cannot be read."""
     try:
         return json.loads(file.read_bytes())
     except (FileNotFoundError, NotADirectoryError, IsADirectoryError, ValueError, RecursionError):

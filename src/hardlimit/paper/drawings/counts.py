@@ -39,7 +39,7 @@ def count_maps(data: xr.Dataset) -> Figure:
     top.set_ylabel(rf"{QUANTITIES['gap'][0]} [mm]")
     bottom.set_ylabel(QUANTITIES["radius_ratio"][0])
     bottom.set_yticks([1, 5, 10, 15, 20])
-    bottom.axhline(1.0, color="black", lw=1.0)
+    bottom.axhline(1.0, color="black", lw=1.0, path_effects=STROKE)
     upper = float(json.loads(data.attrs["parameters"])["radius_2_m"])
     _title(top, f"(a)  R1 = {quantity(ratio * upper, 'm')}")
     _title(bottom, f"(b)  Δh = {quantity(gap, 'm')}")
@@ -66,7 +66,7 @@ def _draw_map(
     """One map with the dashed line of Fig. 3 and the + of Fig. 2; returned is what the colour bar needs."""
     epsilon, drop = data["restitution"].values, float(data["marked_restitution"])
     mesh = ax.pcolormesh(epsilon, y, counts.T, cmap=cmap, norm=norm, shading="nearest", rasterized=True)
-    ax.axhline(marked, color="black", lw=1.0, ls=(0, (5, 3)))
+    ax.axhline(marked, color="black", lw=1.0, ls=(0, (5, 3)), path_effects=STROKE)
     for colour, width in (("white", 3.6), ("black", 1.8)):
         ax.plot(drop, marked, "+", color=colour, ms=10 + width / 2, mew=width)
     ax.annotate("Fig. 2", (drop, marked), (7, 7), textcoords="offset points", fontsize=9, path_effects=STROKE)

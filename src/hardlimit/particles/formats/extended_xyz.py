@@ -124,8 +124,8 @@ def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dic
             where[NAMES[name]] = slice(len(used), len(used) + count)
             used += range(column, column + count)
         column += count
-    for wanted, width in (("positions", 3), ("velocities", 3), ("radius", 1), ("mass", 1)):
-        if wanted not in where or where[wanted].stop - where[wanted].start != width:
+    for wanted, needed in (("positions", 3), ("velocities", 3), ("radius", 1), ("mass", 1)):
+        if wanted not in where or where[wanted].stop - where[wanted].start != needed:
             raise ValueError("Properties: must hold pos:R:3, velo:R:3, radius:R:1 and mass:R:1")
     return _numbers(islice(file, n), used), where
 

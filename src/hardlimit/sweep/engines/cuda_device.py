@@ -34,7 +34,7 @@ class Memory:
 
 
 class Gpu(Protocol):
-    """What is asked of a device. Calls on one stream happen in order; all but ``wait`` may return before."""
+    """What is asked of a device. Calls on one stream happen in order; all but ``wait`` may return before they are done."""
 
     name: str
 
@@ -214,7 +214,7 @@ def compile_kernel(arch: str, logs: Any = None) -> bytes:
 
 
 def cubin(arch: str) -> bytes:
-    """The same from the user's cache of earlier compilations, as that takes some seconds."""
+    """The same, from the user's cache if it is there: compiling takes some seconds."""
     kept = _cache_folder() / f"{_fingerprint()}-{arch}.cubin"
     with suppress(OSError):
         return kept.read_bytes()
@@ -232,7 +232,7 @@ def _cache_folder() -> Path:
 
 
 def _fingerprint() -> str:
-    """Of all that the machine code depends on."""
+    """A hash of all that the machine code depends on."""
     from cuda.bindings import nvrtc
 
     digest = hashlib.sha256(repr((nvrtc.nvrtcVersion(), SAME_BITS)).encode())

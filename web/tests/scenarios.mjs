@@ -1,34 +1,3 @@
-// Modules of the page for tests without a browser, and the core they stand on.
-import { build } from "esbuild";
-import { readFileSync } from "node:fs";
-import { fileURLToPath } from "node:url";
-import { laws } from "../laws.mjs";
-
-const page = fileURLToPath(new URL("../../src/hardlimit/explorer/page/", import.meta.url));
-const src = fileURLToPath(new URL("../src/", import.meta.url));
-
-// What the named modules of src/ export, together.
-export async function sources(...names) {
-  const contents = names.map((name) => `export * from "./${name}";`).join("\n");
-  const { outputFiles } = await build({
-    stdin: { contents, resolveDir: src, loader: "ts" }, define: { LAWS: laws(`${page}core.wasm`) },
-    bundle: true, format: "esm", target: "es2022", write: false,
-  });
-  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
-}
-
-export const wasm = () => new WebAssembly.Module(readFileSync(`${page}core.wasm`));
-
-// A generator of numbers in [0, 1) that are the same in every run (mulberry32).
-export function randomness(seed) {
-  return () => {
-    seed = (seed + 0x6d2b79f5) | 0;
-    let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
-  };
-}
-
 // A setting anywhere in the ranges of the controls, ties and extremes included.
 export function randomScenario(random, lib) {
   const { ranges, constants, laws: known, paper, massOf, densityFor, settle } = lib;

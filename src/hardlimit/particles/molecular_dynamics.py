@@ -1,0 +1,179 @@
+"""Newton's equations for a box of grains."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Final
+
+from .. import validation
+from ..contact import Law
+from ..progress import Report, reporter
+from . import checkpoint as checkpoints
+from . import time_step as steps
+from .contact_course import ENGINES, ContactCourse, Settings, Target, load, start
+from .contact_result import ContactResult
+from .system import ParticleSystem
+
+MOST_SAMPLES: Final = 10_000_000
+MOST_THREADS: Final = 1024
+#: In radii of the largest particle.
+SMALLEST_EDGE: Final = 4.2
+#: What the progress counts.
+UNITS: Final = {"events": "contacts", "steps": "steps"}
+#: Fewer particles than this for a thread are not worth one.
+LEAST_SHARE: Final = 2000
+
+
+def molecular_dynamics(
+    system: ParticleSystem,
+    *,
+    law: Law,
+    until: float,
+    engine: str = "events",
+    restitution_error: float | None = None,
+    time_step: float | None = None,
+    threads: int | None = None,
+    samples: int = 100,
+    log: bool = False,
+    checkpoint: str | Path | None = None,
+    checkpoint_every: float = 60.0,
+    progress: bool | Report | None = None,
+) -> ContactResult:
+    """Let the particles of a box move under Newton's equations: contacts last, and may overlap in time.
+
+    Parameters
+    ----------
+    system : ParticleSystem
+    law : Law
+        Contact law of all pairs and walls.
+    until : float [s]
+    engine : {"events", "steps"}
+        ``"events"``: exact flight, exact isolated contacts, and integration of high order where contacts share a
+        particle while they last: Newton's equations to 1e-9, on one thread. For contacts that are short.
+        ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step. For dense
+        systems and heaps at rest.
+    restitution_error : float
+        By steps. The error of ε that steps may make, 1e-3 unless told otherwise. It is measured on isolated contacts of all kinds
+        in the system at the speeds to expect, and the longest step that keeps to it is taken.
+    time_step : float [s]
+        By steps. The longest one, instead. Give at most one of the two.
+    threads : int, optional
+        By steps. All processors unless told otherwise, as far as the particles suffice. The bits do not depend on it.
+    samples : int
+        Spacings of the series. By steps, a whole number of them lies between two samples.
+    log : bool
+        Keep every contact; 41 bytes each.
+    checkpoint : path, optional
+        A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every`` seconds, at Ctrl-C
+        and at the end.
+    checkpoint_every : float [s]
+        By the clock on the wall.
+    progress : bool or callable(done, total), optional
+        True shows a bar. A function is told the steps, or the contacts, so far, and how many there will be.
+
+    Returns
+    -------
+    ContactResult
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or two do not go together; also where contacts would not be stable with
+        this time step.
+    OSError
+        If a checkpoint cannot be written; names it.
+    """
+    if not isinstance(system, ParticleSystem):
+        raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
+    if not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    end = validation.number("until", until, 0.0, lowest_allowed=True)
+    name = validation.one_of("engine", engine, tuple(ENGINES))
+    step: float | None = None
+    workers = 1
+    if name == "steps":
+        step = steps.chosen(system, law, restitution_error, time_step)
+        workers = checked_threads(threads, system.n)
+    else:
+        check_box(system)
+        refuse_steps(restitution_error=restitution_error, time_step=time_step, threads=threads)
+    count = validation.whole("samples", samples, 1, MOST_SAMPLES)
+    if not isinstance(log, bool):
+        raise ValueError(f"log: got {validation.shown(log)}, must be True or False")
+    path = None if checkpoint is None else checkpoints.checked_path(checkpoint)
+    every = validation.number("checkpoint_every", checkpoint_every, 0.0)
+    with reporter(progress, "molecular dynamics", UNITS[name]) as report:
+        settings = Settings(law, name, workers, path, every)
+        return start(system, settings, step, Target(end, end, count), log).run(report)
+
+
+def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report | None) -> ContactResult:
+    """Go on with the run of this checkpoint.
+
+    Raises
+    ------
+    ValueError
+        As for :func:`hardlimit.resume`.
+    """
+    if max_collisions is not None:
+        shown = validation.shown(max_collisions)
+        raise ValueError(f"max_collisions: got {shown}, must be left out: this run ends at a time")
+    course = load(path)
+    if until is not None:
+        course.set_end(_later_end(course, until))
+    with reporter(progress, "molecular dynamics", UNITS[course.settings.engine]) as report:
+        return course.run(report)
+
+
+def _later_end(course: ContactCourse, until: Any) -> float:
+    end = validation.number("until", until)
+    if end < course.engine.time:
+        raise ValueError(
+            f"until: got {end:.16g}, must be >= {course.engine.time:.16g}, the time of the checkpoint"
+        )
+    return end
+
+
+def check_box(system: ParticleSystem) -> None:
+    """By events, no particle may come near two images of another one at a time.
+
+    Raises
+    ------
+    ValueError
+        If a periodic edge is too short; names it.
+    """
+    least = SMALLEST_EDGE * float(system.radius.max())
+    for axis, side in enumerate(system.boundary):
+        if side == "periodic" and not system.box[axis] >= least:
+            raise ValueError(
+                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= {least:.6g} m, "
+                f"{SMALLEST_EDGE:g} largest radii, for engine 'events'"
+            )
+
+
+def refuse_steps(**given: Any) -> None:
+    """Refuse arguments that only steps have.
+
+    Raises
+    ------
+    ValueError
+        If one is given; names it.
+    """
+    for name, value in given.items():
+        if value is not None:
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: engine 'events' takes no steps")
+
+
+def checked_threads(threads: Any, n: int) -> int:
+    """How many threads work on n particles.
+
+    Raises
+    ------
+    ValueError
+        If it is no number of threads.
+    """
+    if threads is not None:
+        return validation.whole("threads", threads, 1, MOST_THREADS)
+    found = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(1, min(found, n // LEAST_SHARE, MOST_THREADS))

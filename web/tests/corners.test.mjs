@@ -1,0 +1,246 @@
+// What a teacher meets in the first minutes, in Chromium: touch, history, odd links, long computations, every reading.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { Site } from "./browser.mjs";
+import { load, random, randomLink } from "./modules.mjs";
+
+const strict = process.env.TIMES !== "off"; // limits on times mean little on a busy machine
+let site;
+before(async () => void (site = await Site.begin()));
+after(() => site?.end());
+
+const rest = (page) => page.waitForFunction(() => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers);
+async function open(t, query = "", options = {}) {
+  const page = await site.open(t, query, options);
+  await rest(page);
+  return page;
+}
+// After the next frame has taken up what was entered.
+async function settled(page) {
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  await rest(page);
+}
+// Another setting in the page that is open, by way of its history.
+async function visit(page, query) {
+  await page.evaluate((query) => {
+    delete document.documentElement.dataset.numbers;
+    history.pushState(null, "", query);
+    dispatchEvent(new PopStateEvent("popstate"));
+  }, query);
+  await settled(page);
+}
+const numbers = (page) => page.evaluate(() => JSON.parse(document.documentElement.dataset.numbers));
+const search = (page) => new URL(page.url()).searchParams;
+const phone = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
+
+// ---- film and headline --------------------------------------------------------------------------------------
+
+for (const query of ["?example=astro&t=0.2", "?example=fig6&t=0.2", "?example=astro&r=0.027,0.019,0.001,0.009&t=0.1", "?example=fig2&r=0.05,0.01,0.05&t=0.1"])
+  test(`the film goes on where independent collisions accumulate: ${query}`, async (t) => {
+    const page = await open(t, query);
+    assert.equal(await page.isVisible("#notes"), false, await page.textContent("#notes"));
+    assert.match(await page.textContent("#time"), /0\.[12]00 s/);
+    await page.focus("#scrubber");
+    await page.keyboard.press("End");
+    const [file] = await Promise.all([page.waitForEvent("download"), page.click("#csv")]);
+    const lines = readFileSync(await file.path(), "utf8").trim().split("\n");
+    assert.ok(Number(lines.at(-1).split(",")[0]) >= 0.1);
+  });
+
+test("heights: collisions still to come count, later ones are told apart", async (t) => {
+  const page = await open(t, "?example=astro&gap=0,5e-5,5e-5");
+  assert.match(await page.textContent("#verdict"), /7\.42 m/);
+  await visit(page, "?example=fig2");
+  assert.match(await page.textContent("#verdict"), /rises to 0\.484 m/);
+  assert.match(await page.textContent("tr[data-id=later]"), /later.*68\.0 cm/);
+  assert.match(await page.textContent("#rebound-said"), /greatest height of its centre after its first bounce/);
+  await page.click("#definitions summary");
+  assert.match(await page.textContent("#definitions dl"), /restitution that would give/);
+});
+
+test("60 random settings, one after the other, in one page", async (t) => {
+  const { core, solve, paper, fromQuery, exactNumbers } = await load();
+  const page = await open(t, "?example=fig2");
+  const next = random(7);
+  for (let i = 0; i < 60; i++) {
+    const q = randomLink(next);
+    const scenario = paper();
+    fromQuery(scenario, q, []);
+    await visit(page, `?example=fig2&${q}`);
+    assert.deepEqual(await numbers(page), exactNumbers(solve(core, scenario)), q.toString());
+  }
+});
+
+// ---- touch --------------------------------------------------------------------------------------------------
+
+test("a swipe scrolls and changes nothing", async (t) => {
+  const page = await open(t, "?example=fig2", phone);
+  const session = await page.context().newCDPSession(page);
+  const before = await numbers(page);
+  for (const id of ["restitution", "scrubber", "forces", "timeline", "map"]) {
+    const element = page.locator(`#${id}`);
+    await element.evaluate((e) => e.scrollIntoView({ block: "center" }));
+    const box = await element.boundingBox();
+    const from = await page.evaluate(() => scrollY);
+    const time = await page.textContent("#time");
+    const up = from > 400; // the last pictures lie at the end of the page
+    await session.send("Input.synthesizeScrollGesture", {
+      x: box.x + 0.3 * box.width, y: box.y + 0.5 * box.height, yDistance: up ? 150 : -150, gestureSourceType: "touch", speed: 1200,
+    });
+    await settled(page);
+    assert.notEqual(await page.evaluate(() => scrollY), from, `${id}: the page scrolls`);
+    assert.deepEqual(await numbers(page), before, id);
+    assert.equal(await page.textContent("#time"), time, id);
+  }
+});
+
+// A finger or two along places in an element, each in shares of its box.
+async function fingers(page, id, ...path) {
+  const session = await page.context().newCDPSession(page);
+  const box = await page.locator(`#${id}`).boundingBox();
+  const points = (step) => step.map(([x, y], k) => ({ x: box.x + x * box.width, y: box.y + y * box.height, id: k }));
+  for (const [i, step] of path.entries()) await session.send("Input.dispatchTouchEvent", { type: i === 0 ? "touchStart" : "touchMove", touchPoints: points(step) });
+  await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+  await settled(page);
+}
+
+test("after a tap fingers drag the timeline, and move and pinch the map", async (t) => {
+  const page = await open(t, "?example=fig2", phone);
+  const epsilon = async () => Number(await page.inputValue("#restitution-value"));
+  await page.locator("#timeline").evaluate((e) => e.scrollIntoView({ block: "center" }));
+  await page.locator("#timeline").tap({ position: { x: 200, y: 150 } });
+  await settled(page);
+  const tapped = await epsilon();
+  await fingers(page, "timeline", [[0.5, 0.4]], [[0.5, 0.5]], [[0.5, 0.6]], [[0.5, 0.7]]);
+  assert.ok((await epsilon()) < tapped - 0.1, `${await epsilon()} after ${tapped}`);
+  await page.locator("#map").evaluate((e) => e.scrollIntoView({ block: "center" }));
+  await page.locator("#map").tap({ position: { x: 200, y: 150 } });
+  await settled(page);
+  const chosen = await numbers(page);
+  await fingers(page, "map", [[0.45, 0.5], [0.55, 0.5]], [[0.4, 0.5], [0.6, 0.5]], [[0.3, 0.5], [0.7, 0.5]]);
+  await page.waitForFunction(() => new URL(location.href).searchParams.has("zoom"));
+  const [x0, x1] = search(page).get("zoom").split(",").map(Number);
+  assert.ok(x1 - x0 < 0.6, "pinched");
+  await fingers(page, "map", [[0.5, 0.5]], [[0.45, 0.5]], [[0.35, 0.5]]);
+  await page.waitForFunction((x) => Number(new URL(location.href).searchParams.get("zoom").split(",")[0]) > x, x0);
+  assert.deepEqual(await numbers(page), chosen, "moving the map chooses nothing");
+});
+
+// ---- long computations --------------------------------------------------------------------------------------
+
+const long = "?example=fig7&e=0.02&r=0.001,0.0025&rho=238.7,840";
+
+test("a long computation leaves the page free, shows its progress and is given up", async (t) => {
+  const page = await open(t, "?example=fig2");
+  const before = await numbers(page);
+  await page.evaluate(() => {
+    globalThis.longest = 0;
+    new PerformanceObserver((list) => list.getEntries().forEach((e) => (globalThis.longest = Math.max(globalThis.longest, e.duration)))).observe({ type: "longtask" });
+  });
+  await page.evaluate((query) => {
+    history.pushState(null, "", query);
+    dispatchEvent(new PopStateEvent("popstate"));
+  }, long);
+  await page.waitForFunction(() => document.documentElement.dataset.busy !== undefined);
+  await page.waitForSelector("#busy:not([hidden])");
+  assert.match(await page.textContent("#busy-what"), /^Computing .*: \d+\.\d s$/);
+  await page.click("#give-up");
+  await settled(page);
+  assert.equal(await page.isVisible("#busy"), false);
+  assert.equal(await page.inputValue("#restitution-value"), "0.7");
+  assert.deepEqual(await numbers(page), before);
+  const longest = await page.evaluate(() => globalThis.longest);
+  t.diagnostic(`longest task of the page: ${longest} ms`);
+  if (strict) assert.ok(longest < 50);
+});
+
+test("maps of several balls say how far they are, and how long they took", async (t) => {
+  const page = await open(t, "?example=astro");
+  await page.waitForFunction(() => /\d+ % computed/.test(document.getElementById("map-state").textContent));
+  await page.waitForFunction(() => /points in [\d.]+ s/.test(document.getElementById("map-state").textContent), null, { timeout: 120_000 });
+});
+
+// ---- map, history, entries ----------------------------------------------------------------------------------
+
+test("the map: its reading is the point's, the wheel zooms and a drag moves without choosing", async (t) => {
+  const page = await open(t, "?example=fig2&map=gap&show=effective");
+  await page.locator("#map").scrollIntoViewIfNeeded();
+  const box = await page.locator("#map").boundingBox();
+  const at = [box.x + 0.62 * box.width, box.y + 0.47 * box.height];
+  const before = await numbers(page);
+  await page.mouse.move(...at);
+  await page.waitForFunction(() => /contact/.test(document.getElementById("map-reading").textContent));
+  await page.keyboard.down("Control");
+  await page.mouse.wheel(0, -300);
+  await page.keyboard.up("Control");
+  await page.waitForFunction(() => new URL(location.href).searchParams.has("zoom"));
+  const zoom = search(page).get("zoom");
+  await page.mouse.down();
+  await page.mouse.move(at[0] + 60, at[1] + 20, { steps: 6 });
+  await page.mouse.up();
+  await page.waitForFunction((zoom) => new URL(location.href).searchParams.get("zoom") !== zoom, zoom);
+  await settled(page);
+  assert.deepEqual(await numbers(page), before);
+  await page.mouse.move(...at);
+  await page.waitForFunction(() => /contact/.test(document.getElementById("map-reading").textContent));
+  const reading = await page.textContent("#map-reading");
+  await page.mouse.click(...at);
+  await settled(page);
+  assert.equal(await page.textContent("#map-reading"), reading, "hovering and chosen");
+  const [, contacts, ratio] = /: (\d+) contacts?, ε_?eff\/ε = (\S+)/.exec(reading.replaceAll("_", ""));
+  assert.equal(await page.textContent("tr[data-id=contacts] td:nth-child(2)"), contacts);
+  assert.equal(await page.textContent("tr[data-id=ratio] td:nth-child(2)"), ratio);
+});
+
+test("examples enter the history", async (t) => {
+  const page = await open(t, "?example=fig2");
+  await page.selectOption("#preset", "steel");
+  await settled(page);
+  const steel = await numbers(page);
+  await page.selectOption("#preset", "fig5");
+  await settled(page);
+  await page.goBack();
+  await page.waitForFunction(() => document.getElementById("preset").value === "steel");
+  await settled(page);
+  assert.deepEqual(await numbers(page), steel);
+  await page.goBack();
+  await page.waitForFunction(() => document.getElementById("preset").value === "fig2");
+});
+
+test("entries: what is made of them is said; a plus sign in a link is one", async (t) => {
+  const page = await open(t, "?example=fig2&k=4e+07");
+  assert.equal(await page.isVisible("#notes"), false);
+  assert.equal(await page.inputValue("#stiffness-value"), "40 MN/m");
+  await page.fill("#height-value", "120");
+  await page.keyboard.press("Tab");
+  await settled(page);
+  assert.match(await page.textContent(".said"), /120 m is outside 1 cm … 10 m: 10 m used/);
+  assert.match(await page.textContent("#controls"), /Density 840 kg\/m³: stays when R₁ changes, so m₁ follows/);
+});
+
+test("Space plays from a slider, the theme stays, nothing announces each frame, 320 pixels are enough", async (t) => {
+  const page = await open(t, "?example=fig2");
+  await page.focus("#restitution");
+  await page.keyboard.press("Space");
+  assert.equal(await page.textContent("#play"), "Pause");
+  await page.keyboard.press("Space");
+  assert.equal(await page.textContent("#play"), "Play");
+  assert.equal(await page.locator("#time[aria-live], output#time, output#speed, output#map-reading").count(), 0);
+  await page.click("#theme");
+  const theme = await page.getAttribute("html", "data-theme");
+  await page.reload();
+  await rest(page);
+  assert.equal(await page.getAttribute("html", "data-theme"), theme);
+  await page.setViewportSize({ width: 320, height: 640 });
+  for (const query of ["?example=fig2", "?example=astro", "?example=cradle"]) {
+    await visit(page, query);
+    assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 320, query);
+  }
+});
+
+test("at 2560 pixels text and pictures grow with the page", async (t) => {
+  const page = await open(t, "?example=fig2", { viewport: { width: 2560, height: 1400 } });
+  const [font, main] = await page.evaluate(() => [parseFloat(getComputedStyle(document.documentElement).fontSize), document.querySelector("main").clientWidth]);
+  assert.ok(font > 24 && main > 2400, `${font} px, ${main} px`);
+});

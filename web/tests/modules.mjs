@@ -1,0 +1,51 @@
+// The page's modules in node, with the compiled core: what needs no browser is tested here.
+import { build } from "esbuild";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { laws } from "../laws.mjs";
+
+const src = new URL("../src/", import.meta.url).pathname;
+const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/core.wasm", import.meta.url).pathname;
+
+// Besides the modules named here those asked for.
+export async function load(...more) {
+  const folder = mkdtempSync(join(tmpdir(), "modules-"));
+  const names = ["clock", "core", "drop", "format", "motion", "numbers", "scenario", "trajectory_csv", ...more];
+  const outfile = join(folder, "modules.mjs");
+  const contents = names.map((name) => `export * from "${src}${name}";`).join("\n");
+  await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { LAWS: laws(wasm) } });
+  const modules = await import(outfile);
+  rmSync(folder, { recursive: true, force: true });
+  return { ...modules, core: new modules.Core(new WebAssembly.Module(readFileSync(wasm))) };
+}
+
+// Numbers in [0, 1) from a seed (mulberry32).
+export function random(seed) {
+  let state = seed | 0;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
+    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
+    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+  };
+}
+
+// A link to some setting of two to six balls, ties and touching balls among them.
+export function randomLink(next) {
+  const log = (low, high) => Number((low * (high / low) ** next()).toPrecision(4));
+  const n = 2 + Math.floor(5 * next());
+  const law = ["linear", "viscoelastic", "tsuji"][Math.floor(3 * next())];
+  const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : (0.3 + 0.7 * next()).toFixed(3) });
+  if (law === "linear") q.set("k", log(1e5, 1e8));
+  if (law === "viscoelastic") for (const [key, value] of [["Y", log(1e7, 1e11)], ["nu", (0.5 * next()).toFixed(2)], ["v", log(0.1, 10)]]) q.set(key, value);
+  if (law === "tsuji") q.set("K", log(1e7, 1e10));
+  const one = log(0.005, 0.1);
+  const alike = next() < 0.2;
+  const list = (make) => Array.from({ length: n }, make).join();
+  q.set("r", list(() => (alike ? one : log(0.005, 0.1))));
+  q.set("rho", list(() => log(300, 8000)));
+  q.set("gap", Array.from({ length: n - 1 }, () => (next() < 0.25 ? 0 : log(1e-6, 0.03))).join());
+  q.set("h", log(0.15, 2));
+  return q;
+}
