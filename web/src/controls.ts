@@ -67,7 +67,7 @@ export class Controls {
     if (!s.cradle)
       add(this.number("height", "Height of lowest centre", ranges.height, (q) => q.height, (q, x) => (q.height = x)));
     add(
-      this.choice("law", "Contact law", laws.map(({ name }) => [name, name]), () => this.scenario.law, (v) =>
+      this.choice("law", "Contact law", laws.map(({ name }) => [name, name === "tsuji" ? "Tsuji" : name]), () => this.scenario.law, (v) =>
         this.edit((q) => (q.law = v)),
       ),
     );

@@ -69,7 +69,7 @@ function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pai
     g.fill();
     g.globalAlpha = 1;
     g.strokeStyle = theme.pairs[j];
-    g.lineWidth = 2.5;
+    g.lineWidth = Math.max(2.5, size / 7);
     g.lineJoin = "round";
     g.stroke();
   }

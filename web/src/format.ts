@@ -46,7 +46,10 @@ export function withUnit(x: number, unit: string, n = 3, keepZeros = false): str
 }
 
 // Heights that are read off a ruler in metres.
-export const metres = (x: number): string => (Math.abs(x) >= 0.0995 ? `${minus(String(Number(x.toPrecision(3))))} m` : withUnit(x, "m"));
+export function metres(x: number): string {
+  const size = Math.abs(x);
+  return size >= 0.0995 ? `${minus(size < 99.95 ? x.toPrecision(3) : String(Math.round(x)))} m` : withUnit(x, "m");
+}
 
 // Two lengths in one unit, so that they compare at a glance.
 export function lengths(a: number, b: number): [string, string] {

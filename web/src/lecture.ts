@@ -22,7 +22,7 @@ export class Lecture {
   private readonly compare: Compare;
   private readonly mini: Mini;
   private mapped: number | null = null; // time the map took, of which the story has told
-  private entered: Step | null = null; // a step that waits for the drop to be computed
+  private entered: { step: Step; placed: boolean } | null = null; // a step that waits for the drop to be computed
 
   constructor(
     private readonly state: State,
@@ -46,7 +46,7 @@ export class Lecture {
     });
     fillMeasured();
     this.show();
-    if (view.step) this.enter(view.step);
+    if (view.step) this.enter(view.step, state.view.time !== null);
   }
 
   // What the link or a choice asks for: the whole page, the story or one panel.
@@ -73,7 +73,7 @@ export class Lecture {
     find("mini-verdict").textContent = find("verdict").textContent;
     this.settingsChanged();
     this.single.refreshLink();
-    if (this.entered) this.enter(this.entered);
+    if (this.entered) this.enter(this.entered.step, this.entered.placed);
     this.story.dirty = true;
   }
 
@@ -93,19 +93,21 @@ export class Lecture {
 
   // ---- the story ----------------------------------------------------------------------------------------
 
-  // What a step does to the film and the map.
-  private enter(step: Step): void {
+  // What a step does to the film and the map; `placed`: the link says where the film is.
+  private enter(step: Step, placed = false): void {
     const { state, film } = this;
-    this.entered = state.drop ? null : step;
-    if (!state.drop) return;
+    const { drop } = state;
+    this.entered = drop ? null : { step, placed };
+    if (!drop) return;
+    const contact = this.moves() ? drop.from - 0.02 : 0.5 * (drop.from + drop.to);
     const actions: Partial<Record<Step, () => void>> = {
       predict: () => this.start(false, 0, false),
       drop: () => this.start(false, this.moves() ? 0 : Infinity, this.moves()),
-      slow: () => this.start(true, state.drop!.from - 0.02, this.moves()),
+      slow: () => this.start(true, contact, this.moves()),
       gap: () => this.rebound.setAxis("gap"),
       map: () => this.map.showTrusted(),
     };
-    actions[step]?.();
+    if (!placed || step === "gap" || step === "map") actions[step]?.();
     film.refresh();
     state.redraw();
   }

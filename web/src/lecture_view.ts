@@ -1,13 +1,15 @@
 // What the link keeps of the lecture: the step of the story, the guess, a single panel, the curve, setting A.
-import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
 import { presets } from "./presets";
-import { curveAxes, type CurveAxis } from "./rebound";
+import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
 
 export const steps = ["predict", "drop", "slow", "count", "gap", "map"] as const;
 export type Step = (typeof steps)[number];
 
 export const panels = ["film", "numbers", "energy", "forces", "timeline", "rebound", "map", "compare"] as const;
 export type PanelName = (typeof panels)[number];
+
+export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound height is drawn over
+export type CurveAxis = (typeof curveAxes)[number];
 
 export interface LectureView {
   step: Step | null; // of the story; null: it is not told

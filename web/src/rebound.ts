@@ -1,11 +1,9 @@
 // How high the top ball rises under both models, over the gap, ε or R1/R2: coarse first, then finer where the curve
 // bends or jumps. On a cradle, which has no heights: the velocity of the last ball.
+import type { CurveAxis } from "./lecture_view";
 import { piece, type Piece, type Pool } from "./pool";
 import { columnOf, copyOf, firstGap, lowestHeight, ranges, type Scenario } from "./scenario";
 import { wholeMap } from "./view";
-
-export const curveAxes = ["gap", "e", "ratio"] as const;
-export type CurveAxis = (typeof curveAxes)[number];
 
 export interface CurvePoint {
   x: number;

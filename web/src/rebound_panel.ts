@@ -1,10 +1,10 @@
 // The curves of the rebound height beside the map: drawn, read, pointed at, with measured heights.
 import { find, type Sheet } from "./dom";
 import { digits, metres, withUnit } from "./format";
-import type { LectureView } from "./lecture_view";
+import type { CurveAxis, LectureView } from "./lecture_view";
 import { readMeasurements, type Measurements } from "./measurements";
 import type { Pool } from "./pool";
-import { Curve, spanOf, valueOn, type CurveAxis, type CurvePoint } from "./rebound";
+import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { drawCurves, nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "./scenario";
 import type { State } from "./state";

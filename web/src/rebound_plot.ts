@@ -1,8 +1,9 @@
 // The rebound heights of both models as curves over the gap, ε or R1/R2, with measured ones.
 import { digits, logTicks, metres, niceTicks, withUnit } from "./format";
+import type { CurveAxis } from "./lecture_view";
 import type { Measurements } from "./measurements";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
-import type { CurveAxis, CurvePoint, Span } from "./rebound";
+import type { CurvePoint, Span } from "./rebound";
 import type { Theme } from "./theme";
 
 export interface CurvePicture {
@@ -72,7 +73,7 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   g.beginPath();
   g.rect(whole.left, whole.top - 2, whole.width, whole.height + 4);
   g.clip();
-  drawModels(g, layout, p, theme);
+  drawModels(g, layout, p, theme, size);
   drawMeasured(g, layout, p, theme);
   g.restore();
   drawPinned(g, layout, p, theme, size);
@@ -131,15 +132,16 @@ function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, c
 const models = ["icm", "newton"] as const;
 
 // Newton's curve is drawn through, that of independent collisions dashed; those of setting A are thin and pale.
-function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme): void {
+function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+  const grown = Math.max(1, size / 16);
   for (const pale of [true, false]) {
     const points = pale ? p.pinned : p.points;
     const touching = pale ? p.pinnedTouching : p.touching;
     g.globalAlpha = pale ? 0.6 : 1;
     for (const model of models) {
       g.strokeStyle = g.fillStyle = theme[model];
-      g.lineWidth = pale ? 1.5 : 3;
-      g.setLineDash(model === "icm" ? [8, 5] : []);
+      g.lineWidth = (pale ? 1.5 : 3) * grown;
+      g.setLineDash(model === "icm" ? [8 * grown, 5 * grown] : []);
       g.beginPath();
       let open = false;
       for (const q of points) {
@@ -153,7 +155,7 @@ function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture
       }
       g.stroke();
       g.setLineDash([]);
-      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero)) dot(g, l.zero, l.y.at(touching[model]), pale ? 3.5 : 5.5, model === "icm", theme);
+      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero)) dot(g, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * grown, model === "icm", theme);
     }
     g.globalAlpha = 1;
   }
@@ -230,7 +232,7 @@ function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
     for (const model of models) {
       if (!Number.isFinite(point[model])) continue;
       g.strokeStyle = g.fillStyle = theme[model];
-      dot(g, at, l.y.at(point[model]), thick ? 6.5 : 4.5, model === "icm", theme);
+      dot(g, at, l.y.at(point[model]), (thick ? 6.5 : 4.5) * Math.max(1, size / 16), model === "icm", theme);
       if (thick) nameValue(g, l, p, point, model, at, theme, size);
     }
   }
@@ -246,7 +248,7 @@ function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
   g.textAlign = right ? "left" : "right";
   g.textBaseline = "middle";
   const y = l.y.at(point[model]) + (below ? 1 : -1) * size;
-  halo(g, p.cradle ? withUnit(point[model], "m/s") : metres(point[model]), at + (right ? 12 : -12), Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
+  halo(g, p.cradle ? withUnit(point[model], "m/s") : metres(point[model]), at + (right ? 0.8 : -0.8) * size, Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
 }
 
 // What the lines mean, on top.
@@ -270,11 +272,11 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme
     at -= g.measureText(text).width + 6;
     if (dash) {
       g.strokeStyle = color;
-      g.lineWidth = 3;
+      g.lineWidth = 3 * Math.max(1, size / 16);
       g.setLineDash(dash);
-      stroke(g, at - 26, y - 0.5 * size, at, y - 0.5 * size);
+      stroke(g, at - 1.7 * size, y - 0.5 * size, at, y - 0.5 * size);
       g.setLineDash([]);
-      at -= 26;
+      at -= 1.7 * size;
     } else if (name === "measured") {
       g.beginPath();
       g.moveTo(at - 6, y - 0.5 * size - 6);
@@ -285,6 +287,6 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme
       g.fill();
       at -= 14;
     }
-    at -= 14;
+    at -= 0.9 * size;
   }
 }

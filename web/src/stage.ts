@@ -81,7 +81,7 @@ export interface Moment {
 
 export function drawStage(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, m: Moment, theme: Theme): void {
   g.clearRect(0, 0, w, h);
-  const size = Math.max(Math.min(Math.max(w / 42, 14), Math.max(18, Math.min(w / 52, h / 26))), Math.min(lettering.least, w / 30, h / 20));
+  const size = Math.max(Math.min(Math.max(w / 42, 14), Math.max(18, Math.min(w / 52, h / 26))), Math.min(lettering.least, w / 38, h / 20));
   const pad = 6;
   const stacked = d.scenario.cradle || w < 480;
   const trueShare = d.scenario.cradle ? 0.42 : stacked ? 0.47 : 0.37;
@@ -275,7 +275,7 @@ class Painter {
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
     const length = cradle ? r.w - 5.6 * size : r.h - 6.4 * size;
     const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // room for a gap
-    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : 0.27 * width, open);
+    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.4 * size) / width)), open); // room for the forces beside them
     const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
     const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
     this.scales(r, magnify);

@@ -5,7 +5,7 @@ import type { Frames } from "./frames";
 import { sameScenario, steps, type LectureView, type PanelName, type Step } from "./lecture_view";
 import { presets } from "./presets";
 import type { State } from "./state";
-import { storyText, titles, type Told } from "./story_text";
+import { storyText, titleOf, type Told } from "./story_text";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";
 
 // What a step shows beside its text.
@@ -14,7 +14,7 @@ const shows: Record<Step, (PanelName | "tale")[]> = {
   drop: ["tale"],
   slow: ["film", "forces"],
   count: ["forces", "timeline"],
-  gap: ["film", "rebound"],
+  gap: ["rebound", "film"],
   map: ["map"],
 };
 const onCradle: Partial<Record<Step, PanelName[]>> = { predict: ["film"], drop: ["film"] };
@@ -68,8 +68,8 @@ export class Story {
     this.revealed = false;
     this.said = "";
     const place = steps.indexOf(step);
+    find("story-title").textContent = titleOf(step, this.state.scenario.cradle);
     find("story-place").textContent = `Step ${place + 1} of ${steps.length}`;
-    find("story-title").textContent = titles[step];
     find("story-steps").querySelectorAll("button").forEach((b, i) => {
       if (i === place) b.setAttribute("aria-current", "step");
       else b.removeAttribute("aria-current");

@@ -16,7 +16,7 @@ export interface Told {
   trusted: number | null; // gap above which both models agree [m]; infinite: nowhere in the map
 }
 
-export const titles: Record<Step, string> = {
+const titles: Record<Step, string> = {
   predict: "How high will it fly?",
   drop: "The drop",
   slow: "Slowly, through the contact",
@@ -24,6 +24,9 @@ export const titles: Record<Step, string> = {
   gap: "Change the gap",
   map: "Where event-driven simulation may be trusted",
 };
+
+const onCradle: Partial<Record<Step, string>> = { predict: "How fast will the last one leave?", drop: "The collision" };
+export const titleOf = (step: Step, cradle: boolean): string => (cradle && onCradle[step]) || titles[step];
 
 const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
 
@@ -98,7 +101,7 @@ function cradleText(step: Step, t: Told): string {
   const n = t.drop.scenario.balls.length;
   const v = (x: number): string => withUnit(x, "m/s", 3, true);
   const texts: Record<Step, () => string> = {
-    predict: () => `${capital(spell(n))} balls in a line, and no floor. How fast will the last one leave?`,
+    predict: () => `${capital(spell(n))} balls in a line, and no floor. The first arrives: with what speed will the last one leave?`,
     drop: () => (t.revealed ? `The last ball leaves with ${v(t.rises[0])}; the textbook, one collision after the other, says ${v(t.rises[1])}.` : "Watch the last ball …"),
     slow: () => why(factsOf(t.drop)),
     count: () => counted(t),

@@ -50,7 +50,8 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
   const lane = (w - left) / lanes;
   const columns: ["newton" | "icm", string, Balls][] = [["newton", "Newton’s equations", t.newton], ["icm", lane > 16 * size ? "Independent collisions" : "ICM", t.icm]];
   const release = releaseHeight(t.drop);
-  drawLevel(g, left, w, floor - release * scale, `let go at ${metres(release)}`, theme.muted, [2, 5], 1.5, size, theme, "left");
+  const said = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
+  drawLevel(g, left, w, floor - release * scale, said, theme.muted, [2, 5], 1.5, size, theme, "left");
   columns.slice(0, lanes).forEach(([model, name, balls], k) => {
     const middle = left + (k + 0.5) * lane;
     if (t.falling) {
@@ -64,7 +65,7 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
     const z = t.reached[k];
     if (t.falling && Number.isFinite(z)) {
       g.strokeStyle = theme[model];
-      g.lineWidth = 3;
+      g.lineWidth = Math.max(3, size / 6);
       const y = floor - z * scale;
       stroke(g, middle - 0.3 * lane, y, middle + 0.3 * lane, y);
       setFont(g, theme, 1.5 * size, 700);
@@ -118,7 +119,7 @@ function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number
   g.textBaseline = "top";
   g.textAlign = "left";
   g.fillStyle = theme.muted;
-  const apart = gaps.every((gap) => gap === 0) ? "let go touching" : `let go ${gaps.map((gap) => withUnit(gap, "m")).join(", ")} apart`;
+  const apart = gaps.every((gap) => gap === 0) ? "let go touching" : `let go ${[...new Set(gaps.map((gap) => withUnit(gap, "m")))].join(", ")} apart`;
   g.fillText(apart, x, 0.5 * h + 0.5 * tall * scale + 0.8 * size);
 }
 
@@ -136,13 +137,13 @@ function drawRuler(g: CanvasRenderingContext2D, left: number, w: number, floor: 
     if (y > size) g.fillText(z === ticks[ticks.length - 1] ? `${z} m` : String(z), left - 8, y);
   }
   g.strokeStyle = theme.ink;
-  g.lineWidth = 3;
+  g.lineWidth = Math.max(3, size / 7);
   stroke(g, left, floor + 1.5, w, floor + 1.5);
 }
 
 function drawLevel(g: CanvasRenderingContext2D, left: number, right: number, y: number, text: string, color: string, dash: number[], width: number, size: number, theme: Theme, align: "left" | "right"): void {
   g.strokeStyle = color;
-  g.lineWidth = width;
+  g.lineWidth = width * Math.max(1, size / 18);
   g.setLineDash(dash);
   stroke(g, left, y, right, y);
   g.setLineDash([]);
@@ -159,7 +160,7 @@ function drawColumn(g: CanvasRenderingContext2D, t: Tale, balls: Balls, x: numbe
     g.arc(x, floor - Math.max(balls.position[i] * scale, radius), radius, 0, 2 * Math.PI);
     g.fillStyle = model === "icm" ? theme.ground : theme.balls[i];
     g.fill();
-    g.lineWidth = model === "icm" ? 3 : 1;
+    g.lineWidth = model === "icm" ? Math.max(3, size / 7) : 1;
     g.strokeStyle = model === "icm" ? theme.icm : theme.ink;
     g.stroke();
   });

@@ -14,7 +14,7 @@ const steps = ["predict", "drop", "slow", "count", "gap", "map"];
 const phone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
 const query = (page) => new URL(page.url()).searchParams;
 const at = (page, step) => page.waitForFunction((step) => new URL(location.href).searchParams.get("story") === step, step);
-const curveDone = (page) => page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 60_000 });
+const curveDone = (page) => page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
 const reading = (page, part) => page.waitForFunction((part) => document.getElementById("rebound-reading").textContent.includes(part), part);
 
 // What Python says of the column in a file at gaps: heights of the top ball, Newton and independent collisions.
@@ -98,12 +98,14 @@ test("the story: guess, drop, compare", async (t) => {
   await page.mouse.down();
   await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.4 * box.height, { steps: 4 });
   await page.mouse.up();
-  await page.waitForFunction(() => Number(new URL(location.href).searchParams.get("guess")) > 2);
+  const shown = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(Number(document.getElementById("tale").ariaValueNow))))));
+  const dragged = await shown();
+  assert.ok(dragged > 2 && dragged < 6, String(dragged));
   await page.focus("#tale");
-  const before = Number(query(page).get("guess"));
   await page.keyboard.press("ArrowUp");
-  await page.waitForFunction((before) => Number(new URL(location.href).searchParams.get("guess")) > before, before);
-  const guess = Number(query(page).get("guess"));
+  const guess = await shown();
+  assert.ok(guess > dragged);
+  await page.waitForFunction((guess) => Number(new URL(location.href).searchParams.get("guess")) === guess, guess);
   await page.keyboard.press("ArrowRight");
   await at(page, "drop");
   assert.match(await page.textContent("#story-text"), /Watch/);
@@ -127,10 +129,10 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   await page.waitForFunction(() => /touch once/.test(document.getElementById("story-text").textContent));
   await page.click("#story-next");
   await at(page, "gap");
-  await page.waitForFunction(() => /Let go touching, the tennis ball reaches 0\.99\d m; [\d.]+ cm apart, 3\.6\d m/.test(document.getElementById("story-text").textContent), null, { timeout: 60_000 });
+  await page.waitForFunction(() => /Let go touching, the tennis ball reaches 0\.99\d m; [\d.]+ cm apart, 3\.6\d m/.test(document.getElementById("story-text").textContent), null, { timeout: 120_000 });
   await page.click("#story-next");
   await at(page, "map");
-  await page.waitForFunction(() => /For the present ε that takes a gap above \d[\d.]* cm/.test(document.getElementById("story-text").textContent), null, { timeout: 60_000 });
+  await page.waitForFunction(() => /For the present ε that takes a gap above \d[\d.]* cm/.test(document.getElementById("story-text").textContent), null, { timeout: 120_000 });
 });
 
 test("the story is told of every example", async (t) => {
@@ -209,7 +211,7 @@ async function framing(t, source) {
 test("a single panel can be framed, the whole page cannot", async (t) => {
   const page = await framing(t, `${site.base}?panel=rebound&gap=0.03&example=basketball`);
   const frame = page.frames()[1];
-  await frame.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 60_000 });
+  await frame.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
   assert.equal(await frame.isVisible("#panel-tools"), false);
   const whole = new URL(await frame.getAttribute("#panel-whole", "href"));
   assert.equal(whole.searchParams.get("gap"), "0.03");
@@ -340,7 +342,8 @@ for (const [name, options] of Object.entries({
         const over = await page.evaluate(() => document.documentElement.scrollHeight - innerHeight);
         assert.ok(over <= 0, `${query}: ${over} pixels too high`);
       }
-      if (query.includes("map")) await page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 60_000 });
+      if (!process.env.SHOTS) continue;
+      if (query.includes("map")) await page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });
       if (query.includes("gap")) await curveDone(page);
       await shoot(page, `lecture-${name}-${query.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`);
     }

@@ -4,7 +4,7 @@ import { test } from "node:test";
 import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("why", "measurements", "measured");
+const lib = await load("why", "measurements", "measured", "story_text", "lecture_view", "presets", "trust");
 const { core } = lib;
 
 // What why() is made of.
@@ -119,4 +119,69 @@ test("measured balls: stiffness, restitution and contact time belong together", 
   }
   const { restitution: r } = lib.ballById("tennis");
   assert.deepEqual(r.map((x) => x.toFixed(2)), ["0.73", "0.76"]);
+});
+
+test("the story: well formed for every step and setting", () => {
+  const random = randomness(3);
+  let told = 0;
+  for (let i = 0; i < 60; i++) {
+    const solved = lib.solve(core, randomScenario(random, lib));
+    if ("reason" in solved) continue;
+    const drop = lib.dropOf(solved);
+    const top = drop.scenario.balls.length - 1;
+    const rises = drop.scenario.cradle ? [drop.newton.final.velocity[top], drop.icm.final.velocity[top]] : [drop.newton.peaks[top], drop.icm.peaks[top]];
+    for (const step of lib.steps)
+      for (const guess of [null, 2.5])
+        for (const gaps of [null, { touching: 0.9, best: 3.1, at: 0.02 }, { touching: NaN, best: NaN, at: 0 }])
+          for (const trusted of [null, Infinity, 0.0123]) {
+            const text = lib.storyText(step, { drop, guess, revealed: true, rises, gaps, trusted });
+            assert.match(text, /^[A-Z].*[.?]$/, text);
+            assert.doesNotMatch(text, /NaN|undefined|null|Infinity|  | [.,;]|\.\./, `${step}: ${text}`);
+          }
+    told++;
+  }
+  assert.ok(told > 40);
+});
+
+test("the link keeps the lecture", () => {
+  const random = randomness(5);
+  const pick = (list) => list[Math.floor(random() * list.length)];
+  for (let i = 0; i < 300; i++) {
+    const step = pick([null, ...lib.steps]);
+    const view = {
+      step, panel: step ? null : pick([null, ...lib.panels]), curve: pick(lib.curveAxes), guess: pick([null, 0, 2.5]),
+      pin: pick([null, lib.presets[0].scenario, lib.paper(), randomScenario(random, lib)]),
+    };
+    const q = new URLSearchParams();
+    lib.lectureToQuery(view, q);
+    const read = lib.firstLectureView();
+    const notes = [];
+    lib.lectureFromQuery(read, new URLSearchParams(q.toString()), notes);
+    assert.deepEqual({ ...read, pin: null }, { ...view, pin: null });
+    assert.equal(read.pin === null, view.pin === null);
+    if (view.pin && notes.length === 0) assert.ok(lib.sameScenario(read.pin, view.pin), q.toString());
+  }
+});
+
+test("a scenario in a link is the same again, whatever the page opens with", () => {
+  const random = randomness(6);
+  for (const s of [...lib.presets.map((p) => p.scenario), ...Array.from({ length: 100 }, () => randomScenario(random, lib))]) {
+    const q = new URLSearchParams();
+    lib.scenarioToQuery(s, q);
+    const base = lib.presets.find((p) => p.id === (q.get("example") ?? lib.baseOf(q)));
+    const read = lib.copyOf(base.scenario);
+    const notes = [];
+    lib.fromQuery(read, q, notes);
+    if (notes.length === 0) assert.ok(lib.sameScenario(read, s), q.toString());
+  }
+});
+
+test("where both models agree: the lowest row from which they do", () => {
+  const row = (values) => lib.trustedRow((j) => values[j], values.length);
+  assert.equal(row([0.1, 0.5, 0.99, 1.01]), 2);
+  assert.equal(row([0.1, 1, 0.5, 1]), 3);
+  assert.equal(row([1, 1, 1, 1]), 0);
+  assert.equal(row([1, 1, 1, 0.2]), 4);
+  assert.equal(row([1, 1, 1, NaN]), 4);
+  assert.ok(Number.isNaN(row([1, undefined, 1, 1])));
 });

@@ -42,8 +42,8 @@ after(async () => {
   rmSync(work, { recursive: true, force: true });
 });
 
-// A page that fails the test on any complaint of the console and on any request to elsewhere.
-async function open(t, query = "", options = {}) {
+// A page, of the paper's Fig. 2 unless asked for another, that fails the test on any complaint of the console and on any request to elsewhere.
+async function open(t, query = "?example=fig2", options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce", acceptDownloads: true, ...options });
   const page = await context.newPage();
   const faults = [];
@@ -158,7 +158,7 @@ test("every control moves the result and is in the link", async (t) => {
       assert.notEqual(JSON.stringify(await numbers(page)), numbersBefore, `${setup} ${id} changes the result`);
     }
   }
-  await page.goto(base);
+  await page.goto(base + "?example=fig2");
   await page.fill("#gap1-value", "0.25 mm");
   await page.keyboard.press("Tab");
   await page.fill("#restitution-value", "0.82");
@@ -242,7 +242,7 @@ test("bad parameters are clamped and said", async (t) => {
 });
 
 test("film: plays, slows, steps, is tied to the cursor", async (t) => {
-  const page = await open(t, "", { reducedMotion: "no-preference" });
+  const page = await open(t, "?example=fig2", { reducedMotion: "no-preference" });
   const time = () => page.textContent("#time");
   const early = await time();
   await page.waitForFunction((x) => document.getElementById("time").textContent !== x, early);
@@ -395,7 +395,7 @@ test("exports", async (t) => {
 test("keyboard alone reaches and works everything", async (t) => {
   const page = await open(t);
   const reached = new Set();
-  for (let i = 0; i < 80; i++) {
+  for (let i = 0; i < 120; i++) {
     await page.keyboard.press("Tab");
     const id = await page.evaluate(() => document.activeElement?.id ?? "");
     const ring = await page.evaluate(() => document.activeElement === document.body || getComputedStyle(document.activeElement).outlineStyle !== "none");
@@ -433,7 +433,7 @@ for (const [name, options] of Object.entries({
 }
 
 test("touch: a tap chooses in the map", async (t) => {
-  const page = await open(t, "", { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
+  const page = await open(t, "?example=fig2", { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true });
   await page.locator("#map").scrollIntoViewIfNeeded();
   const box = await page.locator("#map").boundingBox();
   await page.touchscreen.tap(box.x + 0.6 * box.width, box.y + 0.4 * box.height);
