@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "box.hpp"
+#include "storage.hpp"
 
 namespace hardlimit::particles {
 
@@ -158,6 +159,22 @@ public:
         return n;
     }
 
+    // Fetches the cells around one that is not at a border; elsewhere it would not pay.
+    void fetch_around(int level, u32 cell) const {
+        for_rows(level, cell, [](const Cell* row) {
+            prefetch(row);
+            prefetch(row + 2);
+        });
+    }
+    // f(id) for the particles there, without those that did not fit inline.
+    template <class F>
+    void for_inline_around(int level, u32 cell, const F& f) const {
+        for_rows(level, cell, [&](const Cell* row) {
+            for (int x = 0; x < 3; ++x)
+                for (u32 k = 0; k < std::min(row[x].tail, inline_ids); ++k) f(row[x].id[k]);
+        });
+    }
+
     // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles in the
     // cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
     template <class F>
@@ -200,9 +217,22 @@ private:
     static constexpr u32 inline_ids = 3, linked = 4;
 
     std::vector<Grid<d>> grids_;
-    std::vector<Cell> cells_;
+    Records<Cell> cells_;
     std::vector<Cell> spilled_;
     std::vector<u32> free_;  // of the spilled ones
+
+    // f(the first of three cells in a row) for the rows around a cell, as far as they are cells at all.
+    template <class F>
+    void for_rows(int level, u32 cell, const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        const i64 row = g.cells[0], plane = d == 3 ? row * g.cells[1] : 0, most = static_cast<i64>(cells_.size()) - 3;
+        const int planes = d == 3 ? 1 : 0;
+        for (int z = -planes; z <= planes; ++z)
+            for (int y = -1; y <= 1; ++y) {
+                const i64 first = static_cast<i64>(cell) - 1 + y * row + z * plane;
+                if (first >= 0 && first <= most) f(cells_.data() + first);
+            }
+    }
 
     u32 new_cell() {
         if (free_.empty()) {

@@ -72,11 +72,11 @@ private:
     bool keep_log_ = false;
     double mass_ = 0.0;  // of all, unless mixed [kg]
     double smallest_radius_ = 0.0, largest_radius_ = 0.0;
-    std::vector<Particle<d>> particles_;
-    std::vector<Pending> pending_;
-    std::vector<std::array<int, d>> periods_;  // by which the continuous path differs from the folded place
-    std::vector<u32> names_;                   // the user's number of each
-    std::vector<double> masses_;               // if mixed [kg]
+    Records<Particle<d>> particles_;
+    Records<Pending> pending_;
+    Records<std::array<int, d>> periods_;  // by which the continuous path differs from the folded place
+    Records<u32> names_;                   // the user's number of each
+    Records<double> masses_;               // if mixed [kg]
     Cells<d> cells_;
     Calendar calendar_;
     Tally<d> tally_;
@@ -86,12 +86,13 @@ private:
     Outcome outcome_ = Outcome::ok;
     Collapse collapse_{math::nan, -1, 0};
     hardlimit_abi::TouchTimes touch_times_ = nullptr;
+    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
     std::vector<u32> candidates_;
     std::vector<double> times_;    // until they are touched [s]
-    double weight_energy_ = 0.0;   // M |g| R [J]
     i64 refresh_after_ = 0;        // rows
-    std::vector<double> rescans_;  // time of the next look for smaller particles [s]
+    Records<double> rescans_;  // time of the next look for smaller particles [s]
     double fastest_ = 0.0;         // bound of the speeds of all particles [m/s]
+    bool fetches_ = false;         // whether the system is too large for the caches
     bool small_box_ = false;       // a particle may have two images of another beside it
 
     static hardlimit_abi::TouchTimes times_of(const hardlimit_abi::TouchKernels& kernels) {
@@ -116,8 +117,8 @@ private:
         calendar_.push(i, event_time(i), [this](u32 id) { return names_[id]; });
     }
     const Due* next_due() {
-        return calendar_.next([this](u32 id) { return event_time(id); },
-                              [this](u32 id) { return names_[id]; });
+        return calendar_.next([this](u32 id) { return event_time(id); }, [this](u32 id) { return names_[id]; },
+                              [this] { look_into_bin(); });
     }
 
     // hard_spheres_start.hpp
@@ -143,6 +144,12 @@ private:
     void keep(const Look& found);
     double frame_speed(const double* velocity) const;
     double fastest_possible() const;
+
+    // hard_spheres_ahead.hpp
+    void look_ahead();
+    void look_into_bin();
+    void fetch_cells(u32 i) const;
+    void fetch_neighbours(u32 i) const;
 
     // hard_spheres_events.hpp
     void happen(u32 i);
@@ -176,6 +183,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& s
         now_ = math::max(now_, due->time);
         const u32 i = due->id;
         calendar_.pop();
+        look_ahead();
         happen(i);
     }
 }
@@ -195,6 +203,7 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
 
 }  // namespace hardlimit::particles
 
+#include "hard_spheres_ahead.hpp"
 #include "hard_spheres_events.hpp"
 #include "hard_spheres_search.hpp"
 #include "hard_spheres_start.hpp"

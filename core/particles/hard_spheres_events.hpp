@@ -148,10 +148,9 @@ void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double
         log_.impact_speed.push_back(speed);
     }
     if (rule_.elastic_always()) return;
-    const double energy = tally_.thermal() + weight_energy_;
-    if (!watch_.collapses({now_, static_cast<u32>(first), second, speed, waited, !rule_.is_tc()}, energy,
-                          tally_.mass, largest_radius_))
-        return;
+    const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
+    const Impact impact{now_, static_cast<u32>(first), second, speed, waited, !rule_.is_tc()};
+    if (!watch_.collapses(impact, largest_radius_, typical)) return;
     outcome_ = Outcome::collapse;
     collapse_ = {now_, first, second};
 }

@@ -21,7 +21,6 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
     put_into_cells();
     refresh_after_ = std::max<i64>(4096, 16 * static_cast<i64>(s.n));
     refresh_tally();
-    weight_energy_ = tally_.mass * largest_radius_ * math::sqrt(dot(box_.gravity, box_.gravity));
     predict_all(stop);
     restart_calendar();
 }
@@ -51,7 +50,7 @@ void HardSpheres<d, motion, mixed>::archive(Archive& a) {
     RuleChoice choice = rule_.choice();
     a(box_), a(choice), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
     a(particles_), a(pending_), a(periods_), a(names_), a(masses_), a(rescans_), a(fastest_);
-    a(tally_), a(weight_energy_), a(refresh_after_), a(now_), a(outcome_), a(collapse_);
+    a(tally_), a(refresh_after_), a(now_), a(outcome_), a(collapse_);
     a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed);
     watch_.archive(a);
     make_rule(choice);
@@ -67,6 +66,7 @@ void HardSpheres<d, motion, mixed>::make_rule(const RuleChoice& choice) {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::lay_cells(std::size_t n) {
     cells_ = Cells<d>(box_, n, 2.0 * smallest_radius_, 2.0 * largest_radius_);
+    fetches_ = n > 4000;
     for (const Grid<d>& g : cells_.grids())
         for (int k = 0; k < d; ++k) small_box_ = small_box_ || (box_.periodic[k] && g.cells[k] < 3);
 }
@@ -91,7 +91,7 @@ void HardSpheres<d, motion, mixed>::take(const Setting& s) {
     particles_.resize(n);
     pending_.resize(n);
     periods_.resize(n, {});
-    names_ = order;
+    names_.assign(order.begin(), order.end());
     if constexpr (mixed) {
         masses_.resize(n);
         if (cells_.levels() > 1) rescans_.assign(n, math::infinity);
