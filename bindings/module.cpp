@@ -14,6 +14,7 @@ namespace hl = hardlimit;
 
 void bind_contacts(nb::module_& m);
 void bind_columns(nb::module_& m);
+void bind_planar_contact(nb::module_& m);
 void bind_sweep(nb::module_& m);
 void bind_particles(nb::module_& m);
 
@@ -52,6 +53,7 @@ NB_MODULE(_core, m) {
     bind_contacts(m);
     bind_math(m);
     bind_columns(m);
+    bind_planar_contact(m);
     bind_sweep(m);
     bind_particles(m);
 }
