@@ -45,18 +45,15 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::search_block(Look& look, int level, const Place<d>& from,
                                                  const Place<d>& to) {
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level)];
-    bool across = false;
-    for (int k = 0; k < d; ++k) {
-        const bool here = from[k] < 0 || to[k] >= g.cells[k];
-        across = across || here;
+    for (int k = 0; k < d; ++k)
         // With four cells an image that is not the nearest one is more than two cells away.
-        if (here && box_.periodic[k] && (g.cells[k] < 4 || to[k] - from[k] > 2))
+        if (to[k] - from[k] > 2 || (box_.periodic[k] && g.cells[k] < 4))
             return search_images(look, level, from, to);
-    }
+    bool across;
+    const std::size_t n = cells_.collect_near(box_, level, from, to, candidates_, across);
     for (int k = 0; k < d; ++k)
         look.query.per_edge[k] = across && box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
-    examine(look, across ? cells_.collect_across(box_, level, from, to, candidates_)
-                         : cells_.collect_block(level, from, to, candidates_));
+    examine(look, n);
 }
 
 // A block that is so large a part of the box that several images of a particle may lie in it.
