@@ -162,8 +162,12 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
             if (at[k] == g.cells[k] - 1) high = box_.edge[k] - size;
         }
         if constexpr (motion == Motion::falling) {
-            consider(time_below(x, v, box_.gravity[k], high), k, true);
-            consider(time_below(-x, -v, -box_.gravity[k], -low), k, false);
+            // From now on: a border passed on the way up is not to be met again in the past.
+            const double since = now_ - p.time, g = box_.gravity[k];
+            const double x_now = position_after<motion>(p, k, since, box_);
+            const double v_now = velocity_after<motion>(p, k, since, box_);
+            consider(since + time_below(x_now, v_now, g, high), k, true);
+            consider(since + time_below(-x_now, -v_now, -g, -low), k, false);
         } else {
             consider(v > 0.0 ? time_below(x, v, high) : time_below(-x, -v, -low), k, v > 0.0);
         }

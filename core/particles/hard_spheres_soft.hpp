@@ -44,7 +44,8 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     }
     const double sideways = math::sqrt(square);
     const PairGeometry pair = geometry(i, j);
-    const SoftImpact impact = (*soft_)({pair.effective_mass, distance, speed, sideways, 0.0}, pair);
+    const double touch = radius(i) + radius(j);
+    const SoftImpact impact = (*soft_)({pair.effective_mass, touch, speed, sideways, 0.0}, pair);
     const DrawnBack& end = impact.drawn_back;
     double change[d], shift[d];
     for (int k = 0; k < d; ++k) {
