@@ -79,7 +79,8 @@ public:
     // What loading the bins after the current one will read.
     template <class Fetch>
     void fetch_next(const Fetch& fetch) const {
-        for (u32 bucket = buckets_[(current_ + 1) & mask_]; bucket != none; bucket = chunks_[bucket >> 4].next)
+        for (u32 bucket = buckets_[(current_ + 1) & mask_]; bucket != none;
+             bucket = chunks_[bucket >> 4].next)
             for (u32 k = 0; k < (bucket & 15u); ++k) fetch(chunks_[bucket >> 4].id[k]);
         const u32 later = buckets_[(current_ + 2) & mask_];
         if (later != none) prefetch(&chunks_[later >> 4]);

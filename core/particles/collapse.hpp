@@ -31,7 +31,8 @@ public:
     bool collapses(const Impact& c, double radius, const Typical& typical) {
         if (c.time > instant_ + window_)
             start_instant(c.time, radius, typical());
-        else if (++at_once_ > many_at_once && (++times_[c.first] > of_one || (c.second >= 0 && ++times_[other(c)] > of_one)))
+        else if (++at_once_ > many_at_once &&
+                 (++times_[c.first] > of_one || (c.second >= 0 && ++times_[other(c)] > of_one)))
             return true;
         if (!(c.shrinking && c.waited * c.speed < soon * radius)) {
             if (!streaks_.empty()) {
