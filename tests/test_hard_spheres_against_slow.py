@@ -64,6 +64,9 @@ def random_system(seed: int, rule: str) -> SlowHardSpheres:
     gravity = np.zeros(dimension)
     if rng.random() < 0.5:
         gravity = rng.choice([0.0, 1.0], dimension) * 9.81 * rng.standard_normal(dimension)
+        gravity[periodic & (box < 9.0 * radius.max())] = (
+            0.0  # along a periodic axis only where it is not short
+        )
     boundary = tuple("periodic" if p else "wall" for p in periodic)
     chosen = random_rule(rng, rule, SPEED, 1e-3)
     return SlowHardSpheres(position, velocity, radius, mass, box, boundary, gravity, chosen)

@@ -59,3 +59,20 @@ def test_soft_rule_is_newtons_equations_where_contacts_are_isolated(case: dict) 
     times = [row[0] for row in engine.log]
     np.testing.assert_allclose(times, [row[0] for row in contacts], rtol=case["tolerance"])
     assert_at_the_end_of(case, engine)
+
+
+def test_soft_rule_becomes_that_of_hard_spheres_with_order_one_in_the_duration() -> None:
+    """Four times the stiffness halves the duration of a contact, and the distance from the hard-sphere path."""
+    case = CASES["dilute"][0]
+    hard = slow(case, Rule("constant", case["restitution"]))
+    hard.advance(math.inf, 5)
+    until = hard.time + 1e-4
+    hard.advance(until)
+    off = []
+    for factor in (1e3, 4e3, 16e3, 64e3):
+        law = hl.LinearDashpot(stiffness=factor * case["stiffness"], restitution=case["restitution"])
+        soft = slow(case, Rule("soft", law=law))
+        soft.advance(until)
+        assert [row[1:3] for row in soft.log] == [row[1:3] for row in hard.log]
+        off.append(np.abs(soft.position - hard.position).max())
+    np.testing.assert_allclose(np.log2(np.array(off[:-1]) / off[1:]), 1.0, atol=0.05)
