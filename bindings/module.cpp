@@ -14,6 +14,7 @@ namespace hl = hardlimit;
 
 void bind_contacts(nb::module_& m);
 void bind_columns(nb::module_& m);
+void bind_planar_contact(nb::module_& m);
 void bind_sweep(nb::module_& m);
 void bind_particle_checks(nb::module_& m);
 void bind_particles(nb::module_& m);
@@ -53,6 +54,7 @@ NB_MODULE(_core, m) {
     bind_contacts(m);
     bind_math(m);
     bind_columns(m);
+    bind_planar_contact(m);
     bind_sweep(m);
     bind_particle_checks(m);
     bind_particles(m);

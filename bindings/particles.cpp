@@ -145,9 +145,11 @@ void set_law(box::RuleChoice& choice, const LawChoice& law) {
 box::RuleChoice make_rule(const std::string& rule, double restitution, const std::optional<LawChoice>& law,
                           double contact_duration) {
     box::RuleChoice choice;
-    if (rule != "constant" && rule != "tc" && rule != "law")
-        throw refusal("rule: got " + rule + ", must be constant, tc or law");
-    if (rule == "law" && !law) throw refusal("law: got None, must be a law for the rule law");
+    if (rule != "constant" && rule != "tc" && rule != "law" && rule != "soft")
+        throw refusal("rule: got " + rule + ", must be constant, tc, law or soft");
+    if ((rule == "law" || rule == "soft") && !law)
+        throw refusal("law: got None, must be a law for the rule " + rule);
+    choice.soft = rule == "soft";
     if (law && rule != "constant")
         set_law(choice, *law);
     else if (restitution >= 0.0 && restitution <= 1.0)

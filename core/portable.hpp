@@ -32,6 +32,10 @@
 #define HL_FN_APART __attribute__((noinline)) inline
 #endif
 
+#if defined(__linux__) && !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+#include <sys/mman.h>
+#endif
+
 #if defined(__CUDACC_RTC__)  // lacks these two constants
 #define __builtin_huge_val() __builtin_bit_cast(double, 0x7ff0000000000000ULL)
 #define __builtin_nan(text) __builtin_bit_cast(double, 0x7ff8000000000000ULL)
@@ -42,6 +46,21 @@ namespace hardlimit {
 using i64 = long long;
 using u64 = unsigned long long;
 static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
+
+#if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+// Brings a cache line near before it is needed. Forced inline: gcc takes a function that only does this for one that does
+// nothing.
+__attribute__((always_inline)) inline void prefetch(const void* p) { __builtin_prefetch(p); }
+
+// Fewer entries of the page table for a large array; a hint that may be ignored.
+inline void advise_huge_pages(void* p, unsigned long bytes) {
+#if defined(__linux__)
+    (void)madvise(p, bytes, MADV_HUGEPAGE);
+#else
+    (void)p, (void)bytes;
+#endif
+}
+#endif
 
 template <class Real>
 using Mask = decltype(Real{} < Real{});

@@ -16,6 +16,7 @@ struct Tsuji {
     double effective_mass;       // [kg]; the damping needs it
 
     static constexpr int onset_power = 4;
+    static constexpr bool similar = true;
     static constexpr Parameter prefactor = {"elastic_prefactor",
                                             "N/m^1.5",
                                             0.0,

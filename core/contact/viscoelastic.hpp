@@ -226,6 +226,7 @@ struct Viscoelastic {
     double dissipative_time;   // A [s]
 
     static constexpr int onset_power = 2;
+    static constexpr bool similar = true;
     static constexpr LawRecord record = {
         "viscoelastic",
         "Viscoelastic",

@@ -31,8 +31,8 @@ public:
         static_assert(std::is_trivially_copyable_v<T>);
         append(&value, sizeof value);
     }
-    template <class T>
-    void operator()(const std::vector<T>& values) {
+    template <class T, class A>
+    void operator()(const std::vector<T, A>& values) {
         static_assert(std::is_trivially_copyable_v<T>);
         (*this)(static_cast<u64>(values.size()));
         append(values.data(), values.size() * sizeof(T));
@@ -73,8 +73,8 @@ public:
         static_assert(std::is_trivially_copyable_v<T>);
         take(&value, sizeof value);
     }
-    template <class T>
-    void operator()(std::vector<T>& values) {
+    template <class T, class A>
+    void operator()(std::vector<T, A>& values) {
         u64 n = 0;
         (*this)(n);
         failed_ = failed_ || n > (n_ - at_) / sizeof(T);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "particle.hpp"
+#include "storage.hpp"
 
 namespace hardlimit::particles {
 
@@ -41,12 +42,12 @@ public:
         else if (bin < current_ + buckets_.size())
             add(buckets_[bin & mask_], id);
         else
-            far_.push_back(id);
+            make_room(far_), far_.push_back(id);
     }
 
-    // The next event, or nullptr. It stays until pop().
-    template <class Key, class Name>
-    const Due* next(const Key& key, const Name& name) {
+    // The next event, or nullptr. It stays until pop(). loaded() is called where a new bin has been looked up.
+    template <class Key, class Name, class Loaded>
+    const Due* next(const Key& key, const Name& name, const Loaded& loaded) {
         while (!front_.empty()) {
             if (key(front_.back().id) == front_.back().time) return &front_.back();
             front_.pop_back();  // superseded
@@ -58,6 +59,7 @@ public:
                 if (unfit_) rebuild(n_, key, name);
             }
             load(key, name);
+            loaded();
             if (!front_.empty()) return &front_.back();
         }
         return nullptr;
@@ -66,6 +68,22 @@ public:
     void pop() {
         front_.pop_back();
         ++taken_;
+    }
+
+    // f(id) of the event that comes so many after the next one, where it is known.
+    template <class F>
+    void ahead(std::size_t events, const F& f) const {
+        if (events < front_.size()) f(front_[front_.size() - 1 - events].id);
+    }
+
+    // What loading the bins after the current one will read.
+    template <class Fetch>
+    void fetch_next(const Fetch& fetch) const {
+        for (u32 bucket = buckets_[(current_ + 1) & mask_]; bucket != none;
+             bucket = chunks_[bucket >> 4].next)
+            for (u32 k = 0; k < (bucket & 15u); ++k) fetch(chunks_[bucket >> 4].id[k]);
+        const u32 later = buckets_[(current_ + 2) & mask_];
+        if (later != none) prefetch(&chunks_[later >> 4]);
     }
 
     std::size_t bytes() const {
@@ -78,14 +96,14 @@ private:
         u32 id[15];
         u32 next;  // the full chunk after it
     };
-    static constexpr double per_bin = 8.0;  // events in a bin, about
+    static constexpr double per_bin = 24.0;  // events in a bin, about
     static constexpr u32 none = 0;  // of a bucket: chunk index · 16 + number of ids in it, never 0 with ids
     static constexpr double last_bin = 4e18;
 
-    std::vector<u32> buckets_;
-    std::vector<Chunk> chunks_;
+    Records<u32> buckets_;
+    Records<Chunk> chunks_;
     u32 free_ = nobody;
-    std::vector<u32> far_;
+    Records<u32> far_;
     std::vector<Due> front_;  // of the bin whose time it is, latest first
     u64 current_ = 0, year_end_ = 0, mask_ = 0, held_ = 0, taken_ = 0;
     u32 n_ = 0;
@@ -98,7 +116,7 @@ private:
 
     void clear(u32 n) {
         std::size_t buckets = 64;
-        while (buckets < n / 2) buckets *= 2;
+        while (buckets < n / 8) buckets *= 2;
         buckets_.assign(buckets, none);
         mask_ = buckets - 1;
         chunks_.clear();
@@ -152,6 +170,7 @@ private:
     }
     u32 new_chunk() {
         if (free_ == nobody) {
+            make_room(chunks_);
             chunks_.push_back({});
             return static_cast<u32>(chunks_.size() - 1);
         }

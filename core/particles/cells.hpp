@@ -7,9 +7,11 @@
 // period away is another neighbour.
 #pragma once
 #include <algorithm>
+#include <cstring>
 #include <vector>
 
 #include "box.hpp"
+#include "storage.hpp"
 
 namespace hardlimit::particles {
 
@@ -39,7 +41,7 @@ struct Place {
 template <int d>
 class Cells {
 public:
-    static constexpr std::size_t slack = 32;
+    static constexpr std::size_t slack = 128;
 
     // Grids for `n` particles, the finest first.
     Cells() = default;
@@ -129,33 +131,55 @@ public:
         if (c->tail <= inline_ids) return n + c->tail;
         return collect_chain(c, list, n);
     }
-    // All ids in a block that lies in the grid.
-    std::size_t collect_block(int level, const Place<d>& from, const Place<d>& to,
-                              std::vector<u32>& list) const {
+    // All ids in a block of at most three cells along each axis; what lies beyond a border is found on the other side, or
+    // not at a wall. `across` tells whether the block reaches across a periodic border.
+    std::size_t collect_near(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to,
+                             std::vector<u32>& list, bool& across) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
-        const u32 length = static_cast<u32>(to[0] - from[0]) + 1, row = static_cast<u32>(g.cells[0]);
-        const u32 plane = d == 3 ? row * static_cast<u32>(g.cells[1]) : 0;
-        const int planes = d == 3 ? to[d - 1] - from[d - 1] : 0;
-        u32 first = number(level, from);
-        std::size_t n = 0;
-        for (int z = 0; z <= planes; ++z, first += plane) {
-            u32 cell = first;
-            for (int y = from[1]; y <= to[1]; ++y, cell += row) {
-                if (list.size() < n + 3 * length + slack) list.resize(2 * n + 3 * length + slack);
-                for (u32 x = 0; x < length; ++x) n = collect(cell + x, list, n);
+        u32 offset[3][3] = {}, count[3] = {1, 1, 1}, stride = 1;
+        across = false;
+        for (int k = 0; k < d; ++k) {
+            count[k] = 0;
+            for (int at = from[k]; at <= to[k]; ++at) {
+                const int shift = at < 0 ? g.cells[k] : at >= g.cells[k] ? -g.cells[k] : 0;
+                across = across || shift != 0;
+                if (shift != 0 && !box.periodic[k]) continue;
+                offset[k][count[k]++] = static_cast<u32>(at + shift) * stride;
             }
+            stride *= static_cast<u32>(g.cells[k]);
         }
-        return n;
+        const Cell* const cells = cells_.data() + g.first;
+        u32* out = list.data();
+        for (u32 z = 0; z < count[2]; ++z)
+            for (u32 y = 0; y < count[1]; ++y) {
+                const Cell* const row = cells + (offset[2][z] + offset[1][y]);
+                for (u32 x = 0; x < count[0]; ++x) {
+                    const Cell* const cell = row + offset[0][x];
+                    std::memcpy(out, cell, sizeof *cell);
+                    if (cell->tail <= inline_ids)
+                        out += cell->tail;
+                    else
+                        out = list.data() +
+                              collect_chain(cell, list, static_cast<std::size_t>(out - list.data()));
+                }
+            }
+        return static_cast<std::size_t>(out - list.data());
     }
-    // The same for a block across borders of the box: what lies beyond is found on the other side, or not at a wall.
-    std::size_t collect_across(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to,
-                               std::vector<u32>& list) const {
-        std::size_t n = 0;
-        for_block(box, level, from, to, [&](u32 cell, const double (&)[d]) {
-            if (list.size() < n + slack) list.resize(2 * n + slack);
-            n = collect(cell, list, n);
+
+    // Fetches the cells around one that is not at a border; elsewhere it would not pay.
+    void fetch_around(int level, u32 cell) const {
+        for_rows(level, cell, [](const Cell* row) {
+            prefetch(row);
+            prefetch(row + 2);
         });
-        return n;
+    }
+    // f(id) for the particles there, without those that did not fit inline.
+    template <class F>
+    void for_inline_around(int level, u32 cell, const F& f) const {
+        for_rows(level, cell, [&](const Cell* row) {
+            for (int x = 0; x < 3; ++x)
+                for (u32 k = 0; k < std::min(row[x].tail, inline_ids); ++k) f(row[x].id[k]);
+        });
     }
 
     // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles in the
@@ -200,9 +224,23 @@ private:
     static constexpr u32 inline_ids = 3, linked = 4;
 
     std::vector<Grid<d>> grids_;
-    std::vector<Cell> cells_;
+    Records<Cell> cells_;
     std::vector<Cell> spilled_;
     std::vector<u32> free_;  // of the spilled ones
+
+    // f(the first of three cells in a row) for the rows around a cell, as far as they are cells at all.
+    template <class F>
+    void for_rows(int level, u32 cell, const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        const i64 row = g.cells[0], plane = d == 3 ? row * g.cells[1] : 0,
+                  most = static_cast<i64>(cells_.size()) - 3;
+        const int planes = d == 3 ? 1 : 0;
+        for (int z = -planes; z <= planes; ++z)
+            for (int y = -1; y <= 1; ++y) {
+                const i64 first = static_cast<i64>(cell) - 1 + y * row + z * plane;
+                if (first >= 0 && first <= most) f(cells_.data() + first);
+            }
+    }
 
     u32 new_cell() {
         if (free_.empty()) {

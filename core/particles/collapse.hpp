@@ -2,10 +2,11 @@
 // particles between each other (McNamara & Young, Phys. Fluids A 4, 496 (1992)).
 //
 // Speeds and waiting times then shrink together, by a factor at each collision. So a particle collapses where it collides
-// three times at less than 1e-8 of the thermal speed and after less than the hundredth of the time in which a particle
-// moves by a radius, each time more slowly and sooner than before. In a gas one collision of 1e16 is so slow. What is below
-// the rounding of the thermal speed are particles in touch: they are left to the other criterion, ten thousand
-// collisions, a thousand of them of one particle, in 1e-9 of that time.
+// four times or more, each time more slowly than before and after less than 1e-8 radii at the speed of approach, until that
+// speed has fallen to a millionth. In a gas one collision of 1e8 comes so soon after the last. Touching particles that are
+// hit also collide at one instant, but their speeds do not fall so far; approaches at the rounding of the velocities do not
+// count. So that no run stands still for another reason, ten thousand collisions, a thousand of them of one particle, in
+// 1e-9 of the time in which a particle moves by a radius are a collapse too.
 #pragma once
 #include <unordered_map>
 #include <vector>
@@ -25,17 +26,24 @@ struct Impact {
 
 class CollapseWatch {
 public:
-    // thermal: Σ m v'² + M g R, of which the mean square speed is thermal/M.
-    bool collapses(const Impact& c, double thermal_energy, double mass, double radius) {
-        if (c.time <= instant_ + window_) {
-            if (++at_once_ > many_at_once && ++times_[c.first] > of_one) return true;
-            if (at_once_ > many_at_once && c.second >= 0 && ++times_[static_cast<u32>(c.second)] > of_one)
-                return true;
-        } else {
-            start_instant(c.time, thermal_energy, mass, radius);
+    // typical: root mean square speed of all particles [m/s]; only asked where needed.
+    template <class Typical>
+    bool collapses(const Impact& c, double radius, const Typical& typical) {
+        if (c.time > instant_ + window_)
+            start_instant(c.time, radius, typical());
+        else if (++at_once_ > many_at_once &&
+                 (++times_[c.first] > of_one || (c.second >= 0 && ++times_[other(c)] > of_one)))
+            return true;
+        if (!(c.shrinking && c.waited * c.speed < soon * radius)) {
+            if (!streaks_.empty()) {
+                streaks_.erase(c.first);
+                if (c.second >= 0) streaks_.erase(other(c));
+            }
+            return false;
         }
-        if (!c.shrinking || !(c.speed * c.speed * mass < slow * slow * thermal_energy)) return false;
-        return shrinks(c, math::sqrt(thermal_energy / mass), radius);
+        if (!(c.speed > rounding * typical())) return false;
+        const bool first = shrinks(c.first, c.speed), second = c.second >= 0 && shrinks(other(c), c.speed);
+        return first || second;
     }
 
     template <class Archive>
@@ -46,16 +54,18 @@ public:
     }
 
 private:
-    static constexpr double slow = 1e-8, soon = 1e-2, at_an_instant = 1e-9, rounding = 4.0 * math::epsilon;
-    static constexpr int many_at_once = 10'000, of_one = 1'000, in_a_row = 3;
+    static constexpr double soon = 1e-8, far = 1e-6, at_an_instant = 1e-9, rounding = 4.0 * math::epsilon;
+    static constexpr int many_at_once = 10'000, of_one = 1'000, in_a_row = 4;
     struct Streak {
-        double speed, waited;
+        double first, last;  // speeds [m/s]
         int length;
     };
     double instant_ = -math::infinity, window_ = 0.0;
     int at_once_ = 0;
     std::unordered_map<u32, int> times_;
     std::unordered_map<u32, Streak> streaks_;
+
+    static u32 other(const Impact& c) { return static_cast<u32>(c.second); }
 
     template <class Archive, class Map>
     static void archive_map(Archive& a, Map& map) {
@@ -70,28 +80,24 @@ private:
         for (const Row& r : rows) map.emplace(r.key, r.value);
     }
 
-    void start_instant(double time, double thermal_energy, double mass, double radius) {
+    void start_instant(double time, double radius, double typical_speed) {
         instant_ = time;
         window_ = 8.0 * math::epsilon * math::abs(time);
-        if (thermal_energy > 0.0)
-            window_ = math::max(window_, at_an_instant * radius * math::sqrt(mass / thermal_energy));
+        if (typical_speed > 0.0) window_ = math::max(window_, at_an_instant * radius / typical_speed);
         at_once_ = 0;
         if (!times_.empty()) times_.clear();
     }
-    bool shrinks(const Impact& c, double thermal_speed, double radius) {
-        if (!(c.waited * thermal_speed < soon * radius) || !(c.speed > rounding * thermal_speed))
-            return false;
-        const bool first = grows(c.first, c);
-        const bool second = c.second >= 0 && grows(static_cast<u32>(c.second), c);
-        return first || second;
-    }
-    bool grows(u32 particle, const Impact& c) {
-        const auto [at, fresh] = streaks_.try_emplace(particle, Streak{c.speed, c.waited, 0});
+    // Whether the streak of a particle has gone far enough.
+    bool shrinks(u32 particle, double speed) {
+        const auto [at, fresh] = streaks_.try_emplace(particle, Streak{speed, speed, 1});
         Streak& s = at->second;
-        s.length = fresh || (c.speed < s.speed && c.waited <= s.waited) ? s.length + 1 : 1;
-        s.speed = c.speed;
-        s.waited = c.waited;
-        return s.length >= in_a_row;
+        if (fresh) return false;
+        if (!(speed < s.last)) {
+            s = {speed, speed, 1};
+            return false;
+        }
+        s.last = speed;
+        return ++s.length >= in_a_row && speed < far * s.first;
     }
 };
 

@@ -19,6 +19,7 @@
 #include "collapse.hpp"
 #include "engine.hpp"
 #include "prediction.hpp"
+#include "soft_rule.hpp"
 #include "touch_kernel.hpp"
 
 namespace hardlimit::particles {
@@ -41,7 +42,9 @@ public:
 
     void advance(double until, i64 most_rows, Stop& stop) override;
     double time() const override { return now_; }
-    Counts counts() const override { return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, 0, 0}; }
+    Counts counts() const override {
+        return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, soft_contacts_, soft_third_body_};
+    }
     Outcome outcome() const override { return outcome_; }
     Collapse collapse() const override { return collapse_; }
     void state(double* position, double* velocity) const override;
@@ -72,11 +75,11 @@ private:
     bool keep_log_ = false;
     double mass_ = 0.0;  // of all, unless mixed [kg]
     double smallest_radius_ = 0.0, largest_radius_ = 0.0;
-    std::vector<Particle<d>> particles_;
-    std::vector<Pending> pending_;
-    std::vector<std::array<int, d>> periods_;  // by which the continuous path differs from the folded place
-    std::vector<u32> names_;                   // the user's number of each
-    std::vector<double> masses_;               // if mixed [kg]
+    Records<Particle<d>> particles_;
+    Records<Pending> pending_;
+    Records<std::array<int, d>> periods_;  // by which the continuous path differs from the folded place
+    Records<u32> names_;                   // the user's number of each
+    Records<double> masses_;               // if mixed [kg]
     Cells<d> cells_;
     Calendar calendar_;
     Tally<d> tally_;
@@ -86,13 +89,22 @@ private:
     Outcome outcome_ = Outcome::ok;
     Collapse collapse_{math::nan, -1, 0};
     hardlimit_abi::TouchTimes touch_times_ = nullptr;
+    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
     std::vector<u32> candidates_;
-    std::vector<double> times_;    // until they are touched [s]
-    double weight_energy_ = 0.0;   // M |g| R [J]
-    i64 refresh_after_ = 0;        // rows
-    std::vector<double> rescans_;  // time of the next look for smaller particles [s]
-    double fastest_ = 0.0;         // bound of the speeds of all particles [m/s]
-    bool small_box_ = false;       // a particle may have two images of another beside it
+    std::vector<double> times_;  // until they are touched [s]
+    i64 until_refresh_ = 0;      // particles' collisions before energy and momentum are summed anew
+    Records<double> rescans_;    // time of the next look for smaller particles [s]
+    double fastest_ = 0.0;       // bound of the speeds of all particles [m/s]
+    // The last contact of a particle under the soft rule.
+    struct SoftContact {
+        double until;  // [s]
+        u32 partner;   // nobody: a wall, or none yet
+    };
+    std::unique_ptr<SoftRule> soft_;
+    Records<SoftContact> softs_;  // under the soft rule only
+    i64 soft_contacts_ = 0, soft_third_body_ = 0;
+    bool fetches_ = false;    // whether the system is too large for the caches
+    bool small_box_ = false;  // a particle may have two images of another beside it
 
     static hardlimit_abi::TouchTimes times_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.times[d - 2][static_cast<int>(motion)];
@@ -117,7 +129,7 @@ private:
     }
     const Due* next_due() {
         return calendar_.next([this](u32 id) { return event_time(id); },
-                              [this](u32 id) { return names_[id]; });
+                              [this](u32 id) { return names_[id]; }, [this] { look_into_bin(); });
     }
 
     // hard_spheres_start.hpp
@@ -130,6 +142,15 @@ private:
     template <class Archive>
     void archive(Archive& a);
     void refresh_tally();
+
+    // hard_spheres_soft.hpp
+    void collide_softly(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance,
+                        double speed);
+    void meet_wall_softly(u32 i, int axis, double away, double speed);
+    void shift_body(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]);
+    void settle(u32 i);
+    void remember(u32 i, u32 j, double duration);
+    u32 last_met(u32 i) const;
 
     // hard_spheres_search.hpp
     Look look(u32 i) const;
@@ -144,6 +165,12 @@ private:
     double frame_speed(const double* velocity) const;
     double fastest_possible() const;
 
+    // hard_spheres_ahead.hpp
+    void look_ahead();
+    void look_into_bin();
+    void fetch_cells(u32 i) const;
+    void fetch_neighbours(u32 i) const;
+
     // hard_spheres_events.hpp
     void happen(u32 i);
     void leave_cell(u32 i);
@@ -152,6 +179,10 @@ private:
     void advance_to_now(u32 i);
     void nearest(u32 i, u32 j, double (&r)[d]) const;
     bool had_before(u32 i, double waited) const;
+    void collide_at_once(u32 i, u32 j, const double (&r)[d], double distance, double speed,
+                         std::array<double, 2> waited);
+    u32 except_for(u32 i, u32 partner) const;
+    void keep_bounds(u32 i);
     double restitution(bool within_contact, double speed, PairGeometry pair);
     PairGeometry geometry(u32 i, u32 j) const;
     void note(u32 i, i64 second, double speed, double lost, double waited);
@@ -176,6 +207,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& s
         now_ = math::max(now_, due->time);
         const u32 i = due->id;
         calendar_.pop();
+        look_ahead();
         happen(i);
     }
 }
@@ -195,6 +227,8 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
 
 }  // namespace hardlimit::particles
 
+#include "hard_spheres_ahead.hpp"
 #include "hard_spheres_events.hpp"
 #include "hard_spheres_search.hpp"
+#include "hard_spheres_soft.hpp"
 #include "hard_spheres_start.hpp"

@@ -10,11 +10,11 @@ void HardSpheres<d, motion, mixed>::happen(u32 i) {
         if (pending_[e.partner].count == e.partner_count)
             collide(i, e.partner);
         else
-            predict(i, nobody);
+            predict(i, last_met(i));
         return;
     }
     const Own own = static_cast<Own>(e.own);
-    if (own == Own::rescan) return predict(i, nobody);
+    if (own == Own::rescan) return predict(i, last_met(i));
     const int axis = axis_of(own), level_i = level(i);
     const int at = cells_.place(level_i, e.cell)[axis];
     const int last = is_high(own) ? cells_.grids()[level_i].cells[axis] - 1 : 0;
@@ -45,6 +45,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i) {
     cells_.insert(e.cell, i);
 
     Look found = look(i);
+    found.except = last_met(i);
     Place<d> place = at;
     for (int q = fine;; ++q) {
         Place<d> from, to;
@@ -67,29 +68,28 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
     Particle<d>& p = particles_[i];
     const Own own = static_cast<Own>(pending_[i].own);
     const int axis = axis_of(own);
-    const bool high = is_high(own);
-    const double waited = now_ - p.time;
+    const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
     advance_to_now(i);
+    const double size = radius(i) * growth_.at(now_);
+    p.position[axis] = is_high(own) ? box_.edge[axis] - size : size;
+    const double before = p.velocity[axis], speed = math::abs(before);
     if constexpr (motion == Motion::growing) {
-        const double size = radius(i) * growth_.at(now_), rate = radius(i) * growth_.rate;
-        p.position[axis] = high ? box_.edge[axis] - size : size;
-        const double away = math::max(math::abs(p.velocity[axis]), separation * rate);
-        p.velocity[axis] = high ? -away : away;
+        p.velocity[axis] = away * math::max(speed, separation * radius(i) * growth_.rate);
         ++tally_.walls;
+    } else if (soft_) {
+        meet_wall_softly(i, axis, away, speed);
     } else {
-        p.position[axis] = high ? box_.edge[axis] - radius(i) : radius(i);
-        const double speed = math::abs(p.velocity[axis]), m = mass(i);
-        const double e = restitution(had_before(i, waited), speed, {m, radius(i)});
-        const double before = p.velocity[axis];
-        p.velocity[axis] = high ? -e * speed : e * speed;
-        ++tally_.walls;
-        tally_.advance(now_);
+        const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)});
+        p.velocity[axis] = away * (e * speed);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
+        tally_.advance(now_);
         tally_.kinetic -= lost;
         tally_.momentum[axis] += m * (p.velocity[axis] - before);
-        note(i, -1 - 2 * axis - (high ? 1 : 0), speed, lost, waited);
+        ++tally_.walls;
+        note(i, -1 - 2 * axis - (is_high(own) ? 1 : 0), speed, lost, waited);
     }
     ++pending_[i].count;
+    keep_bounds(i);
     predict(i, nobody);
 }
 
@@ -148,10 +148,9 @@ void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double
         log_.impact_speed.push_back(speed);
     }
     if (rule_.elastic_always()) return;
-    const double energy = tally_.thermal() + weight_energy_;
-    if (!watch_.collapses({now_, static_cast<u32>(first), second, speed, waited, !rule_.is_tc()}, energy,
-                          tally_.mass, largest_radius_))
-        return;
+    const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
+    const Impact impact{now_, static_cast<u32>(first), second, speed, waited, !rule_.is_tc()};
+    if (!watch_.collapses(impact, largest_radius_, typical)) return;
     outcome_ = Outcome::collapse;
     collapse_ = {now_, first, second};
 }
@@ -166,14 +165,31 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     nearest(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
-    const double mi = mass(i), mj = mass(j), reduced = geometry(i, j).effective_mass;
+    if (motion != Motion::growing && soft_)
+        collide_softly(i, j, r, v, distance, speed);
+    else
+        collide_at_once(i, j, r, distance, speed, std::array{waited_i, waited_j});
+    ++pending_[i].count;
+    ++pending_[j].count;
+    keep_bounds(i);
+    keep_bounds(j);
+    predict(i, except_for(i, j));
+    predict(j, except_for(j, i));
+}
+
+// All but the soft rule. r leads from i to j.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (&r)[d], double distance,
+                                                    double speed, std::array<double, 2> waited) {
+    Particle<d>&p = particles_[i], &q = particles_[j];
+    const PairGeometry pair = geometry(i, j);
+    const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
     double gain;  // of relative normal velocity [m/s]
     if constexpr (motion == Motion::growing) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;
         gain = speed + math::max(speed, separation * rate);
     } else {
-        const double e =
-            restitution(had_before(i, waited_i) || had_before(j, waited_j), speed, geometry(i, j));
+        const double e = restitution(had_before(i, waited[0]) || had_before(j, waited[1]), speed, pair);
         gain = (1.0 + e) * speed;
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
         tally_.virial.add(distance * reduced * gain);
@@ -181,7 +197,7 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
             tally_.advance(now_);
             tally_.kinetic -= lost;
         }
-        note(i, names_[j], speed, lost, math::max(waited_i, waited_j));
+        note(i, names_[j], speed, lost, math::max(waited[0], waited[1]));
     }
     for (int k = 0; k < d; ++k) {
         const double impulse = reduced * gain / distance * r[k];
@@ -189,13 +205,21 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
         q.velocity[k] += impulse / mj;
     }
     ++tally_.pairs;
-    ++pending_[i].count;
-    ++pending_[j].count;
-    if (mixed && cells_.levels() > 1)
-        fastest_ = math::max(fastest_, math::max(frame_speed(p.velocity), frame_speed(q.velocity)));
-    if (tally_.rows() % refresh_after_ == 0) refresh_tally();
-    predict(i, small_box_ ? nobody : j);
-    predict(j, small_box_ ? nobody : i);
+}
+
+// What a particle that has just collided need not look at: its partner, which cannot be met again before either has met
+// something else. In a small box another image of it can.
+template <int d, Motion motion, bool mixed>
+u32 HardSpheres<d, motion, mixed>::except_for(u32 i, u32 partner) const {
+    if (soft_) return last_met(i);
+    return small_box_ ? nobody : partner;
+}
+
+// After each collision of a particle.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::keep_bounds(u32 i) {
+    if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));
+    if (--until_refresh_ == 0) refresh_tally();
 }
 
 }  // namespace hardlimit::particles

@@ -45,18 +45,15 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::search_block(Look& look, int level, const Place<d>& from,
                                                  const Place<d>& to) {
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level)];
-    bool across = false;
-    for (int k = 0; k < d; ++k) {
-        const bool here = from[k] < 0 || to[k] >= g.cells[k];
-        across = across || here;
+    for (int k = 0; k < d; ++k)
         // With four cells an image that is not the nearest one is more than two cells away.
-        if (here && box_.periodic[k] && (g.cells[k] < 4 || to[k] - from[k] > 2))
+        if (to[k] - from[k] > 2 || (box_.periodic[k] && g.cells[k] < 4))
             return search_images(look, level, from, to);
-    }
+    bool across;
+    const std::size_t n = cells_.collect_near(box_, level, from, to, candidates_, across);
     for (int k = 0; k < d; ++k)
         look.query.per_edge[k] = across && box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
-    examine(look, across ? cells_.collect_across(box_, level, from, to, candidates_)
-                         : cells_.collect_block(level, from, to, candidates_));
+    examine(look, n);
 }
 
 // A block that is so large a part of the box that several images of a particle may lie in it.
@@ -152,8 +149,6 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[own];
     const Place<d> at = cells_.place(own, e.cell);
-    // A thrown particle crosses a border twice: its path is taken up where it is now, and what it has crossed is over.
-    const double begin = motion == Motion::falling ? now_ : p.time, after = begin - p.time;
     double in = math::infinity;
     Own which = Own::low_x;
     const auto consider = [&](double time, int axis, bool high) {
@@ -161,15 +156,18 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
     };
     for (int k = 0; k < d; ++k) {
         double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const double x = position_after<motion>(p, k, after, box_);
-        const double v = velocity_after<motion>(p, k, after, box_), size = radius(i);
+        const double x = p.position[k], v = p.velocity[k], size = radius(i);
         if (motion != Motion::growing && !box_.periodic[k]) {
             if (at[k] == 0) low = size;
             if (at[k] == g.cells[k] - 1) high = box_.edge[k] - size;
         }
         if constexpr (motion == Motion::falling) {
-            consider(time_below(x, v, box_.gravity[k], high), k, true);
-            consider(time_below(-x, -v, -box_.gravity[k], -low), k, false);
+            // From now on: a border passed on the way up is not to be met again in the past.
+            const double since = now_ - p.time, g = box_.gravity[k];
+            const double x_now = position_after<motion>(p, k, since, box_);
+            const double v_now = velocity_after<motion>(p, k, since, box_);
+            consider(since + time_below(x_now, v_now, g, high), k, true);
+            consider(since + time_below(-x_now, -v_now, -g, -low), k, false);
         } else {
             consider(v > 0.0 ? time_below(x, v, high) : time_below(-x, -v, -low), k, v > 0.0);
         }
@@ -179,7 +177,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i) {
             if (at[k] == g.cells[k] - 1) consider(time_below(x + touch, v + rate, box_.edge[k]), k, true);
         }
     }
-    e.own_time = math::max(now_, begin + in);
+    e.own_time = math::max(now_, p.time + in);
     e.own = static_cast<u32>(which) & 7u;
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {

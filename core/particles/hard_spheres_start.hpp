@@ -19,9 +19,8 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
     lay_cells(s.n);
     take(s);
     put_into_cells();
-    refresh_after_ = std::max<i64>(4096, 16 * static_cast<i64>(s.n));
+    if (rule.soft) softs_.assign(s.n, {-math::infinity, nobody});
     refresh_tally();
-    weight_energy_ = tally_.mass * largest_radius_ * math::sqrt(dot(box_.gravity, box_.gravity));
     predict_all(stop);
     restart_calendar();
 }
@@ -51,8 +50,9 @@ void HardSpheres<d, motion, mixed>::archive(Archive& a) {
     RuleChoice choice = rule_.choice();
     a(box_), a(choice), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
     a(particles_), a(pending_), a(periods_), a(names_), a(masses_), a(rescans_), a(fastest_);
-    a(tally_), a(weight_energy_), a(refresh_after_), a(now_), a(outcome_), a(collapse_);
+    a(tally_), a(until_refresh_), a(now_), a(outcome_), a(collapse_);
     a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed);
+    a(softs_), a(soft_contacts_), a(soft_third_body_);
     watch_.archive(a);
     make_rule(choice);
 }
@@ -62,11 +62,14 @@ void HardSpheres<d, motion, mixed>::make_rule(const RuleChoice& choice) {
     std::vector<PairGeometry> alike;
     if (!mixed) alike = {{0.5 * mass_, 0.5 * largest_radius_}, {mass_, largest_radius_}};
     rule_ = Rule(choice, alike);
+    if (choice.soft)
+        soft_ = soft_rule(choice, {0.5 * mass_, 0.5 * largest_radius_}, 2.0 * largest_radius_, !mixed);
 }
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::lay_cells(std::size_t n) {
     cells_ = Cells<d>(box_, n, 2.0 * smallest_radius_, 2.0 * largest_radius_);
+    fetches_ = n > 4000;
     for (const Grid<d>& g : cells_.grids())
         for (int k = 0; k < d; ++k) small_box_ = small_box_ || (box_.periodic[k] && g.cells[k] < 3);
 }
@@ -91,7 +94,7 @@ void HardSpheres<d, motion, mixed>::take(const Setting& s) {
     particles_.resize(n);
     pending_.resize(n);
     periods_.resize(n, {});
-    names_ = order;
+    names_.assign(order.begin(), order.end());
     if constexpr (mixed) {
         masses_.resize(n);
         if (cells_.levels() > 1) rescans_.assign(n, math::infinity);
@@ -131,6 +134,7 @@ void HardSpheres<d, motion, mixed>::restart_calendar() {
 // Energy and momentum anew: what accumulates loses its digits while a gas cools by many orders of magnitude.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::refresh_tally() {
+    until_refresh_ = std::max<i64>(8192, 32 * static_cast<i64>(particles_.size()));
     std::vector<u32> place(size32());
     for (u32 i = 0; i < size32(); ++i) place[names_[i]] = i;
     Sum mass_sum, kinetic, momentum[d];
@@ -185,7 +189,7 @@ template <int d, Motion motion, bool mixed>
 std::size_t HardSpheres<d, motion, mixed>::bytes() const {
     const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
     return sizeof(*this) + of(particles_) + of(pending_) + of(periods_) + of(names_) + of(masses_) +
-           of(rescans_) + of(candidates_) + cells_.bytes() + calendar_.bytes();
+           of(rescans_) + of(softs_) + of(candidates_) + cells_.bytes() + calendar_.bytes();
 }
 
 }  // namespace hardlimit::particles

@@ -4,6 +4,7 @@
 //   law       ε(v) of the contact law, for the two bodies that meet
 //   tc        elastic where either partner collided, with anything, less than t_c ago, else as the two above
 //             (Luding & McNamara, Granular Matter 1, 113 (1998))
+//   soft      see soft_rule.hpp
 #pragma once
 #include <memory>
 #include <vector>
@@ -75,6 +76,7 @@ struct RuleChoice {
     double restitution = 1.0;        // without a law
     double contact_duration = -1.0;  // t_c [s]; negative: the rule is not tc
     int law = -1;                    // place in the registry; −1: none
+    bool soft = false;               // the rule is soft: with a law
     int alternative = 0;             // which set of parameters
     double parameters[max_parameters] = {};
 };

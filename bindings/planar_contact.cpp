@@ -1,0 +1,109 @@
+// Bindings of the isolated contact in the plane of approach.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <vector>
+
+#include "arrays.hpp"
+#include "contact.hpp"
+#include "particles/drawn_back.hpp"
+#include "particles/soft_contacts.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+namespace hl = hardlimit;
+using hl::bindings::Contact;
+using hl::bindings::In;
+using hl::bindings::make_array;
+using hl::particles::Approach;
+
+namespace {
+
+// The end of the contact by name, and where the path drawn back to the touch starts.
+nb::dict planar_contact(const Contact& c, double distance, double normal, double tangential, double gravity) {
+    const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
+    const auto end = std::visit(
+        [&](const auto& law) { return hl::particles::solve_planar_contact(law, approach); }, c.law);
+    const auto drawn = hl::particles::draw_back(approach, end);
+    nb::dict d;
+    d["outcome"] = hl::outcome_records[static_cast<int>(end.outcome)].name;
+    d["duration"] = end.duration;
+    d["turn"] = end.turn;
+    d["compression"] = end.compression;
+    d["radial_speed"] = end.radial_speed;
+    d["tangential_speed"] = end.tangential_speed;
+    d["normal_velocity"] = drawn.normal_velocity;
+    d["tangential_velocity"] = drawn.tangential_velocity;
+    d["normal_shift"] = drawn.normal_shift;
+    d["tangential_shift"] = drawn.tangential_shift;
+    return d;
+}
+
+// Compression, its rate and the turn at each time.
+auto planar_path(const Contact& c, double distance, double normal, double tangential, In times,
+                 double gravity) {
+    const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
+    const std::size_t n = times.shape(0);
+    for (std::size_t i = 0; i < n; ++i) {
+        if (times.data()[i] >= (i == 0 ? 0.0 : times.data()[i - 1])) continue;
+        throw nb::value_error("times: must not be negative and must not fall");
+    }
+    std::vector<hl::particles::PlanarState> states(n);
+    std::visit(
+        [&](const auto& law) {
+            hl::particles::sample_planar_contact(law, approach, times.data(), static_cast<long>(n),
+                                                 states.data());
+        },
+        c.law);
+    std::vector<double> rows;
+    for (const auto& s : states) rows.insert(rows.end(), {s.compression, s.rate, s.turn});
+    return make_array(std::move(rows), {n, std::size_t{3}});
+}
+
+// Duration, turn, compression left, radial and tangential speed of contacts at these speeds, as an event-driven run
+// computes them whose first pair is `own`.
+auto soft_contacts(const Contact& own, double own_distance, bool damping_varies, const Contact& c,
+                   double distance, In normal, In tangential) {
+    const std::size_t n = normal.shape(0);
+    if (tangential.shape(0) != n)
+        throw nb::value_error(("tangential_speed: got " + std::to_string(tangential.shape(0)) +
+                               " values, must be " + std::to_string(n) + " as of normal_speed")
+                                  .c_str());
+    std::vector<double> rows;
+    std::visit(
+        [&](const auto& law) {
+            using Law = std::decay_t<decltype(law)>;
+            const Law* first = std::get_if<Law>(&own.law);
+            if (!first) throw nb::value_error("contact: must be of the law of own");
+            hl::particles::SoftContacts<Law> contacts(*first, own.pair.effective_mass, own_distance,
+                                                      damping_varies);
+            for (std::size_t i = 0; i < n; ++i) {
+                const auto end =
+                    contacts(law, {c.pair.effective_mass, distance, normal.data()[i], tangential.data()[i]});
+                rows.insert(rows.end(), {end.duration, end.turn, end.compression, end.radial_speed,
+                                         end.tangential_speed});
+            }
+        },
+        c.law);
+    return make_array(std::move(rows), {n, std::size_t{5}});
+}
+
+}  // namespace
+
+void bind_planar_contact(nb::module_& m) {
+    m.def(
+        "planar_contact", &planar_contact, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
+        "gravity"_a = 0.0,
+        "The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: "
+        "its end, and velocity and shift of the relative motion drawn back to the touch. A wall: infinite distance, "
+        "gravity pressing against it.");
+    m.def("planar_path", &planar_path, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
+          "times"_a, "gravity"_a = 0.0,
+          "Compression, its rate and the turn of the line of centres at times since touch [n, 3].");
+    m.def(
+        "soft_contacts", &soft_contacts, "own"_a, "own_distance"_a, "damping_varies"_a, "contact"_a,
+        "distance"_a, "normal_speed"_a, "tangential_speed"_a,
+        "Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run "
+        "computes them, whose polynomials are made for the pair `own`.");
+}

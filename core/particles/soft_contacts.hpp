@@ -1,0 +1,304 @@
+// The contact of planar_contact.hpp for the millions of contacts of an event-driven run: read from polynomials that are fitted
+// to that solver, as accurate as `accuracy` says, in some 0.2 µs.
+//
+// What a contact depends on. Let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D the damping
+// force at the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar` (law.hpp) the contact,
+// in units of its own speed and depth, depends on v_n/v_l, on D and on v_t/v_n, whatever the bodies. Where D is one for all
+// pairs (equal bodies; a law whose restitution is given) there are two variables, else three. A law that is not
+// similar has polynomials for one kind of pair only.
+//
+// Variables. ln(v_n/v_l)², ln D, and for the direction κ = λ v_t²/v_n², the centrifugal acceleration in units of that of an
+// elastic impact, λ ≈ its depth in units of l: y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs from 1 (head-on) to 0
+// (grazing: the path leaves before any force acts). At κ ≈ −ε, where it would pull inwards, a contact would not
+// end any more; that is the singularity nearest to κ = 0, hence b = ε/2 of the head-on impact. With the unit of length
+// λ l/(1 + κ) and that divided by v_n for the time, the four functions stay of the order of 1 in all limits:
+// duration, compression left, 1 − radial speed/v_n, and how much faster than v_t/l the pair has turned. An undamped
+// contact has zeros for the second and the third, and loses nothing.
+//
+// A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses the accuracy
+// is not used. There, beyond the cells, at a wall across gravity and for pairs of another kind the solver itself
+// answers. What a call returns depends on its arguments and those of the constructor alone, not on the calls before.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "planar_contact.hpp"
+#include "polynomial_cell.hpp"
+
+namespace hardlimit::particles {
+
+// The law with its damping multiplied. The damping force is proportional to the rate.
+template <class Law>
+struct DampedMore {
+    static constexpr int onset_power = Law::onset_power;
+    const Law* law;
+    double factor;
+
+    double force(double s, double rate) const { return law->force(s, factor * rate); }
+    double elastic_force(double s) const { return law->elastic_force(s); }
+    double energy(double s) const { return law->energy(s); }
+    Slack slack(double rate) const {
+        const Slack slack = law->slack(factor * rate);
+        return {slack.depth, factor * slack.slope};
+    }
+};
+
+template <class Law>
+class SoftContacts {
+public:
+    static constexpr double accuracy = 1e-10;  // of duration, speeds and turn, relative to the impact
+
+    // For pairs like this one; `damping_varies` where D is not one for all pairs.
+    SoftContacts(const Law& law, double effective_mass, double distance, bool damping_varies)
+        : law_(law),
+          mass_(effective_mass),
+          distance_(distance),
+          own_(reduce(law, effective_mass, distance)),
+          varies_(damping_varies && similar && own_.damping > 0.0),
+          speed_width_(varies_ ? 1.0 : 0.5),
+          bends_(speeds * (varies_ ? dampings : 1), 0.0),
+          flat_(varies_ ? 0 : speeds * slants),
+          deep_(varies_ ? speeds * slants * dampings : 0) {
+        law.values(values_);
+        for (int i = 0; i < speeds; ++i) {
+            const double begin = elastic_depth(i), end = elastic_depth(i + 1);
+            depths_[i] = {math::sqrt(begin * end), 0.5 * math::log(end / begin)};
+        }
+    }
+
+    // D of a pair, by which a caller finds out whether it varies.
+    static double damping(const Law& law, double effective_mass, double distance) {
+        return reduce(law, effective_mass, distance).damping;
+    }
+
+    PlanarContact operator()(const Law& law, const Approach& a) {
+        const bool simple = a.gravity == 0.0 && a.normal_speed > 0.0 && a.tangential_speed >= 0.0;
+        const Reduced reduced = reduce(law, a.effective_mass, length_of(a));
+        Places at;
+        at.speed = speed_of(a, reduced);
+        at.damping = varies_ ? damping_of(reduced) : Place{0, 0.0};
+        const bool inside = math::abs(at.speed.x) <= 1.0 && math::abs(at.damping.x) <= 1.0;
+        if (!simple || !inside || !covers(law, a, reduced)) return solve_planar_contact(law, a);
+        const int row = at.speed.cell * (varies_ ? dampings : 1) + at.damping.cell;
+        if (!(bends_[row] > 0.0)) bends_[row] = bend(at);
+        const Slant slant = slant_of(a, depth_at(at.speed), bends_[row]);
+        at.slant = slant.at;
+        const int slot = row * slants + slant.at.cell;
+        return varies_ ? read(deep_[slot], law, a, at, slant.part)
+                       : read(flat_[slot], law, a, at, slant.part);
+    }
+
+private:
+    static constexpr int p = Law::onset_power;
+    static constexpr bool similar = requires { Law::similar; };
+    static constexpr int speeds = 128, slants = 16, dampings = 48;
+    static constexpr double highest = -2.0;                               // ln(v_n/v_l)² where the cells end
+    static constexpr double damping_width = 0.5, lowest_damping = -18.0;  // in ln D
+    using Flat = PolynomialCell<2, 8>;
+    using Deep = PolynomialCell<3, 8>;
+    using Values = Flat::Values;
+
+    struct Reduced {
+        double energy;   // 2E(l)
+        double damping;  // D
+    };
+    // A cell of one variable, and the place in it, −1 … 1.
+    struct Place {
+        int cell;
+        double x;
+    };
+    struct Places {
+        Place slant, speed, damping;
+    };
+    // λ in the middle of a cell of speeds, and the growth of its logarithm from there to the edge.
+    struct Depth {
+        double middle, growth;
+    };
+    template <class Cell>
+    struct Slot {
+        std::unique_ptr<Cell> cell;
+        bool asked = false;
+    };
+
+    Law law_;
+    double mass_, distance_;
+    Reduced own_;
+    bool varies_;
+    double speed_width_;  // of a cell, in ln v_n²
+    double values_[max_parameters] = {};
+    Depth depths_[speeds];
+    std::vector<double> bends_;  // [speeds or speeds × dampings] b; 0 where not yet known
+    std::vector<Slot<Flat>> flat_;
+    std::vector<Slot<Deep>> deep_;
+
+    // At the lower edge of a cell of speeds, in units of l.
+    double elastic_depth(int cell) const {
+        const double energy = 0.5 * own_.energy * math::exp(highest + speed_width_ * (cell - speeds));
+        const auto stored = [&](double s) { return law_.energy(s); };
+        return column::newton::power<p>(column::newton::solve_power(stored, energy)) / distance_;
+    }
+    // λ, which only has to be near the depth: the first terms of the exponential function.
+    double depth_at(const Place& speed) const {
+        const Depth& depth = depths_[speed.cell];
+        const double g = depth.growth * speed.x;
+        return depth.middle *
+               (1.0 + g * (1.0 + g * (0.5 + g * (1.0 / 6.0 + g * (1.0 / 24.0 + g * (1.0 / 120.0))))));
+    }
+
+    // Head-on nothing depends on l, so that for a wall any will do.
+    double length_of(const Approach& a) const {
+        return a.distance == math::infinity ? distance_ : a.distance;
+    }
+
+    static Reduced reduce(const Law& law, double mass, double distance) {
+        const double s = onset_root<p>(distance), energy = 2.0 * law.energy(s);
+        const double speed = math::sqrt(energy / mass);
+        return {energy, (law.force(s, speed) - law.force(s, 0.0)) * distance / energy};
+    }
+
+    bool covers(const Law& law, const Approach& a, const Reduced& reduced) const {
+        if constexpr (similar) {
+            return varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping;
+        }
+        if (a.effective_mass != mass_ || a.distance != distance_) return false;
+        double values[max_parameters] = {};
+        law.values(values);
+        for (int i = 0; i < Law::record.n_constants; ++i) {
+            if (values[i] != values_[i]) return false;
+        }
+        return true;
+    }
+
+    // `at` counts cells. Outside of them x is beyond 1.
+    static Place place_of(double at, int cells) {
+        const int cell = static_cast<int>(math::clamp(at, 0.0, cells - 1.0));
+        return {cell, 2.0 * (at - cell) - 1.0};
+    }
+    Place speed_of(const Approach& a, const Reduced& reduced) const {
+        const double energy = a.effective_mass * a.normal_speed * a.normal_speed;
+        return place_of(speeds + (math::log(energy / reduced.energy) - highest) / speed_width_, speeds);
+    }
+    static Place damping_of(const Reduced& reduced) {
+        return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
+    }
+    struct Slant {
+        Place at;
+        double part;  // the unit of length in units of l
+    };
+    static Slant slant_of(const Approach& a, double depth, double bend) {
+        const double normal = a.normal_speed * a.normal_speed;
+        const double sideways = a.distance == math::infinity ? 0.0 : a.tangential_speed;
+        const double across = depth * (sideways * sideways), bent = bend * normal;
+        const double y = onset_root<p>(bent / (bent + across));
+        return {place_of(slants * y, slants), depth * (normal / (normal + across))};
+    }
+    // b, in the middle of a cell.
+    double bend(const Places& cell) const {
+        const Places middle{{0, 0.0}, {cell.speed.cell, 0.0}, {cell.damping.cell, 0.0}};
+        const Approach a{mass_, distance_, normal_speed(middle), 0.0, 0.0};
+        const PlanarContact end = solve(a, middle);
+        return end.outcome == Outcome::ok ? math::clamp(0.5 * end.radial_speed / a.normal_speed, 0.005, 0.5)
+                                          : 0.5;
+    }
+
+    template <class Cell>
+    PlanarContact read(Slot<Cell>& slot, const Law& law, const Approach& a, const Places& at, double part) {
+        if (!slot.asked) fit(slot, at);
+        if (!slot.cell) return solve_planar_contact(law, a);
+        const double x[3] = {at.slant.x, at.speed.x, at.damping.x};
+        return scaled(a, part, (*slot.cell)(x));
+    }
+
+    // From the four functions, `part` being the unit of length in units of l.
+    PlanarContact scaled(const Approach& a, double part, const Values& f) const {
+        const double unit = part * length_of(a);
+        const double duration = f[0] * (unit / a.normal_speed), left = f[1] * unit;
+        const double lost = f[2] * a.normal_speed;
+        const double turn = a.tangential_speed * duration / a.distance * (1.0 + part * f[3]);
+        const double across = tangential_speed(a, left);
+        return {Outcome::ok, duration, turn, left, a.normal_speed - lost, across, lost};
+    }
+    static Values functions_of(const Approach& a, double part, const PlanarContact& end) {
+        const double unit = part * a.distance;
+        const double straight = a.tangential_speed * end.duration / a.distance;
+        return Values{end.duration * (a.normal_speed / unit), end.compression / unit,
+                      end.speed_loss / a.normal_speed, (end.turn - straight) / (straight * part)};
+    }
+
+    // ---- fitting --------------------------------------------------------------------------------------
+
+    // The contact at a point of a cell.
+    struct Point {
+        Approach approach;
+        double part;
+        PlanarContact end;
+    };
+    Point solve_at(Places at, const double* x, int dims) const {
+        at.slant.x = x[0];
+        at.speed.x = x[1];
+        if (dims == 3) at.damping.x = x[2];
+        const double depth = depth_at(at.speed), normal = normal_speed(at);
+        const double bent = bends_[at.speed.cell * (dims == 3 ? dampings : 1) + at.damping.cell];
+        const double y = (at.slant.cell + 0.5 * (at.slant.x + 1.0)) / slants;
+        const double t = column::newton::power<p>(y), swing = bent * (1.0 - t) / t;  // λ v_t²/v_n²
+        const Approach a{mass_, distance_, normal, normal * math::sqrt(swing / depth), 0.0};
+        return {a, depth / (1.0 + swing), solve(a, at)};
+    }
+    double normal_speed(const Places& at) const {
+        const double place = at.speed.cell + 0.5 * (at.speed.x + 1.0) - speeds;
+        return math::sqrt(own_.energy / mass_) * math::exp(0.5 * (highest + speed_width_ * place));
+    }
+    // The pair of the constructor, where the damping varies with another one.
+    PlanarContact solve(const Approach& a, const Places& at) const {
+        if constexpr (similar) {
+            if (varies_) {
+                const double place = at.damping.cell + 0.5 * (at.damping.x + 1.0);
+                const double damping = math::exp(lowest_damping + damping_width * place);
+                return solve_planar_contact(DampedMore<Law>{&law_, damping / own_.damping}, a);
+            }
+        }
+        return solve_planar_contact(law_, a);
+    }
+
+    template <class Cell>
+    void fit(Slot<Cell>& slot, const Places& at) {
+        constexpr int dims = Cell::dimensions;
+        slot.asked = true;
+        std::vector<Values> values(Cell::grid);
+        for (int i = 0; i < Cell::grid; ++i) {
+            if (!Cell::wanted(i)) continue;
+            double x[3] = {};
+            for (int d = 0; d < dims; ++d) x[d] = Cell::coordinate(i, d);
+            const Point point = solve_at(at, x, dims);
+            if (point.end.outcome != Outcome::ok) return;
+            values[i] = functions_of(point.approach, point.part, point.end);
+        }
+        const Cell cell = Cell::through(values.data());
+        if (holds(cell, at)) slot.cell = std::make_unique<Cell>(cell);
+    }
+
+    // Whether the polynomials are as accurate as they have to be: near the corners, where they are worst, and inside.
+    template <class Cell>
+    bool holds(const Cell& cell, const Places& at) const {
+        constexpr int dims = Cell::dimensions, corners = 1 << dims;
+        for (int i = 0; i <= corners; ++i) {
+            double x[3] = {0.1, -0.15, 0.2};
+            for (int d = 0; i < corners && d < dims; ++d) x[d] = (i >> d & 1) ? 0.97 : -0.97;
+            const Point point = solve_at(at, x, dims);
+            if (point.end.outcome != Outcome::ok) return false;
+            if (!(error(scaled(point.approach, point.part, cell(x)), point) <= 0.2 * accuracy)) return false;
+        }
+        return true;
+    }
+    static double error(const PlanarContact& read, const Point& point) {
+        const PlanarContact& end = point.end;
+        const double speed = point.approach.normal_speed, unit = point.part * point.approach.distance;
+        const double shape =
+            math::max(math::abs(read.duration / end.duration - 1.0), math::abs(read.turn / end.turn - 1.0));
+        const double rest = math::max(math::abs(read.speed_loss - end.speed_loss) / speed,
+                                      math::abs(read.compression - end.compression) / unit);
+        return math::max(shape, rest);
+    }
+};
+
+}  // namespace hardlimit::particles

@@ -1,0 +1,43 @@
+// Arrays of many millions of records: on huge pages where the system has them, and without the slack of doubling.
+#pragma once
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#include "../portable.hpp"
+
+namespace hardlimit::particles {
+
+template <class T>
+struct HugePages {
+    using value_type = T;
+    static constexpr std::size_t page = std::size_t{2} << 20;
+
+    HugePages() = default;
+    template <class U>
+    HugePages(const HugePages<U>&) {}
+
+    T* allocate(std::size_t n) {
+        const std::size_t bytes = n * sizeof(T);
+        if (bytes < 2 * page) return static_cast<T*>(::operator new(bytes, std::align_val_t{alignof(T)}));
+        void* p = ::operator new(bytes, std::align_val_t{page});
+        advise_huge_pages(p, bytes);
+        return static_cast<T*>(p);
+    }
+    void deallocate(T* p, std::size_t n) {
+        ::operator delete(p, std::align_val_t{n * sizeof(T) < 2 * page ? alignof(T) : page});
+    }
+    bool operator==(const HugePages&) const { return true; }
+};
+
+template <class T>
+using Records = std::vector<T, HugePages<T>>;
+
+// Makes room for one more, a quarter at a time where there are many.
+template <class T>
+void make_room(Records<T>& records) {
+    if (records.size() == records.capacity() && records.size() > 1000)
+        records.reserve(records.size() + records.size() / 4);
+}
+
+}  // namespace hardlimit::particles

@@ -1,0 +1,520 @@
+"""The event-driven engine of boxes: reference logs, what must be conserved, symmetries, ends and refusals."""
+
+import json
+import math
+import signal
+
+import numpy as np
+import pytest
+
+import hardlimit as hl
+from conftest import DATA
+from hardlimit import _core
+from slow_hard_spheres import Rule, SlowHardSpheres
+
+CASES = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
+
+
+def engine(
+    position, velocity, *, radius=0.5, mass=1.0, box, periodic=True, gravity=0.0, rule="constant", **options
+):
+    """An engine; numbers are spread over particles and axes."""
+    position = np.array(position, dtype=float)
+    n, d = position.shape
+    given = {"restitution": 1.0, "law": None, "contact_duration": math.nan, "log": True} | options
+    return _core.HardSpheres(
+        position,
+        np.array(velocity, dtype=float),
+        np.broadcast_to(radius, n).astype(float),
+        np.broadcast_to(mass, n).astype(float),
+        np.broadcast_to(box, d).astype(float),
+        [bool(p) for p in np.broadcast_to(periodic, d)],
+        np.broadcast_to(gravity, d).astype(float),
+        rule,
+        given["restitution"],
+        given["law"],
+        given["contact_duration"],
+        given["log"],
+    )
+
+
+def edge_of(n: int, fraction: float, dimension: int = 3) -> float:
+    """Of a box that ``n`` particles of radius 0.5 fill to this fraction."""
+    volume = math.pi / 6.0 if dimension == 3 else math.pi / 4.0
+    return float((n * volume / fraction) ** (1.0 / dimension))
+
+
+def packed(n: int, fraction: float, dimension: int = 3, seed: int = 1, periodic: bool = True):
+    """Positions, velocities without total momentum, and the edge of the box."""
+    edge = edge_of(n, fraction, dimension)
+    position = _core.grow_packing(
+        n, dimension, np.full(n, 0.5), [edge] * dimension, [periodic] * dimension, seed
+    )
+    velocity = np.random.default_rng(seed).standard_normal((n, dimension))
+    return position, velocity - velocity.mean(axis=0), edge
+
+
+def same_state(a, b) -> bool:
+    return all(np.array_equal(x, y) for x, y in zip(a.state(), b.state(), strict=True))
+
+
+@pytest.mark.parametrize("case", CASES["event_driven"], ids=lambda c: f"{c['rule']}-{len(c['radius'])}")
+def test_reference_log(case: dict) -> None:
+    law = None
+    if case["rule"] == "law":
+        constants = [case[name] for name in ("youngs_modulus", "poisson_ratio", "dissipative_time")]
+        law = ("viscoelastic", 0, constants)
+    run = engine(
+        case["positions"],
+        case["velocities"],
+        radius=case["radius"],
+        mass=case["mass"],
+        box=case["box"],
+        periodic=[b == "periodic" for b in case["boundary"]],
+        gravity=case["gravity"],
+        rule=case["rule"],
+        restitution=case.get("restitution", math.nan),
+        law=law,
+        contact_duration=case.get("contact_duration", math.nan),
+    )
+    run.advance(math.inf, case["collisions"])
+    time, first, second, speed = run.take_log()
+    known = np.array(case["log"])
+    rms = math.sqrt(np.mean(np.sum(np.square(case["velocities"]), axis=1)))
+    assert np.array_equal(first, known[:, 1])
+    assert np.array_equal(second, known[:, 2])
+    np.testing.assert_allclose(time, known[:, 0], rtol=case["tolerance"])
+    np.testing.assert_allclose(speed, known[:, 3], atol=case["tolerance"] * rms)
+    position, velocity = run.state()
+    assert np.abs(position - case["end_positions"]).max() <= case["tolerance"] * min(case["radius"])
+    assert np.abs(velocity - case["end_velocities"]).max() <= case["tolerance"] * rms
+
+
+@pytest.mark.parametrize("rows", [100_000, pytest.param(10_000_000, marks=pytest.mark.slow)])
+def test_energy_and_momentum_of_elastic_collisions(rows: int) -> None:
+    position, velocity, edge = packed(500, 0.4)
+    run = engine(position, velocity, box=edge, log=False)
+    before = run.observe()
+    run.advance(math.inf, rows)
+    after = run.observe()
+    assert run.n_pairs == rows
+    assert abs(after["kinetic_energy"] / before["kinetic_energy"] - 1.0) < 1e-12
+    assert np.abs(after["momentum"]).max() < 1e-9
+    assert after["dissipated_energy"] == 0.0
+    expected = 2.0 * before["kinetic_energy"] * run.time
+    assert after["kinetic_integral"] == pytest.approx(expected, rel=1e-12)
+
+
+def test_energy_balance_with_walls_gravity_and_mixed_sizes() -> None:
+    rng = np.random.default_rng(3)
+    radius = rng.uniform(0.2, 0.6, 60)
+    box, walls = [6.0, 6.0, 9.0], [True, False, False]
+    position = _core.grow_packing(60, 3, radius, box, walls, 5)
+    velocity = rng.standard_normal((60, 3))
+    gravity = [0.0, 0.3, -1.0]
+    run = engine(
+        position,
+        velocity,
+        radius=radius,
+        mass=radius**3,
+        box=box,
+        periodic=walls,
+        gravity=gravity,
+        restitution=0.99,
+    )
+    start = run.observe()
+    run.advance(math.inf, 5000)
+    assert run.n_walls > 500
+    assert run.n_pairs > 500
+    end = run.observe()
+    total = start["kinetic_energy"] + start["potential_energy"]
+    kept = end["kinetic_energy"] + end["potential_energy"] + end["dissipated_energy"]
+    assert kept == pytest.approx(total, rel=1e-12)
+    assert end["dissipated_energy"] > 0.0
+
+
+def test_integral_of_kinetic_energy_is_that_of_many_observations() -> None:
+    position, velocity, edge = packed(40, 0.2, periodic=False)
+    run = engine(position, velocity, box=edge, periodic=False, gravity=[0.0, 0.0, -1.0], restitution=0.8)
+    times = np.linspace(0.0, 2.0, 4001)
+    thermal = []
+    for time in times:
+        run.advance(float(time))
+        seen = run.observe()
+        thermal.append(2.0 * seen["kinetic_energy"] - np.sum(seen["momentum"] ** 2) / 40.0)
+    integral = np.sum(0.5 * (np.array(thermal)[1:] + np.array(thermal)[:-1]) * np.diff(times))
+    assert run.observe()["kinetic_integral"] == pytest.approx(integral, rel=2e-3)
+
+
+def test_time_reversal() -> None:
+    position, velocity, edge = packed(100, 0.3)
+    there = engine(position, velocity, box=edge)
+    there.advance(math.inf, 300)
+    end, speeds = there.state()
+    back = engine(np.mod(end, edge), -speeds, box=edge)
+    back.advance(there.time)
+    returned, final = back.state()
+    assert back.n_pairs == there.n_pairs
+    apart = returned - position
+    assert np.abs(apart - edge * np.round(apart / edge)).max() < 1e-6
+    assert np.abs(final + velocity).max() < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["permuted", "shifted", "mirrored"])
+def test_symmetries_change_nothing_but_rounding(kind: str) -> None:
+    position, velocity, edge = packed(80, 0.35, dimension=2)
+    rng = np.random.default_rng(8)
+    order = rng.permutation(80) if kind == "permuted" else np.arange(80)
+    moved, speeds = position[order], velocity[order].copy()
+    if kind == "shifted":
+        moved = np.mod(moved + rng.random(2) * edge, edge)
+    if kind == "mirrored":
+        moved = np.column_stack([np.mod(edge - moved[:, 0], edge), moved[:, 1]])
+        speeds[:, 0] *= -1.0
+    runs = [
+        engine(position, velocity, box=edge, restitution=0.9),
+        engine(moved, speeds, box=edge, restitution=0.9),
+    ]
+    logs = []
+    for run in runs:
+        run.advance(math.inf, 240)
+        logs.append(run.take_log())
+    pairs = [np.sort(np.column_stack(log[1:3]), axis=1) for log in logs]
+    pairs[1] = np.sort(order[pairs[1]], axis=1)
+    assert np.array_equal(pairs[0], pairs[1])
+    np.testing.assert_allclose(logs[0][0], logs[1][0], rtol=1e-7)
+
+
+def test_saved_runs_and_pieces_of_time_give_the_same_bits() -> None:
+    rng = np.random.default_rng(4)
+    radius = rng.uniform(0.2, 0.5, 50)
+    position = _core.grow_packing(50, 3, radius, [5.0] * 3, [True, False, True], 2)
+    velocity = rng.standard_normal((50, 3))
+    law = ("viscoelastic", 0, [1e4, 0.3, 1e-3])
+    for options in (
+        {"restitution": 0.95},
+        {"rule": "tc", "restitution": 0.6, "contact_duration": 0.01},
+        {"rule": "law", "law": law, "restitution": math.nan},
+        {"rule": "soft", "law": law, "restitution": math.nan},
+    ):
+        system = {"radius": radius, "box": 5.0, "periodic": [True, False, True], "gravity": [0.0, -0.2, 0.0]}
+        whole = engine(position, velocity, **system, **options)
+        whole.advance(1.5)
+        parts = engine(position, velocity, **system, **options)
+        for time in np.sort(rng.uniform(0.0, 1.5, 12)):
+            parts.advance(float(time))
+            parts = _core.HardSpheres.load(parts.save())
+        parts.advance(1.5)
+        assert whole.n_rows > 50
+        assert same_state(whole, parts)
+        assert whole.observe()["virial"] == parts.observe()["virial"]
+        for a, b in zip(whole.take_log(), parts.take_log(), strict=True):
+            assert np.array_equal(a, b)
+        counts = ("n_rows", "n_walls", "n_elastic_by_tc", "n_soft", "n_soft_third_body", "outcome")
+        assert [getattr(whole, c) for c in counts] == [getattr(parts, c) for c in counts]
+
+
+def test_damaged_bytes_are_refused() -> None:
+    saved = engine([[1.0, 1.0]], [[1.0, 0.0]], box=3.0).save()
+    flipped = bytearray(saved)
+    flipped[len(saved) // 2] ^= 1
+    for bad in (b"", b"hardlimit", saved[:-1], saved[: len(saved) // 2], bytes(flipped)):
+        with pytest.raises(ValueError, match="saved: got"):
+            _core.HardSpheres.load(bad)
+
+
+@pytest.mark.parametrize("restitution", [1e-3, 0.01, 0.05, 0.07])
+@pytest.mark.parametrize("drift", [0.0, 0.3])
+def test_collapse_of_three_in_line(restitution: float, drift: float) -> None:
+    """Below ε = 7 − 4√3 three balls in line collapse (McNamara & Young 1992)."""
+    position = [[1.0, 5.0, 5.0], [3.5, 5.0, 5.0], [5.5, 5.0, 5.0]]
+    velocity = [[1.0 + drift, 0.0, 0.0], [drift, 0.0, 0.0], [drift - 1.0, 0.0, 0.0]]
+    run = engine(position, velocity, radius=1.0, box=20.0, restitution=restitution)
+    run.advance(10.0)
+    assert run.outcome == "collapse"
+    time, first, second = run.collapse
+    assert 0.1 < time < 1.0
+    assert (first, second) in {(0, 1), (1, 2)}
+    assert run.time == time
+    run.advance(20.0)
+    assert run.time == time
+
+
+def test_above_the_critical_restitution_three_in_line_part() -> None:
+    position = [[1.0, 5.0], [3.5, 5.0], [5.5, 5.0]]
+    run = engine(position, [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]], radius=1.0, box=20.0, restitution=0.15)
+    run.advance(5.0)
+    assert run.outcome == "ok"
+    assert run.time == 5.0
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.9, 0.99])
+def test_collapse_of_a_ball_on_a_floor(restitution: float) -> None:
+    run = engine(
+        [[1.0, 2.0]],
+        [[0.0, 0.0]],
+        box=[2.0, 9.0],
+        periodic=False,
+        gravity=[0.0, -9.81],
+        restitution=restitution,
+    )
+    run.advance(1e3)
+    fall = math.sqrt(2.0 * 1.5 / 9.81)
+    assert run.outcome == "collapse"
+    assert run.collapse[1:] == (0, -3)
+    assert run.time == pytest.approx(fall * (1.0 + 2.0 * restitution / (1.0 - restitution)), rel=1e-6)
+
+
+def test_a_cluster_under_gravity_collapses_or_goes_on_with_tc() -> None:
+    position, velocity, edge = packed(60, 0.3, dimension=2, periodic=False)
+    system = {"box": edge, "periodic": False, "gravity": [0.0, -5.0], "log": False}
+    collapsing = engine(position, velocity, restitution=0.3, **system)
+    collapsing.advance(100.0)
+    assert collapsing.outcome == "collapse"
+    running = engine(position, velocity, rule="tc", restitution=0.5, contact_duration=5e-3, **system)
+    running.advance(2.0)
+    assert running.outcome == "ok"
+    assert running.time == 2.0
+    assert running.n_elastic_by_tc > running.n_rows // 2
+
+
+def test_what_does_not_move_ends_in_time() -> None:
+    still = engine([[1.0, 1.0], [3.0, 1.0]], np.zeros((2, 2)), box=5.0)
+    still.advance(7.0)
+    assert (still.time, still.n_rows, still.outcome) == (7.0, 0, "ok")
+    alone = engine([[0.5, 2.5]], [[1.0, -0.5]], box=5.0)
+    alone.advance(1e3)
+    assert alone.n_rows == 0
+    np.testing.assert_allclose(alone.state()[0], [[1000.5, -497.5]], rtol=1e-13)
+
+
+def test_touching_particles_at_the_start() -> None:
+    run = engine([[1.0, 1.0], [2.0, 1.0]], [[1.0, 0.0], [-1.0, 0.0]], box=9.0)
+    run.advance(1.0)
+    time, first, second, speed = run.take_log()
+    assert (time[0], first[0], second[0], speed[0]) == (0.0, 0, 1, 2.0)
+    assert run.n_rows == 1
+    apart = engine([[1.0, 1.0], [2.0, 1.0]], [[-1.0, 0.0], [1.0, 0.0]], box=9.0)
+    apart.advance(1.0)
+    assert apart.n_rows == 0
+
+
+@pytest.mark.parametrize("edge", [1.05, 1.7, 2.01, 2.6, 3.3, 4.2])
+def test_boxes_of_a_few_diameters(edge: float) -> None:
+    """Two particles meet again and again, through the borders, as in the slow engine."""
+    position = np.array([[0.1 * edge, 0.2 * edge, 1.0], [0.6 * edge, 0.7 * edge, 3.0]])
+    velocity = np.array([[0.3, -0.2, 0.9], [-0.5, 0.4, -0.8]])
+    box = np.array([edge, edge, 6.0])
+    run = engine(position, velocity, box=box)
+    run.advance(math.inf, 9)
+    slow = SlowHardSpheres(
+        position,
+        velocity,
+        np.full(2, 0.5),
+        np.ones(2),
+        box,
+        ("periodic",) * 3,
+        np.zeros(3),
+        Rule("constant", 1.0),
+    )
+    slow.advance(math.inf, 9)
+    np.testing.assert_allclose(run.take_log()[0], [row[0] for row in slow.log], rtol=1e-9)
+
+
+def test_size_ratio_of_a_hundred() -> None:
+    rng = np.random.default_rng(2)
+    radius = np.concatenate([[1.0, 0.3], np.full(30, 0.03), np.full(60, 0.01)])
+    box = [3.0] * 3
+    position = _core.grow_packing(len(radius), 3, radius, box, [True] * 3, 3)
+    velocity = rng.standard_normal((len(radius), 3)) * 5.0
+    velocity[:2] *= 4.0
+    mass = (radius / 0.3) ** 3
+    run = engine(position, velocity, radius=radius, mass=mass, box=box)
+    run.advance(math.inf, 150)
+    slow = SlowHardSpheres(
+        position, velocity, radius, mass, np.array(box), ("periodic",) * 3, np.zeros(3), Rule("constant", 1.0)
+    )
+    slow.advance(math.inf, 150)
+    _, first, second, _ = run.take_log()
+    assert list(zip(first, second, strict=True)) == [row[1:3] for row in slow.log]
+
+
+@pytest.mark.parametrize(
+    "law", [("viscoelastic", 0, [1e6, 0.3, 1e-4]), ("tsuji", 0, [1e5, 0.7]), ("linear", 0, [1e4, 0.6])]
+)
+def test_restitution_follows_the_law(law: tuple) -> None:
+    contact = _core.make_contact(*law, 0.5, 0.25)
+    for speed in np.geomspace(1e-6, 1e3, 60):
+        run = engine([[1.0, 1.0], [3.0, 1.0]], [[speed, 0.0], [0.0, 0.0]], box=9.0, rule="law", law=law)
+        run.advance(math.inf, 1)
+        after = run.state()[1][:, 0]
+        found = (after[1] - after[0]) / speed
+        assert found == pytest.approx(contact.restitution(np.array([speed]))[0], rel=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("n", "dimension", "fraction", "spread", "periodic"),
+    [
+        (1, 3, 0.1, 1.0, True),
+        (2, 2, 0.3, 1.0, False),
+        (300, 3, 0.15, 1.0, True),
+        (100, 3, 0.62, 1.0, True),
+        (150, 2, 0.82, 1.0, True),
+        (80, 3, 0.45, 1.0, False),
+        (80, 3, 0.58, 3.0, True),
+    ],
+)
+def test_random_packings_do_not_overlap(
+    n: int, dimension: int, fraction: float, spread: float, periodic: bool
+) -> None:
+    radius = 0.01 * np.random.default_rng(n).uniform(1.0, spread, n)
+    volume = np.sum(4.0 / 3.0 * math.pi * radius**3 if dimension == 3 else math.pi * radius**2)
+    edge = float((volume / fraction) ** (1.0 / dimension))
+    sides, kinds = [edge] * dimension, [periodic] * dimension
+    position = _core.grow_packing(n, dimension, radius, sides, kinds, 11)
+    assert np.array_equal(position, _core.grow_packing(n, dimension, radius, sides, kinds, 11))
+    assert position.min() >= 0.0
+    assert position.max() <= edge
+    apart = position[:, None] - position[None]
+    if periodic:
+        apart -= edge * np.round(apart / edge)
+    else:
+        assert np.all(position >= radius[:, None])
+        assert np.all(position <= edge - radius[:, None])
+    gap = np.linalg.norm(apart, axis=-1) - radius[:, None] - radius[None]
+    assert np.all(gap[~np.eye(n, dtype=bool)] >= 0.0)
+    if n > 2:
+        assert not np.array_equal(position, _core.grow_packing(n, dimension, radius, sides, kinds, 12))
+
+
+def test_packings_that_cannot_be_are_refused() -> None:
+    with pytest.raises(ValueError, match="packing_fraction: got"):
+        _core.grow_packing(40, 3, np.full(40, 0.5), [2.0] * 3, [True] * 3, 1)
+    with pytest.raises(ValueError, match="box: got"):
+        _core.grow_packing(1, 3, np.full(1, 0.5), [2.0, 2.0, 0.9], [True] * 3, 1)
+
+
+GOOD = {"position": [[1.0, 1.0], [3.0, 1.0]], "velocity": [[1.0, 0.0], [0.0, 0.0]], "box": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"position": [[1.0, 1.0], [1.5, 1.0]]}, "positions: got particles 0 and 1 overlapping by 0.5"),
+        ({"position": [[0.2, 1.0], [4.7, 1.0]]}, "positions: got particles 0 and 1 overlapping by 0.5"),
+        (
+            {"position": [[1.0, 1.0], [5.1, 1.0]]},
+            r"positions\[1\]: got 5.1.* along axis 0, must be >= 0 and <= 5",
+        ),
+        ({"position": [[1.0, 1.0], [math.nan, 1.0]]}, "particle 1 that is not finite"),
+        ({"velocity": [[1.0, math.inf], [0.0, 0.0]]}, "particle 0 that is not finite"),
+        (
+            {"position": [[1.0, 0.4], [3.0, 1.0]], "periodic": False},
+            r"positions\[0\]: got 0.4 along axis 1, must be at least",
+        ),
+        ({"radius": 0.0}, r"radius\[0\]: got 0, must be > 0"),
+        ({"mass": -1.0}, r"mass\[0\]: got -1, must be > 0"),
+        (
+            {"box": [0.9, 5.0], "position": [[0.5, 1.0], [0.5, 3.0]]},
+            "box: got 0.9 along axis 0, must be >= 1",
+        ),
+        ({"gravity": math.nan}, "gravity: got nan"),
+        ({"restitution": 1.5}, "restitution: got 1.5, must be >= 0 and <= 1"),
+        ({"rule": "law"}, "law: got None"),
+        ({"rule": "bounce"}, "rule: got bounce"),
+        ({"rule": "tc"}, "contact_duration: got nan"),
+        ({"rule": "law", "law": ("rubber", 0, [1.0])}, "law: got rubber"),
+    ],
+)
+def test_bad_systems_are_refused_in_one_line(change: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message) as refusal:
+        engine(**(GOOD | change))
+    assert "\n" not in str(refusal.value)
+
+
+def test_interrupted_runs_go_on_with_the_same_bits() -> None:
+    position, velocity, edge = packed(200, 0.4)
+    run = engine(position, velocity, box=edge, log=False)
+    previous = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            run.advance(1e9)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, previous)
+    assert run.n_rows > 0
+    rows = run.n_rows + 1000
+    run.advance(math.inf, rows)
+    whole = engine(position, velocity, box=edge, log=False)
+    whole.advance(math.inf, rows)
+    assert same_state(run, whole)
+
+
+def test_progress_is_told_and_its_exceptions_end_the_call() -> None:
+    position, velocity, edge = packed(200, 0.4)
+    run = engine(position, velocity, box=edge, log=False)
+    told: list[tuple[float, int]] = []
+
+    def progress(time: float, rows: int) -> None:
+        told.append((time, rows))
+        if len(told) == 3:
+            raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        run.advance(1e9, 0, progress)
+    assert told == sorted(told)
+    assert 0 < told[0][1] < told[-1][1] <= run.n_rows
+
+
+def test_cooling_follows_haffs_law() -> None:
+    """dT/dt = −(1 − ε²) ν T/3 while the gas stays homogeneous: by what collisions take, T falls as Haff says."""
+    position, velocity, edge = packed(2000, 0.1)
+    run = engine(position, velocity, box=edge, restitution=0.9, log=False)
+    start = run.observe()["kinetic_energy"]
+    run.advance(math.inf, 20_000)
+    measured = math.log(run.observe()["kinetic_energy"] / start)
+    expected = -(1.0 - 0.9**2) * 20.0 / 3.0  # 20 collisions for each particle
+    assert measured == pytest.approx(expected, rel=0.03)
+
+
+def test_pressure_of_elastic_spheres() -> None:
+    """Kolafa, Labík & Malijevský, Phys. Chem. Chem. Phys. 6, 2335 (2004)."""
+    position, velocity, edge = packed(1000, 0.3)
+    run = engine(position, velocity, box=edge, log=False)
+    run.advance(math.inf, 20_000)
+    begin = run.observe()
+    run.advance(math.inf, 220_000)
+    end = run.observe()
+    virial, kinetic = (end[name] - begin[name] for name in ("virial", "kinetic_integral"))
+    assert 1.0 + virial / kinetic == pytest.approx(3.9838, rel=0.01)
+
+
+@pytest.mark.parametrize("case", CASES["dilute"], ids=lambda c: f"{c['law']}-{c['dimension']}")
+def test_soft_rule_is_newtons_equations_where_contacts_are_isolated(case: dict) -> None:
+    law = (
+        hl.Viscoelastic(**{k: case[k] for k in ("youngs_modulus", "poisson_ratio", "dissipative_time")})
+        if case["law"] == "viscoelastic"
+        else hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
+    )
+    run = engine(
+        case["positions"],
+        case["velocities"],
+        radius=case["radius"],
+        mass=case["mass"],
+        box=case["box"],
+        periodic=[b == "periodic" for b in case["boundary"]],
+        gravity=case["gravity"],
+        rule="soft",
+        law=(law.record["name"], law.alternative, list(law.parameters.values())),
+    )
+    run.advance(case["until"])
+    _, first, second, _ = run.take_log()
+    known = sorted((begin, a, b) for begin, _, a, b in case["contacts"])
+    assert list(zip(first, second, strict=True)) == [row[1:] for row in known]
+    assert run.n_soft == len(known)
+    assert run.n_soft_third_body == 0
+    rms = math.sqrt(np.mean(np.sum(np.square(case["velocities"]), axis=1)))
+    position, velocity = run.state()
+    assert np.abs(position - case["end_positions"]).max() <= case["tolerance"] * min(case["radius"])
+    assert np.abs(velocity - case["end_velocities"]).max() <= case["tolerance"] * rms
