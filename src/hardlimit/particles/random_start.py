@@ -118,7 +118,7 @@ def positions(
     ValueError
         If the particles found no room, as a few large ones between walls may not.
     """
-    found: Floats = _core.grow_packing(
+    found = _core.grow_packing(
         len(radius),
         len(box),
         np.ascontiguousarray(radius),
@@ -127,7 +127,7 @@ def positions(
         chance.seed_of_positions,
         lambda share, collisions: report(int(1000.0 * share), 1000),
     )
-    return found
+    return np.asarray(found, np.float64)
 
 
 def velocities(
