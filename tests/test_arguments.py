@@ -367,7 +367,12 @@ def arguments_of_runs() -> list[Argument]:
         with TemporaryDirectory() as folder, chdir(folder):
             return hl.event_driven(system, **options)
 
+    def move(system: Any, **options: Any) -> Any:
+        with TemporaryDirectory() as folder, chdir(folder):
+            return hl.molecular_dynamics(system, **options)
+
     system = hl.ParticleSystem(**DISKS)
+    brief = {"system": system, "law": LAW, "until": 1e-4}
     short = {"system": system, "restitution": 0.9, "until": 1e-3}
     by_count = {"system": system, "restitution": 0.9, "max_collisions": 1}
     of_law = {"system": system, "until": 1e-3}
@@ -384,6 +389,17 @@ def arguments_of_runs() -> list[Argument]:
         Argument("event_driven", "log", "flag", run, True, short),
         Argument("event_driven", "checkpoint", "optional path", run, "run.checkpoint", short),
         Argument("event_driven", "checkpoint_every", "number", run, 1.0, short),
+        Argument("molecular_dynamics", "system", "system", move, system, brief),
+        Argument("molecular_dynamics", "law", "law", move, LAW, brief),
+        Argument("molecular_dynamics", "until", "number", move, 1e-4, brief),
+        Argument("molecular_dynamics", "engine", "word", move, "steps", brief),
+        Argument("molecular_dynamics", "restitution_error", "optional number", move, 1e-2, brief),
+        Argument("molecular_dynamics", "time_step", "optional number", move, 1e-7, brief),
+        Argument("molecular_dynamics", "threads", "optional whole number", move, 1, brief),
+        Argument("molecular_dynamics", "samples", "whole number", move, 3, brief),
+        Argument("molecular_dynamics", "log", "flag", move, True, brief),
+        Argument("molecular_dynamics", "checkpoint", "optional path", move, "run.checkpoint", brief),
+        Argument("molecular_dynamics", "checkpoint_every", "number", move, 1.0, brief),
     ]
 
 
