@@ -90,23 +90,28 @@ export class ReboundPanel {
       pinnedAt: pinned ? valueOn(view.pin!, view.curve) : null,
       released: scenario.cradle || view.curve === "ratio" ? NaN : top,
       measured: scenario.cradle ? null : this.measured,
-      marked: valueOn(scenario, view.curve), hovered: this.hovered, cradle: scenario.cradle,
+      marked: this.marked(), hovered: this.hovered, cradle: scenario.cradle,
     };
   }
 
   // The reading under the pointer, else of the present setting.
   private tell(): void {
     const picture = this.picture();
-    const at = this.hovered ?? picture.marked;
-    const point = nearest(picture, at);
-    const outside = picture.span.low > at * 1.001 && at > 0 && picture.axis !== "gap";
-    const text = `${nameOf(picture.axis, at)}: ${point && !outside ? this.told(point) : this.curve.done ? "outside the plot" : "computing …"}`;
+    const point = this.hovered === null ? picture.marked : nearest(picture, this.hovered);
+    const text = point ? `${nameOf(picture.axis, point.x)}: ${this.told(point)}` : "computing …";
     const out = find("rebound-reading");
     if (out.textContent !== text) out.textContent = text;
     const { canvas } = this.sheet;
-    canvas.setAttribute("aria-valuenow", String(Number(picture.marked.toPrecision(4))));
-    const marked = nearest(picture, picture.marked);
-    canvas.setAttribute("aria-valuetext", `${nameOf(picture.axis, picture.marked)}${marked ? `: ${this.told(marked)}` : ""}`);
+    canvas.setAttribute("aria-valuenow", String(Number(picture.marked.x.toPrecision(4))));
+    canvas.setAttribute("aria-valuetext", `${nameOf(picture.axis, picture.marked.x)}: ${this.told(picture.marked)}`);
+  }
+
+  // The present setting: its own values, not those of the nearest point computed.
+  private marked(): CurvePoint {
+    const { newton, icm, scenario } = this.state.drop!;
+    const top = scenario.balls.length - 1;
+    const value = (t: typeof newton): number => (scenario.cradle ? t.final.velocity[top] : t.peaks[top]);
+    return { x: valueOn(this.state.scenario, this.view.curve), newton: value(newton), icm: value(icm) };
   }
 
   private told(p: CurvePoint): string {

@@ -16,7 +16,7 @@ export interface CurvePicture {
   pinnedAt: number | null; // x of setting A
   released: number; // height of the top ball's centre at release [m]; NaN on a cradle
   measured: Measurements | null;
-  marked: number; // x of the present setting
+  marked: CurvePoint; // the present setting
   hovered: number | null;
   cradle: boolean;
 }
@@ -220,15 +220,13 @@ function drawPinned(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture
 
 // A line at the present setting, one under the pointer, and dots where they meet the curves.
 function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
-  for (const [value, thick] of [[p.hovered, false], [p.marked, true]] as const) {
-    if (value === null) continue;
-    const at = pixelOf(l, value);
-    if (!Number.isFinite(at)) continue;
+  for (const thick of [false, true]) {
+    const point = thick ? p.marked : p.hovered === null ? null : nearest(p, p.hovered);
+    const at = point ? pixelOf(l, point.x) : NaN;
+    if (!point || !Number.isFinite(at)) continue;
     g.strokeStyle = theme.ink;
     g.lineWidth = thick ? 2 : 1;
     stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
-    const point = nearest(p, value);
-    if (!point) continue;
     for (const model of models) {
       if (!Number.isFinite(point[model])) continue;
       g.strokeStyle = g.fillStyle = theme[model];

@@ -275,7 +275,7 @@ class Painter {
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
     const length = cradle ? r.w - 5.6 * size : r.h - 6.4 * size;
     const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // room for a gap
-    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.4 * size) / width)), open); // room for the forces beside them
+    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.1 * size) / width)), open); // room for the forces beside them
     const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
     const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
     this.scales(r, magnify);
