@@ -20,9 +20,11 @@ from .laws import LAWS as LAWS
 from .laws import LinearDashpot as LinearDashpot
 from .laws import Viscoelastic as Viscoelastic
 from .laws import Tsuji as Tsuji
+from .particles.contact_result import ContactResult as ContactResult
 from .particles.event_driven import event_driven as event_driven
-from .particles.event_driven import resume as resume
+from .particles.molecular_dynamics import molecular_dynamics as molecular_dynamics
 from .particles.result import ParticleResult as ParticleResult
+from .particles.resuming import resume as resume
 from .particles.system import ParticleSystem as ParticleSystem
 from .sweep import sweep as sweep
 __version__: str

@@ -119,6 +119,21 @@ def impact_speed(gap: float, velocity: float, gravity: float) -> float: ...
 
 def effective_restitution(relative_velocity: float, impact_speed: float) -> float: ...
 
+def planar_contact(contact: Contact, distance: float, normal_speed: float, tangential_speed: float, gravity: float = 0.0) -> dict:
+    """
+    The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: its end, and velocity and shift of the relative motion drawn back to the touch. A wall: infinite distance, gravity pressing against it.
+    """
+
+def planar_path(contact: Contact, distance: float, normal_speed: float, tangential_speed: float, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], gravity: float = 0.0) -> NDArray[numpy.float64]:
+    """
+    Compression, its rate and the turn of the line of centres at times since touch [n, 3].
+    """
+
+def soft_contacts(own: Contact, own_distance: float, damping_varies: bool, contact: Contact, distance: float, normal_speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], tangential_speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+    """
+    Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run computes them, whose polynomials are made for the pair `own`.
+    """
+
 def swept_parameters(balls: int) -> list:
     """
     The parameters of a column that can be swept: name, places in a point, unit, meaning and range.
@@ -141,4 +156,206 @@ def has_kernel(law: str, model: int) -> bool:
     Whether points of two balls go through a vector kernel under this law and model.
     """
 
+def has_gpu_kernel(law: str, model: int) -> bool:
+    """Whether such points can be computed on a GPU."""
+
+def has_exact_solver(law: str) -> bool:
+    """
+    Whether the motion of two balls on a floor under this law has a piecewise closed form.
+    """
+
 def instruction_sets() -> list[str]: ...
+
+def deepest_overlap(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], periodic: Sequence[bool]) -> tuple[int, int, float]:
+    """
+    Two bodies and their gap [m], the deepest relative to the sum of the radii; −1, −1 and 0 where none overlap.
+    """
+
+class HardSpheres:
+    """Hard spheres or disks in a box, moved from collision to collision."""
+
+    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], gravity: Sequence[float], rule: str, restitution: float, law: tuple[str, int, Sequence[float]] | None, contact_duration: float, log: bool) -> None: ...
+
+    def advance(self, until: float, max_rows: int = 0, progress: object | None = None) -> None:
+        """
+        To `until` [s] or to the instant of row number `max_rows` of the log (0: no limit). progress(time, rows) is called about every 0.1 s.
+        """
+
+    @property
+    def time(self) -> float: ...
+
+    @property
+    def n_rows(self) -> int: ...
+
+    @property
+    def n_pairs(self) -> int: ...
+
+    @property
+    def n_walls(self) -> int: ...
+
+    @property
+    def n_elastic_by_tc(self) -> int: ...
+
+    @property
+    def n_soft(self) -> int: ...
+
+    @property
+    def n_soft_third_body(self) -> int: ...
+
+    @property
+    def outcome(self) -> str:
+        """ok, or collapse: see there."""
+
+    @property
+    def collapse(self) -> tuple[float, int, int]:
+        """Time [s] and the pair of an inelastic collapse, where the run ends."""
+
+    def state(self) -> tuple:
+        """Positions [m], along continuous paths, and velocities [m/s] now."""
+
+    def observe(self) -> dict: ...
+
+    def take_log(self) -> tuple:
+        """Time, first, second and impact speed of the rows since the last call."""
+
+    def save(self) -> bytes: ...
+
+    @staticmethod
+    def load(saved: bytes) -> HardSpheres: ...
+
+    @property
+    def memory(self) -> int: ...
+
+def grow_packing(n: int, dimension: int, radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], seed: int, progress: object | None = None) -> object:
+    """
+    Random positions (n, dimension) of particles that do not overlap: small ones thrown in, which move and collide while they grow. progress(share of the final radii, collisions) is called now and then.
+    """
+
+class NewtonEvents:
+    """Newton's equations for a box of spheres or disks by events."""
+
+    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], gravity: Sequence[float], law: tuple[str, int, Sequence[float]], log: bool = False) -> None: ...
+
+    def advance(self, until: float, most_events: int = 18446744073709551615) -> None:
+        """
+        To `until` [s], or so many events of the way; what was paused goes on with the same bits.
+        """
+
+    @property
+    def paused(self) -> bool: ...
+
+    @property
+    def time(self) -> float: ...
+
+    @property
+    def n_events(self) -> int: ...
+
+    @property
+    def contacts_reached(self) -> int:
+        """
+        Contacts so far, but for those that began in a cluster that is still together.
+        """
+
+    @property
+    def n_logged(self) -> int:
+        """Contacts known to be over."""
+
+    @property
+    def largest_cluster(self) -> int: ...
+
+    @property
+    def cluster_share(self) -> float: ...
+
+    @property
+    def outcome(self) -> str: ...
+
+    def state(self) -> tuple:
+        """Positions along the unfolded paths and velocities (N, d) at `time`."""
+
+    def observe(self) -> dict: ...
+
+    def take_log(self) -> tuple:
+        """
+        Contacts known to be over since the last call: begin, end, first, second, impact_speed, separation_speed, overlapped.
+        """
+
+    def open_contacts(self) -> tuple:
+        """
+        The same of contacts that last, whose end is NaN, and of those whose cluster is still together.
+        """
+
+    def save(self) -> bytes: ...
+
+    @staticmethod
+    def load(state: bytes) -> NewtonEvents: ...
+
+class NewtonSteps:
+    """Newton's equations for a box of spheres or disks in small equal steps."""
+
+    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], gravity: Sequence[float], law: tuple[str, int, Sequence[float]], time_step: float, log: bool = False) -> None: ...
+
+    def advance(self, until: float, threads: int = 1, most_steps: int = 18446744073709551615, progress: object | None = None) -> None:
+        """
+        To `until` [s], or so many steps of the way; what was paused goes on with the same bits.
+        """
+
+    @property
+    def paused(self) -> bool: ...
+
+    @property
+    def time(self) -> float: ...
+
+    @property
+    def time_step(self) -> float: ...
+
+    @property
+    def n_steps(self) -> int: ...
+
+    @property
+    def n_lists(self) -> int: ...
+
+    @property
+    def skin(self) -> float: ...
+
+    @property
+    def n_contacts(self) -> int: ...
+
+    @property
+    def n_pairs(self) -> int: ...
+
+    @property
+    def n_ended(self) -> int: ...
+
+    @property
+    def n_overlapped(self) -> int: ...
+
+    @property
+    def outcome(self) -> str: ...
+
+    def state(self) -> tuple:
+        """Positions along the unfolded paths and velocities (N, d) at `time`."""
+
+    def observe(self) -> dict: ...
+
+    def take_log(self) -> tuple:
+        """
+        Contacts that ended since the last call: begin, end, first, second, impact_speed, separation_speed, overlapped.
+        """
+
+    def open_contacts(self) -> tuple:
+        """The same of contacts that last; their end is NaN."""
+
+    def save(self) -> bytes: ...
+
+    @staticmethod
+    def load(state: bytes) -> NewtonSteps: ...
+
+def restitution_error(contact: Contact, speed: float, time_step: float) -> float:
+    """
+    The largest error of the coefficient of restitution that steps make; NaN where a contact does not end.
+    """
+
+def longest_step(contact: Contact, speed: float, error: float) -> float:
+    """
+    The longest time step whose error of the restitution is at most `error`.
+    """
