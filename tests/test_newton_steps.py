@@ -1,8 +1,8 @@
 """Newton's equations for a box by steps: of second order in the step, no contact missed, the same bits in any way."""
 
+import functools
 import itertools
 import json
-import functools
 import math
 
 import numpy as np
@@ -15,7 +15,7 @@ from conftest import DATA, damped, lattice, law_of, laws, log_floats, restitutio
 from hardlimit import _core
 from hardlimit.particles import time_step
 
-by_steps = functools.partial(hl.molecular_dynamics, engine="steps")
+molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
 
 CASES = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
 BOXES = CASES["newton"] + CASES["dilute"]
@@ -42,7 +42,7 @@ def shortest_contact(system, law, speed):
 def by_steps(system, law, until, per_contact, samples=1, **options):
     """A run with so many steps for the shortest contact at the largest speed to expect."""
     step = shortest_contact(system, law, time_step.largest_speed(system)) / per_contact
-    return by_steps(
+    return molecular_dynamics(
         system, law=law, until=until, time_step=step, log=True, samples=samples, **options
     )
 
@@ -136,7 +136,7 @@ def test_a_contact_in_the_box_keeps_to_the_error_of_the_restitution(law, speed, 
     system = hl.ParticleSystem(at, velocities, [first, second], density=2500.0, box=box, boundary=sides)
     kinds = list(time_step.contacts(system, law))
     until = gap / speed + 2.0 * max(c.duration(np.array([speed]))[0] for c in kinds)
-    run = by_steps(system, law=law, until=until, restitution_error=1e-3, log=True, samples=3)
+    run = molecular_dynamics(system, law=law, until=until, restitution_error=1e-3, log=True, samples=3)
     balls = [hl.Ball(r, density=2500.0) for r in sizes]
     contact = law.between(balls[0], hl.FLOOR if wall else balls[1])
     found = run.contacts.isel(contact=0)
@@ -290,7 +290,7 @@ def test_no_contact_is_missed(system, name, stiff):
 @settings(max_examples=25)
 def test_energy_is_balanced_and_momentum_kept(system, law):
     step = time_step.chosen(system, law, 1e-4, None)
-    run = by_steps(system, law=law, until=400 * step, time_step=step, samples=4)
+    run = molecular_dynamics(system, law=law, until=400 * step, time_step=step, samples=4)
     assert run.energy_error < 5e-3
     assert run.outcome == "ok"
     scale = (system.mass[:, None] * np.abs(system.velocities)).sum()
@@ -332,7 +332,7 @@ def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
 
 def test_overlapped_contacts_are_those_that_share_a_particle_while_they_last():
     law = GLASS.replace(stiffness=2e3)
-    run = by_steps(lattice(60, seed=2), law=law, until=8e-3, log=True)
+    run = molecular_dynamics(lattice(60, seed=2), law=law, until=8e-3, log=True)
     log = {name: run.contacts[name].values for name in run.contacts}
     ends = np.where(np.isnan(log["end"]), math.inf, log["end"])
     rows = [{first, second} for first, second in zip(log["first"], log["second"], strict=True)]
@@ -361,7 +361,7 @@ def test_mirror_images_move_as_mirror_images():
 def test_a_heap_comes_to_rest_and_carries_its_weight():
     law = hl.LinearDashpot(stiffness=5e3, restitution=0.3)
     system = lattice(20, 2, seed=1, boundary=("wall", "wall"), gravity=9.81)
-    run = by_steps(system, law=law, until=1.0, samples=10)
+    run = molecular_dynamics(system, law=law, until=1.0, samples=10)
     # Compressed by their weight alone, the contacts stay: those of the floor carry all of it.
     assert run.rows[-1, 1] < 1e-12 * run.rows[0, 1]
     now = run.system
@@ -382,7 +382,7 @@ def test_pressure_of_a_cold_crystal_is_that_of_its_springs():
         at, np.zeros_like(at), width / 2, density=2500.0, box=n * edge, allowed_overlap=0.02
     )
     law = hl.LinearDashpot(stiffness=1e4, damping=0.0)
-    run = by_steps(system, law=law, until=1e-3, samples=2)
+    run = molecular_dynamics(system, law=law, until=1e-3, samples=2)
     pressure = 2 * n * n * edge * 1e4 * overlap / 2.0 / (n * edge) ** 2
     assert run.series.pressure.values[1:] == pytest.approx([pressure] * 2, rel=1e-9)
     assert run.n_contacts == 2 * n * n and run.n_ended == 0
@@ -404,7 +404,7 @@ def test_a_law_by_the_material_for_each_of_many_kinds_of_particles():
 
 
 def test_series_and_repr():
-    run = by_steps(lattice(64, seed=3), law=GLASS, until=4e-3, samples=8)
+    run = molecular_dynamics(lattice(64, seed=3), law=GLASS, until=4e-3, samples=8)
     series = run.series
     assert series.time.values == pytest.approx(np.arange(9) * 5e-4)
     energy = sum(series[f"{kind}_energy"] for kind in ("kinetic", "potential", "contact", "dissipated"))
@@ -420,7 +420,7 @@ def test_series_and_repr():
 
 def test_checkpoints_go_on_with_the_same_bits(tmp_path):
     system, path = lattice(100, seed=7), tmp_path / "run.npz"
-    whole = by_steps(system, law=GLASS, until=2e-3, log=True, samples=20)
+    whole = molecular_dynamics(system, law=GLASS, until=2e-3, log=True, samples=20)
     asked = 0
 
     def interrupt(done, total):
@@ -431,7 +431,7 @@ def test_checkpoints_go_on_with_the_same_bits(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        by_steps(
+        molecular_dynamics(
             system, law=GLASS, until=2e-3, log=True, samples=20, checkpoint=path, progress=interrupt
         )
     resumed = hl.resume(path)
@@ -457,11 +457,10 @@ def test_a_state_that_is_damaged_is_refused():
 def test_the_step_is_found_for_the_system():
     system = lattice(27)
     coarse, fine = (
-        by_steps(system, law=GLASS, until=0.0, restitution_error=e).time_step
-        for e in (1e-2, 1e-4)
+        molecular_dynamics(system, law=GLASS, until=0.0, restitution_error=e).time_step for e in (1e-2, 1e-4)
     )
     assert 4.0 < coarse / fine < 20.0
-    stiff = by_steps(system, law=GLASS.replace(stiffness=4e5), until=0.0, restitution_error=1e-4)
+    stiff = molecular_dynamics(system, law=GLASS.replace(stiffness=4e5), until=0.0, restitution_error=1e-4)
     assert stiff.time_step == pytest.approx(fine / 2.0, rel=1e-12)
 
 
@@ -488,7 +487,7 @@ def test_the_step_is_found_for_the_system():
 def test_bad_input_is_refused_in_one_line(given, message):
     arguments = {"system": lattice(8), "law": GLASS, "until": 1e-3} | given
     with pytest.raises(ValueError, match=message) as refused:
-        by_steps(**arguments)
+        molecular_dynamics(**arguments)
     assert "\n" not in str(refused.value)
 
 

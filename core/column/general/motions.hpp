@@ -47,10 +47,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "../../dormand_prince.hpp"
 #include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
-#include "../../dormand_prince.hpp"
 
 namespace hardlimit::column {
 

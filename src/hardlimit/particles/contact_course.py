@@ -24,7 +24,7 @@ from .system import Floats, ParticleSystem
 PORTION: Final = 0.2
 #: In the header of a checkpoint.
 KIND: Final = "molecular_dynamics"
-ENGINES: Final = {"events": _core.NewtonEvents, "steps": _core.NewtonSteps}
+ENGINES: Final[dict[str, Any]] = {"events": _core.NewtonEvents, "steps": _core.NewtonSteps}
 
 #: What an engine knows of itself.
 STEPS: Final = ("time_step", "n_steps")

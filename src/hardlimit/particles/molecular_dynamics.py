@@ -54,12 +54,12 @@ def molecular_dynamics(
         ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step. For dense
         systems and heaps at rest.
     restitution_error : float
-        By steps. The error of ε that steps may make, 1e-3 unless told otherwise. It is measured on isolated contacts of all kinds
-        in the system at the speeds to expect, and the longest step that keeps to it is taken.
+        By steps. The error of ε that they may make, 1e-3 unless told otherwise. It is measured on isolated contacts of
+        all kinds in the system at the speeds to expect, and the longest step that keeps to it is taken.
     time_step : float [s]
         By steps. The longest one, instead. Give at most one of the two.
     threads : int, optional
-        By steps. All processors unless told otherwise, as far as the particles suffice. The bits do not depend on it.
+        By steps. All processors unless told otherwise, as far as the particles suffice; the bits are the same.
     samples : int
         Spacings of the series. By steps, a whole number of them lies between two samples.
     log : bool
@@ -162,7 +162,9 @@ def refuse_steps(**given: Any) -> None:
     """
     for name, value in given.items():
         if value is not None:
-            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: engine 'events' takes no steps")
+            raise ValueError(
+                f"{name}: got {validation.shown(value)}, must be left out: engine 'events' takes no steps"
+            )
 
 
 def checked_threads(threads: Any, n: int) -> int:
