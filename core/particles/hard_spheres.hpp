@@ -64,7 +64,7 @@ private:
     struct Look {
         hardlimit_abi::TouchQuery query;
         u32 id;
-        u32 except = nobody;         // not to be met: what the particle has just collided with
+        u32 except = nobody;  // not to be met where it touches: what the particle has just collided with
         double in = math::infinity;  // [s] from now
         u32 partner = nobody;
     };
@@ -103,8 +103,7 @@ private:
     std::unique_ptr<SoftRule> soft_;
     Records<SoftContact> softs_;  // under the soft rule only
     i64 soft_contacts_ = 0, soft_third_body_ = 0;
-    bool fetches_ = false;    // whether the system is too large for the caches
-    bool small_box_ = false;  // a particle may have two images of another beside it
+    bool fetches_ = false;  // whether the system is too large for the caches
 
     static hardlimit_abi::TouchTimes times_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.times[d - 2][static_cast<int>(motion)];
@@ -161,6 +160,7 @@ private:
     void search_images(Look& look, int level, const Place<d>& from, const Place<d>& to);
     void search_finer(Look& look, int level);
     void examine(Look& look, std::size_t n);
+    bool in_touch(const Look& look, u32 id) const;
     void keep(const Look& found);
     double frame_speed(const double* velocity) const;
     double fastest_possible() const;
