@@ -214,6 +214,23 @@ def test_saved_runs_and_pieces_of_time_give_the_same_bits() -> None:
         assert [getattr(whole, c) for c in counts] == [getattr(parts, c) for c in counts]
 
 
+def test_order_in_memory_changes_nothing() -> None:
+    """A large system is sorted along its cells now and then, a loaded one at other times than the one that was saved."""
+    n = 5000
+    position, velocity, edge = packed(n, 0.3)
+    order = np.random.default_rng(1).permutation(n)
+    position, velocity = position[order], velocity[order]
+    whole = engine(position, velocity, box=edge, restitution=0.95)
+    whole.advance(math.inf, 25 * n)
+    parts = engine(position, velocity, box=edge, restitution=0.95)
+    for rows in (3 * n, 11 * n, 25 * n):
+        parts = _core.HardSpheres.load(parts.save())
+        parts.advance(math.inf, rows)
+    assert same_state(whole, parts)
+    for a, b in zip(whole.take_log(), parts.take_log(), strict=True):
+        assert np.array_equal(a, b)
+
+
 def test_damaged_bytes_are_refused() -> None:
     saved = engine([[1.0, 1.0]], [[1.0, 0.0]], box=3.0).save()
     flipped = bytearray(saved)

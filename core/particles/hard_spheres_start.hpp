@@ -19,6 +19,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
     lay_cells(s.n);
     take(s);
     put_into_cells();
+    next_sort_ = collisions_between_sorts * static_cast<i64>(s.n);
     if (rule.soft) softs_.assign(s.n, {-math::infinity, nobody});
     refresh_tally();
     predict_all(stop);
