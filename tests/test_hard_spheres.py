@@ -215,7 +215,7 @@ def test_saved_runs_and_pieces_of_time_give_the_same_bits() -> None:
 
 
 def test_order_in_memory_changes_nothing() -> None:
-    """A large system is sorted along its cells now and then, a loaded one at other times than the one that was saved."""
+    """A large system is sorted along its cells now and then, a loaded one at other times than the saved one."""
     n = 5000
     position, velocity, edge = packed(n, 0.3)
     order = np.random.default_rng(1).permutation(n)
