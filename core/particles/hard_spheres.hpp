@@ -59,12 +59,13 @@ private:
     // Growing radii that touch part at this many times the speed at which they grow, or faster.
     static constexpr double separation = 1.5;
     static constexpr std::size_t least_candidates = 256;
+    static constexpr i64 collisions_between_sorts = 20;  // for each particle
 
     // A particle that looks for its next collision, and what it has found.
     struct Look {
         hardlimit_abi::TouchQuery query;
         u32 id;
-        u32 except = nobody;         // not to be met: what the particle has just collided with
+        u32 except = nobody;  // not to be met where it touches: what the particle has just collided with
         double in = math::infinity;  // [s] from now
         u32 partner = nobody;
     };
@@ -92,6 +93,7 @@ private:
     static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
     std::vector<u32> candidates_;
     std::vector<double> times_;  // until they are touched [s]
+    i64 next_sort_ = 0;          // row of the log
     i64 until_refresh_ = 0;      // particles' collisions before energy and momentum are summed anew
     Records<double> rescans_;    // time of the next look for smaller particles [s]
     double fastest_ = 0.0;       // bound of the speeds of all particles [m/s]
@@ -103,8 +105,7 @@ private:
     std::unique_ptr<SoftRule> soft_;
     Records<SoftContact> softs_;  // under the soft rule only
     i64 soft_contacts_ = 0, soft_third_body_ = 0;
-    bool fetches_ = false;    // whether the system is too large for the caches
-    bool small_box_ = false;  // a particle may have two images of another beside it
+    bool fetches_ = false;  // whether the system is too large for the caches
 
     static hardlimit_abi::TouchTimes times_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.times[d - 2][static_cast<int>(motion)];
@@ -161,9 +162,13 @@ private:
     void search_images(Look& look, int level, const Place<d>& from, const Place<d>& to);
     void search_finer(Look& look, int level);
     void examine(Look& look, std::size_t n);
+    bool in_touch(const Look& look, u32 id) const;
     void keep(const Look& found);
     double frame_speed(const double* velocity) const;
     double fastest_possible() const;
+
+    // hard_spheres_sort.hpp
+    void sort_along_cells();
 
     // hard_spheres_ahead.hpp
     void look_ahead();
@@ -198,6 +203,7 @@ struct Kind {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& stop) {
     while (outcome_ == Outcome::ok && (most_rows == 0 || tally_.rows() < most_rows)) {
+        if (fetches_ && tally_.rows() >= next_sort_) sort_along_cells();
         const Due* due = next_due();
         if (!due || due->time > until) {
             now_ = math::max(now_, until);
@@ -231,4 +237,5 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
 #include "hard_spheres_events.hpp"
 #include "hard_spheres_search.hpp"
 #include "hard_spheres_soft.hpp"
+#include "hard_spheres_sort.hpp"
 #include "hard_spheres_start.hpp"

@@ -208,11 +208,10 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
 }
 
 // What a particle that has just collided need not look at: its partner, which cannot be met again before either has met
-// something else. In a small box another image of it can.
+// something else; another image of it may be.
 template <int d, Motion motion, bool mixed>
 u32 HardSpheres<d, motion, mixed>::except_for(u32 i, u32 partner) const {
-    if (soft_) return last_met(i);
-    return small_box_ ? nobody : partner;
+    return soft_ ? last_met(i) : partner;
 }
 
 // After each collision of a particle.

@@ -23,6 +23,21 @@ auto HardSpheres<d, motion, mixed>::look(u32 i) const -> Look {
     return look;
 }
 
+// Whether the image of a particle that was just examined touches the one that looks, or lies in it.
+template <int d, Motion motion, bool mixed>
+bool HardSpheres<d, motion, mixed>::in_touch(const Look& look, u32 id) const {
+    const hardlimit_abi::TouchQuery& q = look.query;
+    const Particle<d>& p = particles_[id];
+    double square = 0.0;
+    for (int k = 0; k < d; ++k) {
+        const double r = position_after<motion>(p, k, now_ - p.time, box_) + q.shift[k] - q.position[k];
+        const double nearest = r - q.edge[k] * math::round_small(r * q.per_edge[k]);
+        square += nearest * nearest;
+    }
+    const double touch = (q.radius + radius(id)) * q.share;
+    return square <= touch * touch * (1.0 + 1e-9);
+}
+
 // The first n candidates. Simultaneous ones are told apart by the user's numbers.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::examine(Look& look, std::size_t n) {
@@ -33,7 +48,7 @@ void HardSpheres<d, motion, mixed>::examine(Look& look, std::size_t n) {
     for (std::size_t k = 0; k < n; ++k) {
         if (times[k] > look.in || times[k] == math::infinity) continue;
         const u32 id = candidates_[k];
-        if (id == look.except) continue;
+        if (id == look.except && in_touch(look, id)) continue;
         if (times[k] < look.in || names_[id] < names_[look.partner]) {
             look.in = times[k];
             look.partner = id;

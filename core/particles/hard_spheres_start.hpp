@@ -19,6 +19,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
     lay_cells(s.n);
     take(s);
     put_into_cells();
+    next_sort_ = collisions_between_sorts * static_cast<i64>(s.n);
     if (rule.soft) softs_.assign(s.n, {-math::infinity, nobody});
     refresh_tally();
     predict_all(stop);
@@ -70,8 +71,6 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::lay_cells(std::size_t n) {
     cells_ = Cells<d>(box_, n, 2.0 * smallest_radius_, 2.0 * largest_radius_);
     fetches_ = n > 4000;
-    for (const Grid<d>& g : cells_.grids())
-        for (int k = 0; k < d; ++k) small_box_ = small_box_ || (box_.periodic[k] && g.cells[k] < 3);
 }
 
 // Particles in the order of their cells: neighbours in space are neighbours in memory.
