@@ -175,7 +175,7 @@ def test_same_events(rule: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("rule", "block"), list(itertools.product(RULES, range(4))))
+@pytest.mark.parametrize(("rule", "block"), list(itertools.product(RULES[:3], range(4))))
 def test_same_events_in_many_systems(rule: str, block: int) -> None:
     for seed in range(1000 + 50 * block, 1050 + 50 * block):
         assert_same_events(seed, rule)
