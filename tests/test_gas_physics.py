@@ -98,7 +98,7 @@ def test_pressure_of_spheres(packing_fraction: float) -> None:
     n = 4000
     run = gas(n, packing_fraction)
     run_rows(run, 40 * n)
-    found, error = compressibility(run, n, 3, 50 * n)
+    found, error = compressibility(run, n, 3, 30 * n)
     known = COMPRESSIBILITY[packing_fraction]
     assert error < 2e-3 * known
     assert abs(found - known) < 4.0 * error + KNOWN_TO
@@ -147,9 +147,10 @@ def test_collision_rate_of_disks() -> None:
 
 
 def test_mean_free_path_and_self_diffusion() -> None:
-    """At n (2R)³ = 0.5: 0.1303·2R and D = 0.247 in units of 2R and √T (L. Lue, J. Chem. Phys. 122, 044513 (2005)).
+    """At n (2R)³ = 0.5, in units of 2R and √T: √T/ν = 0.1303 and D = 0.247 (L. Lue, J. Chem. Phys. 122, 044513 (2005)).
 
-    A periodic box of edge L lowers D by 2.84 T/(6π η L), some 3 % here.
+    The path at the mean speed √(8T/π) is 1.6 times √T/ν. A periodic box of edge L lowers D by 2.84 T/(6π η L), some 3 %
+    here.
     """
     n = 4000
     run = gas(n, 0.5 * math.pi / 6.0, seed=5)
@@ -166,7 +167,7 @@ def test_mean_free_path_and_self_diffusion() -> None:
         diffusion.append(grown / (6.0 * (late - early)) / 2.0)
         rates.append(2.0 * (run.n_pairs - pairs) / (n * (late - time)))
     rate, _ = mean_and_error(rates)
-    assert math.sqrt(8.0 / math.pi) / rate / 2.0 == pytest.approx(0.1303, rel=3e-3)
+    assert 0.5 / rate == pytest.approx(0.1303, rel=3e-3)
     found, error = mean_and_error(diffusion)
     assert abs(found - 0.247 * 0.97) < 4.0 * error + 0.01 * 0.247
 
@@ -190,7 +191,7 @@ def test_maxwell_distribution_comes_about_and_stays() -> None:
 
 
 def test_energy_and_momentum_are_kept() -> None:
-    run = gas(1000, 0.3, seed=7)
+    run = gas(10_000, 0.3, seed=7)
     before = run.observe()
     run_rows(run, 10_000_000)
     _, velocity = run.state()
@@ -200,10 +201,13 @@ def test_energy_and_momentum_are_kept() -> None:
 
 @pytest.mark.parametrize("restitution", [0.7, 0.8, 0.9, 0.95])
 def test_cooling_gas(restitution: float) -> None:
-    """Haff's law, dT/dt = −(1 − ε²) ν T/d, counted in collisions, and the fourth cumulant of the velocities."""
+    """Haff's law, dT/dt = −(1 − ε²) ν T/d, counted in collisions, and the fourth cumulant of the velocities.
+
+    Seen from 4 to 14 collisions of each particle on: later, vortices make the gas cool more slowly.
+    """
     n = 20_000
     run = gas(n, 0.05, seed=8, restitution=restitution)
-    run_rows(run, 5 * n)
+    run_rows(run, 2 * n)
     energies, counts, cumulants = [], [], []
     for _ in range(10):
         _, velocity = run.state()
@@ -211,7 +215,7 @@ def test_cooling_gas(restitution: float) -> None:
         energies.append(np.mean(square))
         counts.append(2.0 * run.n_pairs / n)
         cumulants.append(0.6 * np.mean(square**2) / np.mean(square) ** 2 - 1.0)
-        run_rows(run, n)
+        run_rows(run, n // 2)
     slope = np.polyfit(counts, np.log(energies), 1)[0]
     # To first order the fourth cumulant a changes the loss of a collision by the factor 1 + a/4.
     expected = -(1.0 - restitution**2) / 3.0
