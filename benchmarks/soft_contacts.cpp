@@ -1,5 +1,5 @@
-// What a contact of the soft rule costs: read from polynomials as an event-driven run does, and solved; for thermal speeds at
-// which an elastic impact is `depth` of the distance deep. Processor time of one core.
+// What a contact of the soft rule costs: read from polynomials as an event-driven run does, and solved; for thermal
+// speeds at which an elastic impact is `depth` of the distance deep. Processor time of one core.
 //   g++ -std=c++20 -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -Icore benchmarks/soft_contacts.cpp
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// The kernels of core/sweep/ and core/particles/ for one instruction set: compiled once for each, with `hardlimit` renamed and
-// HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
+// The kernels of core/sweep/ and core/particles/ for one instruction set: compiled once for each, with `hardlimit`
+// renamed and HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
 // CMakeLists.txt). The number of lanes changes the speed, never the result.
 #include "particles/touch_kernel.hpp"
 #include "sweep/batch.hpp"

@@ -395,6 +395,6 @@ void bind_particles(nb::module_& m) {
     m.def(
         "grow_packing", &grow_packing, "n"_a, "dimension"_a, "radius"_a, "box"_a, "periodic"_a, "seed"_a,
         "progress"_a.none() = nb::none(),
-        "Random positions (n, dimension) of particles that do not overlap: small ones thrown in, which move and collide "
-        "while they grow. progress(share of the final radii, collisions) is called now and then.");
+        "Random positions (n, dimension) of particles that do not overlap: small ones thrown in, which move and "
+        "collide while they grow. progress(share of the final radii, collisions) is called now and then.");
 }

@@ -342,9 +342,9 @@ double* scratch(long n) {
 }
 
 // Solves the column requested: model 0 Newton's equations, 1 adiabatic (two balls, linear law), 2 independent
-// collisions; until NaN: the sequence only; most_events of independent collisions, 0: as many as in Python. Reply: outcome, contacts of the sequence, t_end, t_floor_end, relative and
-// separation velocity, first and last time, recorded contacts, speed at the floor, ε_eff of both velocities.
-// Returns whether the model exists for this column.
+// collisions; until NaN: the sequence only; most_events of independent collisions, 0: as many as in Python. Reply:
+// outcome, contacts of the sequence, t_end, t_floor_end, relative and separation velocity, first and last time,
+// recorded contacts, speed at the floor, ε_eff of both velocities. Returns whether the model exists for this column.
 int solve(int model, double until, double most_events = 0.0) {
     Solved& slot = solved(model);
     slot.options = {};

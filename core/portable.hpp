@@ -49,8 +49,8 @@ using u64 = unsigned long long;
 static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 
 #if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
-// Brings a cache line near before it is needed. Forced inline: gcc takes a function that only does this for one that does
-// nothing.
+// Brings a cache line near before it is needed. Forced inline: gcc takes a function that only does this for one that
+// does nothing.
 __attribute__((always_inline)) inline void prefetch(const void* p) { __builtin_prefetch(p); }
 
 // Fewer entries of the page table for a large array; a hint that may be ignored.

@@ -369,7 +369,7 @@ def arguments_of_runs() -> list[Argument]:
 
     def move(system: Any, **options: Any) -> Any:
         with TemporaryDirectory() as folder, chdir(folder):
-            return hl.molecular_dynamics(system, **options)
+            return hl.molecular_dynamics(system, **({"engine": "steps"} | options))
 
     system = hl.ParticleSystem(**DISKS)
     brief = {"system": system, "law": LAW, "until": 1e-4}

@@ -6,7 +6,8 @@
 //   elastic_force(s)         its part at rest [N], which never falls as s grows
 //   energy(s)                energy stored in the compression [J], elastic_force = dE/dξ
 //   slack(rate)              compression up to which the force is zero at this rate (see Slack)
-//   similar                  true, only where the force is a power of ξ and another power of ξ times ξ̇: then contacts of the
+//   similar                  true, only where the force is a power of ξ and another power of ξ times ξ̇: then
+//   contacts of the
 //                            same damping force, in units of the elastic one, are copies of each other on another scale
 //   relaxation_time()        only where slack is −relaxation_time · rate exactly, which has closed forms [s]
 //   restitution(speed, m)    ratio of speeds of one isolated collision

@@ -3,8 +3,8 @@
 // Time is cut into bins, a year into as many as there are buckets. A bucket is a chain of cache lines of ids, nothing
 // else: an id is put into the bin of its particle's next event and never taken out when that event is superseded. When
 // a bin's time comes its ids are looked up; those whose event lies elsewhere by now are dropped, the others are sorted.
-// Events beyond the year wait in one list. The width of a bin follows the rate of events: a gas that cools slows down by
-// many orders of magnitude.
+// Events beyond the year wait in one list. The width of a bin follows the rate of events: a gas that cools slows
+// down by many orders of magnitude.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -129,7 +129,8 @@ private:
         unfit_ = false;
     }
 
-    // Of a bin that holds per_bin events: a quarter of the particles have theirs before the first quartile of the times.
+    // Of a bin that holds per_bin events: a quarter of the particles have theirs before the first quartile of the
+    // times.
     template <class Key>
     double width(const Key& key) const {
         std::vector<double> sample;

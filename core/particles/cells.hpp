@@ -15,7 +15,8 @@
 
 namespace hardlimit::particles {
 
-// Up to three ids, then their number; or, where there are more, four more than the index of the cell that holds the rest.
+// Up to three ids, then their number; or, where there are more, four more than the index of the cell that holds the
+// rest.
 struct Cell {
     u32 id[3];
     u32 tail;
@@ -131,8 +132,8 @@ public:
         if (c->tail <= inline_ids) return n + c->tail;
         return collect_chain(c, list, n);
     }
-    // All ids in a block of at most three cells along each axis; what lies beyond a border is found on the other side, or
-    // not at a wall. `across` tells whether the block reaches across a periodic border.
+    // All ids in a block of at most three cells along each axis; what lies beyond a border is found on the other
+    // side, or not at a wall. `across` tells whether the block reaches across a periodic border.
     std::size_t collect_near(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to,
                              std::vector<u32>& list, bool& across) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
@@ -182,8 +183,8 @@ public:
         });
     }
 
-    // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles in the
-    // cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
+    // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles
+    // in the cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
     template <class F>
     void for_block(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to, const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];

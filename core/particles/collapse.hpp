@@ -1,11 +1,12 @@
 // Inelastic collapse: infinitely many collisions in a finite time, of a ball that bounces out on a floor or of a few
 // particles between each other (McNamara & Young, Phys. Fluids A 4, 496 (1992)).
 //
-// Speeds and waiting times then shrink together, by a factor at each collision. So a particle collapses where it collides
-// four times or more, each time more slowly than before and after less than 1e-8 radii at the speed of approach, until that
-// speed has fallen to a millionth. In a gas one collision of 1e8 comes so soon after the last. Touching particles that are
-// hit also collide at one instant, but their speeds do not fall so far; approaches at the rounding of the velocities do not
-// count. So that no run stands still for another reason, ten thousand collisions, a thousand of them of one particle, in
+// Speeds and waiting times then shrink together, by a factor at each collision. So a particle collapses where it
+// collides four times or more, each time more slowly than before and after less than 1e-8 radii at the speed of
+// approach, until that speed has fallen to a millionth. In a gas one collision of 1e8 comes so soon after the last.
+// Touching particles that are hit also collide at one instant, but their speeds do not fall so far; approaches at
+// the rounding of the velocities do not count. So that no run stands still for another reason, ten thousand
+// collisions, a thousand of them of one particle, in
 // 1e-9 of the time in which a particle moves by a radius are a collapse too.
 #pragma once
 #include <unordered_map>

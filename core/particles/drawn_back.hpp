@@ -1,7 +1,7 @@
-// What the soft rule does to a pair. The path after the contact, followed backwards as free flight to the instant of touch,
-// starts at r* = r(t_c) − t_c v(t_c) with the velocity v* = v(t_c); at a wall across gravity it is the parabola through the
-// end of the contact. A pair that is put there at touch and flies on freely is on the path of Newton's equations from
-// t_c on.
+// What the soft rule does to a pair. The path after the contact, followed backwards as free flight to the instant of
+// touch, starts at r* = r(t_c) − t_c v(t_c) with the velocity v* = v(t_c); at a wall across gravity it is the
+// parabola through the end of the contact. A pair that is put there at touch and flies on freely is on the path of
+// Newton's equations from t_c on.
 #pragma once
 #include "planar_contact.hpp"
 

@@ -1,5 +1,5 @@
-// Collisions under the soft rule: a contact takes time and turns the line of centres. Both bodies are put where the straight
-// path, or at a wall the parabola, that they follow after the contact was at the instant of touch.
+// Collisions under the soft rule: a contact takes time and turns the line of centres. Both bodies are put where the
+// straight path, or at a wall the parabola, that they follow after the contact was at the instant of touch.
 #pragma once
 
 namespace hardlimit::particles {

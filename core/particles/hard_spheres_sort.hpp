@@ -1,5 +1,5 @@
-// Particles wander off, and with them what lies together in memory: from time to time they are sorted along the cells anew.
-// Nothing but the speed depends on when.
+// Particles wander off, and with them what lies together in memory: from time to time they are sorted along the
+// cells anew. Nothing but the speed depends on when.
 #pragma once
 
 namespace hardlimit::particles {

@@ -1,12 +1,13 @@
 // Newton's equations for a box of spheres or disks, from event to event.
 //
-// Between contacts bodies fly on parabolas, known exactly. Bodies in contact form groups, solved from their `begin` to an
-// `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its approach
-// (planar_contact.hpp), contacts that share a body by integration (events/cluster.hpp). Until its end the members of a group are
-// busy. To the others, each of them is a body on the parabola between the two ends of its path, larger by the `margin`,
-// the most by which its true path leaves that parabola. As long as no other body comes so near, nothing can act on the group
-// and its end stands. When one does (a conflict), the group is integrated again, up to now, and goes on together with
-// that body. So no contact is missed, and nothing is done that a later event could change.
+// Between contacts bodies fly on parabolas, known exactly. Bodies in contact form groups, solved from their `begin`
+// to an `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its approach
+// (planar_contact.hpp), contacts that share a body by integration (events/cluster.hpp). Until its end the members of
+// a group are busy. To the others, each of them is a body on the parabola between the two ends of its path, larger
+// by the `margin`, the most by which its true path leaves that parabola. As long as no other body comes so near,
+// nothing can act on the group and its end stands. When one does (a conflict), the group is integrated again, up to
+// now, and goes on together with that body. So no contact is missed, and nothing is done that a later event could
+// change.
 //
 // Every body keeps its earliest event alone; it is dropped if the partner has been deflected since (`version`).
 #pragma once
@@ -245,8 +246,8 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
     for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) predict(i);
 }
 
-// Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and the
-// largest body; any other pair that does not fit is solved by itself.
+// Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and
+// the largest body; any other pair that does not fit is solved by itself.
 template <class Law>
 SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const steps::PairLaws<Law>& laws,
                                                          std::size_t count) {

@@ -1,12 +1,13 @@
 // Newton's equations for a box of spheres or disks in small equal steps.
 //
-// Leapfrog: the forces at t_n change the velocities from t_n − h/2 to t_n + h/2, with which the bodies move on to t_{n+1}.
-// A force that depends on the velocity is taken at v_{n−1/2} + a_{n−1} h/2, which is v_n to second order; with the velocity
-// half a step ago, ε is right to first order only. New contacts get the impulse that equal steps miss (steps/onset.hpp).
-// So positions, velocities, energies and ε are all of second order in h.
+// Leapfrog: the forces at t_n change the velocities from t_n − h/2 to t_n + h/2, with which the bodies move on to
+// t_{n+1}. A force that depends on the velocity is taken at v_{n−1/2} + a_{n−1} h/2, which is v_n to second order;
+// with the velocity half a step ago, ε is right to first order only. New contacts get the impulse that equal steps
+// miss (steps/onset.hpp). So positions, velocities, energies and ε are all of second order in h.
 //
-// A step is a sweep over the list of neighbours, which finds the few pairs in contact, and a pass that moves all bodies. An
-// advance begins and ends with half a step of the velocities: between two calls they belong to the time of the positions.
+// A step is a sweep over the list of neighbours, which finds the few pairs in contact, and a pass that moves all
+// bodies. An advance begins and ends with half a step of the velocities: between two calls they belong to the time
+// of the positions.
 //
 // The list is made anew once a body may have moved by half the skin. The sum of the largest speeds bounds that; where
 // the bound says so, distances are measured, since in a dense box bodies do not get far.
@@ -64,8 +65,8 @@ public:
     }
     void save(Writer& writer) { exchange(writer); }
 
-    // To `until` in equal steps of at most the time step. After `most_steps`, or where the watch says stop, the run pauses
-    // on the way: asked to go on to the same time, it does as if nothing had been, to the last bit.
+    // To `until` in equal steps of at most the time step. After `most_steps`, or where the watch says stop, the run
+    // pauses on the way: asked to go on to the same time, it does as if nothing had been, to the last bit.
     template <class Watch>
     void advance(double until, std::uint64_t most_steps, int threads, std::chrono::milliseconds period,
                  const Watch& watch) {

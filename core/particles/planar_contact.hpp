@@ -1,22 +1,25 @@
-// The isolated contact of two spheres in the plane of their approach, of any law (P. Müller and T. Pöschel, Phys. Rev. E
+// The isolated contact of two spheres in the plane of their approach, of any law (P. Müller and T. Pöschel, Phys.
+// Rev. E
 // 87, 033301 (2013)). r is the distance of the centres, l that at touch, ξ = l − r the compression, h = l v_t:
 //   ξ̈ = −F(ξ, ξ̇)/m_eff − h²/r³ + g,   θ̇ = h/r²,   ξ = 0, ξ̇ = v_n at touch,
-// until F = 0. θ is the angle by which the line of centres has turned. At a wall the distance is infinite: nothing turns,
-// and g is the acceleration that presses the body against the wall. Between two bodies common gravity drops out.
+// until F = 0. θ is the angle by which the line of centres has turned. At a wall the distance is infinite: nothing
+// turns, and g is the acceleration that presses the body against the wall. Between two bodies common gravity drops out.
 //
 // Units: length L, speed V, time L/V, so that a contact 1e-8 l deep keeps its digits. With ξ = L X, c = v_t² L/(l V²),
 // λ = L/l, f = F L/(m_eff V²) and w = 1 − λX:
 //   dU/dT = −f − c/w³ + gL/V²,   turn = (v_t/V) λ (T + λ J),   dJ/dT = X (2 − λX)/w².
-// L is the depth of an elastic impact at v_n, divided by 1 + c, because c alone would turn the motion around at 1/(2c): a
-// contact that the path leaves before any force acts is as well scaled as a head-on one.
+// L is the depth of an elastic impact at v_n, divided by 1 + c, because c alone would turn the motion around at
+// 1/(2c): a contact that the path leaves before any force acts is as well scaled as a head-on one.
 //
-// Order. A force like ξ^{3/2} has a singular derivative at touch. With X = σ^p, p = Law::onset_power, and dT = σ^{p−1} dτ the
-// equations have none: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which the solution is smooth.
+// Order. A force like ξ^{3/2} has a singular derivative at touch. With X = σ^p, p = Law::onset_power, and dT =
+// σ^{p−1} dτ the equations have none: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which the
+// solution is smooth.
 //
-// The end is where the law says that the force ends (law.hpp). While bodies separate without a force r̈ = h²/r³ >= 0, and the
-// slack never falls: such a contact does not begin again. Between two bodies ξ̈ < 0 throughout, so that it always ends.
-// At a wall gravity may hold a contact closed. Once it is compressed anew it never ends: the orbit in the plane of
-// (ξ, ξ̇) stays inside the loop it has drawn, and the line of zero force, which begins at the origin, does not enter there.
+// The end is where the law says that the force ends (law.hpp). While bodies separate without a force r̈ = h²/r³ >=
+// 0, and the slack never falls: such a contact does not begin again. Between two bodies ξ̈ < 0 throughout, so that
+// it always ends. At a wall gravity may hold a contact closed. Once it is compressed anew it never ends: the orbit
+// in the plane of (ξ, ξ̇) stays inside the loop it has drawn, and the line of zero force, which begins at the
+// origin, does not enter there.
 #pragma once
 #include "../column/general/motions.hpp"
 #include "../outcome.hpp"
@@ -350,8 +353,8 @@ HL_FN PlanarState fly_on(const Approach& a, const PlanarContact& end, double tim
             end.turn + math::atan2_upper(across, along)};
 }
 
-// The true state of the pair at `count` times [s] after touch, in rising order: during the contact and after it. NaN where
-// the contact is refused, and from where it is known to last for ever.
+// The true state of the pair at `count` times [s] after touch, in rising order: during the contact and after it. NaN
+// where the contact is refused, and from where it is known to last for ever.
 template <class Law>
 PlanarContact sample_planar_contact(const Law& law, const Approach& approach, const double* times, long count,
                                     PlanarState* states) {

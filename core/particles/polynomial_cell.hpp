@@ -1,7 +1,8 @@
 // Polynomials of several functions at once over a box, through as few points as they have terms.
 //
-// The points are those of a grid of Leja points (each as far as possible from those before it, by the product of the distances;
-// drawn together a little, because not every function has a value on the edge) with indices that add up to at most
+// The points are those of a grid of Leja points (each as far as possible from those before it, by the product of the
+// distances; drawn together a little, because not every function has a value on the edge) with indices that add up
+// to at most
 // `degree`. On such a set the divided differences along one direction after the other give Newton's form of the one
 // polynomial of this total degree through all values.
 #pragma once

@@ -9,8 +9,8 @@ HL_FN double time_below(double x, double v, double high) {
     return v > 0.0 ? math::max(0.0, (high - x) / v) : math::infinity;
 }
 
-// Time for which x + v τ + g τ²/2 stays at or below `high`, where x ≤ high, or v leads there. The last crossing upwards for
-// g > 0, the first for g < 0, each in the form that does not cancel.
+// Time for which x + v τ + g τ²/2 stays at or below `high`, where x ≤ high, or v leads there. The last crossing
+// upwards for g > 0, the first for g < 0, each in the form that does not cancel.
 HL_FN double time_below(double x, double v, double g, double high) {
     if (g == 0.0) return time_below(x, v, high);
     const double room = v < 0.0 ? high - x : math::max(0.0, high - x);

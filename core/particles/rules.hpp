@@ -14,8 +14,8 @@
 
 namespace hardlimit::particles {
 
-// ε of one contact as a function of speed, from polynomials between the few speeds for which the law is asked. An octave
-// of speeds is cut into eight; with nine nodes on each piece the error is rounding, 1e-15 for a smooth ε(v).
+// ε of one contact as a function of speed, from polynomials between the few speeds for which the law is asked. An
+// octave of speeds is cut into eight; with nine nodes on each piece the error is rounding, 1e-15 for a smooth ε(v).
 template <class Law>
 class TabledRestitution {
 public:

@@ -1,23 +1,25 @@
-// The contact of planar_contact.hpp for the millions of contacts of an event-driven run: read from polynomials that are fitted
-// to that solver, as accurate as `accuracy` says, in some 0.2 µs.
+// The contact of planar_contact.hpp for the millions of contacts of an event-driven run: read from polynomials that
+// are fitted to that solver, as accurate as `accuracy` says, in some 0.2 µs.
 //
-// What a contact depends on. Let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D the damping
-// force at the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar` (law.hpp) the contact,
-// in units of its own speed and depth, depends on v_n/v_l, on D and on v_t/v_n, whatever the bodies. Where D is one for all
-// pairs (equal bodies; a law whose restitution is given) there are two variables, else three. A law that is not
-// similar has polynomials for one kind of pair only.
+// What a contact depends on. Let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D
+// the damping force at the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar`
+// (law.hpp) the contact, in units of its own speed and depth, depends on v_n/v_l, on D and on v_t/v_n, whatever the
+// bodies. Where D is one for all pairs (equal bodies; a law whose restitution is given) there are two variables,
+// else three. A law that is not similar has polynomials for one kind of pair only.
 //
-// Variables. ln(v_n/v_l)², ln D, and for the direction κ = λ v_t²/v_n², the centrifugal acceleration in units of that of an
-// elastic impact, λ ≈ its depth in units of l: y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs from 1 (head-on) to 0
-// (grazing: the path leaves before any force acts). At κ ≈ −ε, where it would pull inwards, a contact would not
-// end any more; that is the singularity nearest to κ = 0, hence b = ε/2 of the head-on impact. With the unit of length
+// Variables. ln(v_n/v_l)², ln D, and for the direction κ = λ v_t²/v_n², the centrifugal acceleration in units of
+// that of an elastic impact, λ ≈ its depth in units of l: y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs
+// from 1 (head-on) to 0 (grazing: the path leaves before any force acts). At κ ≈ −ε, where it would pull inwards, a
+// contact would not end any more; that is the singularity nearest to κ = 0, hence b = ε/2 of the head-on impact.
+// With the unit of length
 // λ l/(1 + κ) and that divided by v_n for the time, the four functions stay of the order of 1 in all limits:
 // duration, compression left, 1 − radial speed/v_n, and how much faster than v_t/l the pair has turned. An undamped
 // contact has zeros for the second and the third, and loses nothing.
 //
-// A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses the accuracy
-// is not used. There, beyond the cells, at a wall across gravity and for pairs of another kind the solver itself
-// answers. What a call returns depends on its arguments and those of the constructor alone, not on the calls before.
+// A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses
+// the accuracy is not used. There, beyond the cells, at a wall across gravity and for pairs of another kind the
+// solver itself answers. What a call returns depends on its arguments and those of the constructor alone, not on the
+// calls before.
 #pragma once
 #include <memory>
 #include <vector>

@@ -1,7 +1,8 @@
 // What collisions have done so far, and the integral over time of the kinetic energy.
 //
-// Between collisions the momentum P changes by M g and the kinetic energy E by g·P per unit time. So Σ m v'², v' relative
-// to the mean velocity, is 2E − P²/M of polynomials in time, and its integral needs a few operations at each collision.
+// Between collisions the momentum P changes by M g and the kinetic energy E by g·P per unit time. So Σ m v'², v'
+// relative to the mean velocity, is 2E − P²/M of polynomials in time, and its integral needs a few operations at
+// each collision.
 #pragma once
 #include "particle.hpp"
 

@@ -1,14 +1,14 @@
-// When a particle touches each of its neighbours: the one loop of the engine that runs in vector lanes, eight, four or two
-// neighbours at once. A neighbour's record is eight doubles, so that as many records as there are lanes are turned into
-// columns by shuffles alone. A lane never depends on the others: the same bits for any number of lanes.
+// When a particle touches each of its neighbours: the one loop of the engine that runs in vector lanes, eight, four
+// or two neighbours at once. A neighbour's record is eight doubles, so that as many records as there are lanes are
+// turned into columns by shuffles alone. A lane never depends on the others: the same bits for any number of lanes.
 //
 // Two particles are apart by r, move apart at the rate v, and touch at the distance σ, which grows at the rate s (0 but
 // for growing radii). With a = v² − s², b = r·v − σ s, c = r² − σ²:
 //   |r + v τ| = σ + s τ   ⇔   a τ² + 2 b τ + c = 0,
-// whose first root is c/(−b + √(b² − a c)) where b < 0, a form that neither cancels nor leads into the past. Where c ≤ 0,
-// by rounding or because positions are drawn back, a pair that approaches collides now (Bannerman, Strobl, Formella &
-// Pöschel, Comput. Part. Mech. 1, 191 (2014)). Where radii grow faster than the pair parts, b ≥ 0 and a < 0, the root is
-// (b + √(b² − a c))/(−a).
+// whose first root is c/(−b + √(b² − a c)) where b < 0, a form that neither cancels nor leads into the past. Where c
+// ≤ 0, by rounding or because positions are drawn back, a pair that approaches collides now (Bannerman, Strobl,
+// Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). Where radii grow faster than the pair parts, b ≥ 0 and a <
+// 0, the root is (b + √(b² − a c))/(−a).
 #pragma once
 #include <cstddef>
 
@@ -29,8 +29,8 @@ struct TouchQuery {
     double share, rate;  // of the radii now, and its growth [1/s]: 1 and 0 but for growing radii
 };
 
-// Times from now at which the n particles with these ids are touched, infinity where they are not; the least of them. The
-// list of ids and that of times have room for seven more. `particles` is an array of cache lines.
+// Times from now at which the n particles with these ids are touched, infinity where they are not; the least of
+// them. The list of ids and that of times have room for seven more. `particles` is an array of cache lines.
 using TouchTimes = double (*)(const TouchQuery& query, const void* particles, unsigned* ids, std::size_t n,
                               unsigned self, double* times);
 

@@ -10,8 +10,8 @@
 // Events of a pair, each with the function that falls to zero there (d = depth of the law's slack at this rate):
 //   open → closed      −ξ                           slack → open      ξ
 //   closed → slack     s − max(d, 0)^{1/p}          slack → closed    −(ξ − d)      (a new contact)
-// A slack pair overlaps without force. A pair that has just been put on a surface is `fresh`: what vanishes there counts
-// again once it has become positive; a value below zero while it rises is rounding.
+// A slack pair overlaps without force. A pair that has just been put on a surface is `fresh`: what vanishes there
+// counts again once it has become positive; a value below zero while it rises is rounding.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -691,8 +691,8 @@ private:
         return false;
     }
 
-    // First zero in (0, high], the surface being below zero at `high`; leaves the state there in trial_. Starts from the
-    // zero of the cubic through the two ends of the step.
+    // First zero in (0, high], the surface being below zero at `high`; leaves the state there in trial_. Starts from
+    // the zero of the cubic through the two ends of the step.
     void locate(int q, Event kind, const Surface& a, const Surface& b, double length, double& high) {
         // A compression is known to the rounding of the places it is the difference of.
         const double rounding = 0.5 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;

@@ -73,8 +73,8 @@ void NewtonEvents<Law>::part(const std::vector<int>& bodies, const std::vector<L
     }
 }
 
-// A contact that nothing disturbs, as far as is known now, is solved as a whole. Otherwise nothing changes, but that bodies so
-// near that they may touch join the set.
+// A contact that nothing disturbs, as far as is known now, is solved as a whole. Otherwise nothing changes, but that
+// bodies so near that they may touch join the set.
 template <class Law>
 bool NewtonEvents<Law>::isolate(std::vector<int>& set, std::vector<Live>& live) {
     const int index = spare_group();
@@ -306,8 +306,8 @@ bool NewtonEvents<Law>::margins(int index) {
     return fits;
 }
 
-// The most by which a member leaves its parabola. Between two ends of steps its distance from there is close to a cubic,
-// which rises above its ends by no more than a quarter of the step times the larger slope.
+// The most by which a member leaves its parabola. Between two ends of steps its distance from there is close to a
+// cubic, which rises above its ends by no more than a quarter of the step times the larger slope.
 template <class Law>
 double NewtonEvents<Law>::margin_of(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();

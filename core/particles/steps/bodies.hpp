@@ -31,8 +31,8 @@ struct Box {
     Four pull() const { return four(gravity[0], gravity[1], gravity[2], 0.0); }
 };
 
-// Acceleration by contacts. Few bodies are in contact at a time, so nothing is cleared: an entry counts only at the step
-// it was written and, as the one before, at the next.
+// Acceleration by contacts. Few bodies are in contact at a time, so nothing is cleared: an entry counts only at the
+// step it was written and, as the one before, at the next.
 struct Push {
     double now[3] = {};  // [m/s²] at step `stamp`
     std::uint64_t stamp = 0;

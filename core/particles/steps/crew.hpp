@@ -9,12 +9,12 @@
 
 namespace hardlimit::particles::steps {
 
-// Any number of threads may join, also late, and one alone does all the work: a phase is over when its tasks are, not when
-// threads have arrived. Who ends the last task of a phase calls next(stop), which returns the number of tasks of
-// the next phase, 0 at the end.
+// Any number of threads may join, also late, and one alone does all the work: a phase is over when its tasks are,
+// not when threads have arrived. Who ends the last task of a phase calls next(stop), which returns the number of
+// tasks of the next phase, 0 at the end.
 //
-// Tasks are dealt out in shares, the same part of all tasks in every phase. A thread takes those of its own share first, so
-// that what it needs is still in its cache, and then helps the others.
+// Tasks are dealt out in shares, the same part of all tasks in every phase. A thread takes those of its own share
+// first, so that what it needs is still in its cache, and then helps the others.
 class Crew {
 public:
     Crew(int shares, std::uint32_t first) : shares_(static_cast<std::size_t>(shares)) { begin(first); }

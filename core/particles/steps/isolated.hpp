@@ -51,8 +51,8 @@ double restitution_error(const Law& law, double effective_mass, double speed, do
     return worst;
 }
 
-// The longest time step whose error of ε is at most `error`, and at most a tenth of the contact [s]: with fewer steps the
-// contacts of a dense packing, in which a body has up to twelve at a time, are no longer stable.
+// The longest time step whose error of ε is at most `error`, and at most a tenth of the contact [s]: with fewer
+// steps the contacts of a dense packing, in which a body has up to twelve at a time, are no longer stable.
 template <class Law>
 double longest_step(const Law& law, double effective_mass, double speed, double error) {
     constexpr double fewest = 10.0, most = 1e6;

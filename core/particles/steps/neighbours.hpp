@@ -1,9 +1,9 @@
 // Which bodies may touch before the list is made anew: cells, slabs of cells, and the half list of pairs.
 //
 // Bodies are sorted by cell, layer by layer along the axis with the most cells. Pairs belong to the body of the lower
-// cell, so those of a layer reach into this layer and the next one only. Layers are gathered in slabs. The even slabs share no
-// body among each other, nor do the odd ones: threads take slabs of one kind, then of the other, and every body
-// receives its pushes in one order, whatever the number of threads.
+// cell, so those of a layer reach into this layer and the next one only. Layers are gathered in slabs. The even
+// slabs share no body among each other, nor do the odd ones: threads take slabs of one kind, then of the other, and
+// every body receives its pushes in one order, whatever the number of threads.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -173,9 +173,10 @@ inline void list_walls(const Box& box, const std::vector<Four>& place, std::uint
         }
 }
 
-// How far to look beyond touch [m]. A wide skin makes the list long, a narrow one makes it soon out of date: per body and
-// step the cost is σ λ + κ 2 v h/σ in units of one look at a pair, with λ pairs in the list per body and metre of skin,
-// v the largest speed, h the step, and κ what a new list costs per body. The least is at σ = √(2 v h κ/λ).
+// How far to look beyond touch [m]. A wide skin makes the list long, a narrow one makes it soon out of date: per
+// body and step the cost is σ λ + κ 2 v h/σ in units of one look at a pair, with λ pairs in the list per body and
+// metre of skin, v the largest speed, h the step, and κ what a new list costs per body. The least is at σ = √(2 v h
+// κ/λ).
 inline double best_skin(double pairs_per_skin, double largest_speed, double time_step) {
     constexpr double list_cost = 40.0;  // κ, measured at packing fractions of 0.3 and 0.6
     return math::sqrt(2.0 * largest_speed * time_step * list_cost / pairs_per_skin);

@@ -1,8 +1,8 @@
 // How a contact sets in between two steps, to second order.
 //
 // A force that is felt at equal steps h is a trapezoidal sum of the true impulse. From the instant of touch on,
-// F(τ) = Σ_j c_j (V τ)^{j/p} + O(τ), V being the speed of approach, u = (V τ)^{1/p} the law's coordinate and j < p. With
-// the first step in contact at τ = s h, 0 < s <= 1, the sum exceeds the integral by
+// F(τ) = Σ_j c_j (V τ)^{j/p} + O(τ), V being the speed of approach, u = (V τ)^{1/p} the law's coordinate and j < p.
+// With the first step in contact at τ = s h, 0 < s <= 1, the sum exceeds the integral by
 //   Σ_j c_j V^{j/p} h^{1 + j/p} ζ(−j/p, s) + O(h²)
 // (the generalised Euler–Maclaurin formula, ζ being Hurwitz' function; I. Navot, J. Math. Phys. 40, 271 (1961)). For a
 // dashpot, which jumps at touch (j = 0, ζ(0, s) = 1/2 − s), this is first order in h, and so is the error of ε it
