@@ -22,7 +22,6 @@ RANK = {
     "sweep": 5,
     "particles": 5,
     "particles/steps": 4,
-    "particles/events": 5,
 }
 
 # Neither Python, nor input and output, nor libm: math.hpp has the elementary functions, same bits everywhere.

@@ -317,7 +317,7 @@ def arguments_of_film() -> list[Argument]:
 
     whole = "optional whole number"
     return [
-        Argument("Result.animate", "path", "path of a film", film, "film.gif", told="animate"),
+        Argument("Result.animate", "path", "path of a film", film, "film.gif"),
         Argument("Result.animate", "ghost", "optional result", film, RESULT),
         Argument("Result.animate", "width", whole, film, 160),
         Argument("Result.animate", "frames_per_second", whole, film, 1),

@@ -272,7 +272,7 @@ private:
         while (count(coarse) > most) coarse = grid(box, edge *= 1.05);
         coarse.diameter = largest;
         grids_ = {coarse};
-        for (double half = 0.5;; half *= 0.5) {
+        for (;;) {
             Grid<d> g = grids_.back();
             double longest = g.edge[0];
             for (int k = 0; k < d; ++k) {

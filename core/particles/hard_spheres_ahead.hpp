@@ -1,6 +1,7 @@
 // What the coming events will need is fetched while others are dealt with: a large system is otherwise a chain of
 // waits for memory. The calendar knows the events to come; those that are superseded meanwhile cost a useless fetch.
 #pragma once
+#include "hard_spheres.hpp"
 
 namespace hardlimit::particles {
 

@@ -1,5 +1,6 @@
 // What happens when an event's time has come.
 #pragma once
+#include "hard_spheres.hpp"
 
 namespace hardlimit::particles {
 

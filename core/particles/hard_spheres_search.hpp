@@ -1,5 +1,6 @@
 // How a particle finds its next event.
 #pragma once
+#include "hard_spheres.hpp"
 
 namespace hardlimit::particles {
 

@@ -1,6 +1,7 @@
 // Collisions under the soft rule: a contact takes time and turns the line of centres. Both bodies are put where the
 // straight path, or at a wall the parabola, that they follow after the contact was at the instant of touch.
 #pragma once
+#include "hard_spheres.hpp"
 
 namespace hardlimit::particles {
 

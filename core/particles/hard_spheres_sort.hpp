@@ -1,6 +1,7 @@
 // Particles wander off, and with them what lies together in memory: from time to time they are sorted along the
 // cells anew. Nothing but the speed depends on when.
 #pragma once
+#include "hard_spheres.hpp"
 
 namespace hardlimit::particles {
 

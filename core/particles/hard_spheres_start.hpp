@@ -1,5 +1,6 @@
 // How a run begins, and what is kept exact on the way.
 #pragma once
+#include "hard_spheres.hpp"
 
 namespace hardlimit::particles {
 

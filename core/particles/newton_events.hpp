@@ -1,8 +1,8 @@
 // Newton's equations for a box of spheres or disks, from event to event.
 //
 // Between contacts bodies fly on parabolas, known exactly. Bodies in contact form groups, solved from their `begin`
-// to an `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its approach
-// (planar_contact.hpp), contacts that share a body by integration (events/cluster.hpp). Until its end the members of
+// to an `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its
+// approach (planar_contact.hpp), contacts that share a body by integration (cluster.hpp). Until its end the members of
 // a group are busy. To the others, each of them is a body on the parabola between the two ends of its path, larger
 // by the `margin`, the most by which its true path leaves that parabola. As long as no other body comes so near,
 // nothing can act on the group and its end stands. When one does (a conflict), the group is integrated again, up to
@@ -21,7 +21,7 @@
 
 #include "../outcome.hpp"
 #include "archive.hpp"
-#include "events/cluster.hpp"
+#include "cluster.hpp"
 #include "soft_contacts.hpp"
 #include "steps/bodies.hpp"
 #include "steps/pair_laws.hpp"
@@ -159,7 +159,7 @@ private:
 
     static SoftContacts<Law, true> soft_contacts(const steps::PairLaws<Law>& laws, std::size_t count);
 
-    // events/flight.hpp
+    // newton_events_flight.hpp
     Vector3 position(const Body& b, double t) const;
     Vector3 velocity(const Body& b, double t) const;
     void make_cells();
@@ -176,7 +176,7 @@ private:
     void happen(int i);
     void cross(int i);
 
-    // events/groups.hpp
+    // newton_events_groups.hpp
     void meet(int i, int j, int side);
     void conflict(int i, int j);
     void finish(int index);
@@ -211,7 +211,7 @@ private:
     Row row_of(const Group& g, const Touching<Law>& q, double begin, double end, double impact,
                double separation, bool overlapped) const;
 
-    // events/lone_contact.hpp
+    // newton_events_lone_contact.hpp
     bool solve_pair(Isolated& l);
     void part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal, const Vector3& across) const;
     bool solve_wall(Isolated& l);
@@ -367,7 +367,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
 
 }  // namespace hardlimit::particles
 
-#include "events/flight.hpp"
-#include "events/groups.hpp"
-#include "events/lone_contact.hpp"
-#include "events/saving.hpp"
+#include "newton_events_flight.hpp"
+#include "newton_events_groups.hpp"
+#include "newton_events_lone_contact.hpp"
+#include "newton_events_saving.hpp"

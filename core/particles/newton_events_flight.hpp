@@ -1,6 +1,6 @@
 // How a body flies: cells, the next event of a body, and what happens when its time has come.
 #pragma once
-#include "../newton_events.hpp"
+#include "newton_events.hpp"
 
 namespace hardlimit::particles {
 

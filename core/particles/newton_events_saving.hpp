@@ -1,6 +1,6 @@
 // The state of a run as bytes and back: it goes on with the same bits.
 #pragma once
-#include "../newton_events.hpp"
+#include "newton_events.hpp"
 
 namespace hardlimit::particles {
 

@@ -17,10 +17,10 @@
 #include <array>
 #include <vector>
 
-#include "../../column/general/events.hpp"
-#include "../../contact/law.hpp"
-#include "../../dormand_prince.hpp"
-#include "../../stop.hpp"
+#include "../column/general/events.hpp"
+#include "../contact/law.hpp"
+#include "../dormand_prince.hpp"
+#include "../stop.hpp"
 
 namespace hardlimit::particles {
 

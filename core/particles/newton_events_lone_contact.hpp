@@ -1,6 +1,6 @@
 // A contact that nothing disturbs, in closed form from touch to parting.
 #pragma once
-#include "../newton_events.hpp"
+#include "newton_events.hpp"
 
 namespace hardlimit::particles {
 

@@ -1,6 +1,6 @@
 // Groups of bodies in contact: how they form, what they look like to others, how they end.
 #pragma once
-#include "../newton_events.hpp"
+#include "newton_events.hpp"
 
 namespace hardlimit::particles {
 
