@@ -271,7 +271,7 @@ SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const steps::PairLaws<L
 
 template <class Law>
 void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& stop) {
-    const std::uint64_t last = events_ + math::min<double>(static_cast<double>(most_events), 1e18);
+    const std::uint64_t last = most_events > ~events_ ? ~std::uint64_t{0} : events_ + most_events;
     paused_ = false;
     while (outcome_ == Outcome::ok && !queue_.empty()) {
         const Entry next = queue_.top();
