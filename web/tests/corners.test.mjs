@@ -85,9 +85,10 @@ test("a swipe scrolls and changes nothing", async (t) => {
     const from = await page.evaluate(() => scrollY);
     const time = await page.textContent("#time");
     const up = from > 400; // the last pictures lie at the end of the page
-    await session.send("Input.synthesizeScrollGesture", {
-      x: box.x + 0.3 * box.width, y: box.y + 0.5 * box.height, yDistance: up ? 150 : -150, gestureSourceType: "touch", speed: 1200,
-    });
+    const [x, y] = [box.x + 0.3 * box.width, box.y + 0.5 * box.height];
+    await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
+    for (let k = 1; k <= 10; k++) await session.send("Input.dispatchTouchEvent", { type: "touchMove", touchPoints: [{ x, y: y + (up ? 15 : -15) * k }] });
+    await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
     await page.waitForFunction((from) => scrollY !== from, from);
     await settled(page);
     assert.deepEqual(await numbers(page), before, id);
