@@ -77,10 +77,11 @@ export class Lecture {
     this.story.dirty = true;
   }
 
-  // Once for each picture of the page; `drawn`: the film or the plots have been drawn anew.
-  frame(drawn: boolean): void {
-    if (drawn) {
-      this.rebound.dirty = this.story.dirty = true;
+  // Once for each picture of the page; what has been drawn anew: the plots of the drop, the film.
+  frame(plots: boolean, film: boolean): void {
+    if (plots) this.rebound.dirty = true;
+    if (plots || film) {
+      this.story.dirty = true;
       this.compare.draw();
       this.mini.draw();
     }

@@ -236,24 +236,29 @@ class Page {
       this.solve();
     }
     if (state.drop && state.playing) this.film.advance(passed);
-    const drawn = state.dirty.plots || state.dirty.stage;
-    this.drawPlots();
-    if (state.dirty.stage && state.drop) {
+    const plots = this.drawPlots(now);
+    const film = state.dirty.stage && state.drop !== null;
+    if (film) {
       state.dirty.stage = false;
       this.film.draw();
       this.markTime();
     }
-    this.map.drawIfDue(now);
-    this.lecture.frame(drawn);
+    this.lecture.frame(plots, film);
   };
 
-  private drawPlots(): void {
+  // One of the large pictures in each frame, so that none waits long; returns whether the drop was drawn anew.
+  private drawPlots(now: number): boolean {
     const { dirty, drop } = this.state;
-    if (!dirty.plots || !drop) return;
-    dirty.plots = false;
-    this.forces.draw();
-    this.timeline.draw();
-    this.markTime();
+    const forces = dirty.plots && drop !== null;
+    if (forces) {
+      dirty.plots = false;
+      this.forces.draw();
+      this.forces.mark();
+    } else if (this.timeline.due(now)) {
+      this.timeline.draw();
+      this.timeline.mark();
+    } else this.map.drawIfDue(now);
+    return forces;
   }
 
   private markTime(): void {

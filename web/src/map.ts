@@ -123,26 +123,28 @@ export class ContactMap {
       this.greatest = Math.max(this.greatest, values[MAP_VALUES * k] || 0);
       this.fill(place, batch.stride);
     });
-    this.levelDone();
+    const level = this.levelDone();
     const over = this.queue.length === 0 && this.sent === 0;
     if (over) this.elapsed = performance.now() - this.began;
-    if (over || this.queue[0]?.stride !== batch.stride) this.placeLabels(batch.stride);
+    if (over || level) this.placeLabels(batch.stride);
     this.changed();
   }
 
-  // When a level is complete, the next is left out where it would take too long.
-  private levelDone(): void {
+  // Whether a level has just been completed; the next is left out where it would take too long.
+  private levelDone(): boolean {
     const next = this.queue[0]?.stride ?? 0;
-    if (next >= this.next) return;
+    if (next >= this.next) return false;
     this.resolution = Math.floor(SIDE / this.next);
     this.next = next;
     const points = (SIDE / Math.max(next, 1)) ** 2 * 0.75;
-    if ((points * this.computing) / this.computed / this.pool.size <= patience) return;
+    if ((points * this.computing) / this.computed / this.pool.size <= patience) return true;
     this.queue = [];
     this.next = 0;
+    return true;
   }
 
   setShow(show: MapShow): void {
+    if (show === this.show) return;
     this.show = show;
     for (let place = 0; place < SIDE * SIDE; place++) if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
   }

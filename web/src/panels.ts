@@ -75,6 +75,7 @@ export class ForcesPanel {
 // Contacts over ε; a press chooses ε.
 export class TimelinePanel {
   readonly timeline: Timeline;
+  private drawn = 0;
   private layout: TimelineLayout | null = null;
   private key = "";
 
@@ -83,7 +84,7 @@ export class TimelinePanel {
     private readonly sheet: Sheet,
     pool: Pool,
   ) {
-    this.timeline = new Timeline(pool, () => (state.dirty.plots = true));
+    this.timeline = new Timeline(pool, () => (state.dirty.timeline = true));
     dragged(sheet.canvas, (_, y) => this.layout && this.choose(this.layout.y.value(y)));
     sheet.canvas.addEventListener("keydown", (e) => {
       const by: Record<string, number> = { ArrowUp: 0.005, ArrowRight: 0.005, ArrowDown: -0.005, ArrowLeft: -0.005, PageUp: 0.05, PageDown: -0.05, Home: -1, End: 1 };
@@ -100,8 +101,16 @@ export class TimelinePanel {
     this.key = key;
   }
 
+  // Whether it is time to draw: seldom while rows come in.
+  due(now: number): boolean {
+    if (!this.state.dirty.timeline || !this.state.drop || (!this.timeline.done && now - this.drawn < 120)) return false;
+    this.drawn = now;
+    return true;
+  }
+
   draw(): void {
     const { state, sheet } = this;
+    state.dirty.timeline = false;
     this.layout = this.timeline.draw(sheet.g, sheet.width, sheet.height, state.drop!, state.theme);
     const s = state.scenario;
     sheet.canvas.setAttribute("aria-valuenow", String(s.restitution));

@@ -14,7 +14,7 @@ export class State {
   theme: Theme = themeOf(document.documentElement);
   screen = 0; // place in the film [s on the screen]
   playing = false;
-  readonly dirty = { solve: true, plots: true, mapPicture: true, stage: true };
+  readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true };
   private linkTimer = 0;
 
   // `edited` is told when a part of the page has changed the scenario.
@@ -30,7 +30,7 @@ export class State {
     return this.drop ? this.clock().toPhysical(this.screen) : 0;
   }
   redraw(): void {
-    Object.assign(this.dirty, { plots: true, mapPicture: true, stage: true });
+    Object.assign(this.dirty, { plots: true, timeline: true, mapPicture: true, stage: true });
   }
 
   link(): string {

@@ -163,18 +163,13 @@ export class Timeline {
 
   // Edges of the adiabatic contacts over the bands: where they coincide the reaction on the lower ball does not matter.
   private drawAdiabatic(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme): void {
-    g.strokeStyle = theme.ink;
-    g.lineWidth = 1.4;
-    g.setLineDash([1.4, 2.4]);
+    g.fillStyle = theme.ink;
     for (const group of runsOf(this.adiabatic))
       group[0].contacts.forEach(({ pair }, k) => {
         if (pair === 0) return;
-        for (const edge of ["begin", "end"] as const) {
-          trace(g, group.filter((row) => Number.isFinite(row.contacts[k][edge])).map((row) => [x.at(row.contacts[k][edge]), y.at(row.restitution)]));
-          g.stroke();
-        }
+        for (const edge of ["begin", "end"] as const)
+          dots(g, group.filter((row) => Number.isFinite(row.contacts[k][edge])).map((row) => [x.at(row.contacts[k][edge]), y.at(row.restitution)]));
       });
-    g.setLineDash([]);
   }
 
   private drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme): void {
@@ -257,6 +252,21 @@ const alike = (a: TimelineRow, b: TimelineRow): boolean =>
 function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
   g.beginPath();
   for (const place of places) g.lineTo(...place);
+}
+
+// A dotted line; a dashed stroke of so many short pieces takes a hundred times as long.
+function dots(g: CanvasRenderingContext2D, places: [number, number][]): void {
+  const apart = 4;
+  let next = 0; // pixels to the next dot
+  for (let i = 1; i < places.length; i++) {
+    const [[x0, y0], [x1, y1]] = [places[i - 1], places[i]];
+    const length = Math.min(Math.hypot(x1 - x0, y1 - y0), 2000);
+    for (; next <= length; next += apart) {
+      const u = length > 0 ? next / length : 0;
+      g.fillRect(x0 + u * (x1 - x0) - 0.7, y0 + u * (y1 - y0) - 0.7, 1.4, 1.4);
+    }
+    next -= length;
+  }
 }
 
 // Stretches of rows with the same contacts.

@@ -138,25 +138,29 @@ const long =
 test("a long computation leaves the page free, shows its progress and is given up", async (t) => {
   const page = await open(t, "?example=fig2");
   const before = await numbers(page);
-  await page.evaluate(() => {
-    globalThis.longest = 0;
-    new PerformanceObserver((list) => list.getEntries().forEach((e) => (globalThis.longest = Math.max(globalThis.longest, e.duration)))).observe({ type: "longtask" });
-  });
   await page.evaluate((query) => {
     history.pushState(null, "", query);
     dispatchEvent(new PopStateEvent("popstate"));
   }, long);
-  await page.waitForFunction(() => document.documentElement.dataset.busy !== undefined);
   await page.waitForSelector("#busy:not([hidden])");
-  assert.match(await page.textContent("#busy-what"), /^Computing .*: \d+\.\d s$/);
+  await page.evaluate(() => {
+    globalThis.longest = 0;
+    new PerformanceObserver((list) => list.getEntries().forEach((e) => (globalThis.longest = Math.max(globalThis.longest, e.duration)))).observe({ type: "longtask" });
+  });
+  const said = await page.textContent("#busy-what");
+  assert.match(said, /^Computing .*: \d+\.\d s$/);
+  for (const told of [said, "next"]) {
+    const last = told === "next" ? await page.textContent("#busy-what") : told;
+    await page.waitForFunction((last) => document.documentElement.dataset.busy !== undefined && document.getElementById("busy-what").textContent !== last, last);
+  }
+  const longest = await page.evaluate(() => globalThis.longest);
+  t.diagnostic(`longest task of the page while a worker computes: ${longest} ms`);
+  if (strict) assert.ok(longest < 50);
   await page.click("#give-up");
   await settled(page);
   assert.equal(await page.isVisible("#busy"), false);
   assert.equal(await page.inputValue("#restitution-value"), "0.7");
   assert.deepEqual(await numbers(page), before);
-  const longest = await page.evaluate(() => globalThis.longest);
-  t.diagnostic(`longest task of the page: ${longest} ms`);
-  if (strict) assert.ok(longest < 50);
 });
 
 test("maps of several balls say how far they are, and how long they took", async (t) => {
