@@ -20,6 +20,7 @@ export class MapPanel {
   private read = { place: "", text: "" }; // what the map is there
   private reading = false;
   private later = 0; // timer of the next refresh
+  private moving = false; // the picture is ahead of what is computed
 
   constructor(
     private readonly state: State,
@@ -80,6 +81,8 @@ export class MapPanel {
     const { drop, scenario, view } = this.state;
     if (!drop) return;
     this.read.place = "";
+    this.moving = false;
+    this.state.dirty.mapPicture = true;
     const box = this.box();
     const { axis } = view.map;
     const s = copyOf(scenario);
@@ -124,7 +127,7 @@ export class MapPanel {
     const { dataset } = sheet.canvas;
     dataset.computing = String(Math.round(map.computing));
     dataset.resolution = String(map.resolution);
-    if (map.elapsed !== null) dataset.ms = String(Math.round(map.elapsed));
+    if (map.elapsed !== null && !this.moving) dataset.ms = String(Math.round(map.elapsed));
     else delete dataset.ms;
     find("map-state").textContent =
       map.elapsed === null ? `${Math.floor(100 * map.progress)} % computed` : `${map.resolution} × ${map.resolution} points in ${digits(map.elapsed / 1000, 2)} s`;
@@ -225,7 +228,7 @@ export class MapPanel {
     const keep = ([a, b]: [number, number]): [number, number] => [Number(a.toPrecision(6)), Number(b.toPrecision(6))];
     this.state.view.map.zoom = box && { x: keep(box.x), y: keep(box.y) };
     this.state.dirty.mapPicture = this.map.fresh = true;
-    delete this.sheet.canvas.dataset.ms;
+    this.moving = true;
     clearTimeout(this.later);
     this.later = window.setTimeout(() => this.refresh(), 120);
     this.state.writeLink();

@@ -295,6 +295,7 @@ test("timeline chooses ε, map chooses and zooms", async (t) => {
   const map = await page.locator("#map").boundingBox();
   await page.mouse.click(map.x + map.width * 0.6, map.y + map.height * 0.5);
   await settled(page);
+  await page.waitForFunction(() => /: \d+ contact/.test(document.getElementById("map-reading").textContent));
   const reading = await page.textContent("#map-reading");
   const contacts = Number(/: (\d+) contact/.exec(reading)[1]);
   assert.ok(Math.abs(Number(await page.inputValue("#restitution-value")) - 0.6) < 0.15);
