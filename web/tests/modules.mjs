@@ -34,7 +34,7 @@ export function random(seed) {
 // A link to some setting of two to six balls, ties and touching balls among them.
 export function randomLink(next) {
   const log = (low, high) => Number((low * (high / low) ** next()).toPrecision(4));
-  const n = 2 + Math.floor(5 * next());
+  const n = 2 + Math.floor(5 * next() ** 2); // more often few: those take less long
   const law = ["linear", "viscoelastic", "tsuji"][Math.floor(3 * next())];
   const q = new URLSearchParams({ law, e: next() < 0.1 ? "1" : (0.3 + 0.7 * next()).toFixed(3) });
   if (law === "linear") q.set("k", log(1e5, 1e8));
