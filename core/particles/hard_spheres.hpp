@@ -184,8 +184,8 @@ private:
     void advance_to_now(u32 i);
     void nearest(u32 i, u32 j, double (&r)[d]) const;
     bool had_before(u32 i, double waited) const;
-    void collide_at_once(u32 i, u32 j, const double (&r)[d], double distance, double speed,
-                         std::array<double, 2> waited);
+    void collide_at_once(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance,
+                         double speed, std::array<double, 2> waited);
     u32 except_for(u32 i, u32 partner) const;
     void keep_bounds(u32 i);
     double restitution(bool within_contact, double speed, PairGeometry pair);

@@ -169,7 +169,7 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     if (motion != Motion::growing && soft_)
         collide_softly(i, j, r, v, distance, speed);
     else
-        collide_at_once(i, j, r, distance, speed, std::array{waited_i, waited_j});
+        collide_at_once(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
     ++pending_[i].count;
     ++pending_[j].count;
     keep_bounds(i);
@@ -180,20 +180,23 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
 
 // All but the soft rule. r leads from i to j.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (&r)[d], double distance,
-                                                    double speed, std::array<double, 2> waited) {
+void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
+                                                    double distance, double speed,
+                                                    std::array<double, 2> waited) {
     Particle<d>&p = particles_[i], &q = particles_[j];
     const PairGeometry pair = geometry(i, j);
     const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
-    double gain;  // of relative normal velocity [m/s]
+    // Relative velocity gained along r, in units of r [1/s]. From r² and not from its root: all pairs touch at about the same
+    // distance, so that the rounding of the root would be the same each time, and the energy would drift.
+    double gain;
     if constexpr (motion == Motion::growing) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;
-        gain = speed + math::max(speed, separation * rate);
+        gain = (speed + math::max(speed, separation * rate)) / distance;
     } else {
         const double e = restitution(had_before(i, waited[0]) || had_before(j, waited[1]), speed, pair);
-        gain = (1.0 + e) * speed;
+        gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
-        tally_.virial.add(distance * reduced * gain);
+        tally_.virial.add(distance * distance * reduced * gain);
         if (lost != 0.0) {
             tally_.advance(now_);
             tally_.kinetic -= lost;
@@ -201,7 +204,7 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
         note(i, names_[j], speed, lost, math::max(waited[0], waited[1]));
     }
     for (int k = 0; k < d; ++k) {
-        const double impulse = reduced * gain / distance * r[k];
+        const double impulse = reduced * gain * r[k];
         p.velocity[k] -= impulse / mi;
         q.velocity[k] += impulse / mj;
     }
