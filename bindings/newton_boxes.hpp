@@ -13,9 +13,9 @@
 #include "arrays.hpp"
 #include "contact.hpp"
 #include "particles/archive.hpp"
+#include "particles/contact_row.hpp"
+#include "particles/pair_laws.hpp"
 #include "particles/steps/bodies.hpp"
-#include "particles/steps/pair_laws.hpp"
-#include "particles/steps/touches.hpp"
 
 namespace hardlimit::bindings {
 
@@ -73,7 +73,7 @@ struct BoxSetting {
     }
 
     template <class Law>
-    particles::steps::PairLaws<Law> laws() const {
+    particles::PairLaws<Law> laws() const {
         const LawRecord& record = Law::record;
         require(alternative >= 0 && alternative < record.n_alternatives,
                 "alternative: the law has no such set of parameters");
@@ -91,6 +91,31 @@ auto with_law(const std::string& name, const Visit& visit) {
     HARDLIMIT_LAWS(HL_LAW)
 #undef HL_LAW
     throw nanobind::value_error(("law: unknown name " + name).c_str());
+}
+
+// A run as bytes: what marks it as one of this engine, what it is made of, the state.
+template <class Setting, class Engine>
+nanobind::bytes saved(const char* mark, Setting setting, Engine& engine) {
+    particles::Writer writer;
+    writer(letters(mark));
+    setting.exchange(writer);
+    engine.save(writer);
+    const std::vector<char> bytes = writer.finish();
+    return nanobind::bytes(bytes.data(), bytes.size());
+}
+
+// The other way: `setting` is read, make(reader) makes the engine from it and from what follows.
+template <class Setting, class Make>
+auto loaded(const char* mark, const nanobind::bytes& state, Setting& setting, const Make& make) {
+    particles::Reader reader(state.c_str(), state.size());
+    require(reader.whole(), "state: not a saved run, or damaged");
+    std::vector<char> found;
+    reader(found);
+    require(name_in(found) == mark, "state: not of a run by this engine of this version");
+    setting.exchange(reader);
+    auto engine = make(reader);
+    require(!reader.failed(), "state: damaged");
+    return engine;
 }
 
 // [N, d] as [3 N], with zeros where there is no third axis; and back.
@@ -111,12 +136,12 @@ inline auto rows(const Numbers& three, int dimension) {
 }
 
 // Contacts as begin, end, first, second, impact_speed, separation_speed, overlapped.
-inline nanobind::tuple columns(const std::vector<particles::steps::Row>& rows) {
+inline nanobind::tuple columns(const std::vector<particles::ContactRow>& rows) {
     const std::size_t n = rows.size();
     Numbers begin, end, impact, separation;
     std::vector<std::int64_t> first, second;
     std::vector<std::uint8_t> overlapped;
-    for (const particles::steps::Row& r : rows) {
+    for (const particles::ContactRow& r : rows) {
         begin.push_back(r.begin), end.push_back(r.end);
         first.push_back(r.first), second.push_back(r.second);
         impact.push_back(r.impact_speed), separation.push_back(r.separation_speed);

@@ -21,7 +21,7 @@ struct Seen {
     Numbers position, velocity;
     double kinetic, potential, contact, dissipated, momentum[3], virial;
     std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
-    std::vector<hp::steps::Row> open;
+    std::vector<hp::ContactRow> open;
 };
 
 // The engine of any law.
@@ -38,7 +38,7 @@ public:
     virtual int largest_cluster() const = 0;
     virtual double cluster_share() const = 0;
     virtual Seen survey() const = 0;
-    virtual std::vector<hp::steps::Row> take_log() = 0;
+    virtual std::vector<hp::ContactRow> take_log() = 0;
     virtual void save(hp::Writer& writer) const = 0;
 };
 
@@ -76,7 +76,7 @@ public:
                 s.overlapped,
                 std::move(s.open)};
     }
-    std::vector<hp::steps::Row> take_log() override { return run_.take_log(); }
+    std::vector<hp::ContactRow> take_log() override { return run_.take_log(); }
     void save(hp::Writer& writer) const override { run_.save(writer); }
 
 private:
@@ -95,29 +95,16 @@ public:
         });
     }
     static std::unique_ptr<NewtonEvents> load(nb::bytes state) {
-        hp::Reader reader(state.c_str(), state.size());
-        require(reader.whole(), "state: not a saved run, or damaged");
-        std::vector<char> mark;
-        reader(mark);
-        require(name_in(mark) == version, "state: not of a run by events of this version");
         std::unique_ptr<NewtonEvents> made(new NewtonEvents);
-        BoxSetting& s = made->setting_;
-        s.exchange(reader);
-        made->engine_ = with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
-            return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.log, reader);
+        auto& s = made->setting_;
+        made->engine_ = loaded(mark, state, s, [&](hp::Reader& reader) {
+            return with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
+                return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.log, reader);
+            });
         });
-        require(!reader.failed(), "state: damaged");
         return made;
     }
-    nb::bytes save() const {
-        hp::Writer writer;
-        writer(letters(version));
-        BoxSetting setting = setting_;
-        setting.exchange(writer);
-        engine_->save(writer);
-        const std::vector<char> bytes = writer.finish();
-        return nb::bytes(bytes.data(), bytes.size());
-    }
+    nb::bytes save() { return saved(mark, setting_, *engine_); }
 
     // Where Ctrl-C was pressed, the run stays where it had got to.
     void advance(double until, std::uint64_t most_events) {
@@ -133,7 +120,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* version = "NewtonEvents 1";
+    static constexpr const char* mark = "NewtonEvents 1";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 

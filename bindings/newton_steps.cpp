@@ -43,8 +43,8 @@ public:
     virtual const steps::ContactLog& log() const = 0;
     virtual void state(double* position, double* velocity) const = 0;
     virtual hp::StepsObservables observe() const = 0;
-    virtual std::vector<steps::Row> take_log() = 0;
-    virtual std::vector<steps::Row> open_contacts() const = 0;
+    virtual std::vector<hp::ContactRow> take_log() = 0;
+    virtual std::vector<hp::ContactRow> open_contacts() const = 0;
     virtual void save(hp::Writer& writer) = 0;
 };
 
@@ -85,8 +85,8 @@ public:
     const steps::ContactLog& log() const override { return steps_.log(); }
     void state(double* position, double* velocity) const override { steps_.state(position, velocity); }
     hp::StepsObservables observe() const override { return steps_.observe(); }
-    std::vector<steps::Row> take_log() override { return steps_.take_log(); }
-    std::vector<steps::Row> open_contacts() const override { return steps_.open_contacts(); }
+    std::vector<hp::ContactRow> take_log() override { return steps_.take_log(); }
+    std::vector<hp::ContactRow> open_contacts() const override { return steps_.open_contacts(); }
     void save(hp::Writer& writer) override { steps_.save(writer); }
 
 private:
@@ -108,36 +108,24 @@ public:
         });
     }
     static std::unique_ptr<NewtonSteps> load(nb::bytes state) {
-        hp::Reader reader(state.c_str(), state.size());
-        require(reader.whole(), "state: not a saved run, or damaged");
-        std::vector<char> mark;
-        reader(mark);
-        require(name_in(mark) == version, "state: not of a run by steps of this version");
         std::unique_ptr<NewtonSteps> made(new NewtonSteps);
-        Setting& s = made->setting_;
-        s.exchange(reader);
-        made->engine_ = with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
-            return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.time_step, s.log,
-                                                   reader);
+        auto& s = made->setting_;
+        made->engine_ = loaded(mark, state, s, [&](hp::Reader& reader) {
+            return with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
+                return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.time_step,
+                                                       s.log, reader);
+            });
         });
-        require(!reader.failed(), "state: damaged");
         return made;
     }
-    nb::bytes save() {
-        hp::Writer writer;
-        writer(letters(version));
-        setting_.exchange(writer);
-        engine_->save(writer);
-        const std::vector<char> bytes = writer.finish();
-        return nb::bytes(bytes.data(), bytes.size());
-    }
+    nb::bytes save() { return saved(mark, setting_, *engine_); }
 
     Engine& engine() { return *engine_; }
     const Engine& engine() const { return *engine_; }
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* version = "NewtonSteps 1";
+    static constexpr const char* mark = "NewtonSteps 1";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 

@@ -91,25 +91,18 @@ std::string in_words(const box::Fault& f, const box::Setting& s) {
     const std::string edge = in_words(s.edge[axis]), along = " along axis " + std::to_string(f.axis);
     switch (f.kind) {
         case box::Fault::not_finite:
-            return "positions, velocities: got a value of particle " + std::to_string(f.first) +
+            return "positions, velocities: got a value of particle " + std::to_string(f.particle) +
                    " that is not finite, must be finite";
         case box::Fault::radius:
-            return of_particle("radius", f.first) + in_words(f.value) + ", must be > 0 and finite";
+            return of_particle("radius", f.particle) + in_words(f.value) + ", must be > 0 and finite";
         case box::Fault::mass:
-            return of_particle("mass", f.first) + in_words(f.value) + ", must be > 0 and finite";
+            return of_particle("mass", f.particle) + in_words(f.value) + ", must be > 0 and finite";
         case box::Fault::box:
             return "box: got " + edge + along + ", must be >= " + in_words(f.value) +
                    ", the largest diameter";
         case box::Fault::outside:
-            return of_particle("positions", f.first) + in_words(f.value) + along +
+            return of_particle("positions", f.particle) + in_words(f.value) + along +
                    ", must be >= 0 and <= " + edge;
-        case box::Fault::in_wall:
-            return of_particle("positions", f.first) + in_words(f.value) + along +
-                   ", must be at least a radius from the walls at 0 and " + edge;
-        case box::Fault::overlap:
-            return "positions: got particles " + std::to_string(f.first) + " and " +
-                   std::to_string(f.second) + " overlapping by " + in_words(f.value) +
-                   ", must be no closer than the sum of their radii";
         case box::Fault::none:
             break;
     }

@@ -41,8 +41,14 @@ PLATFORM = re.compile(
 USERS_OF_THE_PACKAGE = {"__main__", "cli", "explorer", "paper"}
 
 
-# The one header that chooses among the solvers, each in a folder of its own, and those that use it.
-RANK_OF_FILE = {"column/solve.hpp": 4, "column/rebound.hpp": 4}
+# The one header that chooses among the solvers, each in a folder of its own, and those that use it; and what engines
+# of boxes share, above the parts of one of them.
+RANK_OF_FILE = {
+    "column/solve.hpp": 4,
+    "column/rebound.hpp": 4,
+    "particles/pair_laws.hpp": 3,
+    "particles/contact_row.hpp": 3,
+}
 
 
 def rank(path: PurePosixPath) -> int:

@@ -276,12 +276,7 @@ def test_no_contact_is_missed(system, name, stiff):
         engine.advance(k * 2e-4)
         open_now = engine.open_contacts()
         listed = set(zip(open_now[2].tolist(), open_now[3].tolist(), strict=True))
-        positions, velocities = engine.state()
-        now = hl.ParticleSystem._of(
-            **{name: getattr(system, name) for name in ("radius", "mass", "box", "boundary", "gravity")},
-            positions=hl.particles.course.folded(positions, system),
-            velocities=velocities,
-        )
+        now = hl.particles.engines.present(system, engine)
         assert listed == overlaps(now)
         assert engine.observe()["n_in_contact"] == len(listed)
 

@@ -21,6 +21,7 @@
 #include "../contact/law.hpp"
 #include "../dormand_prince.hpp"
 #include "../stop.hpp"
+#include "../surface.hpp"
 
 namespace hardlimit::particles {
 
@@ -129,10 +130,10 @@ public:
     }
 
 private:
+    // Part of the sum of the radii from which on a compression is known by the positions.
+    static constexpr double resolved_depth = 1e-12;
+
     enum class Event : unsigned char { none, begins, ends, opens, engages };
-    struct Surface {
-        double value, slope, smooth, smooth_slope;
-    };
     struct Geometry {
         double depth, rate, distance;
         Vector3 normal;  // from the first body to the second
@@ -367,7 +368,8 @@ private:
 
     // ---- one step -----------------------------------------------------------------------------------------
 
-    // s where the contact is compressed or being compressed in earnest, the positions elsewhere.
+    // s where the contact is compressed or being compressed in earnest, the positions elsewhere; but s stays where the
+    // compression is lost in the rounding of the positions.
     void choose_coordinates() {
         if constexpr (p == 1) return;
         bool changed = false, at_zero = false;
@@ -379,7 +381,8 @@ private:
                 const Geometry g = geometry(pair, y_.data());
                 const double sigma = root(static_cast<int>(q), g, y_.data()) / pair.s_unit;
                 const bool earnest = sigma > 0.1 || math::abs(g.rate) > sigma * speed_unit_;
-                use = earnest && !(sigma <= 0.0 && at_zero);
+                const bool lost = pair.rooted && g.depth < resolved_depth * pair.reach;
+                use = (earnest || lost) && !(sigma <= 0.0 && at_zero);
                 at_zero = at_zero || (use && sigma <= 0.0);
             }
             if (use) chosen.push_back(static_cast<int>(q));
@@ -655,7 +658,11 @@ private:
         double high = length;
         if (b.value > 0.0 || (fresh && b.value == 0.0)) {
             if (!(a.smooth_slope < 0.0 && b.smooth_slope > 0.0)) return false;
-            if (!dips(q, kind, a, b, high)) return false;
+            const auto at = [&](double x) {
+                probe(x);
+                return surface(q, kind, trial_.data(), k_trial_.data());
+            };
+            if (!dips(a, b, high, at)) return false;
         } else if (fresh && a.smooth_slope >= 0.0 && b.smooth_slope >= 0.0) {
             return false;  // rising from the surface: rounding
         }
@@ -664,31 +671,6 @@ private:
         end_.swap(trial_);
         k_end_.swap(k_trial_);
         return true;
-    }
-
-    // Follows the minimum of a surface between two positive values; `high` becomes a place below zero.
-    bool dips(int q, Event kind, Surface a, Surface b, double& high) {
-        double low = 0.0, up = high;
-        for (int i = 0; i < 40; ++i) {
-            const double width = up - low, chord = (b.smooth - a.smooth) / width;
-            const double d = (a.smooth_slope + b.smooth_slope - 2.0 * chord) / (width * width);
-            const double c = (3.0 * chord - 2.0 * a.smooth_slope - b.smooth_slope) / width;
-            const double square = math::max(c * c - 3.0 * d * a.smooth_slope, 0.0);
-            const double x =
-                math::clamp(-a.smooth_slope / (c + math::sqrt(square)), 0.01 * width, 0.99 * width);
-            const double least = a.smooth + x * (a.smooth_slope + x * (c + x * d));
-            const double margin = 0.1 * width * math::max(-a.smooth_slope, b.smooth_slope);
-            if (!(least < margin)) return false;
-            probe(low + x);
-            const Surface m = surface(q, kind, trial_.data(), k_trial_.data());
-            if (m.value <= 0.0) {
-                high = low + x;
-                return true;
-            }
-            (m.smooth_slope > 0.0 ? b : a) = m;
-            (m.smooth_slope > 0.0 ? up : low) = low + x;
-        }
-        return false;
     }
 
     // First zero in (0, high], the surface being below zero at `high`; leaves the state there in trial_. Starts from

@@ -186,8 +186,9 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
     Particle<d>&p = particles_[i], &q = particles_[j];
     const PairGeometry pair = geometry(i, j);
     const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
-    // Relative velocity gained along r, in units of r [1/s]. From r² and not from its root: all pairs touch at about the same
-    // distance, so that the rounding of the root would be the same each time, and the energy would drift.
+    // Relative velocity gained along r, in units of r [1/s]. From r² and not from its root: all pairs touch at
+    // about the same distance, so that the rounding of the root would be the same each time, and the energy
+    // would drift.
     double gain;
     if constexpr (motion == Motion::growing) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;

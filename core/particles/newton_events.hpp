@@ -22,10 +22,10 @@
 #include "../outcome.hpp"
 #include "archive.hpp"
 #include "cluster.hpp"
+#include "contact_row.hpp"
+#include "pair_laws.hpp"
 #include "soft_contacts.hpp"
 #include "steps/bodies.hpp"
-#include "steps/pair_laws.hpp"
-#include "steps/touches.hpp"
 
 namespace hardlimit::particles {
 
@@ -33,15 +33,17 @@ template <class Law>
 class NewtonEvents {
 public:
     using Box = steps::Box;
-    using Row = steps::Row;
+    using Row = ContactRow;
 
     // A group with more members is not integrated: contacts last, and small steps are cheaper.
     static constexpr std::size_t most_members = 300;
+    // Part of the sum of the radii up to which overlap at the start is rounding.
+    static constexpr double touching_depth = 1e-9;
 
-    // position, velocity [3 N], body by body; positions in the box, bodies apart or touching.
+    // position, velocity [3 N], body by body; positions in the box. Bodies that overlap are in contact from the start.
     NewtonEvents(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
-                 steps::PairLaws<Law> laws, bool log);
-    NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log, Reader& reader);
+                 PairLaws<Law> laws, bool log);
+    NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log, Reader& reader);
 
     // To `until`, or until so many events have happened, or until `stop`.
     void advance(double until, std::uint64_t most_events, Stop& stop);
@@ -126,7 +128,7 @@ private:
     };
 
     Box box_;
-    steps::PairLaws<Law> laws_;
+    PairLaws<Law> laws_;
     SoftContacts<Law, true> soft_;
     bool keep_log_;
     std::vector<Body> bodies_;
@@ -157,7 +159,7 @@ private:
     double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
     double smallest_edge() const;
 
-    static SoftContacts<Law, true> soft_contacts(const steps::PairLaws<Law>& laws, std::size_t count);
+    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
 
     // newton_events_flight.hpp
     Vector3 position(const Body& b, double t) const;
@@ -177,8 +179,11 @@ private:
     void cross(int i);
 
     // newton_events_groups.hpp
+    void begin_contacts();
     void meet(int i, int j, int side);
+    Live touching(int i, int j, int side) const;
     void conflict(int i, int j);
+    void form_remnants();
     void finish(int index);
     void part(const std::vector<int>& bodies, const std::vector<Live>& live);
     void go_on_together(int index);
@@ -225,7 +230,7 @@ private:
 
 template <class Law>
 NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& position,
-                                const std::vector<double>& velocity, steps::PairLaws<Law> laws, bool log)
+                                const std::vector<double>& velocity, PairLaws<Law> laws, bool log)
     : box_(box),
       laws_(std::move(laws)),
       soft_(soft_contacts(laws_, position.size() / 3)),
@@ -243,14 +248,15 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
     }
     make_cells();
     for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) insert(i);
-    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) predict(i);
+    begin_contacts();
+    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i)
+        if (body(i).group < 0) predict(i);
 }
 
 // Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and
 // the largest body; any other pair that does not fit is solved by itself.
 template <class Law>
-SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const steps::PairLaws<Law>& laws,
-                                                         std::size_t count) {
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count) {
     std::size_t least = 0, most = 0;
     for (std::size_t i = 1; i < count; ++i) {
         if (laws.radius(i) < laws.radius(least)) least = i;

@@ -4,19 +4,55 @@
 
 namespace hardlimit::particles {
 
+// Whoever overlaps at the start, by more than rounding makes of touching, is in contact from then on if the bodies push
+// each other.
+template <class Law>
+void NewtonEvents<Law>::begin_contacts() {
+    std::vector<int> bodies;
+    std::vector<Live> live;
+    const auto overlap = [&](int i, int j, int side, double depth, double rate) {
+        if (!(depth > touching_depth * (j < 0 ? body(i).radius : body(i).radius + body(j).radius))) return;
+        Live pair = touching(i, j, side);
+        if (depth > laws_(i, j).slack(rate).depth) {
+            pair.pair.touch = Touch::closed;
+            ++begun_;
+            begun_pairs_ += j >= 0;
+        }
+        live.push_back(pair);
+        for (const int k : {i, j})
+            if (k >= 0 && std::find(bodies.begin(), bodies.end(), k) == bodies.end()) bodies.push_back(k);
+    };
+    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) {
+        const Body& b = body(i);
+        around(b.cell, [&](int j, const Vector3& shift) {
+            if (j <= i) return;
+            const Body& o = body(j);
+            Vector3 r, v;
+            for (std::size_t a = 0; a < 3; ++a) {
+                r[a] = (o.position[a] + shift[a]) - b.position[a];
+                v[a] = o.velocity[a] - b.velocity[a];
+            }
+            const double distance = math::sqrt(dot(r, r));
+            overlap(i, j, 0, (b.radius + o.radius) - distance, -dot(r, v) / distance);
+        });
+        for (int axis = 0; axis < box_.dimension; ++axis) {
+            const double x = b.position[static_cast<std::size_t>(axis)];
+            const double v = b.velocity[static_cast<std::size_t>(axis)];
+            if (!box_.walled(axis)) continue;
+            overlap(i, -1, 2 * axis, b.radius - x, -v);
+            overlap(i, -1, 2 * axis + 1, b.radius - (box_.edge[axis] - x), v);
+        }
+    }
+    part(bodies, live);
+    form_remnants();
+}
+
 // Bodies i and j touch; j < 0: body i touches the wall 2·axis + (1 at the far edge).
 template <class Law>
 void NewtonEvents<Law>::meet(int i, int j, int side) {
-    std::vector<Live> live(1);
-    live[0].first = i;
-    live[0].second = j;
-    Touching<Law>& q = live[0].pair;
-    q.touch = Touch::closed;
-    q.axis = side / 2;
-    q.side = side % 2 ? -1.0 : 1.0;
-    q.fresh = true;
-    q.begin = now_;
-    q.impact_speed = math::nan;  // until the pair's geometry is known
+    std::vector<Live> live{touching(i, j, side)};
+    live[0].pair.touch = Touch::closed;
+    live[0].pair.fresh = true;
     std::vector<int> set{i};
     if (j >= 0) set.push_back(j);
     for (const int k : set) stop_at_now(k);
@@ -24,6 +60,20 @@ void NewtonEvents<Law>::meet(int i, int j, int side) {
     begun_pairs_ += j >= 0;
     if (isolate(set, live)) return;
     form(set, live);
+}
+
+// A pair that overlaps from now on.
+template <class Law>
+typename NewtonEvents<Law>::Live NewtonEvents<Law>::touching(int i, int j, int side) const {
+    Live live{};
+    live.first = i;
+    live.second = j;
+    live.pair.touch = Touch::slack;
+    live.pair.axis = side / 2;
+    live.pair.side = side % 2 ? -1.0 : 1.0;
+    live.pair.begin = now_;
+    live.pair.impact_speed = math::nan;
+    return live;
 }
 
 template <class Law>
@@ -40,13 +90,18 @@ void NewtonEvents<Law>::finish(int index) {
     settle(index, true, live);
     const std::vector<int> bodies = group(index).body;
     part(bodies, live);
+    form_remnants();
+    for (const int i : bodies)
+        if (body(i).group < 0) predict(i);
+}
+
+template <class Law>
+void NewtonEvents<Law>::form_remnants() {
     while (!remnants_.empty()) {
         const Remnant next = std::move(remnants_.back());
         remnants_.pop_back();
         form(next.body, next.live);
     }
-    for (const int i : bodies)
-        if (body(i).group < 0) predict(i);
 }
 
 // Bodies joined by contacts that go on become a remnant each.
@@ -113,15 +168,11 @@ bool NewtonEvents<Law>::isolate(std::vector<int>& set, std::vector<Live>& live) 
 template <class Law>
 void NewtonEvents<Law>::form(std::vector<int> set, std::vector<Live> live) {
     for (;;) {
-        if (set.size() > most_members) {
-            outcome_ = Outcome::unresolved;
-            return;
-        }
         const int index = spare_group();
         build(index, set, live);
-        if (group(index).after.unresolved) outcome_ = Outcome::unresolved;
+        if (set.size() > most_members || group(index).after.unresolved) outcome_ = Outcome::unresolved;
         std::vector<int> near;
-        if (group(index).after.time > 0.0)
+        if (group(index).after.time > 0.0 && outcome_ == Outcome::ok)
             for (const int i : set) intruders(i, index, near);
         if (near.empty()) return go_on_together(index);
         release(index);

@@ -38,7 +38,7 @@ void NewtonEvents<Law>::save(Writer& writer) const {
 }
 
 template <class Law>
-NewtonEvents<Law>::NewtonEvents(const Box& box, steps::PairLaws<Law> laws, std::size_t count, bool log,
+NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
                                 Reader& reader)
     : box_(box),
       laws_(std::move(laws)),

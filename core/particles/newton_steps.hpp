@@ -40,11 +40,11 @@ template <class Law>
 class NewtonSteps {
 public:
     using Box = steps::Box;
-    using Row = steps::Row;
+    using Row = ContactRow;
 
     // position, velocity [3 N], body by body; positions in the box.
     NewtonSteps(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
-                steps::PairLaws<Law> laws, double time_step, bool log)
+                PairLaws<Law> laws, double time_step, bool log)
         : NewtonSteps(box, std::move(laws), position.size() / 3, time_step, log) {
         for (std::size_t i = 0; i < position.size() / 3; ++i) {
             const double* x = position.data() + 3 * i;
@@ -58,7 +58,7 @@ public:
         start();
     }
     // As saved.
-    NewtonSteps(const Box& box, steps::PairLaws<Law> laws, std::size_t bodies, double time_step, bool log,
+    NewtonSteps(const Box& box, PairLaws<Law> laws, std::size_t bodies, double time_step, bool log,
                 Reader& reader)
         : NewtonSteps(box, std::move(laws), bodies, time_step, log) {
         exchange(reader);
@@ -154,7 +154,7 @@ private:
     enum class Phase { go_on, move, measure, cells, gather, list, even, odd, settle, over };
 
     Box box_;
-    steps::PairLaws<Law> laws_;
+    PairLaws<Law> laws_;
     steps::Bodies bodies_;
     steps::Sorting sorting_;
     steps::Grid grid_;
@@ -187,7 +187,7 @@ private:
     std::atomic<double> reached_{0.0};
     std::atomic<std::uint64_t> contacts_{0};
 
-    NewtonSteps(const Box& box, steps::PairLaws<Law> laws, std::size_t bodies, double time_step, bool log)
+    NewtonSteps(const Box& box, PairLaws<Law> laws, std::size_t bodies, double time_step, bool log)
         : box_(box), laws_(std::move(laws)), sorting_(bodies), time_step_(time_step), log_(bodies, log) {
         for (std::size_t i = 0; i < bodies; ++i) {
             const double width = 2.0 * laws_.radius(i);

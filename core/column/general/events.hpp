@@ -6,16 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "../../surface.hpp"
 #include "motions.hpp"
 
 namespace hardlimit::column::newton {
 
 enum class Event : unsigned char { none, begins, ends, opens, engages, parts };
-
-// Distance to an event, and its derivative in τ; `smooth` has the same zero and is smooth everywhere.
-struct Surface {
-    double value, slope, smooth, smooth_slope;
-};
 
 // ---- without forces: closed forms --------------------------------------------------------------------------
 
@@ -183,7 +179,11 @@ struct Step {
         double high = length;
         if (b.value > 0.0 || (fresh[j] && b.value == 0.0)) {
             if (!(a.smooth_slope < 0.0 && b.smooth_slope > 0.0)) return false;
-            if (!dips(j, kind, a, b, high)) return false;
+            const auto at = [&](double x) {
+                probe(x);
+                return surface(j, kind, trial.data(), k_trial.data());
+            };
+            if (!dips(a, b, high, at)) return false;
         } else if (fresh[j] && a.smooth_slope >= 0.0 && b.smooth_slope >= 0.0) {
             return false;  // rising from the surface: rounding
         }
@@ -192,33 +192,6 @@ struct Step {
         end.swap(trial);
         k_end.swap(k_trial);
         return true;
-    }
-
-    // Follows the minimum of a surface between two positive values; `high` becomes a place below zero.
-    bool dips(int j, Event kind, Surface a, Surface b, double& high) {
-        double low = 0.0, up = high;
-        for (int i = 0; i < 40; ++i) {
-            const double width = up - low;
-            const double chord = (b.smooth - a.smooth) / width;
-            // Cubic Hermite interpolant a + a' x + c x² + d x³: where its slope vanishes from below.
-            const double d = (a.smooth_slope + b.smooth_slope - 2.0 * chord) / (width * width);
-            const double c = (3.0 * chord - 2.0 * a.smooth_slope - b.smooth_slope) / width;
-            const double square = math::max(c * c - 3.0 * d * a.smooth_slope, 0.0);
-            const double lowest = -a.smooth_slope / (c + math::sqrt(square));
-            const double x = math::clamp(lowest, 0.01 * width, 0.99 * width);
-            const double least = a.smooth + x * (a.smooth_slope + x * (c + x * d));
-            const double margin = 0.1 * width * math::max(-a.smooth_slope, b.smooth_slope);
-            if (!(least < margin)) return false;
-            probe(low + x);
-            const Surface m = surface(j, kind, trial.data(), k_trial.data());
-            if (m.value <= 0.0) {
-                high = low + x;
-                return true;
-            }
-            (m.smooth_slope > 0.0 ? b : a) = m;
-            (m.smooth_slope > 0.0 ? up : low) = low + x;
-        }
-        return false;
     }
 
     // First zero in (0, high], the surface being below zero at `high`; leaves the state there in `trial`.

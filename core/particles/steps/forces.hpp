@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "../pair_laws.hpp"
 #include "isolated.hpp"
 #include "neighbours.hpp"
-#include "pair_laws.hpp"
 #include "touches.hpp"
 
 namespace hardlimit::particles::steps {

@@ -5,24 +5,17 @@
 #include <utility>
 #include <vector>
 
+#include "../contact_row.hpp"
 #include "bodies.hpp"
 #include "onset.hpp"
 
 namespace hardlimit::particles::steps {
 
-// One contact of the log. second < 0: −1 − 2·axis for the wall at 0, −2 − 2·axis for that at the far edge.
-struct Row {
-    double begin, end;  // [s]; end is NaN where it is still open
-    std::int32_t first, second;
-    double impact_speed, separation_speed;  // [m/s]
-    bool overlapped;                        // shared a body with another contact while it lasted
-};
-
 // Two bodies, or a body and a wall, that overlap. They are in contact (`closed`) while they push each other.
 template <class Law>
 struct Touch {
     Law law;
-    std::int32_t first, second;         // numbers; second as in Row
+    std::int32_t first, second;         // numbers; second as in ContactRow
     std::array<std::int32_t, 3> turns;  // by which image of the second, in edges along the unfolded paths
     std::uint32_t at_first, at_second;  // indices; the second is none at a wall
     Four normal;                        // unit vector from the one at `at_first` to the other
@@ -66,7 +59,7 @@ public:
     }
     template <class Law>
     void ends(const Touch<Law>& t, double time, double separation_speed) {
-        const Row row = so_far(t, time, separation_speed);
+        const ContactRow row = so_far(t, time, separation_speed);
         ++ended_;
         overlapped_ += row.overlapped;
         --company_[static_cast<std::size_t>(t.first)].contacts;
@@ -74,7 +67,7 @@ public:
         if (keep_) rows_.push_back(row);
     }
     template <class Law>
-    Row so_far(const Touch<Law>& t, double end, double separation_speed) const {
+    ContactRow so_far(const Touch<Law>& t, double end, double separation_speed) const {
         const bool crowded = t.overlapped || crowd(t.first) != t.crowd_first ||
                              (t.second >= 0 && crowd(t.second) != t.crowd_second);
         const bool in_order = t.second < 0 || t.first < t.second;
@@ -86,7 +79,7 @@ public:
                 separation_speed,
                 crowded};
     }
-    std::vector<Row> take() { return std::exchange(rows_, {}); }
+    std::vector<ContactRow> take() { return std::exchange(rows_, {}); }
 
     template <class Archive>
     void exchange(Archive& archive) {
@@ -99,7 +92,7 @@ private:
         std::uint32_t contacts, crowd;  // now, and how often one began beside another one
     };
     std::vector<Company> company_;  // [N] by number
-    std::vector<Row> rows_;
+    std::vector<ContactRow> rows_;
     bool keep_;
     std::uint64_t begun_ = 0, pairs_ = 0, ended_ = 0, overlapped_ = 0;
 

@@ -9,19 +9,14 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
 from ..contact import Law
-from ..laws import LAWS
 from ..progress import Report
-from . import checkpoint
+from . import checkpoint, engines
 from .contact_result import COLUMNS, LOG, ContactResult
-from .course import folded
 from .system import Floats, ParticleSystem
 
-#: Seconds [wall clock] for which the engine runs at a time, between looks at the checkpoint and the progress.
-PORTION: Final = 0.2
 #: In the header of a checkpoint.
 KIND: Final = "molecular_dynamics"
 ENGINES: Final[dict[str, Any]] = {"events": _core.NewtonEvents, "steps": _core.NewtonSteps}
@@ -30,7 +25,7 @@ ENGINES: Final[dict[str, Any]] = {"events": _core.NewtonEvents, "steps": _core.N
 STEPS: Final = ("time_step", "n_steps")
 CLUSTERS: Final = ("largest_cluster", "cluster_share")
 
-Log = tuple[NDArray[Any], ...]
+Log = engines.Log
 
 
 @dataclass(frozen=True)
@@ -122,10 +117,7 @@ class ContactCourse:
             else:
                 self.engine.advance(at, self._portion)
             took = clock.monotonic() - begun
-            if took < 0.5 * PORTION:
-                self._portion = min(2 * self._portion, 2**40)
-            elif took > 2.0 * PORTION:
-                self._portion = max(self._portion // 2, 1)
+            self._portion = engines.pace(self._portion, took)
             if clock.monotonic() - self._saved_at > self.settings.every:
                 self.save()
             self._report(report)
@@ -167,7 +159,7 @@ class ContactCourse:
         """Contacts that have ended, in the order of their ends."""
         if self._log is None:
             return None
-        self._log = [_joined([*self._log, self.engine.take_log()])]
+        self._log = [engines.joined([*self._log, self.engine.take_log()])]
         return self._log[0]
 
     def save(self) -> None:
@@ -180,24 +172,17 @@ class ContactCourse:
         """
         if self.settings.path is None:
             return
-        law = self.settings.law
-        log = self._joined_log()
         header = {
             "kind": KIND,
             "engine": self.settings.engine,
-            "law": [law.record["name"], dict(law.parameters)],
+            "law": engines.law_entry(self.settings.law),
             "boundary": list(self.system.boundary),
             "target": vars(self.target),
             "threads": self.settings.threads,
             "every": self.settings.every,
         }
-        arrays = {
-            name: np.asarray(getattr(self.system, name)) for name in ("radius", "mass", "box", "gravity")
-        }
-        arrays["engine"] = np.frombuffer(self.engine.save(), np.uint8)
-        arrays["rows"] = np.array(self._rows).reshape(-1, len(COLUMNS))
-        if log is not None:
-            arrays |= {f"log_{i}": part for i, part in enumerate(log)}
+        rows = np.array(self._rows).reshape(-1, len(COLUMNS))
+        arrays = engines.kept(self.system, self.engine, rows, self._joined_log())
         checkpoint.write(self.settings.path, header, arrays)
         self._saved_at = clock.monotonic()
 
@@ -207,14 +192,14 @@ class ContactCourse:
         """What has come out so far."""
         log = self._joined_log()
         if log is not None:
-            log = _joined([log, self.engine.open_contacts()])
+            log = engines.joined([log, self.engine.open_contacts()])
             order = np.argsort(log[0], kind="stable")
             *numbers, overlapped = (part[order] for part in log)
             log = (*numbers, overlapped.astype(bool))
         seen, counts = self.engine.observe(), ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
         special = STEPS if self.settings.takes_steps else CLUSTERS
         return ContactResult(
-            system=_moved(self.system, self.engine),
+            system=engines.present(self.system, self.engine),
             law=self.settings.law,
             engine=self.settings.engine,
             outcome_name=self.engine.outcome,
@@ -226,38 +211,13 @@ class ContactCourse:
         )
 
 
-def _joined(parts: list[Log]) -> Log:
-    return tuple(np.concatenate([part[i] for part in parts]) for i in range(len(LOG)))
-
-
-def _moved(system: ParticleSystem, engine: Any) -> ParticleSystem:
-    """The system now, inside the box."""
-    positions, velocities = engine.state()
-    return ParticleSystem._of(
-        positions=folded(positions, system),
-        velocities=velocities,
-        radius=system.radius,
-        mass=system.mass,
-        box=system.box,
-        boundary=system.boundary,
-        gravity=system.gravity,
-    )
-
-
 def start(
     system: ParticleSystem, settings: Settings, time_step: float | None, target: Target, log: bool
 ) -> ContactCourse:
     """A run at its beginning; the arguments are checked."""
-    law = settings.law
     engine = ENGINES[settings.engine](
-        system.positions,
-        system.velocities,
-        np.ascontiguousarray(system.radius),
-        np.ascontiguousarray(system.mass),
-        system.box.tolist(),
-        [side == "periodic" for side in system.boundary],
-        system.gravity.tolist(),
-        (law.record["name"], law.alternative, list(law.parameters.values())),
+        *engines.scene(system),
+        engines.choice(settings.law),
         *([time_step] if settings.takes_steps else []),
         log,
     )
@@ -274,17 +234,11 @@ def load(path: Any) -> ContactCourse:
     """
     header, arrays = checkpoint.read(path)
     try:
-        law = LAWS[header["law"][0]](**header["law"][1])
+        law = engines.law_of(header["law"])
         settings = Settings(law, header["engine"], int(header["threads"]), Path(path), float(header["every"]))
         engine = ENGINES[settings.engine].load(arrays["engine"].tobytes())
-        positions, velocities = engine.state()
-        system = ParticleSystem._of(
-            positions=positions,
-            velocities=velocities,
-            boundary=tuple(header["boundary"]),
-            **{name: arrays[name] for name in ("radius", "mass", "box", "gravity")},
-        )
-        log = tuple(arrays[f"log_{i}"] for i in range(len(LOG))) if "log_0" in arrays else None
+        system = engines.system_in(header, arrays, engine)
+        log = engines.log_in(arrays, len(LOG))
         target = Target(**header["target"])
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"{path}: no checkpoint, or damaged: {error}") from None

@@ -13,16 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..laws import LAWS
 from ..progress import Report
-from . import checkpoint
+from . import checkpoint, engines
 from .result import COLUMNS, Collapse, ParticleResult, Settings
 from .system import Floats, ParticleSystem
 
 #: Times that the spacing of the samples may double without a collision before nothing is taken to collide any more.
 PATIENCE: Final = 20
-#: Seconds [wall clock] for which the engine runs at a time, between looks at the checkpoint and the progress.
-PORTION: Final = 0.2
 
 
 @dataclass(frozen=True)
@@ -138,10 +135,7 @@ class Course:
 
     def _pace(self, took: float) -> None:
         """Portions of about the same time; a checkpoint when it is due."""
-        if took < 0.5 * PORTION:
-            self._portion = min(2 * self._portion, 2**40)
-        elif took > 2.0 * PORTION:
-            self._portion = max(self._portion // 2, 1)
+        self._portion = engines.pace(self._portion, took)
         if self.path is not None and clock.monotonic() - self._saved_at > self.every:
             self.save()
 
@@ -201,8 +195,7 @@ class Course:
         if self._log is None:
             return None
         if len(self._log) != 1:
-            parts = self._log
-            self._log = [tuple(np.concatenate([part[i] for part in parts]) for i in range(4))]
+            self._log = [engines.joined(self._log)]
         return self._log[0]
 
     def save(self) -> None:
@@ -220,19 +213,14 @@ class Course:
             "rule": settings.rule,
             "restitution": settings.restitution,
             "contact_duration": settings.contact_duration,
-            "law": None if law is None else [law.record["name"], dict(law.parameters)],
+            "law": engines.law_entry(law),
             "boundary": list(self.system.boundary),
             "target": vars(target),
             "every": self.every,
         }
-        arrays = {
-            name: np.asarray(getattr(self.system, name)) for name in ("radius", "mass", "box", "gravity")
-        }
-        arrays["engine"] = np.frombuffer(self.engine.save(), np.uint8)
-        arrays["rows"] = np.array(rows).reshape(-1, len(COLUMNS))
-        log = self._joined_log()
-        if log is not None:
-            arrays |= {f"log_{i}": part for i, part in enumerate(log)}
+        arrays = engines.kept(
+            self.system, self.engine, np.array(rows).reshape(-1, len(COLUMNS)), self._joined_log()
+        )
         checkpoint.write(self.path, header, arrays)
         self._saved_at = clock.monotonic()
 
@@ -240,17 +228,7 @@ class Course:
 
     def current(self) -> ParticleSystem:
         """The system now, inside the box."""
-        positions, velocities = self.engine.state()
-        system = self.system
-        return ParticleSystem._of(
-            positions=folded(positions, system),
-            velocities=velocities,
-            radius=system.radius,
-            mass=system.mass,
-            box=system.box,
-            boundary=system.boundary,
-            gravity=system.gravity,
-        )
+        return engines.present(self.system, self.engine)
 
     def result(self) -> ParticleResult:
         """What has come out so far."""
@@ -282,31 +260,14 @@ class Course:
         return Collapse(time, tuple(now.positions[first].tolist()), first, second)
 
 
-def folded(positions: Floats, system: ParticleSystem) -> Floats:
-    """Continuous paths brought back into the box along its periodic axes."""
-    found = np.array(positions)
-    for axis, side in enumerate(system.boundary):
-        edge = system.box[axis]
-        if side == "periodic":
-            found[:, axis] -= edge * np.floor(found[:, axis] / edge)
-        np.clip(found[:, axis], 0.0, edge, out=found[:, axis])
-    return found
-
-
 def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:
     """The compiled engine with the system in it."""
     law = settings.law
     return _core.HardSpheres(
-        system.positions,
-        system.velocities,
-        np.ascontiguousarray(system.radius),
-        np.ascontiguousarray(system.mass),
-        system.box.tolist(),
-        [side == "periodic" for side in system.boundary],
-        system.gravity.tolist(),
+        *engines.scene(system),
         settings.rule,
         math.nan if settings.restitution is None else settings.restitution,
-        None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),
+        None if law is None else engines.choice(law),
         math.nan if settings.contact_duration is None else settings.contact_duration,
         log,
     )
@@ -322,17 +283,11 @@ def load(path: Any) -> Course:
     """
     header, arrays = checkpoint.read(path)
     try:
-        law = None if header["law"] is None else LAWS[header["law"][0]](**header["law"][1])
+        law = None if header["law"] is None else engines.law_of(header["law"])
         settings = Settings(header["rule"], header["restitution"], law, header["contact_duration"])
         engine = _core.HardSpheres.load(arrays["engine"].tobytes())
-        positions, velocities = engine.state()
-        system = ParticleSystem._of(
-            positions=positions,
-            velocities=velocities,
-            boundary=tuple(header["boundary"]),
-            **{name: arrays[name] for name in ("radius", "mass", "box", "gravity")},
-        )
-        log = tuple(arrays[f"log_{i}"] for i in range(4)) if "log_0" in arrays else None
+        system = engines.system_in(header, arrays, engine)
+        log = engines.log_in(arrays, 4)
         target = Target(**header["target"])
         every = float(header["every"])
     except (KeyError, TypeError, ValueError) as error:

@@ -11,8 +11,8 @@ import numpy as np
 from .. import validation
 from ..contact import Law
 from ..progress import Report, reporter
-from . import checkpoint as checkpoints
 from .course import Course, Target, engine_of, load
+from .engines import checked_keeping, checked_samples
 from .result import ParticleResult, Settings
 from .system import ParticleSystem
 from .theory import Gas
@@ -20,7 +20,6 @@ from .theory import Gas
 #: Rules with a constant restitution, and those with a contact law.
 RULES: Final = {"restitution": ("constant", "tc"), "law": ("law", "tc", "soft")}
 MOST_COLLISIONS: Final = 2**62
-MOST_SAMPLES: Final = 10_000_000
 #: How much finer than expected the samples of an open-ended run are at first.
 FINER: Final = 64
 
@@ -92,9 +91,7 @@ def event_driven(
     end = checked_end(until, max_collisions, samples)
     if until is None and max_collisions is None:
         raise ValueError("until | max_collisions: got neither, must be at least one of them")
-    path = None if checkpoint is None else checkpoints.checked_path(checkpoint)
-    every = validation.number("checkpoint_every", checkpoint_every, 0.0)
-    keep = _checked_flag("log", log)
+    _, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "event-driven", "collisions") as report:
         return start(system, settings, end.target(system), keep, path, every).run(report)
 
@@ -228,7 +225,7 @@ def checked_end(until: Any, max_collisions: Any, samples: Any) -> End:
     most = None
     if max_collisions is not None:
         most = validation.whole("max_collisions", max_collisions, 0, MOST_COLLISIONS)
-    return End(end, most, validation.whole("samples", samples, 1, MOST_SAMPLES))
+    return End(end, most, checked_samples(samples))
 
 
 def expected_duration(system: ParticleSystem, collisions: int) -> float:
@@ -244,9 +241,3 @@ def expected_duration(system: ParticleSystem, collisions: int) -> float:
     rate = float(dense.collision_rate(scale))
     found = 2.0 * max(collisions, 1) / (system.n * rate) if rate > 0.0 else 1.0
     return found if 0.0 < found < math.inf else 1.0
-
-
-def _checked_flag(name: str, value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"{name}: got {validation.shown(value)}, must be True or False")
-    return value

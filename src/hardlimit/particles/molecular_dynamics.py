@@ -9,13 +9,12 @@ from typing import Any, Final
 from .. import validation
 from ..contact import Law
 from ..progress import Report, reporter
-from . import checkpoint as checkpoints
 from . import time_step as steps
 from .contact_course import ENGINES, ContactCourse, Settings, Target, load, start
 from .contact_result import ContactResult
+from .engines import checked_keeping
 from .system import ParticleSystem
 
-MOST_SAMPLES: Final = 10_000_000
 MOST_THREADS: Final = 1024
 #: In radii of the largest particle.
 SMALLEST_EDGE: Final = 4.2
@@ -98,14 +97,10 @@ def molecular_dynamics(
     else:
         check_box(system)
         refuse_steps(restitution_error=restitution_error, time_step=time_step, threads=threads)
-    count = validation.whole("samples", samples, 1, MOST_SAMPLES)
-    if not isinstance(log, bool):
-        raise ValueError(f"log: got {validation.shown(log)}, must be True or False")
-    path = None if checkpoint is None else checkpoints.checked_path(checkpoint)
-    every = validation.number("checkpoint_every", checkpoint_every, 0.0)
+    count, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "molecular dynamics", UNITS[name]) as report:
         settings = Settings(law, name, workers, path, every)
-        return start(system, settings, step, Target(end, end, count), log).run(report)
+        return start(system, settings, step, Target(end, end, count), keep).run(report)
 
 
 def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report | None) -> ContactResult:

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "../../contact/law.hpp"
+#include "../contact/law.hpp"
 
-namespace hardlimit::particles::steps {
+namespace hardlimit::particles {
 
 // Kinds of equal bodies have their laws in a table. Where there are many kinds, a law is made when two bodies touch.
 template <class Law>
@@ -59,4 +59,4 @@ private:
     }
 };
 
-}  // namespace hardlimit::particles::steps
+}  // namespace hardlimit::particles
