@@ -164,6 +164,12 @@ void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
     Pending& e = pending_[i];
     const double end = math::min(e.pair_time, end_[i]);
     if (touched.time == math::infinity || now_ + touched.time > end) return;
+    if (!touched.several && group_[touched.id] < 0 && now_ + touched.time < e.pair_time) {
+        e.pair_time = now_ + touched.time;
+        e.partner = touched.id;
+        e.partner_count = pending_[touched.id].count;
+        return;
+    }
     for (std::size_t k = 0; k < touched.n; ++k) {
         const double time = now_ + times_[k];
         if (time > end || time > e.pair_time || times_[k] == math::infinity) continue;
