@@ -26,19 +26,10 @@ class Contacts(NamedTuple):
 
 
 def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
-    """Begins and ends of one pair take turns; the last end may be missing."""
+    """Begins and ends of one pair take turns; its last end may be missing."""
     begun, ended = _sorted(begins), _sorted(ends)
-    pair = np.flatnonzero(_changes(begun)), np.flatnonzero(_changes(ended))
     n = len(begun.first)
-    closed = np.ones(n, bool)
-    counts = {}
-    for one, starts in zip((begun, ended), pair, strict=True):
-        sizes = np.diff(np.append(starts, len(one.first)))
-        keys = zip(one.first[starts].tolist(), one.second[starts].tolist(), strict=True)
-        counts[one is begun] = dict(zip(keys, sizes.tolist(), strict=True))
-    last = np.append(pair[0][1:], n) - 1
-    for at, (key, size) in zip(last.tolist(), counts[True].items(), strict=True):
-        closed[at] = counts[False].get(key, 0) == size
+    closed = _ordinal(begun) < _count_of(begun, ended)
     end, separation = np.full(n, np.nan), np.full(n, np.nan)
     end[closed], separation[closed] = ended.time, ended.speed
     order = np.lexsort((begun.second, begun.first, begun.time))
@@ -52,6 +43,23 @@ def _sorted(parts: Sequence[Change]) -> Change:
     first, second, time, speed = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.lexsort((time, second, first))
     return Change(first[order], second[order], time[order], speed[order])
+
+
+def _ordinal(one: Change) -> Integers:
+    """For each entry the number of entries of its pair before it."""
+    starts = np.flatnonzero(_changes(one))
+    before: Integers = starts[np.cumsum(_changes(one)) - 1]
+    return np.arange(len(one.first)) - before
+
+
+def _count_of(one: Change, other: Change) -> Integers:
+    """For each entry of ``one`` the number of entries that its pair has in ``other``."""
+    starts = np.flatnonzero(_changes(other))
+    sizes = np.diff(np.append(starts, len(other.first))).tolist()
+    keys = zip(other.first[starts].tolist(), other.second[starts].tolist(), strict=True)
+    found = dict(zip(keys, sizes, strict=True))
+    pairs = zip(one.first.tolist(), one.second.tolist(), strict=True)
+    return np.array([found.get(pair, 0) for pair in pairs], np.int64)
 
 
 def _changes(one: Change) -> NDArray[np.bool_]:

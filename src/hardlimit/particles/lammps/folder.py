@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -126,7 +127,9 @@ def _checked_folder(folder: Any) -> Path:
         raise ValueError(f"folder: got {validation.shown(folder)}, must be a path")
     target = Path(folder)
     try:
-        good = not target.exists() or target.is_dir()
+        good = stat.S_ISDIR(target.stat().st_mode)
+    except FileNotFoundError:
+        good = True
     except (OSError, ValueError):  # too long a name, or a null character in it
         good = False
     if not good or not str(folder):

@@ -43,8 +43,7 @@ def script(
     parts = [
         [f"# {line}".rstrip() for line in header],
         _box(system),
-        ["# forces", "pair_style granular"],
-        [f"pair_coeff {i + 1} {j + 1} {w}" for (i, j), w in coefficients.items() if j is not None],
+        _forces(coefficients),
         _walls(system, types, coefficients),
         _motion(system, plan),
         _what_comes_out(system, plan),
@@ -66,6 +65,11 @@ def _box(system: ParticleSystem) -> list[str]:
         f"neighbor {skin(system):.6g} bin",
         "neigh_modify delay 0 every 1 check yes",
     ]
+
+
+def _forces(coefficients: Mapping[tuple[int, int | None], str]) -> list[str]:
+    pairs = [f"pair_coeff {i + 1} {j + 1} {words}" for (i, j), words in coefficients.items() if j is not None]
+    return ["# forces", "pair_style granular", *pairs]
 
 
 def skin(system: ParticleSystem) -> float:
