@@ -357,7 +357,7 @@ MATERIAL = {"youngs_modulus": 3e7, "poisson_ratio": 0.3}
 LAWS = {
     "linear": hl.LinearDashpot(stiffness=1e4, restitution=0.8),
     "linear, one γ": hl.LinearDashpot(stiffness=1e4, damping=0.02),
-    "linear, strong": hl.LinearDashpot(stiffness=1e4, restitution=0.05),
+    "linear, strong": hl.LinearDashpot(stiffness=1e4, restitution=0.12),
     "viscoelastic": hl.Viscoelastic(**MATERIAL, dissipative_time=1e-5),
     "viscoelastic, ε": hl.Viscoelastic(**MATERIAL, restitution=0.6, impact_speed=1.0),
     "tsuji": hl.Tsuji(**MATERIAL, restitution=0.7),
