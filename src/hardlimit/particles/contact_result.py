@@ -110,8 +110,8 @@ class ContactResult:
 
     @property
     def energy_error(self) -> float:
-        """Largest |energy + dissipated − energy at the start| of the samples, over the kinetic energy at the start or
-        the largest amount dissipated; NaN by LAMMPS, whose dissipated energy is what the others lack."""
+        """The largest departure of energy + dissipated energy from the energy at the start, over the largest kinetic
+        energy or amount dissipated; NaN by LAMMPS, whose dissipated energy is what the others lack."""
         if self.engine == "lammps":
             return math.nan
         kept = dict(zip(COLUMNS, self.rows.T, strict=True))

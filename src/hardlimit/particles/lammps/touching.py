@@ -116,12 +116,19 @@ class Watch:
         steps = np.array([shot.step for shot in shots])
         numbers = table([row for shot in shots for row in shot.rows], self._dump.width)
         found = self._dump.overlaps(np.repeat(steps, [len(shot.rows) for shot in shots]), numbers)
-        for sample in steps[steps % self._per_sample == 0].tolist():
-            now = found.step == sample
-            energy = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
-            self.sums[sample] = Sums(float(energy.sum()), int(found.pushing[now].sum()))
+        self._sum(steps[steps % self._per_sample == 0], found)
         if self.finder is not None:
             self.finder.add(found, int(steps[-1]))
+
+    def _sum(self, samples: Integers, found: Overlaps) -> None:
+        """The sums of these samples, in their order."""
+        now = found.step % self._per_sample == 0
+        energies = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
+        at, n = np.searchsorted(samples, found.step[now]), len(samples)
+        energy = np.bincount(at, energies, n)
+        pushing = np.bincount(at, found.pushing[now], n)
+        for sample, stored, count in zip(samples.tolist(), energy.tolist(), pushing.tolist(), strict=True):
+            self.sums[sample] = Sums(stored, int(count))
 
 
 class Change(NamedTuple):
