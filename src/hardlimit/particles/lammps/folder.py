@@ -113,8 +113,6 @@ def make_job(
         If a value is outside its range, or LAMMPS cannot do it.
     """
     count, keep, _, _ = checked_keeping(samples, log, None, 60.0)
-    if keep and not hasattr(os, "mkfifo"):
-        raise ValueError("log: got True, must be False for engine 'lammps' on a system without named pipes")
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, half_steps.longest_step)
     per_sample = max(1, math.ceil(until / (count * longest)))

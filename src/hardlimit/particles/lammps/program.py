@@ -51,6 +51,10 @@ def find(ranks: int) -> Program:
     ImportError
         If there is none, or it is too old, or cannot do what is asked; says how to get it.
     """
+    if sys.platform == "win32":
+        raise ImportError(
+            "engine: got 'lammps', must be another on Windows; lammps_input writes what LAMMPS takes"
+        )
     program = _installed() or _in_path()
     if program is None:
         raise ImportError(f"engine: got 'lammps', must have LAMMPS: {GET}")
