@@ -89,6 +89,7 @@ def facts_of(plan: Any, start: str, seed: int) -> dict[str, Any]:
         "samples": plan.samples,
         "restitution": plan.restitution,
         "contact_duration": plan.contact_duration,
+        "engine": plan.engine,
         "seed": seed,
         "start": start,
     }

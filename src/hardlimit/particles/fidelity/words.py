@@ -73,7 +73,7 @@ def sentence(f: Fidelity) -> str:
         return f"No verdict: there is no time to compare in.{_early(f)}"
     verb, more, less = MEASURES[measure]
     apart, same = [], []
-    for rule in rules:
+    for rule in _known(f, measure, rules):
         found = f.final_difference(measure, rule)
         if f.told_apart(measure, rule):
             size = percent(Estimate(abs(found.mean), found.error))
@@ -108,9 +108,10 @@ def _at(f: Fidelity) -> str:
     return "" if math.isnan(f.tc_nu) else f" (t_c ν = {f.tc_nu:.2g})"
 
 
-def _known(f: Fidelity, name: str, rules: list[str]) -> bool:
-    """Whether a quantity differs from zero under Newton's equations, so that there is a relative difference."""
-    return all(np.isfinite(f.final_difference(name, rule).mean) for rule in rules)
+def _known(f: Fidelity, name: str, rules: list[str]) -> list[str]:
+    """The rules with a relative difference of this quantity: it is not zero under Newton's equations, and there is a
+    sample after the start that both reached."""
+    return [rule for rule in rules if np.isfinite(f.final_difference(name, rule).mean)]
 
 
 def _early(f: Fidelity) -> str:
@@ -123,8 +124,9 @@ def _early(f: Fidelity) -> str:
             who = "Newton’s equations" if model == NEWTON else f"the rule {model}"
             what = "inelastic collapse" if "collapse" in outcomes else "an early end"
             last = f.plan.times[f.last_common(f.models.index(model))]
-            said += f" {who[0].upper()}{who[1:]} met {what} in {bad} of {len(outcomes)} replicas; "
-            said += f"it is judged at {last:.3g} s."
+            judged = f"all is judged at {last:.3g} s" if model == NEWTON else f"it is judged at {last:.3g} s"
+            judged = judged if last > 0.0 else "before the first sample"
+            said += f" {who[0].upper()}{who[1:]} met {what} in {bad} of {len(outcomes)} replicas; {judged}."
     return said
 
 
