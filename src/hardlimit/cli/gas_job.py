@@ -73,7 +73,7 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     options = {name: value for name, value in given.items() if value not in (None, ())}
     if resume is not None:
         return _resumed(file, resume, options | parameters | ({"law": law_name} if law_name else {}))
-    content = _read(file)
+    content = read(file)
     for table, names in (("random", RANDOM), ("event_driven", RUN), ("output", dict.fromkeys(OUTPUTS))):
         content[table] |= {name: options[name] for name in names if name in options}
     outputs = _checked_outputs(content["output"])
@@ -84,9 +84,9 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     samples = 100 if run["samples"] is None else run["samples"]
     end = runs.checked_end(run["until"], run["max_collisions"], samples)
     _refuse_frames_without_end(outputs, end.until, end.max_collisions)
-    system = _start(content)
+    system = start(content)
     if end.until is None and end.max_collisions is None:
-        end = end._replace(until=_usual_end(system))
+        end = end._replace(until=usual_end(system))
     keep = outputs["save"] is not None
     return Job(runs.start(system, settings, end.target(system), keep, checkpoint, every), outputs)
 
@@ -108,7 +108,7 @@ def _resumed(file: str | None, path: str, options: dict[str, Any]) -> Job:
 # --- files --------------------------------------------------------------------------------------------------
 
 
-def _read(file: str | None) -> dict[str, Any]:
+def read(file: str | None) -> dict[str, Any]:
     """The content of a job file by table; a start from a file of particles is under "start"."""
     content: dict[str, Any] = {"start": None, "law": None, "random": {}, "event_driven": {}, "output": {}}
     if file is None:
@@ -193,9 +193,9 @@ def _quantity(name: str, value: Any, unit: str | None) -> Any:
 # --- the parts of a job -------------------------------------------------------------------------------------
 
 
-def _start(content: Mapping[str, Any]) -> ParticleSystem:
+def start(content: Mapping[str, Any]) -> ParticleSystem:
     """The particles: from a file, its box changed by options, or at random."""
-    given = {name: _single(value) for name, value in content["random"].items()}
+    given = {name: single(value) for name, value in content["random"].items()}
     if content["start"] is not None:
         strange = [name for name in given if name not in OF_THE_BOX]
         if strange:
@@ -205,7 +205,7 @@ def _start(content: Mapping[str, Any]) -> ParticleSystem:
     return ParticleSystem.random(**(USUAL | given), progress=True)
 
 
-def _single(value: Any) -> Any:
+def single(value: Any) -> Any:
     """A list of one, which an option that may be repeated makes, is that one."""
     return value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
 
@@ -219,13 +219,13 @@ def _rules(
     if law is not None and restitution is not None:
         raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
     if law_name is not None or law is not None or parameters.keys() - {"restitution"}:
-        law, restitution = _law(law, law_name, parameters), None
+        law, restitution = law_of(law, law_name, parameters), None
     else:
         restitution = parameters.get("restitution", USUAL_RESTITUTION if restitution is None else restitution)
     return runs.checked_settings(law, restitution, run.pop("rule"), run.pop("contact_duration")), run
 
 
-def _law(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
+def law_of(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
     """Another law, or other parameters of the present one."""
     base = columns.of_column(Column.paper())
     scenario = replace(base, laws=() if present is None else (present,))
@@ -236,7 +236,7 @@ def _law(present: Law | None, name: str | None, parameters: Mapping[str, float])
     return columns.law_with(None, parameters)(**parameters)
 
 
-def _usual_end(system: ParticleSystem) -> float:
+def usual_end(system: ParticleSystem) -> float:
     """Time [s] for some collisions of every particle, as a round number."""
     return float(f"{runs.expected_duration(system, USUAL_COLLISIONS * system.n // 2):.2g}")
 

@@ -54,10 +54,10 @@ def fidelity(
     ----------
     system : ParticleSystem or callable(seed)
         The start of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: velocities
-        are drawn anew (Maxwell) with the seed ``seed`` + k, each particle undergoes some 20 elastic collisions as a hard
-        sphere, and velocities are shifted and scaled to the mean velocity and the granular temperature of ``system``.
-        That is no replica of a start out of equilibrium, or under gravity (refused): for those give a function, which
-        is called with ``seed`` + k for replica k and makes the start.
+        are drawn anew (Maxwell) with the seed ``seed`` + k, each particle undergoes some 20 elastic collisions as a
+        hard sphere, and velocities are shifted and scaled to the mean velocity and the granular temperature of
+        ``system``. That is no replica of a start out of equilibrium, or under gravity (refused): for those give a
+        function, which is called with ``seed`` + k for replica k and makes the start.
     law : Law
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
@@ -72,8 +72,8 @@ def fidelity(
     contact_duration : float [s], optional
         t_c of the rule tc and of t_c ν. By default that of the law at the same impact.
     engine : {"events", "steps"}
-        How Newton's equations are solved: see :func:`molecular_dynamics`. ``"steps"`` is for long contacts (t_c ν of 0.1
-        and more, where large groups hang together) and heaps; its steps change ε by at most 1e-4.
+        How Newton's equations are solved: see :func:`molecular_dynamics`. ``"steps"`` is for long contacts (t_c ν of
+        0.1 and more, where large groups hang together) and heaps; its steps change ε by at most 1e-4.
     seed : int
     workers : int
         Processes. With 1, all is computed in this one. The result does not depend on it.
@@ -107,7 +107,9 @@ def fidelity(
     count = validation.whole("replicas", replicas, 1, MOST_REPLICAS)
     many = validation.whole("workers", workers, 1, 1024)
     if scheduler is not None and many > 1:
-        raise ValueError(f"scheduler | workers: got a scheduler and {many} workers, must be at most one of them")
+        raise ValueError(
+            f"scheduler | workers: got a scheduler and {many} workers, must be at most one of them"
+        )
     chosen = _checked_models(models)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     spacings = engines.checked_samples(samples)
@@ -171,7 +173,9 @@ def _checked_models(models: Any) -> tuple[str, ...]:
     if len(set(names)) < len(names):
         raise ValueError(f"models: got {', '.join(names)}, must be different ones")
     if NEWTON not in names:
-        raise ValueError(f"models: got {', '.join(names) or 'none'}, must include {NEWTON}, what all are compared with")
+        raise ValueError(
+            f"models: got {', '.join(names) or 'none'}, must include {NEWTON}, what all are compared with"
+        )
     return (NEWTON, *(name for name in names if name != NEWTON))
 
 

@@ -36,7 +36,10 @@ QUANTITIES: Final = {
     "pair_correlation": ("1", "g near contact, between 1 and 1.1 sums of radii, overlaps included"),
     "density_variance": ("1", "variance over mean of the particles in cells of some 8"),
 }
-DIVERGENCE: Final = ("1", "rms distance of the particles from their places under Newton’s equations, in radii")
+DIVERGENCE: Final = (
+    "1",
+    "rms distance of the particles from their places under Newton’s equations, in radii",
+)
 
 Arrays = dict[str, NDArray[Any]]
 Step = Callable[[], object]  #: called about every 0.2 s, and with each sample; may raise to stop
@@ -71,7 +74,9 @@ def digest(system: ParticleSystem) -> NDArray[np.uint8]:
     found = hashlib.sha256()
     for field in fields(system):
         value = getattr(system, field.name)
-        found.update(np.ascontiguousarray(value).tobytes() if field.name != "boundary" else repr(value).encode())
+        found.update(
+            np.ascontiguousarray(value).tobytes() if field.name != "boundary" else repr(value).encode()
+        )
     return np.frombuffer(found.digest(), np.uint8)
 
 
@@ -119,13 +124,17 @@ def _course(plan: Plan, model: str, system: ParticleSystem) -> Course | ContactC
         step = None
         if plan.engine == "steps":
             step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None)
-        return contact_course.start(system, contact_course.Settings(plan.law, plan.engine, 1), step, target, True)
+        return contact_course.start(
+            system, contact_course.Settings(plan.law, plan.engine, 1), step, target, True
+        )
     if model in ("constant", "tc"):
         duration = plan.contact_duration if model == "tc" else None
         settings = Settings(model, plan.restitution, None, duration)
     else:
         settings = Settings(model, None, plan.law, None)
-    return start_hard_spheres(system, settings, course.Target(plan.until, None, plan.until, plan.samples), True)
+    return start_hard_spheres(
+        system, settings, course.Target(plan.until, None, plan.until, plan.samples), True
+    )
 
 
 def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:

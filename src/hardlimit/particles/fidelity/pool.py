@@ -77,7 +77,7 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
             finished, _ = wait(waiting, PAUSE, FIRST_COMPLETED)
             for future in finished:
                 yield waiting.pop(future), future.result()
-            tell(sum(done))
+            tell(sum(done[:]))
     except BrokenProcessPool:
         raise RuntimeError(
             "workers: a process died; what is in a store is kept. In a script, the call must stand below "
@@ -134,9 +134,7 @@ def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any
         with cluster.connection(scheduler) as client:
             from distributed import as_completed
 
-            futures = {
-                client.submit(_remote, starts, plan, k, _core.version, pure=False): k for k in wanted
-            }
+            futures = {client.submit(_remote, starts, plan, k, _core.version, pure=False): k for k in wanted}
             try:
                 for place, future in enumerate(as_completed(list(futures), loop=client.loop)):
                     yield futures[future], future.result()

@@ -78,6 +78,15 @@ class Fidelity:
         last = self.last_common(0)
         return self.contact_duration * float(rate[:, last].mean())
 
+    @property
+    def bars(self) -> str:
+        """How long they are, in words."""
+        if self.n_replicas < 2:
+            return "none: one replica"
+        return (
+            f"{statistics.student(self.n_replicas - 1):.3g} standard errors (99 % of Student’s distribution)"
+        )
+
     def _all(self, name: str) -> Floats:
         """Of all replicas, the first axis."""
         return np.array([found[name] for found in self.arrays])
@@ -166,7 +175,10 @@ class Fidelity:
             "difference": (
                 ("quantity", "model", "time", "statistic"),
                 found,
-                {"units": "1", "long_name": "difference from Newton’s equations, relative to them, paired by starts"},
+                {
+                    "units": "1",
+                    "long_name": "difference from Newton’s equations, relative to them, paired by starts",
+                },
             ),
             "departure_time": (
                 ("quantity", "model"),
@@ -201,9 +213,7 @@ class Fidelity:
             "contact_duration": self.contact_duration,
             "tc_nu": self.tc_nu,
             "n_replicas": self.n_replicas,
-            "bars": f"{statistics.student(self.n_replicas - 1):.4g} standard errors (99 % of Student’s distribution)"
-            if self.n_replicas > 1
-            else "none: one replica",
+            "bars": self.bars,
             "summary": self.summary(),
             "hardlimit_version": _core.version,
         }
@@ -220,7 +230,10 @@ class Fidelity:
 
         from ... import saving
 
-        return saving.groups({"/": xr.Dataset(attrs=self.dataset.attrs), "means": self.dataset, "replicas": self.replicas}, path)
+        return saving.groups(
+            {"/": xr.Dataset(attrs=self.dataset.attrs), "means": self.dataset, "replicas": self.replicas},
+            path,
+        )
 
     # --- in words and pictures ------------------------------------------------------------------------------
 

@@ -39,7 +39,9 @@ class Starts:
             return self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
         made = self.source(self.seed + replica)
         if not isinstance(made, ParticleSystem):
-            raise ValueError(f"system: the function made {validation.shown(made)}, must make a ParticleSystem")
+            raise ValueError(
+                f"system: the function made {validation.shown(made)}, must make a ParticleSystem"
+            )
         if self.engine == "events":
             check_box(made)
         return made
@@ -63,7 +65,9 @@ def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engin
             _check_redraw(source, replicas)
     elif not callable(source) or isinstance(source, type):
         shown = validation.shown(source)
-        raise ValueError(f"system: got {shown}, must be a ParticleSystem or a function of a seed that makes one")
+        raise ValueError(
+            f"system: got {shown}, must be a ParticleSystem or a function of a seed that makes one"
+        )
     elif elsewhere:
         _check_importable(source)
     return found
@@ -108,7 +112,10 @@ def equilibrated(
     ``collisions`` elastic collisions per particle as hard spheres, then the velocities shifted and scaled to the mean
     velocity and the granular temperature of ``system``, both exactly but for rounding."""
     chance = np.random.default_rng(np.random.SeedSequence([seed, system.n]))
-    drawn = chance.standard_normal((system.n, system.dimension)) / np.sqrt(system.mass / system.mass.max())[:, None]
+    drawn = (
+        chance.standard_normal((system.n, system.dimension))
+        / np.sqrt(system.mass / system.mass.max())[:, None]
+    )
     fresh = system.replace(velocities=_as_in(system, drawn))
     most = max(1, collisions * system.n // 2)
     run = event_driven(fresh, restitution=1.0, max_collisions=most, samples=1, progress=report)

@@ -54,7 +54,9 @@ class Store:
         except ValueError as error:
             raise ValueError(f"store: {error}") from None
         if header.get("kind") != KIND:
-            raise ValueError(f"store: {path} is a checkpoint of a run, must be a store of hl.fidelity or a new file")
+            raise ValueError(
+                f"store: {path} is a checkpoint of a run, must be a store of hl.fidelity or a new file"
+            )
         for name, wanted in self.facts.items():
             kept = header["facts"].get(name)
             if kept != wanted:

@@ -11,13 +11,13 @@ from .lockstep import NEWTON, QUANTITIES
 from .statistics import Estimate
 
 if TYPE_CHECKING:
-    from .result import Fidelity
+    from .result import Departure, Fidelity
 
 #: Rows of tables: names as people say them.
 NAMES: Final = {
-    "granular_temperature": "granular temperature",
+    "granular_temperature": "temperature",
     "cooling": "cooling",
-    "dissipation_rate": "dissipation rate",
+    "dissipation_rate": "dissipation",
     "collision_rate": "collision rate",
     "pressure": "pressure",
     "pair_correlation": "pairs near contact",
@@ -84,9 +84,14 @@ def sentence(f: Fidelity) -> str:
     if same:
         name = "rule" if len(same) == 1 else "rules"
         verb = "is" if len(same) == 1 else "are"
-        parts = [*apart, f"the {name} {_listed(same)} {verb} not told apart from Newton’s equations by {MEASURED[measure]}"]
+        parts = [
+            *apart,
+            f"the {name} {_listed(same)} {verb} not told apart from Newton’s equations by {MEASURED[measure]}",
+        ]
     ended = _early(f)
-    return f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)} (± standard error of {f.n_replicas} replicas).{ended}"
+    return (
+        f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)} (± standard error of {f.n_replicas} replicas).{ended}"
+    )
 
 
 #: What the measures of the sentence are.
@@ -149,3 +154,47 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
         ]
         rows.append([NAMES[name], *marked])
     return ["", *rules], rows
+
+
+def departures(f: Fidelity) -> list[list[str]]:
+    """Rows: time [t_c] and size at which each rule leaves its bars; none where no rule does."""
+    rules = [model for model in f.models if model != NEWTON]
+    rows = []
+    for name in QUANTITIES:
+        left = [f.departure(name, rule) for rule in rules]
+        if any(left):
+            rows.append([NAMES[name], *("–" if at is None else _where(f, at) for at in left)])
+    return rows
+
+
+def _where(f: Fidelity, at: Departure) -> str:
+    size = percent(Estimate(np.array(at.size), np.array(at.error))).split(" ± ")[0]
+    return f"{_rounded(at.time / f.contact_duration)}: {size} %"
+
+
+def _rounded(value: float) -> str:
+    """Two digits, without an exponent where that is short."""
+    return f"{value:.0f}" if 10.0 <= value < 1e5 else f"{value:.2g}"
+
+
+def contacts(f: Fidelity) -> tuple[list[str], list[list[str]]]:
+    """Head and rows: what single contacts were like under each model, means over replicas."""
+    ds = f.dataset
+    rows = [
+        [
+            "share that overlap another in time",
+            *(_percentage(x) for x in ds["overlapped_share"].values[:, 0]),
+        ],
+        ["median restitution", *(_number(x) for x in ds["median_restitution"].values[:, 0])],
+        ["contacts of a replica", *(f"{x:.0f}" for x in ds["n_contacts"].values[:, 0])],
+        ["distance of paths at the end [radii]", *(_number(x) for x in ds["divergence"].values[:, -1, 0])],
+    ]
+    return ["", *f.models], rows
+
+
+def _percentage(share: float) -> str:
+    return "–" if math.isnan(share) else f"{100.0 * share:.2g} %"
+
+
+def _number(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.3g}"
