@@ -31,6 +31,7 @@ def test_json_holds_what_the_library_says(start: Path) -> None:
     assert difference["values"][at[0]][at[1]][-1][0] == f.final_difference("pressure", "tc").mean
 
 
+@pytest.mark.slow
 def test_tables_pictures_and_files(tmp_path: Path) -> None:
     """Each replica from another random start; the same call finds them all in the store."""
     out, plot, store = tmp_path / "f.nc", tmp_path / "f.png", tmp_path / "store"
@@ -84,6 +85,7 @@ def test_bad_input_is_refused_in_one_line(message: str) -> None:
     assert said.startswith(f"hardlimit gas compare: {message}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "given",
     [
@@ -98,3 +100,8 @@ def test_pictures_can_be_read(given: dict) -> None:
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
     arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | given
     assert_legible(hl.fidelity(lattice(27, seed=2), **arguments).plot())
+
+
+def test_the_figure_can_be_read() -> None:
+    system, law = lattice(27, seed=2), hl.LinearDashpot(stiffness=2e5, restitution=0.8)
+    assert_legible(hl.fidelity(system, law=law, until=1e-3, samples=4, replicas=2).plot())

@@ -72,26 +72,23 @@ def sentence(f: Fidelity) -> str:
     if measure is None:
         return f"No verdict: there is no time to compare in.{_early(f)}"
     verb, more, less = MEASURES[measure]
-    apart, same = [], []
+    apart: list[str] = []
+    same: list[str] = []
     for rule in _known(f, measure, rules):
         found = f.final_difference(measure, rule)
         if f.told_apart(measure, rule):
             size = percent(Estimate(abs(found.mean), found.error))
-            apart.append(f"the rule {rule} {verb} {size} {more if found.mean > 0.0 else less}")
+            who = rule if apart else f"the rule {rule} {verb}"
+            apart.append(f"{who} {size} {more if found.mean > 0.0 else less}")
         else:
             same.append(f"{rule} ({percent(found)})")
-    parts = apart
+    parts = [", ".join(apart)] if apart else []
     if same:
-        name = "rule" if len(same) == 1 else "rules"
-        verb = "is" if len(same) == 1 else "are"
-        parts = [
-            *apart,
-            f"the {name} {_listed(same)} {verb} not told apart from Newton’s equations by {MEASURED[measure]}",
-        ]
-    ended = _early(f)
-    return (
-        f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)} (± standard error of {f.n_replicas} replicas).{ended}"
-    )
+        whose = f"from Newton’s equations by {MEASURED[measure]}"
+        what = f"the rule {same[0]} is" if len(same) == 1 else f"the rules {_listed(same)} are"
+        parts.append(f"{what} not told apart {whose}")
+    bars = f"(± standard error of {f.n_replicas} replicas)"
+    return f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)} {bars}.{_early(f)}"
 
 
 #: What the measures of the sentence are.
