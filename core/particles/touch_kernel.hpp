@@ -9,6 +9,9 @@
 // ≤ 0, by rounding or because positions are drawn back, a pair that approaches collides now (Bannerman, Strobl,
 // Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). Where radii grow faster than the pair parts, b ≥ 0 and a <
 // 0, the root is (b + √(b² − a c))/(−a).
+//
+// Where a radius stands for the space that a particle may need (`reach`), two may have come too near without
+// approaching: then c < 0 by more than rounding means now, whatever b is.
 #pragma once
 #include <cstddef>
 
@@ -37,13 +40,17 @@ using TouchTimes = double (*)(const TouchQuery& query, const void* particles, un
 struct TouchKernels {
     const char* name;
     TouchTimes times[2][3];  // by dimension − 2 and motion
+    TouchTimes reach[2];     // in three dimensions, by motion; straight and falling
 };
 
 }  // namespace hardlimit_abi
 
 namespace hardlimit::particles {
 
-template <class Real, int d, Motion motion>
+// Part of the square of the distance up to which overlap is rounding.
+inline constexpr double rounding_of_touch = 4e-9;
+
+template <class Real, int d, Motion motion, bool reach>
 HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
@@ -80,6 +87,15 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         const Real c = square - touch * touch;
         const Real discriminant = b * b - a * c;
         const Mask<Real> will = (b < 0.0) & (discriminant > 0.0);
+        if constexpr (reach) {
+            // The particle itself, which is where it is, does not count.
+            const Mask<Real> inside = (c < -rounding_of_touch * (touch * touch)) & (square > 0.0);
+            if (any(inside)) {
+                const Real time = math::max<Real>(c, Real{}) /
+                                  (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
+                return select<Real>(inside, Real{}, select<Real>(will, time, never));
+            }
+        }
         if (!any(will)) return never;
         const Real time =
             math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
@@ -87,7 +103,7 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
     }
 }
 
-template <class Real, int d, Motion motion>
+template <class Real, int d, Motion motion, bool reach = false>
 double touch_times(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned* ids, std::size_t n,
                    unsigned self, double* times) {
     constexpr std::size_t lanes = Lanes<Real>::count;
@@ -99,7 +115,7 @@ double touch_times(const hardlimit_abi::TouchQuery& q, const void* particles, un
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
-        const Real time = touch_times_of<Real, d, motion>(q, load_columns<Real>(row));
+        const Real time = touch_times_of<Real, d, motion, reach>(q, load_columns<Real>(row));
         store_lanes(times + k, time);
         least = math::min<Real>(least, time);
     }
@@ -115,7 +131,8 @@ constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
             {{&touch_times<Real, 2, Motion::straight>, &touch_times<Real, 2, Motion::falling>,
               &touch_times<Real, 2, Motion::growing>},
              {&touch_times<Real, 3, Motion::straight>, &touch_times<Real, 3, Motion::falling>,
-              &touch_times<Real, 3, Motion::growing>}}};
+              &touch_times<Real, 3, Motion::growing>}},
+            {&touch_times<Real, 3, Motion::straight, true>, &touch_times<Real, 3, Motion::falling, true>}};
 }
 
 }  // namespace hardlimit::particles
