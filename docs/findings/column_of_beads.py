@@ -2,9 +2,10 @@
 
 Beads at equal distances fall together, without gravity, as in Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev.
 E 50, 4113 (1994). What collisions make of it depends on N and ε nearly by N(1 − ε) alone, and beyond some 2.5 they
-never end: an inelastic collapse. Under Newton's equations contacts last for t_c. Where the beads are far apart, gap ≫ V t_c,
-little changes but the collapse, which does not happen. Where they are close, all touch at once: the column comes off
-the floor as a whole, and keeps far more of its energy. The paper's two balls of different size stand at the end.
+never end: an inelastic collapse. Under Newton's equations contacts last for t_c. Where the beads are far apart,
+gap ≫ V t_c, little changes but the collapse, which does not happen. Where they are close, all touch at once: the column
+comes off the floor as a whole, and keeps far more of its energy. The paper's two balls of different size stand at the
+end.
 
 Draws docs/images/beads.png in some ten seconds.
 """
