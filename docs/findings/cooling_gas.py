@@ -275,9 +275,11 @@ def table(ds: xr.Dataset, quantity: str) -> str:
 
 
 def _span(held: float, lost: float) -> str:
-    return (
-        f"{held:g}" * (held > 0.0) + "–" * (held == 0.0) + " … " + ("–" if math.isinf(lost) else f"{lost:g}")
-    )
+    return f"{_number(held)} … {_number(lost)}"
+
+
+def _number(value: float) -> str:
+    return f"{value:g}" if 0.0 < value < math.inf else "–"
 
 
 def main() -> None:
