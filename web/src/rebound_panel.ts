@@ -29,8 +29,8 @@ export class ReboundPanel {
     pool: Pool,
   ) {
     const changed = (): void => void (this.dirty = true);
-    this.curve = new Curve(pool, changed);
-    this.pinned = new Curve(pool, changed);
+    this.curve = new Curve(pool, changed, sheet.shown);
+    this.pinned = new Curve(pool, changed, sheet.shown);
     this.listen();
   }
 
