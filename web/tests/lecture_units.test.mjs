@@ -125,8 +125,8 @@ test("measured balls: stiffness, restitution and contact time belong together", 
 test("the story: well formed for every step and setting", () => {
   const random = randomness(3);
   let told = 0;
-  for (let i = 0; i < 60; i++) {
-    const solved = lib.solve(core, randomScenario(random, lib));
+  for (const scenario of [...lib.presets.map((p) => lib.copyOf(p.scenario)), ...Array.from({ length: 50 }, () => randomScenario(random, lib))]) {
+    const solved = lib.solve(core, scenario);
     if ("reason" in solved) continue;
     const drop = lib.dropOf(solved);
     const top = drop.scenario.balls.length - 1;
