@@ -206,7 +206,7 @@ class Page {
 
   private tellNumbers(): void {
     const d = this.state.drop!;
-    fillTable(find("numbers").querySelector("tbody")!, d);
+    fillTable(find("numbers"), d);
     find("rebound-said").hidden = d.scenario.cradle;
     fillDefinitions(find("definitions").querySelector("dl")!, d);
     fillEnergy(find("energy"), d);

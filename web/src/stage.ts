@@ -5,6 +5,7 @@ import type { Drop, Track } from "./drop";
 import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "./format";
 import { laterHeight } from "./numbers";
 import { lettering } from "./plot";
+import { independent, newton } from "./tables";
 import type { Theme } from "./theme";
 
 interface Rect {
@@ -127,8 +128,8 @@ class Painter {
 
   private models(): [string, string, State, Track, boolean][] {
     return [
-      ["Newton", this.theme.newton, this.m.newton, this.d.newton, false],
-      ["ICM", this.theme.icm, this.m.icm, this.d.icm, true],
+      [newton.short, this.theme.newton, this.m.newton, this.d.newton, false],
+      [independent.short, this.theme.icm, this.m.icm, this.d.icm, true],
     ];
   }
 

@@ -309,7 +309,7 @@ test("A beside B, in one link", async (t) => {
   await page.fill("#restitution-value", "0.8");
   await page.keyboard.press("Tab");
   const rows = () => page.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent)));
-  const told = [["ε", "0.7600", "0.8000"], ["Gap Δh", "touching", "5 cm"]];
+  const told = [["ε", "0.7600", "0.8000"], ["Gap between neighbouring balls Δh", "touching", "5 cm"]];
   await page.waitForFunction(() => document.getElementById("compare").dataset.ready === "true" && document.getElementById("compare-table").textContent.includes("5 cm"));
   const before = await rows();
   assert.deepEqual(before.slice(0, 2).map((r) => r[0]), told.map((r) => r[0]));
@@ -347,8 +347,8 @@ const views = [...steps.map((step) => `?story=${step}&guess=2.5`), "?panel=film"
 // For screenshots: what is computed in the background is there.
 async function shootWhole(page, name, view) {
   if (!process.env.SHOTS) return;
-  if (view.includes("map")) await mapDone(page);
-  if (view.includes("gap") || view.startsWith("?a")) await curveDone(page);
+  if (await page.isVisible("#map")) await mapDone(page);
+  if (await page.isVisible("#rebound")) await curveDone(page);
   await page.waitForFunction(() => document.getElementById("timeline").dataset.computed !== "false" || !document.getElementById("timeline").checkVisibility(), null, { timeout: 120_000 });
   await shoot(page, `lecture-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, { fullPage: view.startsWith("?a") });
 }
