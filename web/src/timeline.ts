@@ -150,7 +150,8 @@ export class Timeline {
       group[0].contacts.forEach(({ pair }, k) => {
         const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
         const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
-        for (const edge of [left, right]) edge.unshift([edge[0][0], bottom]), edge.push([edge[last + 1][0], top]);
+        const over = several && pair > 0 ? 0 : 0.5; // pixels into the next region, or a hairline shows between them
+        for (const edge of [left, right]) edge.unshift([edge[0][0], bottom + over]), edge.push([edge[last + 1][0], top - over]);
         g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
         g.globalAlpha = several && pair > 0 ? 0.16 : 1;
         trace(g, [...left, ...right.reverse()]);
