@@ -13,6 +13,7 @@ from .laws import LAWS
 from .laws import __all__ as _laws
 from .particles.contact_result import ContactResult
 from .particles.event_driven import event_driven
+from .particles.lammps.folder import lammps_input, lammps_result
 from .particles.molecular_dynamics import molecular_dynamics
 from .particles.result import ParticleResult
 from .particles.resuming import resume
@@ -43,6 +44,8 @@ __all__ = [
     "compare",
     "event_driven",
     "independent",
+    "lammps_input",
+    "lammps_result",
     "molecular_dynamics",
     "newton",
     "restitution_pade",
