@@ -11,7 +11,7 @@ if command -v wasm-opt >/dev/null; then
     exit 1
 fi
 exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights scan_points scan_timeline
-    law_records law_ranges outcome_message)
+    records record_ranges outcome_message)
 "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -Os -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
     -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
     ../bindings/wasm.cpp runtime.cpp -o "$out/core.wasm" \
