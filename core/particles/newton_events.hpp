@@ -9,23 +9,28 @@
 // now, and goes on together with that body. So no contact is missed, and nothing is done that a later event could
 // change.
 //
-// Every body keeps its earliest event alone; it is dropped if the partner has been deflected since (`version`).
+// Bodies are held, found and scheduled like hard spheres (hard_spheres.hpp): a record, two pending events and a cell
+// each, in the order of the cells. A group's end is an event of its first member's own.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <queue>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "../outcome.hpp"
 #include "archive.hpp"
+#include "calendar.hpp"
+#include "cells.hpp"
 #include "cluster.hpp"
 #include "contact_row.hpp"
 #include "pair_laws.hpp"
+#include "prediction.hpp"
 #include "soft_contacts.hpp"
 #include "steps/bodies.hpp"
+#include "touch_kernel.hpp"
 
 namespace hardlimit::particles {
 
@@ -42,8 +47,9 @@ public:
 
     // position, velocity [3 N], body by body; positions in the box. Bodies that overlap are in contact from the start.
     NewtonEvents(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
-                 PairLaws<Law> laws, bool log);
-    NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log, Reader& reader);
+                 PairLaws<Law> laws, bool log, const hardlimit_abi::TouchKernels& kernels);
+    NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
+                 const hardlimit_abi::TouchKernels& kernels, Reader& reader);
 
     // To `until`, or until so many events have happened, or until `stop`.
     void advance(double until, std::uint64_t most_events, Stop& stop);
@@ -73,24 +79,6 @@ public:
     void save(Writer& writer) const;
 
 private:
-    enum class What : unsigned char { none, meets, wall, crosses };
-
-    struct Body {
-        Vector3 position, velocity;  // of the parabola at `from`, in the frame of the cell
-        double from = 0.0;           // [s]
-        double radius, mass;
-        double margin = 0.0;          // of a busy body [m]
-        double end = math::infinity;  // of its group [s]
-        int group = -1;
-        std::array<int, 3> cell{};
-        std::array<int, 3> turns{};  // how often the path has left the box through an edge
-        int next = -1, previous = -1;
-        std::uint32_t version = 0, event = 0;
-        double when = math::infinity;  // of the next event [s]
-        What what = What::none;
-        int partner = -1;  // a body, or 2·axis + (1 at the high side)
-        std::uint32_t partner_version = 0;
-    };
     // A contact with which nothing interferes: its two ends.
     struct Isolated {
         Touching<Law> pair;
@@ -101,20 +89,16 @@ private:
         double virial;      // [J s]
         EndedContact contact;
     };
+    struct Ends {
+        Cluster<Law> before, after;
+    };
     struct Group {
         bool alive = false, isolated = false;
-        std::uint32_t serial = 0;
         Vector3 origin{};
         std::vector<int> body;
-        std::vector<Vector3> offset;  // [members] turns of the frame in which the member's place is given
-        Isolated lone{};              // if isolated
-        Cluster<Law> before, after;   // else
-    };
-    struct Entry {
-        double time;
-        int body;  // or ~group
-        std::uint32_t serial;
-        bool operator<(const Entry& o) const { return time > o.time || (time == o.time && body > o.body); }
+        std::vector<Vector3> offset;    // [members] turns of the frame in which the member's place is given
+        Isolated lone{};                // if isolated
+        std::unique_ptr<Ends> cluster;  // else
     };
     // A pair of a group that is not open, by its bodies.
     struct Live {
@@ -128,17 +112,29 @@ private:
     };
 
     Box box_;
+    particles::Box<3> cell_box_{};  // a two-dimensional one is one cell deep
     PairLaws<Law> laws_;
     SoftContacts<Law, true> soft_;
     bool keep_log_;
-    std::vector<Body> bodies_;
+    // By place in memory. A path is a parabola that starts at its `time`, in the frame of the cell; its radius is that
+    // of the space a busy body needs.
+    Records<Particle<3>> paths_;
+    Records<Pending> pending_;           // `count`: how often the body has been deflected
+    Records<std::array<int, 3>> turns_;  // how often the path has left the box through an edge
+    Records<u32> names_;                 // the user's number
+    Records<int> group_;                 // or -1
+    Records<double> end_;                // of the group [s]
     std::vector<Group> groups_;
     std::vector<int> spare_;
     std::vector<Remnant> remnants_;  // empty between events
-    std::priority_queue<Entry> queue_;
-    std::vector<int> head_;
-    std::array<int, 3> cells_{1, 1, 1};
-    Vector3 cell_edge_{}, gravity_;
+    Cells<3> cells_;
+    int level_ = 0;
+    Calendar calendar_;
+    hardlimit_abi::TouchKernels::Of touch_{};
+    hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
+    mutable std::vector<u32> candidates_;
+    mutable std::vector<double> times_;  // until they are touched [s]
+    Vector3 gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
@@ -147,8 +143,14 @@ private:
     Outcome outcome_ = Outcome::ok;
     std::vector<Row> log_;
 
-    Body& body(int i) { return bodies_[static_cast<std::size_t>(i)]; }
-    const Body& body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
+    u32 size32() const { return static_cast<u32>(paths_.size()); }
+    double radius(int i) const { return laws_.radius(names_[i]); }
+    double mass(int i) const { return laws_.mass(names_[i]); }
+    // second < 0: a wall.
+    Law law(int first, int second) const {
+        return laws_(names_[first], second < 0 ? std::int64_t{-1} : std::int64_t{names_[second]});
+    }
+    bool free(int i) const { return group_[i] < 0; }
     Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
     const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
 
@@ -162,21 +164,25 @@ private:
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
 
     // newton_events_flight.hpp
-    Vector3 position(const Body& b, double t) const;
-    Vector3 velocity(const Body& b, double t) const;
-    void make_cells();
-    std::size_t index(const std::array<int, 3>& cell) const;
-    void insert(int i);
-    void link(int i);
-    void unlink(int i);
-    template <class F>
-    void around(const std::array<int, 3>& cell, const F& f) const;
+    Vector3 position(int i, double t) const;
+    Vector3 velocity(int i, double t) const;
+    void prepare(std::size_t n, const hardlimit_abi::TouchKernels& kernels);
+    void make_cells(std::size_t n);
+    void put_into_cells();
+    void take(const std::vector<double>& position, const std::vector<double>& velocity);
+    void restart_calendar();
+    void schedule(int i);
     void predict(int i);
-    void predict_meeting(Body& b, int i, const Vector3& x, const Vector3& v);
-    void predict_wall(Body& b, int axis, double x, double v);
-    void predict_crossing(Body& b, int axis, double x, double v);
+    void find(int i);
+    void look(int i);
+    void make_room_for_candidates() const;
+    void search(int i, const Place<3>& from, const Place<3>& to);
+    void examine(int i, const hardlimit_abi::Touched& touched);
+    void predict_own(int i);
+    template <class F>
+    void for_near(int i, const F& f) const;
     void happen(int i);
-    void cross(int i);
+    void leave_cell(int i);
 
     // newton_events_groups.hpp
     void begin_contacts();
@@ -187,7 +193,7 @@ private:
     void finish(int index);
     void part(const std::vector<int>& bodies, const std::vector<Live>& live);
     void go_on_together(int index);
-    bool isolate(std::vector<int>& set, std::vector<Live>& live);
+    bool isolate(int i, int j, int side, int& intruder);
     void form(std::vector<int> set, std::vector<Live> live);
     void build(int index, const std::vector<int>& set, std::vector<Live>& live);
     int spare_group();
@@ -195,21 +201,25 @@ private:
     void pair_up(Group& g, std::vector<Live>& live) const;
     void adopt(Touching<Law>& q, Touching<Law>& old, const Cluster<Law>& c) const;
     double nearest(double x, int axis) const;
-    Touching<Law> pair_of(const Group& g, int i, int j) const;
-    bool near_wall(const Group& g, int i, int axis, bool high) const;
+    Member member_of(Group& g, std::size_t m) const;
+    Touching<Law> pair_of(const Group& g, int i, int j, const Member& a, const Member& b) const;
+    bool near_wall(int i, int axis, bool high) const;
     Touching<Law> wall_of(const Group& g, int i, int axis, bool high) const;
     double horizon_of(const Cluster<Law>& c) const;
     bool margins(int index);
     double margin_of(const Group& g, std::size_t m) const;
-    void busy(int index, std::size_t m, const Member& after, double span, double margin);
+    void busy(int index, std::size_t m, const Member& before, const Member& after, double span,
+              double margin);
+    void make_room_for(int i, double margin);
     void intruders(int i, int index, std::vector<int>& near) const;
     void stop_at_now(int i);
-    void take(int i, std::vector<int>& set, std::vector<Live>& live);
+    void gather(int i, std::vector<int>& set, std::vector<Live>& live);
     void settle(int index, bool at_end, std::vector<Live>& live);
     void settle_isolated(int index);
     void log(const Group& g, const Touching<Law>& q, const EndedContact& e);
     void drop(int index);
     void release(int index);
+    void set_free(int i);
     void put(const Group& g, std::size_t m, const Member& at);
     Vector3 place(const Group& g, std::size_t m, Vector3 x) const;
     Cluster<Law> start_of(const Group& g) const;
@@ -225,32 +235,27 @@ private:
     template <class Archive>
     void exchange(Archive& archive);
     template <class Archive>
+    static void exchange(Archive& archive, Group& g);
+    template <class Archive>
     static void exchange(Archive& archive, Cluster<Law>& c);
 };
 
 template <class Law>
 NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& position,
-                                const std::vector<double>& velocity, PairLaws<Law> laws, bool log)
+                                const std::vector<double>& velocity, PairLaws<Law> laws, bool log,
+                                const hardlimit_abi::TouchKernels& kernels)
     : box_(box),
       laws_(std::move(laws)),
       soft_(soft_contacts(laws_, position.size() / 3)),
       keep_log_(log),
-      bodies_(position.size() / 3),
       gravity_(std::to_array(box.gravity)) {
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-        Body& b = bodies_[i];
-        std::copy_n(position.data() + 3 * i, 3, b.position.begin());
-        std::copy_n(velocity.data() + 3 * i, 3, b.velocity.begin());
-        b.radius = laws_.radius(i);
-        b.mass = laws_.mass(i);
-        largest_ = math::max(largest_, b.radius);
-        smallest_ = math::min(smallest_, b.radius);
-    }
-    make_cells();
-    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) insert(i);
+    const std::size_t n = position.size() / 3;
+    prepare(n, kernels);
+    take(position, velocity);
     begin_contacts();
-    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i)
-        if (body(i).group < 0) predict(i);
+    for (int i = 0; i < static_cast<int>(n); ++i)
+        if (free(i)) find(i);
+    restart_calendar();
 }
 
 // Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and
@@ -279,24 +284,19 @@ template <class Law>
 void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& stop) {
     const std::uint64_t last = most_events > ~events_ ? ~std::uint64_t{0} : events_ + most_events;
     paused_ = false;
-    while (outcome_ == Outcome::ok && !queue_.empty()) {
-        const Entry next = queue_.top();
-        if (next.time > until) break;
+    while (outcome_ == Outcome::ok) {
+        const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
+                                        [this](u32 id) { return names_[id]; }, [] {});
+        if (!due || due->time > until) break;
         if (events_ >= last || stop()) {
             paused_ = true;
             return;
         }
-        queue_.pop();
-        const bool stale = next.body >= 0
-                               ? body(next.body).event != next.serial
-                               : !group(~next.body).alive || group(~next.body).serial != next.serial;
-        if (stale) continue;
-        now_ = math::max(now_, next.time);
+        now_ = math::max(now_, due->time);
+        const int i = static_cast<int>(due->id);
+        calendar_.pop();
         ++events_;
-        if (next.body >= 0)
-            happen(next.body);
-        else
-            finish(~next.body);
+        happen(i);
     }
     if (outcome_ == Outcome::ok) now_ = math::max(now_, until);
 }
@@ -311,12 +311,12 @@ double NewtonEvents<Law>::smallest_edge() const {
 
 template <class Law>
 double NewtonEvents<Law>::cluster_share() const {
-    return now_ > 0.0 ? clustered_ / (now_ * static_cast<double>(bodies_.size())) : 0.0;
+    return now_ > 0.0 ? clustered_ / (now_ * static_cast<double>(paths_.size())) : 0.0;
 }
 
 template <class Law>
 typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
-    const std::size_t n = bodies_.size();
+    const std::size_t n = paths_.size();
     Survey s{std::vector<double>(3 * n),
              std::vector<double>(3 * n),
              0.0,
@@ -331,18 +331,19 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
              ended_,
              overlapped_,
              {}};
-    const auto write = [&](std::size_t i, const Vector3& x, const Vector3& v) {
-        const Body& b = bodies_[i];
+    const auto write = [&](int i, const Vector3& x, const Vector3& v) {
+        const std::size_t at = 3 * std::size_t{names_[i]};
+        const double m = mass(i);
         for (std::size_t a = 0; a < 3; ++a) {
-            s.position[3 * i + a] = x[a] + b.turns[a] * box_.edge[a];
-            s.velocity[3 * i + a] = v[a];
-            s.kinetic += 0.5 * b.mass * v[a] * v[a];
-            s.potential -= b.mass * box_.gravity[a] * s.position[3 * i + a];
-            s.momentum[a] += b.mass * v[a];
+            s.position[at + a] = x[a] + turns_[i][a] * box_.edge[a];
+            s.velocity[at + a] = v[a];
+            s.kinetic += 0.5 * m * v[a] * v[a];
+            s.potential -= m * box_.gravity[a] * s.position[at + a];
+            s.momentum[a] += m * v[a];
         }
     };
-    for (std::size_t i = 0; i < n; ++i)
-        if (bodies_[i].group < 0) write(i, position(bodies_[i], now_), velocity(bodies_[i], now_));
+    for (int i = 0; i < static_cast<int>(n); ++i)
+        if (free(i)) write(i, position(i, now_), velocity(i, now_));
     for (const Group& g : groups_) {
         if (!g.alive) continue;
         Cluster<Law> c = start_of(g);
@@ -354,8 +355,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
         s.begun += static_cast<std::uint64_t>(c.begun);
         s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
         for (std::size_t m = 0; m < g.body.size(); ++m)
-            write(static_cast<std::size_t>(g.body[m]), place(g, m, c.members[m].position),
-                  c.members[m].velocity);
+            write(g.body[m], place(g, m, c.members[m].position), c.members[m].velocity);
         for (const EndedContact& e : c.ended) {
             ++s.ended;
             s.overlapped += e.overlapped;

@@ -5,197 +5,269 @@
 namespace hardlimit::particles {
 
 template <class Law>
-Vector3 NewtonEvents<Law>::position(const Body& b, double t) const {
-    const double s = t - b.from;
-    Vector3 x = b.position;
-    for (std::size_t a = 0; a < 3; ++a) x[a] += s * (b.velocity[a] + 0.5 * s * box_.gravity[a]);
+Vector3 NewtonEvents<Law>::position(int i, double t) const {
+    const Particle<3>& p = paths_[i];
+    const double s = t - p.time;
+    Vector3 x;
+    for (std::size_t a = 0; a < 3; ++a)
+        x[a] = p.position[a] + s * (p.velocity[a] + 0.5 * s * box_.gravity[a]);
     return x;
 }
 
 template <class Law>
-Vector3 NewtonEvents<Law>::velocity(const Body& b, double t) const {
-    Vector3 v = b.velocity;
-    for (std::size_t a = 0; a < 3; ++a) v[a] += (t - b.from) * box_.gravity[a];
+Vector3 NewtonEvents<Law>::velocity(int i, double t) const {
+    const Particle<3>& p = paths_[i];
+    Vector3 v;
+    for (std::size_t a = 0; a < 3; ++a) v[a] = p.velocity[a] + (t - p.time) * box_.gravity[a];
     return v;
 }
 
+// ---- the start -------------------------------------------------------------------------------------------------
+
 template <class Law>
-void NewtonEvents<Law>::make_cells() {
-    const double least = 2.0 * (largest_ + widest_margin());
-    std::size_t total = 1;
-    for (int a = 0; a < box_.dimension; ++a) {
-        const double most = math::max(1.0, box_.edge[a] / least);
-        cells_[a] = static_cast<int>(math::min(most, 200.0));
-        cell_edge_[a] = box_.edge[a] / cells_[a];
-        total *= static_cast<std::size_t>(cells_[a]);
+void NewtonEvents<Law>::prepare(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
+    for (std::size_t i = 0; i < n; ++i) {
+        largest_ = math::max(largest_, laws_.radius(i));
+        smallest_ = math::min(smallest_, laws_.radius(i));
     }
-    head_.assign(total, -1);
+    touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
+    make_cells(n);
+}
+
+// All bodies lie in one grid.
+template <class Law>
+void NewtonEvents<Law>::make_cells(std::size_t n) {
+    const double most = 2.001 * (largest_ + widest_margin());
+    for (int a = 0; a < 3; ++a) {
+        const bool used = a < box_.dimension;
+        cell_box_.edge[a] = used ? box_.edge[a] : most;
+        cell_box_.periodic[a] = used && box_.periodic[a];
+        query_.edge[a] = box_.edge[a];
+        query_.per_edge[a] = cell_box_.periodic[a] ? 1.0 / box_.edge[a] : 0.0;
+        query_.gravity[a] = box_.gravity[a];
+        query_.half_gravity[a] = 0.5 * box_.gravity[a];
+    }
+    cells_ = Cells<3>(cell_box_, n, most, most);
+    level_ = cells_.level_for(most);
+}
+
+// In the order of the cells: neighbours in space are neighbours in memory.
+template <class Law>
+void NewtonEvents<Law>::take(const std::vector<double>& position, const std::vector<double>& velocity) {
+    const auto n = static_cast<u32>(position.size() / 3);
+    std::vector<u32> cell(n), order(n);
+    for (u32 i = 0; i < n; ++i) {
+        double x[3];
+        std::copy_n(position.data() + 3 * std::size_t{i}, 3, x);
+        cell[i] = cells_.number(level_, cells_.place_of(level_, x));
+        order[i] = i;
+    }
+    std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return cell[a] < cell[b]; });
+    paths_.resize(n);
+    pending_.resize(n);
+    turns_.resize(n, {});
+    names_.assign(order.begin(), order.end());
+    group_.assign(n, -1);
+    end_.assign(n, math::infinity);
+    for (u32 i = 0; i < n; ++i) {
+        const u32 from = order[i];
+        Particle<3>& p = paths_[i];
+        std::copy_n(position.data() + 3 * std::size_t{from}, 3, p.position);
+        std::copy_n(velocity.data() + 3 * std::size_t{from}, 3, p.velocity);
+        p.time = 0.0;
+        p.radius = laws_.radius(from);
+        pending_[i].cell = cell[from] & (most_cells - 1);
+    }
+    put_into_cells();
 }
 
 template <class Law>
-std::size_t NewtonEvents<Law>::index(const std::array<int, 3>& c) const {
-    return static_cast<std::size_t>((c[2] * cells_[1] + c[1]) * cells_[0] + c[0]);
+void NewtonEvents<Law>::put_into_cells() {
+    cells_.clear();
+    for (u32 i = 0; i < size32(); ++i) cells_.insert(pending_[i].cell, i);
 }
 
 template <class Law>
-void NewtonEvents<Law>::insert(int i) {
-    Body& b = body(i);
-    for (int a = 0; a < box_.dimension; ++a)
-        b.cell[a] = std::clamp(static_cast<int>(b.position[a] / cell_edge_[a]), 0, cells_[a] - 1);
-    link(i);
+void NewtonEvents<Law>::restart_calendar() {
+    calendar_.rebuild(
+        size32(), [this](u32 id) { return pending_[id].time(); }, [this](u32 id) { return names_[id]; });
 }
 
-template <class Law>
-void NewtonEvents<Law>::link(int i) {
-    Body& b = body(i);
-    int& head = head_[index(b.cell)];
-    b.previous = -1;
-    b.next = head;
-    if (head >= 0) body(head).previous = i;
-    head = i;
-}
+// ---- the next event --------------------------------------------------------------------------------------------
 
 template <class Law>
-void NewtonEvents<Law>::unlink(int i) {
-    Body& b = body(i);
-    if (b.next >= 0) body(b.next).previous = b.previous;
-    (b.previous >= 0 ? body(b.previous).next : head_[index(b.cell)]) = b.next;
-}
-
-template <class Law>
-template <class F>
-void NewtonEvents<Law>::around(const std::array<int, 3>& cell, const F& f) const {
-    std::array<int, 3> from{}, to{};
-    for (int a = 0; a < box_.dimension; ++a) from[a] = -1, to[a] = 1;
-    for (int dz = from[2]; dz <= to[2]; ++dz)
-        for (int dy = from[1]; dy <= to[1]; ++dy)
-            for (int dx = from[0]; dx <= to[0]; ++dx) {
-                std::array<int, 3> c{cell[0] + dx, cell[1] + dy, cell[2] + dz};
-                Vector3 shift{};
-                bool inside = true;
-                for (int a = 0; a < box_.dimension; ++a) {
-                    if (c[a] >= 0 && c[a] < cells_[a]) continue;
-                    inside = inside && box_.periodic[a];
-                    shift[a] = c[a] < 0 ? -box_.edge[a] : box_.edge[a];
-                    c[a] += c[a] < 0 ? cells_[a] : -cells_[a];
-                }
-                if (!inside) continue;
-                for (int j = head_[index(c)]; j >= 0; j = body(j).next) f(j, shift);
-            }
+void NewtonEvents<Law>::schedule(int i) {
+    const u32 id = static_cast<u32>(i);
+    calendar_.push(id, pending_[i].time(), [this](u32 id) { return names_[id]; });
 }
 
 template <class Law>
 void NewtonEvents<Law>::predict(int i) {
-    Body& b = body(i);
-    b.when = math::infinity;
-    b.what = What::none;
-    const Vector3 x = position(b, now_), v = velocity(b, now_);
-    predict_meeting(b, i, x, v);
-    for (int a = 0; a < box_.dimension; ++a) {
-        if (!box_.periodic[a] && b.group < 0) predict_wall(b, a, x[a], v[a]);
-        predict_crossing(b, a, x[a], v[a]);
-    }
-    queue_.push({b.when, i, ++b.event});
+    find(i);
+    schedule(i);
 }
 
-// The first body that b comes near, both on their parabolas: those of bodies that are not busy touch there.
+// All events of a body anew.
 template <class Law>
-void NewtonEvents<Law>::predict_meeting(Body& b, int i, const Vector3& x, const Vector3& v) {
-    around(b.cell, [&](int j, const Vector3& shift) {
-        const Body& o = body(j);
-        if (j == i || (b.group >= 0 && b.group == o.group)) return;
-        const Vector3 xo = position(o, now_), vo = velocity(o, now_);
-        Vector3 r, u;
-        for (std::size_t a = 0; a < 3; ++a) {
-            r[a] = (xo[a] + shift[a]) - x[a];
-            u[a] = vo[a] - v[a];
+void NewtonEvents<Law>::find(int i) {
+    Pending& e = pending_[i];
+    e.pair_time = math::infinity;
+    e.partner = nobody;
+    look(i);
+    Place<3> from = cells_.place(level_, e.cell), to = from;
+    for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
+    search(i, from, to);
+    predict_own(i);
+}
+
+// The body that is to be met by the others.
+template <class Law>
+void NewtonEvents<Law>::look(int i) {
+    const Vector3 x = position(i, now_), v = velocity(i, now_);
+    query_.now = now_;
+    query_.radius = paths_[i].radius;
+    std::copy_n(x.data(), 3, query_.position);
+    std::copy_n(v.data(), 3, query_.velocity);
+}
+
+template <class Law>
+void NewtonEvents<Law>::make_room_for_candidates() const {
+    if (times_.size() >= cells_.room()) return;
+    times_.resize(cells_.room());
+    candidates_.resize(cells_.room());
+}
+
+template <class Law>
+void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) {
+    make_room_for_candidates();
+    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    const auto self = static_cast<unsigned>(i);
+    bool images = false;  // several of a body may be near
+    for (int a = 0; a < box_.dimension; ++a) images = images || (box_.periodic[a] && g.cells[a] < 4);
+    if (images) {
+        cells_.for_block(cell_box_, level_, from, to, [&](u32 cell, const double (&shift)[3]) {
+            std::copy_n(shift, 3, query_.shift);
+            const std::size_t n = cells_.collect(cell, candidates_, 0);
+            examine(i, touch_.listed(query_, paths_.data(), self, candidates_.data(), times_.data(), n));
+        });
+        return;
+    }
+    hardlimit_abi::CellBlock block;
+    const auto touch = cells_.lay_block(block, cell_box_, level_, from, to) ? touch_.across : touch_.near;
+    examine(i, touch(query_, paths_.data(), self, candidates_.data(), times_.data(), block));
+}
+
+// What is touched first among the candidates. What a busy body is to meet after its end, it is told then; members of
+// one group do not meet here. Simultaneous ones are told apart by the user's numbers.
+template <class Law>
+void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
+    Pending& e = pending_[i];
+    const double end = math::min(e.pair_time, end_[i]);
+    if (touched.time == math::infinity || now_ + touched.time > end) return;
+    for (std::size_t k = 0; k < touched.n; ++k) {
+        const double time = now_ + times_[k];
+        if (time > end || time > e.pair_time || times_[k] == math::infinity) continue;
+        const u32 id = candidates_[k];
+        if (group_[id] >= 0 && (group_[id] == group_[i] || time > end_[id])) continue;
+        if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[id]) continue;
+        e.pair_time = time;
+        e.partner = id;
+        e.partner_count = pending_[id].count;
+    }
+}
+
+// Where the path leaves its cell, or where a free body meets a wall, or the end of the group of its first member.
+template <class Law>
+void NewtonEvents<Law>::predict_own(int i) {
+    Pending& e = pending_[i];
+    const Particle<3>& p = paths_[i];
+    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    const Place<3> at = cells_.place(level_, e.cell);
+    double in = math::infinity;
+    Own which = Own::low_x;
+    const auto consider = [&](double time, int axis, bool high) {
+        if (time < in) in = time, which = own_event(axis, high);
+    };
+    const Vector3 x = position(i, now_), v = velocity(i, now_);
+    for (int a = 0; a < box_.dimension; ++a) {
+        double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
+        const auto k = static_cast<std::size_t>(a);
+        if (!box_.periodic[a] && at[a] == 0) low = free(i) ? p.radius : -math::infinity;
+        if (!box_.periodic[a] && at[a] == g.cells[a] - 1)
+            high = free(i) ? box_.edge[a] - p.radius : math::infinity;
+        consider(time_below(x[k], v[k], box_.gravity[a], high), a, true);
+        consider(time_below(-x[k], -v[k], -box_.gravity[a], -low), a, false);
+    }
+    e.own_time = now_ + in;
+    e.own = static_cast<u32>(which) & 7u;
+    if (free(i) || group(group_[i]).body[0] != i || end_[i] > e.own_time) return;
+    e.own_time = end_[i];
+    e.own = static_cast<u32>(Own::ends) & 7u;
+}
+
+// f(j, r) for the images of bodies in the cells around body i's: r leads from i to j, now.
+template <class Law>
+template <class F>
+void NewtonEvents<Law>::for_near(int i, const F& f) const {
+    make_room_for_candidates();
+    Place<3> from = cells_.place(level_, pending_[i].cell), to = from;
+    for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
+    const Vector3 x = position(i, now_);
+    cells_.for_block(cell_box_, level_, from, to, [&](u32 cell, const double (&shift)[3]) {
+        const std::size_t n = cells_.collect(cell, candidates_, 0);
+        for (std::size_t k = 0; k < n; ++k) {
+            const int j = static_cast<int>(candidates_[k]);
+            if (j == i) continue;
+            Vector3 r = position(j, now_);
+            for (std::size_t a = 0; a < 3; ++a) r[a] = (r[a] + shift[a]) - x[a];
+            f(j, r);
         }
-        const double reach = (b.radius + b.margin) + (o.radius + o.margin);
-        const double closing = -dot(r, u), beyond = dot(r, r) - reach * reach;
-        if (!(closing > 0.0) && !(beyond < 0.0 && (b.group >= 0 || o.group >= 0))) return;
-        double t = now_;
-        if (beyond > 0.0) {
-            const double square = closing * closing - dot(u, u) * beyond;
-            if (square < 0.0) return;
-            t = now_ + beyond / (closing + math::sqrt(square));
-        }
-        if (t >= b.when || t > b.end || t > o.end) return;
-        b.when = t;
-        b.what = What::meets;
-        b.partner = j;
-        b.partner_version = o.version;
     });
 }
 
-template <class Law>
-void NewtonEvents<Law>::predict_wall(Body& b, int a, double x, double v) {
-    for (int far = 0; far < 2; ++far) {
-        const double gap = (far ? box_.edge[a] - x : x) - b.radius;
-        const double rate = far ? v : -v, towards = far ? box_.gravity[a] : -box_.gravity[a];
-        double t = math::infinity;
-        const double square = rate * rate + 2.0 * towards * math::max(gap, 0.0);
-        if (gap <= 0.0 && rate > 0.0)
-            t = 0.0;
-        else if (gap <= 0.0)
-            t = towards > 0.0 ? -2.0 * rate / towards : math::infinity;
-        else if (square >= 0.0 && rate > 0.0)
-            t = 2.0 * gap / (rate + math::sqrt(square));
-        else if (square >= 0.0 && towards > 0.0)
-            t = (math::sqrt(square) - rate) / towards;
-        if (now_ + t >= b.when) continue;
-        b.when = now_ + t;
-        b.what = What::wall;
-        b.partner = 2 * a + far;
-    }
-}
-
-// When the parabola leaves the cell along axis a.
-template <class Law>
-void NewtonEvents<Law>::predict_crossing(Body& b, int a, double x, double v) {
-    const double g = box_.gravity[a];
-    for (int up = 0; up < 2; ++up) {
-        if (!box_.periodic[a] && (up ? b.cell[a] == cells_[a] - 1 : b.cell[a] == 0)) continue;
-        const double border = cell_edge_[a] * (b.cell[a] + up);
-        const double gap = math::max(up ? border - x : x - border, 0.0);
-        const double rate = up ? v : -v, towards = up ? g : -g;
-        const double square = rate * rate + 2.0 * towards * gap;
-        double t = math::infinity;
-        if (square >= 0.0 && rate > 0.0)
-            t = 2.0 * gap / (rate + math::sqrt(square));
-        else if (square >= 0.0 && towards > 0.0)
-            t = (math::sqrt(square) - rate) / towards;
-        if (now_ + t >= b.when) continue;
-        b.when = now_ + t;
-        b.what = What::crosses;
-        b.partner = 2 * a + up;
-    }
-}
+// ---- events ----------------------------------------------------------------------------------------------------
 
 template <class Law>
 void NewtonEvents<Law>::happen(int i) {
-    Body& b = body(i);
-    if (b.what == What::crosses) return cross(i);
-    if (b.what == What::wall) return meet(i, -1, b.partner);
-    const Body& o = body(b.partner);
-    if (o.version != b.partner_version) return predict(i);
-    const int j = b.partner;
-    if (b.group < 0 && o.group < 0) return meet(i, j, 0);
-    conflict(i, j);
+    const Pending& e = pending_[i];
+    if (e.pair_time <= e.own_time) {
+        if (pending_[e.partner].count != e.partner_count) return predict(i);
+        const int j = static_cast<int>(e.partner);
+        return free(i) && free(j) ? meet(i, j, 0) : conflict(i, j);
+    }
+    const Own own = static_cast<Own>(e.own);
+    if (own == Own::ends) return finish(group_[i]);
+    const int axis = axis_of(own);
+    const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
+    if (!box_.periodic[axis] && cells_.place(level_, e.cell)[axis] == last)
+        return meet(i, -1, 2 * axis + (is_high(own) ? 1 : 0));
+    leave_cell(i);
 }
 
+// Looks into the cells that have become neighbours.
 template <class Law>
-void NewtonEvents<Law>::cross(int i) {
-    Body& b = body(i);
-    const int a = b.partner / 2, up = b.partner % 2;
-    unlink(i);
-    b.cell[a] += up ? 1 : -1;
-    if (b.cell[a] < 0 || b.cell[a] >= cells_[a]) {
-        b.cell[a] += up ? -cells_[a] : cells_[a];
-        b.position[a] += up ? -box_.edge[a] : box_.edge[a];
-        b.turns[a] += up ? 1 : -1;
+void NewtonEvents<Law>::leave_cell(int i) {
+    Pending& e = pending_[i];
+    const Own own = static_cast<Own>(e.own);
+    const int axis = axis_of(own), step = is_high(own) ? 1 : -1;
+    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    Place<3> at = cells_.place(level_, e.cell);
+    cells_.remove(e.cell, static_cast<u32>(i));
+    at[axis] += step;
+    if (at[axis] < 0 || at[axis] == g.cells[axis]) {
+        at[axis] -= step * g.cells[axis];
+        paths_[i].position[axis] -= step * box_.edge[axis];
+        turns_[i][static_cast<std::size_t>(axis)] += step;
     }
-    link(i);
-    predict(i);
+    e.cell = cells_.number(level_, at) & (most_cells - 1);
+    cells_.insert(e.cell, static_cast<u32>(i));
+    Place<3> from = at, to = at;
+    for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
+    from[axis] = to[axis] = at[axis] + step;
+    look(i);
+    search(i, from, to);
+    predict_own(i);
+    schedule(i);
 }
 
 }  // namespace hardlimit::particles

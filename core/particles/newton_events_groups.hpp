@@ -11,9 +11,9 @@ void NewtonEvents<Law>::begin_contacts() {
     std::vector<int> bodies;
     std::vector<Live> live;
     const auto overlap = [&](int i, int j, int side, double depth, double rate) {
-        if (!(depth > touching_depth * (j < 0 ? body(i).radius : body(i).radius + body(j).radius))) return;
+        if (!(depth > touching_depth * (j < 0 ? radius(i) : radius(i) + radius(j)))) return;
         Live pair = touching(i, j, side);
-        if (depth > laws_(i, j).slack(rate).depth) {
+        if (depth > law(i, j).slack(rate).depth) {
             pair.pair.touch = Touch::closed;
             ++begun_;
             begun_pairs_ += j >= 0;
@@ -22,25 +22,20 @@ void NewtonEvents<Law>::begin_contacts() {
         for (const int k : {i, j})
             if (k >= 0 && std::find(bodies.begin(), bodies.end(), k) == bodies.end()) bodies.push_back(k);
     };
-    for (int i = 0; i < static_cast<int>(bodies_.size()); ++i) {
-        const Body& b = body(i);
-        around(b.cell, [&](int j, const Vector3& shift) {
+    for (int i = 0; i < static_cast<int>(paths_.size()); ++i) {
+        const Particle<3>& p = paths_[i];
+        for_near(i, [&](int j, const Vector3& r) {
             if (j <= i) return;
-            const Body& o = body(j);
-            Vector3 r, v;
-            for (std::size_t a = 0; a < 3; ++a) {
-                r[a] = (o.position[a] + shift[a]) - b.position[a];
-                v[a] = o.velocity[a] - b.velocity[a];
-            }
+            Vector3 v;
+            for (std::size_t a = 0; a < 3; ++a) v[a] = paths_[j].velocity[a] - p.velocity[a];
             const double distance = math::sqrt(dot(r, r));
-            overlap(i, j, 0, (b.radius + o.radius) - distance, -dot(r, v) / distance);
+            overlap(i, j, 0, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
         });
         for (int axis = 0; axis < box_.dimension; ++axis) {
-            const double x = b.position[static_cast<std::size_t>(axis)];
-            const double v = b.velocity[static_cast<std::size_t>(axis)];
+            const double x = p.position[axis], v = p.velocity[axis];
             if (!box_.walled(axis)) continue;
-            overlap(i, -1, 2 * axis, b.radius - x, -v);
-            overlap(i, -1, 2 * axis + 1, b.radius - (box_.edge[axis] - x), v);
+            overlap(i, -1, 2 * axis, radius(i) - x, -v);
+            overlap(i, -1, 2 * axis + 1, radius(i) - (box_.edge[axis] - x), v);
         }
     }
     part(bodies, live);
@@ -50,15 +45,18 @@ void NewtonEvents<Law>::begin_contacts() {
 // Bodies i and j touch; j < 0: body i touches the wall 2·axis + (1 at the far edge).
 template <class Law>
 void NewtonEvents<Law>::meet(int i, int j, int side) {
+    stop_at_now(i);
+    if (j >= 0) stop_at_now(j);
+    ++begun_;
+    begun_pairs_ += j >= 0;
+    int intruder = -1;
+    if (isolate(i, j, side, intruder)) return;
     std::vector<Live> live{touching(i, j, side)};
     live[0].pair.touch = Touch::closed;
     live[0].pair.fresh = true;
     std::vector<int> set{i};
     if (j >= 0) set.push_back(j);
-    for (const int k : set) stop_at_now(k);
-    ++begun_;
-    begun_pairs_ += j >= 0;
-    if (isolate(set, live)) return;
+    if (intruder >= 0) gather(intruder, set, live);
     form(set, live);
 }
 
@@ -80,7 +78,7 @@ template <class Law>
 void NewtonEvents<Law>::conflict(int i, int j) {
     std::vector<int> set;
     std::vector<Live> live;
-    for (const int k : {i, j}) take(k, set, live);
+    for (const int k : {i, j}) gather(k, set, live);
     form(set, live);
 }
 
@@ -92,7 +90,7 @@ void NewtonEvents<Law>::finish(int index) {
     part(bodies, live);
     form_remnants();
     for (const int i : bodies)
-        if (body(i).group < 0) predict(i);
+        if (free(i)) predict(i);
 }
 
 template <class Law>
@@ -128,39 +126,41 @@ void NewtonEvents<Law>::part(const std::vector<int>& bodies, const std::vector<L
     }
 }
 
-// A contact that nothing disturbs, as far as is known now, is solved as a whole. Otherwise nothing changes, but that
-// bodies so near that they may touch join the set.
+// A contact that nothing disturbs, as far as is known now, is solved as a whole. Otherwise nothing changes, and
+// `intruder` is a body that has come too near, if that is why.
 template <class Law>
-bool NewtonEvents<Law>::isolate(std::vector<int>& set, std::vector<Live>& live) {
+bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     const int index = spare_group();
     Group& g = group(index);
-    open_group(g, set);
+    g.alive = g.isolated = true;
+    g.body.assign({i});
+    if (j >= 0) g.body.push_back(j);
+    const std::size_t members = g.body.size();
+    std::copy_n(paths_[i].position, 3, g.origin.begin());
+    g.offset.resize(members);
     Isolated& l = g.lone;
-    for (std::size_t m = 0; m < set.size(); ++m) l.before[m] = g.before.members[m];
-    const Touching<Law>& asked = live[0].pair;
-    l.pair = set.size() == 2 ? pair_of(g, 0, 1) : wall_of(g, 0, asked.axis, asked.side < 0.0);
+    for (std::size_t m = 0; m < members; ++m) l.before[m] = member_of(g, m);
+    l.pair = j >= 0 ? pair_of(g, 0, 1, l.before[0], l.before[1]) : wall_of(g, 0, side / 2, side % 2 != 0);
     l.pair.touch = Touch::closed;
     l.pair.fresh = true;
     l.pair.begin = now_;
-    if (!(set.size() == 2 ? solve_pair(l) : solve_wall(l)) || !far_from_walls(g, l)) {
+    if (!(j >= 0 ? solve_pair(l) : solve_wall(l)) || !far_from_walls(g, l)) {
         drop(index);
         return false;
     }
-    g.isolated = true;
-    for (std::size_t m = 0; m < set.size(); ++m) {
+    for (std::size_t m = 0; m < members; ++m) {
         const double share =
-            set.size() == 1 ? 1.0 : l.before[1 - m].mass / (l.before[0].mass + l.before[1].mass);
-        busy(index, m, l.after[m], l.span, share * l.margin);
+            members == 1 ? 1.0 : l.before[1 - m].mass / (l.before[0].mass + l.before[1].mass);
+        busy(index, m, l.before[m], l.after[m], l.span, share * l.margin);
     }
-    std::vector<int> near;
-    for (const int i : set) intruders(i, index, near);
-    if (!near.empty()) {
+    for (const int k : g.body) {
+        find(k);
+        if (pending_[k].pair_time > now_) continue;
+        intruder = static_cast<int>(pending_[k].partner);
         release(index);
-        for (const int k : near) take(k, set, live);
         return false;
     }
-    for (const int i : set) predict(i);
-    queue_.push({now_ + l.span, ~index, ++g.serial});
+    for (const int k : g.body) schedule(k);
     return true;
 }
 
@@ -170,26 +170,25 @@ void NewtonEvents<Law>::form(std::vector<int> set, std::vector<Live> live) {
     for (;;) {
         const int index = spare_group();
         build(index, set, live);
-        if (set.size() > most_members || group(index).after.unresolved) outcome_ = Outcome::unresolved;
+        const Cluster<Law>& after = group(index).cluster->after;
+        if (set.size() > most_members || after.unresolved) outcome_ = Outcome::unresolved;
         std::vector<int> near;
-        if (group(index).after.time > 0.0 && outcome_ == Outcome::ok)
+        if (after.time > 0.0 && outcome_ == Outcome::ok)
             for (const int i : set) intruders(i, index, near);
         if (near.empty()) return go_on_together(index);
         release(index);
-        for (const int k : near) take(k, set, live);
+        for (const int k : near) gather(k, set, live);
     }
 }
 
 template <class Law>
 void NewtonEvents<Law>::go_on_together(int index) {
     const std::vector<int> set = group(index).body;
-    if (group(index).after.time == 0.0) {  // nothing is closed any more
+    if (group(index).cluster->after.time == 0.0) {  // nothing is closed any more
         std::vector<Live> none;
         settle(index, true, none);
     } else {
-        Group& g = group(index);
         largest_cluster_ = std::max(largest_cluster_, static_cast<int>(set.size()));
-        queue_.push({g.before.base + g.after.time, ~index, ++g.serial});
     }
     for (const int i : set) predict(i);
 }
@@ -200,16 +199,18 @@ void NewtonEvents<Law>::build(int index, const std::vector<int>& set, std::vecto
     Group& g = group(index);
     open_group(g, set);
     pair_up(g, live);
-    double horizon = horizon_of(g.before);
+    const Cluster<Law>& before = g.cluster->before;
+    Cluster<Law>& after = g.cluster->after;
+    double horizon = horizon_of(before);
     for (;;) {
-        g.after = g.before;
-        g.after.record = true;
+        after = before;
+        after.record = true;
         Stop never;
-        g.after.run(horizon, never);
-        if (margins(index) || g.after.time == 0.0 || g.after.unresolved) break;
-        horizon = 0.5 * g.after.time;
+        after.run(horizon, never);
+        if (margins(index) || after.time == 0.0 || after.unresolved) break;
+        horizon = 0.5 * after.time;
     }
-    g.after.trace.clear();
+    after.trace.clear();
 }
 
 template <class Law>
@@ -229,38 +230,46 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     g.alive = true;
     g.isolated = false;
     g.body = set;
-    g.origin = body(set[0]).position;
+    std::copy_n(paths_[set[0]].position, 3, g.origin.begin());
     g.offset.assign(set.size(), {});
-    Cluster<Law>& c = g.before;
+    if (!g.cluster) g.cluster = std::make_unique<Ends>();
+    Cluster<Law>& c = g.cluster->before;
     c = Cluster<Law>{};
     c.base = now_;
     c.gravity = gravity_;
-    for (std::size_t m = 0; m < set.size(); ++m) {
-        const Body& b = body(set[m]);
-        Vector3 x;
-        for (std::size_t a = 0; a < 3; ++a) {
-            x[a] = b.position[a] - g.origin[a];
-            const double turn = nearest(x[a], static_cast<int>(a));
-            x[a] -= turn * box_.edge[a];
-            g.offset[m][a] = b.turns[a] + turn;
-        }
-        c.members.push_back({b.mass, b.radius, x, b.velocity});
+    for (std::size_t m = 0; m < set.size(); ++m) c.members.push_back(member_of(g, m));
+}
+
+// A member as it is now, by the image that is near the group's origin; notes which one that is.
+template <class Law>
+Member NewtonEvents<Law>::member_of(Group& g, std::size_t m) const {
+    const int i = g.body[m];
+    const Particle<3>& p = paths_[i];
+    Member member{mass(i), radius(i), {}, {}};
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double x = p.position[a] - g.origin[a];
+        const double turn = nearest(x, static_cast<int>(a));
+        member.position[a] = x - turn * box_.edge[a];
+        member.velocity[a] = p.velocity[a];
+        g.offset[m][a] = turns_[i][a] + turn;
     }
+    return member;
 }
 
 // The pairs that can touch while the group lasts.
 template <class Law>
 void NewtonEvents<Law>::pair_up(Group& g, std::vector<Live>& live) const {
-    Cluster<Law>& c = g.before;
+    Cluster<Law>& c = g.cluster->before;
     const int n = static_cast<int>(g.body.size());
     for (int i = 0; i < n; ++i) {
         for (int j = i + 1; j < n; ++j) {
-            const Touching<Law> q = pair_of(g, i, j);
+            const Touching<Law> q = pair_of(g, i, j, c.members[static_cast<std::size_t>(i)],
+                                            c.members[static_cast<std::size_t>(j)]);
             if (c.gap(q) < 2.0 * travel()) c.pairs.push_back(q);
         }
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
-                if (box_.walled(axis) && near_wall(g, i, axis, high))
+                if (box_.walled(axis) && near_wall(g.body[static_cast<std::size_t>(i)], axis, high))
                     c.pairs.push_back(wall_of(g, i, axis, high));
     }
     for (Live& l : live)
@@ -292,9 +301,8 @@ double NewtonEvents<Law>::nearest(double x, int axis) const {
 }
 
 template <class Law>
-Touching<Law> NewtonEvents<Law>::pair_of(const Group& g, int i, int j) const {
-    const Member &a = g.before.members[static_cast<std::size_t>(i)],
-                 &b = g.before.members[static_cast<std::size_t>(j)];
+Touching<Law> NewtonEvents<Law>::pair_of(const Group& g, int i, int j, const Member& a,
+                                         const Member& b) const {
     Touching<Law> q{};
     q.first = i;
     q.second = j;
@@ -304,29 +312,28 @@ Touching<Law> NewtonEvents<Law>::pair_of(const Group& g, int i, int j) const {
     }
     q.reach = a.radius + b.radius;
     q.mass = effective(a.mass, b.mass);
-    q.law = laws_(g.body[static_cast<std::size_t>(i)], g.body[static_cast<std::size_t>(j)]);
+    q.law = law(g.body[static_cast<std::size_t>(i)], g.body[static_cast<std::size_t>(j)]);
     return q;
 }
 
 template <class Law>
-bool NewtonEvents<Law>::near_wall(const Group& g, int i, int axis, bool high) const {
-    const Body& b = body(g.body[static_cast<std::size_t>(i)]);
-    const double x = b.position[static_cast<std::size_t>(axis)];
-    return (high ? box_.edge[axis] - x : x) < b.radius + travel();
+bool NewtonEvents<Law>::near_wall(int i, int axis, bool high) const {
+    const double x = paths_[i].position[axis];
+    return (high ? box_.edge[axis] - x : x) < radius(i) + travel();
 }
 
 template <class Law>
 Touching<Law> NewtonEvents<Law>::wall_of(const Group& g, int i, int axis, bool high) const {
-    const Member& a = g.before.members[static_cast<std::size_t>(i)];
+    const int body = g.body[static_cast<std::size_t>(i)];
     Touching<Law> q{};
     q.first = i;
     q.second = -1;
     q.axis = axis;
     q.side = high ? -1.0 : 1.0;
     q.wall = (high ? box_.edge[axis] : 0.0) - g.origin[static_cast<std::size_t>(axis)];
-    q.reach = a.radius;
-    q.mass = a.mass;
-    q.law = laws_(g.body[static_cast<std::size_t>(i)], -1);
+    q.reach = radius(body);
+    q.mass = mass(body);
+    q.law = law(body, -1);
     return q;
 }
 
@@ -347,12 +354,14 @@ double NewtonEvents<Law>::horizon_of(const Cluster<Law>& c) const {
 template <class Law>
 bool NewtonEvents<Law>::margins(int index) {
     const Group& g = group(index);
+    const Cluster<Law>&before = g.cluster->before, &after = g.cluster->after;
     bool fits = true;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        busy(index, m, g.after.members[m], g.after.time, 0.0);
-        Body& b = body(g.body[m]);
-        if (g.after.time > 0.0) b.margin = margin_of(g, m);
-        fits = fits && b.margin <= widest_margin();
+        busy(index, m, before.members[m], after.members[m], after.time, 0.0);
+        if (!(after.time > 0.0)) continue;
+        const double margin = margin_of(g, m);
+        make_room_for(g.body[m], margin);
+        fits = fits && margin <= widest_margin();
     }
     return fits;
 }
@@ -362,9 +371,10 @@ bool NewtonEvents<Law>::margins(int index) {
 template <class Law>
 double NewtonEvents<Law>::margin_of(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();
-    const Vector3 &x0 = g.before.members[m].position, &chord = body(g.body[m]).velocity;
+    const Vector3& x0 = g.cluster->before.members[m].position;
+    const double (&chord)[3] = paths_[g.body[m]].velocity;
     double margin = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
-    for (const Knot& k : g.after.trace) {
+    for (const Knot& k : g.cluster->after.trace) {
         double off = 0.0, rate = 0.0;
         for (std::size_t a = 0; a < 3; ++a) {
             const double t = k.time, gt = box_.gravity[a] * t;
@@ -386,30 +396,30 @@ double NewtonEvents<Law>::margin_of(const Group& g, std::size_t m) const {
 
 // Until its group ends, a member is a larger body on the parabola between its two ends.
 template <class Law>
-void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& after, double span, double margin) {
-    const Group& g = group(index);
-    Body& b = body(g.body[m]);
-    b.group = index;
-    b.end = now_ + span;
-    b.margin = margin;
+void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, const Member& after, double span,
+                             double margin) {
+    const int i = group(index).body[m];
+    group_[i] = index;
+    end_[i] = now_ + span;
+    make_room_for(i, margin);
     if (!(span > 0.0)) return;
-    const Member& before = g.before.members[m];
     for (std::size_t a = 0; a < 3; ++a)
-        b.velocity[a] = (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+        paths_[i].velocity[a] =
+            (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+}
+
+// More than overlap must be to count as such.
+template <class Law>
+void NewtonEvents<Law>::make_room_for(int i, double margin) {
+    paths_[i].radius = (radius(i) + margin) * (1.0 + rounding_of_touch);
 }
 
 template <class Law>
 void NewtonEvents<Law>::intruders(int i, int index, std::vector<int>& near) const {
-    const Body& b = body(i);
-    const Vector3 x = position(b, now_);
-    around(b.cell, [&](int j, const Vector3& shift) {
-        const Body& o = body(j);
-        if (j == i || o.group == index) return;
-        const Vector3 xo = position(o, now_);
-        Vector3 r;
-        for (std::size_t a = 0; a < 3; ++a) r[a] = (xo[a] + shift[a]) - x[a];
-        const double reach = (b.radius + b.margin) + (o.radius + o.margin);
-        if (dot(r, r) < reach * reach && std::find(near.begin(), near.end(), j) == near.end())
+    for_near(i, [&](int j, const Vector3& r) {
+        const double reach = paths_[i].radius + paths_[j].radius;
+        if (group_[j] != index && dot(r, r) < reach * reach &&
+            std::find(near.begin(), near.end(), j) == near.end())
             near.push_back(j);
     });
 }
@@ -417,20 +427,21 @@ void NewtonEvents<Law>::intruders(int i, int index, std::vector<int>& near) cons
 // The body's parabola starts here.
 template <class Law>
 void NewtonEvents<Law>::stop_at_now(int i) {
-    Body& b = body(i);
-    if (b.group >= 0) return;
-    b.position = position(b, now_);
-    b.velocity = velocity(b, now_);
-    b.from = now_;
-    ++b.version;
+    if (!free(i)) return;
+    Particle<3>& p = paths_[i];
+    const Vector3 x = position(i, now_), v = velocity(i, now_);
+    std::copy_n(x.data(), 3, p.position);
+    std::copy_n(v.data(), 3, p.velocity);
+    p.time = now_;
+    ++pending_[i].count;
 }
 
 // A body becomes part of the set, with all of its group and whatever it is still in contact with.
 template <class Law>
-void NewtonEvents<Law>::take(int i, std::vector<int>& set, std::vector<Live>& live) {
+void NewtonEvents<Law>::gather(int i, std::vector<int>& set, std::vector<Live>& live) {
     if (std::find(set.begin(), set.end(), i) != set.end()) return;
-    if (body(i).group >= 0) {
-        const int index = body(i).group;
+    if (!free(i)) {
+        const int index = group_[i];
         settle(index, false, live);
         set.insert(set.end(), group(index).body.begin(), group(index).body.end());
         return;
@@ -452,12 +463,13 @@ template <class Law>
 void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) {
     Group& g = group(index);
     if (g.isolated && at_end) return settle_isolated(index);
+    if (!g.cluster) g.cluster = std::make_unique<Ends>();
     if (!at_end) {
-        g.after = start_of(g);
+        g.cluster->after = start_of(g);
         Stop never;
-        g.after.run(now_ - g.after.base, never);
+        g.cluster->after.run(now_ - g.cluster->after.base, never);
     }
-    const Cluster<Law>& c = g.after;
+    const Cluster<Law>& c = g.cluster->after;
     dissipated_ += c.dissipated;
     virial_ += c.virial;
     begun_ += static_cast<std::uint64_t>(c.begun);
@@ -502,40 +514,46 @@ template <class Law>
 void NewtonEvents<Law>::release(int index) {
     Group& g = group(index);
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        Body& b = body(g.body[m]);
-        b.group = -1;
-        b.margin = 0.0;
-        b.end = math::infinity;
-        b.velocity = g.before.members[m].velocity;
+        const int i = g.body[m];
+        const Member& before = g.isolated ? g.lone.before[m] : g.cluster->before.members[m];
+        set_free(i);
+        std::copy_n(before.velocity.data(), 3, paths_[i].velocity);
     }
     drop(index);
+}
+
+template <class Law>
+void NewtonEvents<Law>::set_free(int i) {
+    group_[i] = -1;
+    end_[i] = math::infinity;
+    paths_[i].radius = radius(i);
 }
 
 // A member is on its own again, at its true place.
 template <class Law>
 void NewtonEvents<Law>::put(const Group& g, std::size_t m, const Member& at) {
-    Body& b = body(g.body[m]);
-    b.position = place(g, m, at.position);
-    b.velocity = at.velocity;
-    b.from = now_;
-    b.margin = 0.0;
-    b.end = math::infinity;
-    b.group = -1;
-    ++b.version;
+    const int i = g.body[m];
+    Particle<3>& p = paths_[i];
+    const Vector3 x = place(g, m, at.position);
+    std::copy_n(x.data(), 3, p.position);
+    std::copy_n(at.velocity.data(), 3, p.velocity);
+    p.time = now_;
+    set_free(i);
+    ++pending_[i].count;
 }
 
 // A member's place in the frame of its body's cell.
 template <class Law>
 Vector3 NewtonEvents<Law>::place(const Group& g, std::size_t m, Vector3 x) const {
-    const Body& b = body(g.body[m]);
-    for (std::size_t a = 0; a < 3; ++a) x[a] += g.origin[a] + (g.offset[m][a] - b.turns[a]) * box_.edge[a];
+    const std::array<int, 3>& turns = turns_[g.body[m]];
+    for (std::size_t a = 0; a < 3; ++a) x[a] += g.origin[a] + (g.offset[m][a] - turns[a]) * box_.edge[a];
     return x;
 }
 
 // The group at its begin, ready to be integrated.
 template <class Law>
 Cluster<Law> NewtonEvents<Law>::start_of(const Group& g) const {
-    if (!g.isolated) return g.before;
+    if (!g.isolated) return g.cluster->before;
     Cluster<Law> c;
     c.base = g.lone.contact.begin;
     c.gravity = gravity_;
@@ -548,9 +566,11 @@ template <class Law>
 typename NewtonEvents<Law>::Row NewtonEvents<Law>::row_of(const Group& g, const Touching<Law>& q,
                                                           double begin, double end, double impact,
                                                           double separation, bool overlapped) const {
-    int first = g.body[static_cast<std::size_t>(q.first)];
-    int second =
-        q.second >= 0 ? g.body[static_cast<std::size_t>(q.second)] : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
+    const auto name = [&](int member) {
+        return static_cast<int>(names_[g.body[static_cast<std::size_t>(member)]]);
+    };
+    int first = name(q.first),
+        second = q.second >= 0 ? name(q.second) : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
     if (second >= 0 && second < first) std::swap(first, second);
     return {begin, end, first, second, impact, separation, overlapped};
 }

@@ -16,10 +16,22 @@ void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
-    archive(bodies_), archive(spare_), archive(head_), archive(log_);
+    archive(paths_), archive(pending_), archive(turns_), archive(names_), archive(group_), archive(end_);
+    archive(spare_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(paused_), archive(outcome_);
+}
+
+template <class Law>
+template <class Archive>
+void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
+    archive(g.alive), archive(g.isolated), archive(g.origin), archive(g.body), archive(g.offset);
+    if (!g.alive) return;
+    if (g.isolated) return archive(g.lone);
+    if (!g.cluster) g.cluster = std::make_unique<Ends>();
+    exchange(archive, g.cluster->before);
+    exchange(archive, g.cluster->after);
 }
 
 template <class Law>
@@ -28,47 +40,25 @@ void NewtonEvents<Law>::save(Writer& writer) const {
         const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
     self.exchange(writer);
     writer(groups_.size());
-    for (Group& g : self.groups_) {
-        writer(g.alive), writer(g.isolated), writer(g.serial), writer(g.origin), writer(g.body),
-            writer(g.offset);
-        writer(g.lone);
-        exchange(writer, g.before);
-        exchange(writer, g.after);
-    }
+    for (Group& g : self.groups_) exchange(writer, g);
 }
 
 template <class Law>
 NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
-                                Reader& reader)
+                                const hardlimit_abi::TouchKernels& kernels, Reader& reader)
     : box_(box),
       laws_(std::move(laws)),
       soft_(soft_contacts(laws_, count)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
-    for (std::size_t i = 0; i < count; ++i) {
-        largest_ = math::max(largest_, laws_.radius(i));
-        smallest_ = math::min(smallest_, laws_.radius(i));
-    }
-    make_cells();
+    prepare(count, kernels);
     exchange(reader);
     std::size_t groups = 0;
     reader(groups);
-    for (std::size_t i = 0; i < groups && !reader.failed(); ++i) {
-        Group& g = groups_.emplace_back();
-        reader(g.alive), reader(g.isolated), reader(g.serial), reader(g.origin), reader(g.body),
-            reader(g.offset);
-        reader(g.lone);
-        exchange(reader, g.before);
-        exchange(reader, g.after);
-    }
-    for (std::size_t i = 0; i < bodies_.size(); ++i)
-        queue_.push({bodies_[i].when, static_cast<int>(i), bodies_[i].event});
-    for (std::size_t i = 0; i < groups_.size(); ++i) {
-        const Group& g = groups_[i];
-        if (!g.alive) continue;
-        const double end = g.isolated ? g.lone.contact.begin + g.lone.span : g.before.base + g.after.time;
-        queue_.push({end, ~static_cast<int>(i), g.serial});
-    }
+    for (std::size_t i = 0; i < groups && !reader.failed(); ++i) exchange(reader, groups_.emplace_back());
+    if (reader.failed()) return;
+    put_into_cells();
+    restart_calendar();
 }
 
 }  // namespace hardlimit::particles

@@ -28,6 +28,7 @@ enum class Own : u32 {
     low_z,
     high_z,  // leaves its cell, or meets a wall, on that side
     rescan,  // looks for smaller particles anew
+    ends,    // its group of bodies in contact ends
 };
 constexpr Own own_event(int axis, bool high) { return static_cast<Own>(2 * axis + (high ? 1 : 0)); }
 constexpr int axis_of(Own own) { return static_cast<int>(own) / 2; }

@@ -9,8 +9,12 @@
 // ≤ 0, by rounding or because positions are drawn back, a pair that approaches collides now (Bannerman, Strobl,
 // Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). Where radii grow faster than the pair parts, b ≥ 0 and a <
 // 0, the root is (b + √(b² − a c))/(−a).
+//
+// Where a radius stands for the space that a particle may need (`reach`), two may have come too near without
+// approaching: then c < 0 by more than rounding means now, whatever b is.
 #pragma once
 #include <cstddef>
+#include <cstring>
 
 #include "particle.hpp"
 
@@ -48,8 +52,9 @@ struct Touched {
     std::size_t n;  // particles examined
 };
 
-// Examines n particles with these ids, or all in a block, whose ids are then written. The times at which each is touched,
-// from now, infinity where it is not, are written too. The lists of ids and of times have room for sixteen more.
+// Examines n particles with these ids, or all in a block, whose ids are then written. The times at which each is
+// touched, from now, infinity where it is not, are written too. The lists of ids and of times have room for sixteen
+// more.
 // `particles` is an array of cache lines.
 using TouchListed = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
                                 double* times, std::size_t n);
@@ -63,6 +68,7 @@ struct TouchKernels {
         TouchListed listed;
         TouchNear near, across;
     } of[2][3];
+    Of reach[2];  // in three dimensions, by motion: straight or falling
 };
 
 }  // namespace hardlimit_abi
@@ -72,7 +78,10 @@ namespace hardlimit::particles {
 // Which image of a particle is meant.
 enum class Image { as_it_is, nearest, shifted };
 
-template <class Real, int d, Motion motion, Image image>
+// Part of the square of the distance up to which overlap is rounding.
+inline constexpr double rounding_of_touch = 4e-9;
+
+template <class Real, int d, Motion motion, Image image, bool reach>
 HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
@@ -110,14 +119,18 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         const Real c = square - touch * touch;
         const Real discriminant = b * b - a * c;
         const Mask<Real> will = (b < 0.0) & (discriminant > 0.0);
-        if (!any(will)) return never;
+        Mask<Real> now{};
+        // The particle itself, which is where it is, does not count.
+        if constexpr (reach) now = (c < -rounding_of_touch * (touch * touch)) & (square > 0.0);
+        if (!any(will | now)) return never;
         const Real time =
             math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
+        if constexpr (reach) return select<Real>(now, Real{}, select<Real>(will, time, never));
         return select<Real>(will, time, never);
     }
 }
 
-template <class Real, int d, Motion motion, Image image>
+template <class Real, int d, Motion motion, Image image, bool reach>
 hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
                                     unsigned* ids, double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
@@ -130,7 +143,7 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
-        const Real time = touch_times_of<Real, d, motion, image>(q, load_columns<Real>(row));
+        const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row));
         store_lanes(times + k, time);
         twice = select<Mask<Real>>(time < least, Mask<Real>{}, twice | (time == least));
         group = select<Real>(time < least, broadcast<Real>(static_cast<double>(k)), group);
@@ -156,7 +169,7 @@ constexpr unsigned words_of_cell = 4, inline_ids = 3;
 // Appends the ids of a cell to a list; its new end.
 inline unsigned* collect_cell(const unsigned* cell, const unsigned* spilled, unsigned* to) {
     for (;;) {
-        __builtin_memcpy(to, cell, words_of_cell * sizeof *cell);
+        std::memcpy(to, cell, words_of_cell * sizeof *cell);
         const unsigned tail = cell[inline_ids];
         if (tail <= inline_ids) return to + tail;
         to += inline_ids;
@@ -198,16 +211,18 @@ inline std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned
     return static_cast<std::size_t>(to - ids);
 }
 
-template <class Real, int d, Motion motion, Image image>
+template <class Real, int d, Motion motion, Image image, bool reach>
 hardlimit_abi::Touched touch_near(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
                                   unsigned* ids, double* times, const hardlimit_abi::CellBlock& block) {
-    return touch_listed<Real, d, motion, image>(q, particles, self, ids, times, collect_block(block, ids));
+    return touch_listed<Real, d, motion, image, reach>(q, particles, self, ids, times,
+                                                       collect_block(block, ids));
 }
 
-template <class Real, int d, Motion motion>
+template <class Real, int d, Motion motion, bool reach = false>
 constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
-    return {&touch_listed<Real, d, motion, Image::shifted>, &touch_near<Real, d, motion, Image::as_it_is>,
-            &touch_near<Real, d, motion, Image::nearest>};
+    return {&touch_listed<Real, d, motion, Image::shifted, reach>,
+            &touch_near<Real, d, motion, Image::as_it_is, reach>,
+            &touch_near<Real, d, motion, Image::nearest, reach>};
 }
 
 template <class Real>
@@ -216,7 +231,9 @@ constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
             {{touch_kernels_of<Real, 2, Motion::straight>(), touch_kernels_of<Real, 2, Motion::falling>(),
               touch_kernels_of<Real, 2, Motion::growing>()},
              {touch_kernels_of<Real, 3, Motion::straight>(), touch_kernels_of<Real, 3, Motion::falling>(),
-              touch_kernels_of<Real, 3, Motion::growing>()}}};
+              touch_kernels_of<Real, 3, Motion::growing>()}},
+            {touch_kernels_of<Real, 3, Motion::straight, true>(),
+             touch_kernels_of<Real, 3, Motion::falling, true>()}};
 }
 
 }  // namespace hardlimit::particles
