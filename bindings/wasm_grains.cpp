@@ -172,8 +172,9 @@ int box_advance(double until, double most_rows) {
     return static_cast<int>(run().engine->outcome());
 }
 
-// Time, then collisions of pairs and with walls, those elastic by tc, soft ones and soft ones with a third body; kinetic
-// and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second of a collapse.
+// Time, then collisions of pairs and with walls, those elastic by tc, soft ones and soft ones with a third body;
+// kinetic and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second of a
+// collapse.
 double* box_observe() {
     const box::Counts c = run().engine->counts();
     const box::Observation o = run().engine->observe();
