@@ -7,6 +7,7 @@
 #include <string>
 
 #include "newton_boxes.hpp"
+#include "touch_kernels.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -91,7 +92,7 @@ public:
         const Numbers position = in_three(positions), velocity = in_three(velocities);
         engine_ = with_law(name_in(setting_.law), [&]<class Law>() -> std::unique_ptr<Engine> {
             return std::make_unique<EngineOf<Law>>(setting_.box, position, velocity, setting_.laws<Law>(),
-                                                   log);
+                                                   log, touch_kernels());
         });
     }
     static std::unique_ptr<NewtonEvents> load(nb::bytes state) {
@@ -99,7 +100,8 @@ public:
         auto& s = made->setting_;
         made->engine_ = loaded(mark, state, s, [&](hp::Reader& reader) {
             return with_law(name_in(s.law), [&]<class Law>() -> std::unique_ptr<Engine> {
-                return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.log, reader);
+                return std::make_unique<EngineOf<Law>>(s.box, s.laws<Law>(), s.mass.size(), s.log,
+                                                       touch_kernels(), reader);
             });
         });
         return made;
@@ -120,7 +122,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 1";
+    static constexpr const char* mark = "NewtonEvents 2";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 

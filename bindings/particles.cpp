@@ -17,6 +17,7 @@
 #include "particles/check.hpp"
 #include "particles/growth.hpp"
 #include "particles/make_engine.hpp"
+#include "touch_kernels.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -24,22 +25,10 @@ namespace hl = hardlimit;
 namespace box = hardlimit::particles;
 using hl::bindings::In;
 using hl::bindings::make_array;
+using hl::bindings::touch_kernels;
 using hl::bindings::Unlocked;
 
-extern const hardlimit_abi::TouchKernels hardlimit_touch_base, hardlimit_touch_avx2, hardlimit_touch_avx512;
-
 namespace {
-
-// The widest registers that the processor at hand has. Which, changes the speed, never the result.
-const hardlimit_abi::TouchKernels& touch_kernels() {
-#if defined(HARDLIMIT_X86)
-    static const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-                             __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-    if (wide) return hardlimit_touch_avx512;
-    if (__builtin_cpu_supports("avx2")) return hardlimit_touch_avx2;
-#endif
-    return hardlimit_touch_base;
-}
 
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 

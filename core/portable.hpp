@@ -251,6 +251,32 @@ HL_FN Columns<Real> load_columns(const double* const* row) {
 }
 #endif
 
+#if defined(__AVX512F__) && !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+// Sixteen words that are sifted at once.
+inline constexpr bool sifts_words = true;
+struct Words {
+    typedef int Sixteen __attribute__((vector_size(64)));
+    Sixteen of;
+
+    explicit Words(const void* from) { __builtin_memcpy(&of, from, sizeof of); }
+    // Bits of those that are not, or are more than, a number (without sign).
+    unsigned unlike(unsigned x) const { return __builtin_ia32_ucmpd512_mask(of, all(x), 4, 0xffff); }
+    unsigned above(unsigned x) const { return __builtin_ia32_ucmpd512_mask(of, all(x), 6, 0xffff); }
+    // Those whose bits are set, one after the other; writes all sixteen.
+    void store(unsigned* to, unsigned chosen) const {
+        const Sixteen left =
+            __builtin_ia32_compresssi512_mask(of, Sixteen{}, static_cast<unsigned short>(chosen));
+        __builtin_memcpy(to, &left, sizeof left);
+    }
+
+private:
+    static Sixteen all(unsigned x) { return Sixteen{} + static_cast<int>(x); }
+};
+#else
+inline constexpr bool sifts_words = false;
+struct Words;
+#endif
+
 // All lanes the same.
 template <class Real>
 HL_FN Real broadcast(double x) {

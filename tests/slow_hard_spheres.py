@@ -214,12 +214,15 @@ def times_to_touch(r: np.ndarray, v: np.ndarray, touch: np.ndarray) -> np.ndarra
 
 
 def time_to_fall(gap: float, speed: float, acceleration: float) -> float:
-    """When gap + speed t + acceleration t²/2 falls to zero; a body at or in the wall that moves in meets it now."""
-    if gap <= 0.0:
-        if speed < 0.0 or (speed == 0.0 and acceleration < 0.0):
-            return 0.0
-        gap = 0.0
+    """When gap + speed t + acceleration t²/2 falls to zero; a body at or in the wall that moves in meets it now.
+
+    One that moves out of the wall falls back, or turns round in it.
+    """
+    if gap <= 0.0 and (speed < 0.0 or (speed == 0.0 and acceleration < 0.0)):
+        return 0.0
     square = speed * speed - 2.0 * acceleration * gap
+    if gap <= 0.0:
+        return (speed + math.sqrt(max(square, 0.0))) / -acceleration if acceleration < 0.0 else math.inf
     if square < 0.0 or (acceleration >= 0.0 and speed >= 0.0):
         return math.inf
     if speed < 0.0:

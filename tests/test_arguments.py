@@ -371,6 +371,10 @@ def arguments_of_runs() -> list[Argument]:
         with TemporaryDirectory() as folder, chdir(folder):
             return hl.molecular_dynamics(system, **({"engine": "steps"} | options))
 
+    def take_elsewhere(system: Any, **options: Any) -> Any:
+        with TemporaryDirectory() as folder:
+            return hl.lammps_input(system, folder, **options)
+
     system = hl.ParticleSystem(**DISKS)
     brief = {"system": system, "law": LAW, "until": 1e-4}
     short = {"system": system, "restitution": 0.9, "until": 1e-3}
@@ -400,6 +404,13 @@ def arguments_of_runs() -> list[Argument]:
         Argument("molecular_dynamics", "log", "flag", move, True, brief),
         Argument("molecular_dynamics", "checkpoint", "optional path", move, "run.checkpoint", brief),
         Argument("molecular_dynamics", "checkpoint_every", "number", move, 1.0, brief),
+        Argument("lammps_input", "system", "system", take_elsewhere, system, brief),
+        Argument("lammps_input", "law", "law", take_elsewhere, LAW, brief),
+        Argument("lammps_input", "until", "number", take_elsewhere, 1e-4, brief),
+        Argument("lammps_input", "restitution_error", "optional number", take_elsewhere, 1e-2, brief),
+        Argument("lammps_input", "time_step", "optional number", take_elsewhere, 1e-8, brief),
+        Argument("lammps_input", "samples", "whole number", take_elsewhere, 3, brief),
+        Argument("lammps_input", "log", "flag", take_elsewhere, True, brief),
     ]
 
 

@@ -67,6 +67,11 @@ def test_a_limit_is_kept_surely_or_lost_surely() -> None:
         {"cooling": (("tc_nu", "packing_fraction", "restitution", "model", "replica"), both)},
         {"tc_nu": [0.001, 0.01, 0.1, 0.3], "model": ["newton", "soft"]},
     )
-    for limit, expected in ((0.01, (0.001, 0.1)), (0.1, (0.1, 0.3)), (1e-5, (0.0, 0.01)), (1.0, (0.3, np.inf))):
+    for limit, expected in (
+        (0.01, (0.001, 0.1)),
+        (0.1, (0.1, 0.3)),
+        (1e-5, (0.0, 0.01)),
+        (1.0, (0.3, np.inf)),
+    ):
         held, lost = findings.trusted(ds, "cooling", "soft", limit)
         assert (held.item(), lost.item()) == expected

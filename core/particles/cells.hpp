@@ -12,11 +12,12 @@
 
 #include "box.hpp"
 #include "storage.hpp"
+#include "touch_kernel.hpp"
 
 namespace hardlimit::particles {
 
-// Up to three ids, then their number; or, where there are more, four more than the index of the cell that holds the
-// rest.
+// Up to three ids, the others nobody's, then their number; or, where there are more, four more than the index of the
+// cell that holds the rest.
 struct Cell {
     u32 id[3];
     u32 tail;
@@ -29,6 +30,8 @@ struct Grid {
     double edge[d];   // of a cell [m]
     u32 first;        // cell of the grid, among those of all grids
     double diameter;  // of the largest particle in it [m]
+    u32 rows[9];      // the rows of three times three along the first axis, from the first one on
+    u32 planes[3];    // and those of them with the same second coordinate
 };
 
 template <int d>
@@ -88,7 +91,8 @@ public:
 
     void insert(u32 cell, u32 id) {
         Cell* c = &cells_[cell];
-        while (c->tail > inline_ids) c = &spilled_[c->tail - linked];
+        std::size_t links = 1;
+        for (; c->tail > inline_ids; ++links) c = &spilled_[c->tail - linked];
         if (c->tail < inline_ids) {
             c->id[c->tail++] = id;
             return;
@@ -99,6 +103,7 @@ public:
         if (at >= 0) c = &spilled_[static_cast<std::size_t>(at)];
         c->tail = linked + more;
         spilled_[more] = {{id, nobody, nobody}, 1};
+        longest_chain_ = std::max(longest_chain_, links);
     }
     void remove(u32 cell, u32 id) {
         Cell* c = &cells_[cell];
@@ -113,6 +118,7 @@ public:
             c = &spilled_[c->tail - linked];
         }
         *found = c->id[--c->tail];
+        c->id[c->tail] = nobody;
         if (c->tail == 0 && before) {
             free_.push_back(before->tail - linked);
             before->tail = inline_ids;
@@ -166,6 +172,32 @@ public:
             }
         return static_cast<std::size_t>(out - list.data());
     }
+
+    // The same block for the kernels that collect it themselves; its ids need at most room(). Returns `across`.
+    bool lay_block(hardlimit_abi::CellBlock& block, const Box<d>& box, int level, const Place<d>& from,
+                   const Place<d>& to) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        block.cells = cells_.data() + g.first;
+        block.spilled = spilled_.data();
+        int outside = 0, size[3] = {1, 1, 1};
+        u32 first = 0;
+        for (int k = d - 1; k >= 0; --k) {
+            size[k] = to[k] - from[k] + 1;
+            outside |= from[k] | (g.cells[k] - 1 - to[k]);  // negative where one of the two is
+            first = first * static_cast<u32>(g.cells[k]) + static_cast<u32>(from[k]);
+        }
+        if (outside >= 0 && size[1] != 2) {
+            block.parts = 1;
+            block.begin[0] = first;
+            block.length[0] = static_cast<u32>(size[0]);
+            block.row = size[1] == 3 ? g.rows : g.planes;
+            block.rows = static_cast<u32>(size[1] * size[2]);
+            return false;
+        }
+        lay_by_rows(block, g, box, from, to);
+        return outside < 0;
+    }
+    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
 
     // Fetches the cells around one that is not at a border; elsewhere it would not pay.
     void fetch_around(int level, u32 cell) const {
@@ -223,11 +255,49 @@ public:
 
 private:
     static constexpr u32 inline_ids = 3, linked = 4;
+    static constexpr u32 beyond = 3;  // cells that are empty, for a kernel that reads four at once
 
     std::vector<Grid<d>> grids_;
     Records<Cell> cells_;
     std::vector<Cell> spilled_;
-    std::vector<u32> free_;  // of the spilled ones
+    std::vector<u32> free_;          // of the spilled ones
+    std::size_t longest_chain_ = 0;  // cells beyond the first
+
+    static void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box<d>& box,
+                            const Place<d>& from, const Place<d>& to) {
+        u32 at[3][3] = {}, count[3] = {1, 1, 1}, stride = 1;
+        for (int k = 1; k < d; ++k) {
+            stride *= static_cast<u32>(g.cells[k - 1]);
+            count[k] = along(from[k], to[k], g.cells[k], box.periodic[k], stride, at[k]);
+        }
+        block.rows = 0;
+        for (u32 z = 0; z < count[2]; ++z)
+            for (u32 y = 0; y < count[1]; ++y) block.own_rows[block.rows++] = at[2][z] + at[1][y];
+        block.row = block.own_rows;
+        cut(block, from[0], to[0], g.cells[0], box.periodic[0]);
+    }
+    // Where the cells from one to another lie along an axis: what is beyond a border is found on the other side, or
+    // not at a wall. Returns their number.
+    static u32 along(int from, int to, int cells, bool periodic, u32 stride, u32 (&at)[3]) {
+        u32 n = 0;
+        for (int k = from; k <= to; ++k) {
+            const int inside = k < 0 ? k + cells : k >= cells ? k - cells : k;
+            at[n] = static_cast<u32>(inside) * stride;
+            n += inside == k || periodic ? 1 : 0;
+        }
+        return n;
+    }
+    // The same along the first axis, in one part or two.
+    static void cut(hardlimit_abi::CellBlock& block, int from, int to, int cells, bool periodic) {
+        const auto part = [&](int first, int last) {
+            block.begin[block.parts] = static_cast<u32>(first);
+            block.length[block.parts++] = static_cast<u32>(last - first + 1);
+        };
+        block.parts = 0;
+        if (from < cells && to >= 0) part(std::max(from, 0), std::min(to, cells - 1));
+        if (from < 0 && periodic) part(from + cells, std::min(to, -1) + cells);
+        if (to >= cells && periodic) part(std::max(from, cells) - cells, to - cells);
+    }
 
     // f(the first of three cells in a row) for the rows around a cell, as far as they are cells at all.
     template <class F>
@@ -289,8 +359,14 @@ private:
         for (Grid<d>& g : grids_) {
             g.first = first;
             first += static_cast<u32>(count(g));
+            const u32 row = static_cast<u32>(g.cells[0]),
+                      plane = d == 3 ? row * static_cast<u32>(g.cells[1]) : 0;
+            for (u32 z = 0; z < 3; ++z) {
+                g.planes[z] = z * plane;
+                for (u32 y = 0; y < 3; ++y) g.rows[3 * z + y] = z * plane + y * row;
+            }
         }
-        cells_.resize(first);
+        cells_.resize(first + beyond);
         clear();
     }
     static Grid<d> grid(const Box<d>& box, double edge) {

@@ -282,7 +282,8 @@ private:
             v[a] = vb[a] - va[a];
         }
         g.distance = math::sqrt(dot(g.normal, g.normal));
-        for (double& x : g.normal) x /= g.distance;
+        const double inverse = 1.0 / g.distance;
+        for (double& x : g.normal) x *= inverse;
         g.depth = q.reach - g.distance;
         g.rate = -dot(g.normal, v);
         return g;

@@ -58,7 +58,6 @@ public:
 private:
     // Growing radii that touch part at this many times the speed at which they grow, or faster.
     static constexpr double separation = 1.5;
-    static constexpr std::size_t least_candidates = 256;
     static constexpr i64 collisions_between_sorts = 20;  // for each particle
 
     // A particle that looks for its next collision, and what it has found.
@@ -89,7 +88,7 @@ private:
     double now_ = 0.0;  // [s]
     Outcome outcome_ = Outcome::ok;
     Collapse collapse_{math::nan, -1, 0};
-    hardlimit_abi::TouchTimes touch_times_ = nullptr;
+    hardlimit_abi::TouchKernels::Of touch_{};
     static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
     std::vector<u32> candidates_;
     std::vector<double> times_;  // until they are touched [s]
@@ -107,8 +106,8 @@ private:
     i64 soft_contacts_ = 0, soft_third_body_ = 0;
     bool fetches_ = false;  // whether the system is too large for the caches
 
-    static hardlimit_abi::TouchTimes times_of(const hardlimit_abi::TouchKernels& kernels) {
-        return kernels.times[d - 2][static_cast<int>(motion)];
+    static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
+        return kernels.of[d - 2][static_cast<int>(motion)];
     }
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double mass(u32 i) const {
@@ -161,7 +160,8 @@ private:
     void search_block(Look& look, int level, const Place<d>& from, const Place<d>& to);
     void search_images(Look& look, int level, const Place<d>& from, const Place<d>& to);
     void search_finer(Look& look, int level);
-    void examine(Look& look, std::size_t n);
+    void make_room_for_candidates();
+    void examine(Look& look, const hardlimit_abi::Touched& touched);
     bool in_touch(const Look& look, u32 id) const;
     void keep(const Look& found);
     double frame_speed(const double* velocity) const;

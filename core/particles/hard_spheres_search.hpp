@@ -39,22 +39,31 @@ bool HardSpheres<d, motion, mixed>::in_touch(const Look& look, u32 id) const {
     return square <= touch * touch * (1.0 + 1e-9);
 }
 
-// The first n candidates. Simultaneous ones are told apart by the user's numbers.
+// What a kernel has found among the candidates. Simultaneous ones are told apart by the user's numbers.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::examine(Look& look, std::size_t n) {
-    if (times_.size() < n + 8) times_.resize(2 * n + 8);
-    double* const times = times_.data();
-    double first = touch_times_(look.query, particles_.data(), candidates_.data(), n, look.id, times);
-    if (!(first <= look.in) || first == math::infinity) return;
-    for (std::size_t k = 0; k < n; ++k) {
-        if (times[k] > look.in || times[k] == math::infinity) continue;
+void HardSpheres<d, motion, mixed>::examine(Look& look, const hardlimit_abi::Touched& touched) {
+    if (!(touched.time <= look.in) || touched.time == math::infinity) return;
+    if (touched.time < look.in && !touched.several && touched.id != look.except) {
+        look.in = touched.time;
+        look.partner = touched.id;
+        return;
+    }
+    for (std::size_t k = 0; k < touched.n; ++k) {
+        if (times_[k] > look.in || times_[k] == math::infinity) continue;
         const u32 id = candidates_[k];
         if (id == look.except && in_touch(look, id)) continue;
-        if (times[k] < look.in || names_[id] < names_[look.partner]) {
-            look.in = times[k];
+        if (times_[k] < look.in || names_[id] < names_[look.partner]) {
+            look.in = times_[k];
             look.partner = id;
         }
     }
+}
+
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::make_room_for_candidates() {
+    if (times_.size() >= cells_.room()) return;
+    times_.resize(cells_.room());
+    candidates_.resize(cells_.room());
 }
 
 template <int d, Motion motion, bool mixed>
@@ -65,21 +74,27 @@ void HardSpheres<d, motion, mixed>::search_block(Look& look, int level, const Pl
         // With four cells an image that is not the nearest one is more than two cells away.
         if (to[k] - from[k] > 2 || (box_.periodic[k] && g.cells[k] < 4))
             return search_images(look, level, from, to);
-    bool across;
-    const std::size_t n = cells_.collect_near(box_, level, from, to, candidates_, across);
-    for (int k = 0; k < d; ++k)
-        look.query.per_edge[k] = across && box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
-    examine(look, n);
+    make_room_for_candidates();
+    hardlimit_abi::CellBlock block;
+    const bool across = cells_.lay_block(block, box_, level, from, to);
+    if (across)
+        for (int k = 0; k < d; ++k) look.query.per_edge[k] = box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
+    const auto touch = across ? touch_.across : touch_.near;
+    examine(look, touch(look.query, particles_.data(), look.id, candidates_.data(), times_.data(), block));
+    if (across)
+        for (double& per_edge : look.query.per_edge) per_edge = 0.0;
 }
 
 // A block that is so large a part of the box that several images of a particle may lie in it.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::search_images(Look& look, int level, const Place<d>& from,
                                                   const Place<d>& to) {
-    for (double& per_edge : look.query.per_edge) per_edge = 0.0;
+    make_room_for_candidates();
     cells_.for_block(box_, level, from, to, [&](u32 cell, const double (&shift)[d]) {
         for (int k = 0; k < d; ++k) look.query.shift[k] = shift[k];
-        examine(look, cells_.collect(cell, candidates_, 0));
+        const std::size_t n = cells_.collect(cell, candidates_, 0);
+        examine(look,
+                touch_.listed(look.query, particles_.data(), look.id, candidates_.data(), times_.data(), n));
     });
     for (double& shift : look.query.shift) shift = 0.0;
 }

@@ -7,7 +7,7 @@ namespace hardlimit::particles {
 template <int d, Motion motion, bool mixed>
 HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& rule, bool keep_log,
                                            Stop& stop, Growth growth)
-    : growth_(growth), keep_log_(keep_log), touch_times_(times_of(*s.kernels)) {
+    : growth_(growth), keep_log_(keep_log), touch_(kernels_of(*s.kernels)) {
     for (int k = 0; k < d; ++k) {
         box_.edge[k] = s.edge[k];
         box_.periodic[k] = s.periodic[k];
@@ -29,10 +29,9 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
 
 template <int d, Motion motion, bool mixed>
 HardSpheres<d, motion, mixed>::HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels)
-    : touch_times_(times_of(kernels)) {
+    : touch_(kernels_of(kernels)) {
     archive(saved);
     if (saved.failed()) return;
-    candidates_.resize(least_candidates);
     lay_cells(particles_.size());
     put_into_cells();
     restart_calendar();
@@ -121,7 +120,6 @@ void HardSpheres<d, motion, mixed>::put_into_cells() {
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
-    candidates_.resize(least_candidates);
     for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, nobody);
 }
 

@@ -44,7 +44,6 @@ public:
     static constexpr std::size_t most_members = 300;
     // Part of the sum of the radii up to which overlap at the start is rounding.
     static constexpr double touching_depth = 1e-9;
-    static constexpr std::size_t least_candidates = 256;
 
     // position, velocity [3 N], body by body; positions in the box. Bodies that overlap are in contact from the start.
     NewtonEvents(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
@@ -97,8 +96,8 @@ private:
         bool alive = false, isolated = false;
         Vector3 origin{};
         std::vector<int> body;
-        std::vector<Vector3> offset;  // [members] turns of the frame in which the member's place is given
-        Isolated lone{};              // if isolated
+        std::vector<Vector3> offset;    // [members] turns of the frame in which the member's place is given
+        Isolated lone{};                // if isolated
         std::unique_ptr<Ends> cluster;  // else
     };
     // A pair of a group that is not open, by its bodies.
@@ -120,7 +119,7 @@ private:
     // By place in memory. A path is a parabola that starts at its `time`, in the frame of the cell; its radius is that
     // of the space a busy body needs.
     Records<Particle<3>> paths_;
-    Records<Pending> pending_;  // `count`: how often the body has been deflected
+    Records<Pending> pending_;           // `count`: how often the body has been deflected
     Records<std::array<int, 3>> turns_;  // how often the path has left the box through an edge
     Records<u32> names_;                 // the user's number
     Records<int> group_;                 // or -1
@@ -131,10 +130,10 @@ private:
     Cells<3> cells_;
     int level_ = 0;
     Calendar calendar_;
-    hardlimit_abi::TouchTimes touch_times_ = nullptr;
+    hardlimit_abi::TouchKernels::Of touch_{};
     hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
     mutable std::vector<u32> candidates_;
-    std::vector<double> times_;  // until they are touched [s]
+    mutable std::vector<double> times_;  // until they are touched [s]
     Vector3 gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
@@ -176,8 +175,9 @@ private:
     void predict(int i);
     void find(int i);
     void look(int i);
+    void make_room_for_candidates() const;
     void search(int i, const Place<3>& from, const Place<3>& to);
-    void examine(int i, std::size_t n);
+    void examine(int i, const hardlimit_abi::Touched& touched);
     void predict_own(int i);
     template <class F>
     void for_near(int i, const F& f) const;

@@ -30,7 +30,7 @@ void NewtonEvents<Law>::prepare(std::size_t n, const hardlimit_abi::TouchKernels
         largest_ = math::max(largest_, laws_.radius(i));
         smallest_ = math::min(smallest_, laws_.radius(i));
     }
-    touch_times_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
+    touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
     make_cells(n);
 }
 
@@ -43,12 +43,12 @@ void NewtonEvents<Law>::make_cells(std::size_t n) {
         cell_box_.edge[a] = used ? box_.edge[a] : most;
         cell_box_.periodic[a] = used && box_.periodic[a];
         query_.edge[a] = box_.edge[a];
+        query_.per_edge[a] = cell_box_.periodic[a] ? 1.0 / box_.edge[a] : 0.0;
         query_.gravity[a] = box_.gravity[a];
         query_.half_gravity[a] = 0.5 * box_.gravity[a];
     }
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
-    candidates_.resize(least_candidates);
 }
 
 // In the order of the cells: neighbours in space are neighbours in memory.
@@ -131,40 +131,48 @@ void NewtonEvents<Law>::look(int i) {
 }
 
 template <class Law>
+void NewtonEvents<Law>::make_room_for_candidates() const {
+    if (times_.size() >= cells_.room()) return;
+    times_.resize(cells_.room());
+    candidates_.resize(cells_.room());
+}
+
+template <class Law>
 void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) {
+    make_room_for_candidates();
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    const auto self = static_cast<unsigned>(i);
     bool images = false;  // several of a body may be near
     for (int a = 0; a < box_.dimension; ++a) images = images || (box_.periodic[a] && g.cells[a] < 4);
     if (images) {
-        for (double& per_edge : query_.per_edge) per_edge = 0.0;
         cells_.for_block(cell_box_, level_, from, to, [&](u32 cell, const double (&shift)[3]) {
             std::copy_n(shift, 3, query_.shift);
-            examine(i, cells_.collect(cell, candidates_, 0));
+            const std::size_t n = cells_.collect(cell, candidates_, 0);
+            examine(i, touch_.listed(query_, paths_.data(), self, candidates_.data(), times_.data(), n));
         });
-        for (double& shift : query_.shift) shift = 0.0;
         return;
     }
-    bool across;
-    const std::size_t n = cells_.collect_near(cell_box_, level_, from, to, candidates_, across);
-    for (int a = 0; a < 3; ++a)
-        query_.per_edge[a] = across && cell_box_.periodic[a] ? 1.0 / box_.edge[a] : 0.0;
-    examine(i, n);
+    hardlimit_abi::CellBlock block;
+    const auto touch = cells_.lay_block(block, cell_box_, level_, from, to) ? touch_.across : touch_.near;
+    examine(i, touch(query_, paths_.data(), self, candidates_.data(), times_.data(), block));
 }
 
-// The first n candidates. What a busy body is to meet after its end, it is told then; members of one group do not meet
-// here. Simultaneous ones are told apart by the user's numbers.
+// What is touched first among the candidates. What a busy body is to meet after its end, it is told then; members of
+// one group do not meet here. Simultaneous ones are told apart by the user's numbers.
 template <class Law>
-void NewtonEvents<Law>::examine(int i, std::size_t n) {
-    if (times_.size() < n + 8) times_.resize(2 * n + 8);
-    double* const times = times_.data();
+void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
     Pending& e = pending_[i];
-    const double end = end_[i];
-    const double first =
-        touch_times_(query_, paths_.data(), candidates_.data(), n, static_cast<unsigned>(i), times);
-    if (first == math::infinity || now_ + first > e.pair_time) return;
-    for (std::size_t k = 0; k < n; ++k) {
-        const double time = now_ + times[k];
-        if (time > e.pair_time || time > end || time == math::infinity) continue;
+    const double end = math::min(e.pair_time, end_[i]);
+    if (touched.time == math::infinity || now_ + touched.time > end) return;
+    if (!touched.several && group_[touched.id] < 0 && now_ + touched.time < e.pair_time) {
+        e.pair_time = now_ + touched.time;
+        e.partner = touched.id;
+        e.partner_count = pending_[touched.id].count;
+        return;
+    }
+    for (std::size_t k = 0; k < touched.n; ++k) {
+        const double time = now_ + times_[k];
+        if (time > end || time > e.pair_time || times_[k] == math::infinity) continue;
         const u32 id = candidates_[k];
         if (group_[id] >= 0 && (group_[id] == group_[i] || time > end_[id])) continue;
         if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[id]) continue;
@@ -207,6 +215,7 @@ void NewtonEvents<Law>::predict_own(int i) {
 template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_near(int i, const F& f) const {
+    make_room_for_candidates();
     Place<3> from = cells_.place(level_, pending_[i].cell), to = from;
     for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
     const Vector3 x = position(i, now_);

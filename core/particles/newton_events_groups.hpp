@@ -372,7 +372,7 @@ template <class Law>
 double NewtonEvents<Law>::margin_of(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();
     const Vector3& x0 = g.cluster->before.members[m].position;
-    const double(&chord)[3] = paths_[g.body[m]].velocity;
+    const double (&chord)[3] = paths_[g.body[m]].velocity;
     double margin = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
     for (const Knot& k : g.cluster->after.trace) {
         double off = 0.0, rate = 0.0;
@@ -569,7 +569,8 @@ typename NewtonEvents<Law>::Row NewtonEvents<Law>::row_of(const Group& g, const 
     const auto name = [&](int member) {
         return static_cast<int>(names_[g.body[static_cast<std::size_t>(member)]]);
     };
-    int first = name(q.first), second = q.second >= 0 ? name(q.second) : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
+    int first = name(q.first),
+        second = q.second >= 0 ? name(q.second) : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
     if (second >= 0 && second < first) std::swap(first, second);
     return {begin, end, first, second, impact, separation, overlapped};
 }

@@ -104,7 +104,8 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const Isolated& l) const 
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true}) {
                 const bool own = l.pair.second < 0 && l.pair.axis == axis && (l.pair.side < 0.0) == high;
-                if (box_.walled(axis) && !own && near_wall(g.body[static_cast<std::size_t>(m)], axis, high)) return false;
+                if (box_.walled(axis) && !own && near_wall(g.body[static_cast<std::size_t>(m)], axis, high))
+                    return false;
             }
     return true;
 }

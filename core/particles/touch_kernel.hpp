@@ -14,6 +14,7 @@
 // approaching: then c < 0 by more than rounding means now, whatever b is.
 #pragma once
 #include <cstddef>
+#include <cstring>
 
 #include "particle.hpp"
 
@@ -32,25 +33,55 @@ struct TouchQuery {
     double share, rate;  // of the radii now, and its growth [1/s]: 1 and 0 but for growing radii
 };
 
-// Times from now at which the n particles with these ids are touched, infinity where they are not; the least of
-// them. The list of ids and that of times have room for seven more. `particles` is an array of cache lines.
-using TouchTimes = double (*)(const TouchQuery& query, const void* particles, unsigned* ids, std::size_t n,
-                              unsigned self, double* times);
+// A block of cells: rows along the first axis, which are whole, or in two parts where the block reaches across a border
+// of the box. A cell is of four words: up to three ids, the others nobody's, then their number, or where there are more
+// four more than the index in `spilled` of the cell that holds the rest. Sixteen words can be read from any cell.
+struct CellBlock {
+    const void *cells, *spilled;
+    const unsigned* row;           // the first cell of each row
+    unsigned rows, parts;          // how many
+    unsigned begin[2], length[2];  // of the parts, in a row
+    unsigned own_rows[9];          // room for `row`
+};
+
+// What of a number of particles is touched first. `several`: more than one is touched at this time.
+struct Touched {
+    double time;  // from now [s]; infinity: nothing is
+    unsigned id;
+    unsigned several;
+    std::size_t n;  // particles examined
+};
+
+// Examines n particles with these ids, or all in a block, whose ids are then written. The times at which each is
+// touched, from now, infinity where it is not, are written too. The lists of ids and of times have room for sixteen
+// more.
+// `particles` is an array of cache lines.
+using TouchListed = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
+                                double* times, std::size_t n);
+using TouchNear = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
+                              double* times, const CellBlock& block);
 
 struct TouchKernels {
     const char* name;
-    TouchTimes times[2][3];  // by dimension − 2 and motion
-    TouchTimes reach[2];     // in three dimensions, by motion; straight and falling
+    // By dimension − 2 and motion. near: of places as they are; across: of nearest images.
+    struct Of {
+        TouchListed listed;
+        TouchNear near, across;
+    } of[2][3];
+    Of reach[2];  // in three dimensions, by motion: straight or falling
 };
 
 }  // namespace hardlimit_abi
 
 namespace hardlimit::particles {
 
+// Which image of a particle is meant.
+enum class Image { as_it_is, nearest, shifted };
+
 // Part of the square of the distance up to which overlap is rounding.
 inline constexpr double rounding_of_touch = 4e-9;
 
-template <class Real, int d, Motion motion, bool reach>
+template <class Real, int d, Motion motion, Image image, bool reach>
 HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
@@ -64,8 +95,9 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
             x = p.of[k] + after * p.of[d + k];
             v = p.of[d + k];
         }
-        Real r = (x + q.shift[k]) - q.position[k];
-        r = r - q.edge[k] * math::round_small<Real>(r * q.per_edge[k]);
+        if constexpr (image == Image::shifted) x = x + q.shift[k];
+        Real r = x - q.position[k];
+        if constexpr (image == Image::nearest) r = r - q.edge[k] * math::round_small<Real>(r * q.per_edge[k]);
         v = v - q.velocity[k];
         a = k == 0 ? v * v : a + v * v;
         b = k == 0 ? r * v : b + r * v;
@@ -87,52 +119,121 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         const Real c = square - touch * touch;
         const Real discriminant = b * b - a * c;
         const Mask<Real> will = (b < 0.0) & (discriminant > 0.0);
-        if constexpr (reach) {
-            // The particle itself, which is where it is, does not count.
-            const Mask<Real> inside = (c < -rounding_of_touch * (touch * touch)) & (square > 0.0);
-            if (any(inside)) {
-                const Real time = math::max<Real>(c, Real{}) /
-                                  (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
-                return select<Real>(inside, Real{}, select<Real>(will, time, never));
-            }
-        }
-        if (!any(will)) return never;
+        Mask<Real> now{};
+        // The particle itself, which is where it is, does not count.
+        if constexpr (reach) now = (c < -rounding_of_touch * (touch * touch)) & (square > 0.0);
+        if (!any(will | now)) return never;
         const Real time =
             math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
+        if constexpr (reach) return select<Real>(now, Real{}, select<Real>(will, time, never));
         return select<Real>(will, time, never);
     }
 }
 
-template <class Real, int d, Motion motion, bool reach = false>
-double touch_times(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned* ids, std::size_t n,
-                   unsigned self, double* times) {
+template <class Real, int d, Motion motion, Image image, bool reach>
+hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
+                                    unsigned* ids, double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double* const lines = static_cast<const double*>(particles);
     // What is left of the last group of lanes is the particle itself, which it never touches.
     for (std::size_t k = 0; k + 1 < lanes; ++k) ids[n + k] = self;
-    Real least = broadcast<Real>(math::infinity);
+    Real least = broadcast<Real>(math::infinity), group{};
+    Mask<Real> twice{};
     for (std::size_t k = 0; k < n; k += lanes) {
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
-        const Real time = touch_times_of<Real, d, motion, reach>(q, load_columns<Real>(row));
+        const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row));
         store_lanes(times + k, time);
+        twice = select<Mask<Real>>(time < least, Mask<Real>{}, twice | (time == least));
+        group = select<Real>(time < least, broadcast<Real>(static_cast<double>(k)), group);
         least = math::min<Real>(least, time);
     }
-    double each[lanes], first = math::infinity;
+    hardlimit_abi::Touched touched{math::infinity, self, 0, n};
+    double each[lanes], at[lanes];
     store_lanes(each, least);
-    for (const double time : each) first = math::min(first, time);
-    return first;
+    store_lanes(at, group);
+    std::size_t first = 0;
+    for (std::size_t lane = 1; lane < lanes; ++lane)
+        if (each[lane] < each[first]) first = lane;
+    if (!(each[first] < math::infinity)) return touched;
+    touched.time = each[first];
+    touched.id = ids[static_cast<std::size_t>(at[first]) + first];
+    const unsigned same = lane_bits(least == touched.time);
+    touched.several = (same & (same - 1)) | (same & lane_bits(twice));
+    return touched;
+}
+
+constexpr unsigned words_of_cell = 4, inline_ids = 3;
+
+// Appends the ids of a cell to a list; its new end.
+inline unsigned* collect_cell(const unsigned* cell, const unsigned* spilled, unsigned* to) {
+    for (;;) {
+        std::memcpy(to, cell, words_of_cell * sizeof *cell);
+        const unsigned tail = cell[inline_ids];
+        if (tail <= inline_ids) return to + tail;
+        to += inline_ids;
+        cell = spilled + words_of_cell * std::size_t{tail - inline_ids - 1};
+    }
+}
+
+// The same of the cells in a row.
+template <class Sixteen = Words>
+unsigned* collect_row(const unsigned* cell, unsigned length, const unsigned* spilled, unsigned* to) {
+    if constexpr (sifts_words) {
+        const Sixteen all(cell);
+        const unsigned here = (1u << words_of_cell * length) - 1, tails = 0x8888u & here;
+        if ((all.above(inline_ids) & tails) == 0) {
+            const unsigned held = all.unlike(nobody) & here & ~tails;
+            all.store(to, held);
+            return to + bit_count(held);
+        }
+    }
+    const unsigned* const end = cell + words_of_cell * length;
+    HL_ROLL
+    for (; cell != end; cell += words_of_cell) to = collect_cell(cell, spilled, to);
+    return to;
+}
+
+// All ids in a block; their number.
+inline std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) {
+    const unsigned* const spilled = static_cast<const unsigned*>(block.spilled);
+    const unsigned rows = block.rows;
+    unsigned* to = ids;
+    for (unsigned part = 0; part < block.parts; ++part) {
+        const unsigned* const column =
+            static_cast<const unsigned*>(block.cells) + words_of_cell * std::size_t{block.begin[part]};
+        const unsigned length = block.length[part];
+        HL_ROLL
+        for (unsigned r = 0; r < rows; ++r)
+            to = collect_row(column + words_of_cell * std::size_t{block.row[r]}, length, spilled, to);
+    }
+    return static_cast<std::size_t>(to - ids);
+}
+
+template <class Real, int d, Motion motion, Image image, bool reach>
+hardlimit_abi::Touched touch_near(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
+                                  unsigned* ids, double* times, const hardlimit_abi::CellBlock& block) {
+    return touch_listed<Real, d, motion, image, reach>(q, particles, self, ids, times,
+                                                       collect_block(block, ids));
+}
+
+template <class Real, int d, Motion motion, bool reach = false>
+constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
+    return {&touch_listed<Real, d, motion, Image::shifted, reach>,
+            &touch_near<Real, d, motion, Image::as_it_is, reach>,
+            &touch_near<Real, d, motion, Image::nearest, reach>};
 }
 
 template <class Real>
 constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
     return {name,
-            {{&touch_times<Real, 2, Motion::straight>, &touch_times<Real, 2, Motion::falling>,
-              &touch_times<Real, 2, Motion::growing>},
-             {&touch_times<Real, 3, Motion::straight>, &touch_times<Real, 3, Motion::falling>,
-              &touch_times<Real, 3, Motion::growing>}},
-            {&touch_times<Real, 3, Motion::straight, true>, &touch_times<Real, 3, Motion::falling, true>}};
+            {{touch_kernels_of<Real, 2, Motion::straight>(), touch_kernels_of<Real, 2, Motion::falling>(),
+              touch_kernels_of<Real, 2, Motion::growing>()},
+             {touch_kernels_of<Real, 3, Motion::straight>(), touch_kernels_of<Real, 3, Motion::falling>(),
+              touch_kernels_of<Real, 3, Motion::growing>()}},
+            {touch_kernels_of<Real, 3, Motion::straight, true>(),
+             touch_kernels_of<Real, 3, Motion::falling, true>()}};
 }
 
 }  // namespace hardlimit::particles

@@ -14,6 +14,7 @@ from .laws import __all__ as _laws
 from .particles.contact_result import ContactResult
 from .particles.event_driven import event_driven
 from .particles.fidelity import Fidelity, fidelity
+from .particles.lammps.folder import lammps_input, lammps_result
 from .particles.molecular_dynamics import molecular_dynamics
 from .particles.result import ParticleResult
 from .particles.resuming import resume
@@ -46,6 +47,8 @@ __all__ = [
     "event_driven",
     "fidelity",
     "independent",
+    "lammps_input",
+    "lammps_result",
     "molecular_dynamics",
     "newton",
     "restitution_pade",

@@ -1,4 +1,4 @@
-"""``hardlimit gas``: a box of grains as hard spheres."""
+"""``hardlimit gas``: a box of grains as hard spheres, or under Newton's equations."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..particles.result import ParticleResult
 from ..particles.system import BOUNDARIES, ParticleSystem
 from ..progress import Report, bar
 from .gas_compare import make_command
+from .gas_contacts import engine_options, refuse_without_engine, run_contacts
 from .gas_job import make_job
 from .gas_report import as_mapping, print_report, save
 from .options import dpi_option, law_options, options, output_option, quantity_option
@@ -80,6 +81,7 @@ compare = make_command(start_options)
 @start_options
 @law_options()
 @run_options
+@engine_options
 @file_options
 def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **given: Any) -> None:
     """Let a box of grains collide as hard spheres, and compare with theory.
@@ -87,9 +89,11 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     FILE is a job (.toml), or particles to start from (.xyz, .gsd, .data). Without one: 1000 spheres of radius
     1 mm and density 2500 kg/m³ in a periodic box, filled to 0.3, with restitution 0.9. A restitution alone is that
     of all collisions; with other parameters of a law it depends on pair and speed. Numbers may bear a unit.
-
-    hardlimit gas compare sets the rules beside Newton's equations: see its --help.
+    With --engine the contacts of that law last. hardlimit gas compare sets the rules beside Newton's equations.
     """
+    if given["engine"] is not None:
+        return run_contacts(file, resume, as_json, given)
+    refuse_without_engine(given)
     job = make_job(file, resume, given)
     start = job.course.current()
     result = carry_out(job.course, job.outputs)

@@ -73,9 +73,7 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     options = {name: value for name, value in given.items() if value not in (None, ())}
     if resume is not None:
         return _resumed(file, resume, options | parameters | ({"law": law_name} if law_name else {}))
-    content = read(file)
-    for table, names in (("random", RANDOM), ("event_driven", RUN), ("output", dict.fromkeys(OUTPUTS))):
-        content[table] |= {name: options[name] for name in names if name in options}
+    content = _changed(read(file), options)
     outputs = _checked_outputs(content["output"])
     settings, run = _rules(content, law_name, parameters)
     checkpoint = None if run["checkpoint"] is None else checked_path(run["checkpoint"])
@@ -89,6 +87,52 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
         end = end._replace(until=usual_end(system))
     keep = outputs["save"] is not None
     return Job(runs.start(system, settings, end.target(system), keep, checkpoint, every), outputs)
+
+
+@dataclass(frozen=True)
+class ContactJob:
+    """A run under Newton's equations."""
+
+    system: ParticleSystem
+    law: Law
+    until: float  #: [s]
+    options: dict[str, Any]  #: samples and checkpoint, as far as they are given
+    save: Path | None
+
+
+def make_contact_job(file: str | None, given: dict[str, Any]) -> ContactJob:
+    """The job of a file, or of glass beads without one, changed by the options.
+
+    Raises
+    ------
+    ValueError
+        For anything that no run can be made of.
+    """
+    law_name, parameters = given.pop("law"), given_law_parameters(given)
+    content = _changed(read(file), {name: v for name, v in given.items() if v not in (None, ())})
+    run = content["event_driven"]
+    for name in ("restitution", "rule", "contact_duration", "max_collisions"):
+        if name in run:
+            raise ValueError(f"{name}: must be left out with --engine")
+    outputs = _checked_outputs(content["output"])
+    for name in ("out", "plot", "animate"):
+        if outputs[name] is not None:
+            raise ValueError(f"--{name}: must be left out with --engine")
+    law = content["law"]
+    if law_name is not None or parameters:
+        law = law_of(law, law_name, parameters)
+    if law is None:
+        raise ValueError("--law: must be given with --engine, with its parameters")
+    system = start(content)
+    until = run.pop("until", None)
+    return ContactJob(system, law, usual_end(system) if until is None else until, run, outputs["save"])
+
+
+def _changed(content: dict[str, Any], options: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a job, changed by options."""
+    for table, names in (("random", RANDOM), ("event_driven", RUN), ("output", dict.fromkeys(OUTPUTS))):
+        content[table] |= {name: options[name] for name in names if name in options}
+    return content
 
 
 def _resumed(file: str | None, path: str, options: dict[str, Any]) -> Job:

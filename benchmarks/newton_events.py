@@ -1,0 +1,112 @@
+"""Contacts per second of ``molecular_dynamics(engine="events")``, beside equal steps and beside hard spheres.
+
+    python benchmarks/newton_events.py [--size 1000000] [--write]
+
+Equal spheres, periodic, φ = 0.3, ε = 0.9, from equilibrium, at t_c ν = 0.1, 0.01 and 0.001. All three engines go on by
+the same physical time, the steps (of t_c/50, the usual choice) by a part of it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from harness import Method, arguments, interleave, publish, table
+
+import hardlimit as hl
+from hardlimit import _core
+from hardlimit.particles.engines import choice, scene
+from hardlimit.particles.theory import Gas
+
+RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9
+FRACTION, SIZES = 0.3, (10_000, 1_000_000)
+STIFFNESSES_OF_TOUCH = (0.1, 0.01, 0.001)
+STEPS_PER_CONTACT = 50
+
+
+class Run:
+    """Goes on by the same time at every call."""
+
+    def __init__(self, engine, span: float, contacts: str):
+        self.engine, self.span, self.contacts = engine, span, contacts
+
+    def __call__(self) -> None:
+        self.engine.advance(self.engine.time + self.span)
+
+    def count(self) -> int:
+        return (
+            int(self.engine.observe()["n_contacts"])
+            if self.contacts == ""
+            else getattr(self.engine, self.contacts)
+        )
+
+
+def start(n: int) -> hl.ParticleSystem:
+    """In equilibrium: after two collisions of each particle without loss."""
+    system = hl.ParticleSystem.random(
+        n=n, packing_fraction=FRACTION, radius=RADIUS, density=DENSITY, rms_speed=1.0
+    )
+    return hl.event_driven(system, restitution=1.0, max_collisions=n, samples=1).system
+
+
+def rate_of(system: hl.ParticleSystem) -> float:
+    gas = Gas(system.n, RADIUS, float(system.mass[0]), float(np.prod(system.box)), 3)
+    return float(gas.collision_rate(system.granular_temperature))
+
+
+def law_of(system: hl.ParticleSystem, duration: float) -> hl.LinearDashpot:
+    soft = hl.LinearDashpot(stiffness=1.0, restitution=RESTITUTION)
+    ball = hl.Ball(RADIUS, mass=float(system.mass[0]))
+    return soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2)
+
+
+def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
+    system = start(n)
+    rate = rate_of(system)
+    law = law_of(system, touch / rate)
+    step = touch / rate / STEPS_PER_CONTACT
+    span = 0.2 / rate
+    steps = max(20, min(math.ceil(span / step), 20_000_000 // system.n))
+    events = Run(_core.NewtonEvents(*scene(system), choice(law)), span, "contacts_reached")
+    stepping = Run(_core.NewtonSteps(*scene(system), choice(law), step), steps * step, "n_contacts")
+    nan = math.nan
+    hard = Run(_core.HardSpheres(*scene(system), "constant", RESTITUTION, None, nan, False), span, "n_rows")
+    methods = [
+        Method("events", "", events, 1),
+        Method("steps", f"t_c/{STEPS_PER_CONTACT}", stepping, 1),
+        Method("hard spheres", "constant ε", hard, 1),
+    ]
+    runs = (events, stepping, hard)
+    interleave(methods, repetitions)
+    ours = np.array(methods[0].cpu) / events.span
+    rows = []
+    for m, run in zip(methods, runs, strict=True):
+        cpu = np.array(m.cpu) / run.span  # for a second of physical time
+        pace = run.count() / run.engine.time
+        rows.append(
+            [
+                f"{system.n}",
+                f"{touch}",
+                " ".join((m.name, m.setting)).strip(),
+                f"{pace / np.median(cpu):.3g}",
+                f"{float(np.median(cpu / ours)):.3g}",
+            ]
+        )
+    return rows
+
+
+def main() -> None:
+    a = arguments(__doc__, SIZES[-1], 3)
+    rows = [
+        row
+        for n in SIZES
+        for touch in STIFFNESSES_OF_TOUCH
+        if n <= a.size
+        for row in rows_of(n, touch, a.repetitions)
+    ]
+    head = ["N", "t_c ν", "engine", "contacts/s (CPU)", "CPU time for the same physical time, events = 1"]
+    publish("newton_events", table(head, rows), a.write)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,157 @@
+"""``hardlimit gas --engine``: the same boxes under Newton's equations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from .. import saving
+from ..particles.contact_result import ContactResult, quantities
+from ..particles.lammps.folder import lammps_input
+from ..particles.molecular_dynamics import UNITS, molecular_dynamics
+from ..particles.system import ParticleSystem, described
+from .gas_job import ContactJob, make_contact_job
+from .options import options, output_option, quantity_option
+from .printing import console, digits, plain, print_json, show, table
+
+engine_options = options(
+    click.option("--engine", type=click.Choice(list(UNITS)), help="Newton's equations; takes a --law."),
+    quantity_option("--restitution-error", unit="1", help="Made by steps (steps, lammps).  [default: 0.001]"),
+    quantity_option("--time-step", unit="s", help="Instead: the longest step [s] (steps, lammps)."),
+    click.option("--threads", type=int, help="(steps)  [default: all processors]"),
+    click.option("--ranks", type=int, help="MPI processes (lammps).  [default: 1]"),
+    output_option("--write-input", "Write the input of LAMMPS there, run nothing (lammps).", "FOLDER"),
+)
+OWN: Final = ("restitution_error", "time_step", "threads", "ranks")
+
+
+def run_contacts(file: str | None, resume: str | None, as_json: bool, given: dict[str, Any]) -> None:
+    """What the command does where an engine is given.
+
+    Raises
+    ------
+    ValueError
+        For anything that no run can be made of.
+    """
+    if resume is not None:
+        raise ValueError("--resume: must be left out with --engine")
+    engine, folder = given.pop("engine"), given.pop("write_input")
+    own = {name: given.pop(name) for name in OWN}
+    job = make_contact_job(file, given)
+    if folder is not None:
+        click.echo(f"written to {written_input(job, engine, folder, own)}")
+        return
+    result = molecular_dynamics(
+        job.system,
+        law=job.law,
+        until=job.until,
+        engine=engine,
+        log=job.save is not None,
+        progress=True,
+        **own,
+        **job.options,
+    )
+    files = [] if job.save is None else [save(result, job.save)]
+    if as_json:
+        print_json(as_mapping(job.system, result, files))
+    else:
+        print_report(job.system, result, files)
+
+
+def refuse_without_engine(given: dict[str, Any]) -> None:
+    """Take what belongs to an engine out of the options of hard spheres.
+
+    Raises
+    ------
+    ValueError
+        If one of them is given.
+    """
+    for name in ("engine", "write_input", *OWN):
+        if given.pop(name) is not None:
+            raise ValueError(f"--{name.replace('_', '-')}: must be left out without --engine")
+
+
+def written_input(job: ContactJob, engine: str, folder: str, own: dict[str, Any]) -> Path:
+    """The input of LAMMPS.
+
+    Raises
+    ------
+    ValueError
+        If another engine, or what has a meaning only in a run, is given.
+    """
+    if engine != "lammps":
+        raise ValueError(f"--write-input: must be left out with --engine {engine}")
+    for name in ("threads", "ranks"):
+        if own[name] is not None:
+            raise ValueError(f"--{name}: must be left out with --write-input")
+    for name in ("checkpoint", "checkpoint_every"):
+        if name in job.options:
+            raise ValueError(f"--{name.replace('_', '-')}: must be left out with --write-input")
+    steps = {name: own[name] for name in ("restitution_error", "time_step")}
+    if job.save is not None:
+        raise ValueError("--save: must be left out with --write-input")
+    return lammps_input(job.system, folder, law=job.law, until=job.until, **steps, **job.options)
+
+
+def print_report(start: ParticleSystem, result: ContactResult, files: list[Path]) -> None:
+    """The system, what came out, how it ended."""
+    out = console()
+    what = "spheres" if start.dimension == 3 else "disks"
+    show(out, f"{start.n} {what}", table(["", ""], [[label, text] for label, text in described(start)]))
+    rows = [[label, digits(value)] for label, value in quantities(result)]
+    show(out, f"Newton's equations, {result.law!r}", table(["", result.engine], rows))
+    style = "default" if result.outcome_code == 0 else "yellow"
+    out.print(f"outcome: {result.outcome}", style=style, markup=False)
+    for path in files:
+        out.print(f"written to {path}", markup=False)
+
+
+def as_mapping(start: ParticleSystem, result: ContactResult, files: list[Path]) -> dict[str, Any]:
+    """Everything the tables show and the series, in SI units."""
+    series, law = result.series, result.law
+    names = ("time", "n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share", "energy_error")
+    found: dict[str, Any] = plain(
+        {
+            "system": {
+                "n": start.n,
+                "dimension": start.dimension,
+                "box": start.box,
+                "boundary": start.boundary,
+                "gravity": start.gravity,
+                "packing_fraction": start.packing_fraction,
+            },
+            "engine": result.engine,
+            "law": {"name": law.record["name"], **law.parameters},
+            "outcome": {"name": result.outcome_name, "message": result.outcome},
+            **{name: getattr(result, name) for name in names},
+            "time_step": result.time_step,
+            "n_steps": result.n_steps,
+            "largest_cluster": result.largest_cluster,
+            "cluster_share": result.cluster_share,
+            "series": {
+                "time": series["time"].values,
+                **{name: v.values for name, v in series.data_vars.items()},
+            },
+            "files": files,
+        }
+    )
+    return found
+
+
+def save(result: ContactResult, path: Path) -> Path:
+    """Series, contacts and the final state as groups of one NetCDF file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    import xarray as xr
+
+    about = {"title": "hardlimit gas", "engine": result.engine, "outcome": result.outcome}
+    groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
+    if result.log is not None:
+        groups["contacts"] = result.contacts
+    return saving.groups(groups, path)

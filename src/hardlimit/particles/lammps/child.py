@@ -1,0 +1,139 @@
+"""LAMMPS as a child process: its progress, its dumps through pipes, its end, and its error in one line."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import signal
+import subprocess
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+#: Seconds that LAMMPS has to end when it is told to.
+PATIENCE: Final = 2.0
+
+
+class Pipe:
+    """A file that goes through memory: what LAMMPS writes into it, a thread of its own reads."""
+
+    def __init__(self, path: Path, read: Callable[[Iterable[str]], None]) -> None:
+        self._path, self._read = path, read
+        self._error: Exception | None = None
+        os.mkfifo(path)
+        self._thread = threading.Thread(target=self._follow, daemon=True)
+        self._thread.start()
+
+    def _follow(self) -> None:
+        with open(self._path, encoding="utf-8", errors="replace") as lines:
+            try:
+                self._read(lines)
+            except Exception as error:  # given on by close()
+                self._error = error
+                for _ in lines:  # the writer must not wait
+                    pass
+
+    def close(self) -> None:
+        """Wait for the end of what was written.
+
+        Raises
+        ------
+        Exception
+            What the reader raised.
+        """
+        with contextlib.suppress(OSError):  # nobody may ever have opened it to write
+            os.close(os.open(self._path, os.O_WRONLY | os.O_NONBLOCK))
+        self._thread.join()
+        if self._error is not None:
+            raise self._error
+
+
+def run(
+    command: list[str],
+    folder: Path,
+    environment: Mapping[str, str],
+    readers: Mapping[str, Callable[[Iterable[str]], None]],
+    said: Callable[[str], object],
+) -> None:
+    """Run LAMMPS in a folder; ``readers`` take the dumps of these names, ``said`` every line that LAMMPS says.
+
+    Raises
+    ------
+    RuntimeError
+        If it fails: one line, with what LAMMPS says of it.
+    KeyboardInterrupt
+        At Ctrl-C; LAMMPS has ended by then.
+    """
+    pipes = [Pipe(folder / name, read) for name, read in readers.items()]
+    failed = True
+    try:
+        with _started(command, folder, environment) as child:
+            lines = _told(child.stdout, said)
+            code = child.wait()
+        if code != 0:
+            raise RuntimeError(f"engine: LAMMPS failed: {_reason(lines, code)}")
+        failed = False
+    finally:
+        for pipe in pipes:
+            if failed:
+                with contextlib.suppress(Exception):  # a dump that breaks off
+                    pipe.close()
+            else:
+                pipe.close()
+
+
+def _told(output: Any, said: Callable[[str], object]) -> list[str]:
+    """Hand on every line; the last ones, in which an error would stand."""
+    lines: list[str] = []
+    for line in output:
+        lines = [*lines[-30:], line]
+        said(line)
+    return lines
+
+
+def _reason(lines: list[str], code: int) -> str:
+    """The line in which LAMMPS says what is wrong, without its place in LAMMPS' source."""
+    errors = [line for line in lines if "ERROR" in line] or [line for line in lines if line.strip()]
+    if not errors:
+        return f"it ended with code {code} and said nothing"
+    return re.sub(r"\s*\(src/\S+\)|^ERROR( on proc \d+)?:\s*", "", errors[0].strip())
+
+
+@contextlib.contextmanager
+def _started(
+    command: list[str], folder: Path, environment: Mapping[str, str]
+) -> Iterator[subprocess.Popen[str]]:
+    """The process, in a group of its own: Ctrl-C comes to us, and whatever ends us ends all of its ranks."""
+    child = subprocess.Popen(
+        command,
+        cwd=folder,
+        env=dict(environment),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    )
+    try:
+        with child:
+            try:
+                yield child
+            except BaseException:
+                _end(child)
+                raise
+    finally:
+        if child.poll() is None:
+            _end(child)
+
+
+def _end(child: subprocess.Popen[str]) -> None:
+    """End the process and its ranks: mpiexec passes SIGTERM on."""
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(child.pid, number)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            child.wait(PATIENCE)
+            return

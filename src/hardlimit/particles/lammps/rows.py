@@ -1,0 +1,89 @@
+"""What LAMMPS writes, as arrays: dumps while they are written, its log, the end state."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from ..system import Floats
+
+#: Of the log, one row for each sample.
+THERMO: Final = ("step", "kinetic_energy", "potential_energy", "px", "py", "pz", "virial")
+
+
+class Snapshot(NamedTuple):
+    """One instant of a dump."""
+
+    step: int
+    rows: list[str]
+
+
+def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
+    """The instants of a dump, in their order.
+
+    Raises
+    ------
+    ValueError
+        If it breaks off within one of them.
+    """
+    source = iter(lines)
+    for line in source:
+        if not line.startswith("ITEM: TIMESTEP"):
+            raise ValueError(f"a dump that breaks off: {line.strip()!r}")
+        try:
+            step = int(next(source))
+            next(source)
+            n = int(next(source))
+            for _ in range(4):
+                next(source)
+            next(source)
+            rows = [next(source) for _ in range(n)]
+        except (StopIteration, ValueError):
+            raise ValueError("a dump that breaks off") from None
+        yield Snapshot(step, rows)
+
+
+def table(rows: list[str], width: int) -> Floats:
+    """Rows of numbers as an array.
+
+    Raises
+    ------
+    ValueError
+        If one has not so many.
+    """
+    numbers = np.array(" ".join(rows).split(), dtype=np.float64)
+    if numbers.size != len(rows) * width:
+        raise ValueError("a dump that breaks off")
+    return numbers.reshape(len(rows), width)
+
+
+def thermo(path: Path) -> Floats:
+    """The rows of the log, with the columns ``THERMO``."""
+    rows: list[list[float]] = []
+    with open(path, encoding="utf-8", errors="replace") as file:
+        for line in file:
+            found = row_of(line)
+            if found is not None:
+                rows.append(found)
+    return np.array(rows).reshape(-1, len(THERMO))
+
+
+_ROW: Final = re.compile(rf"\s*\d+(\s+[-+.\deEnaif]+){{{len(THERMO) - 1}}}\s*")
+
+
+def row_of(line: str) -> list[float] | None:
+    """The numbers of a sample, if this line of LAMMPS' output is one."""
+    return [float(word) for word in line.split()] if _ROW.fullmatch(line) else None
+
+
+def state(path: Path, dimension: int) -> tuple[Floats, Floats]:
+    """Positions along unfolded paths and velocities, (N, d) each."""
+    with open(path, encoding="utf-8") as file:
+        (shot,) = snapshots(file)
+    found = table(shot.rows, 7)
+    at, moving = found[:, 1 : 1 + dimension], found[:, 4 : 4 + dimension]
+    return np.ascontiguousarray(at), np.ascontiguousarray(moving)

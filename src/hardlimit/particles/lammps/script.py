@@ -1,0 +1,152 @@
+"""The input of LAMMPS."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..system import AXES, ParticleSystem
+from .forces import Types
+
+#: Of the neighbour list, in mean radii: half the mean free gap between neighbours, within these limits.
+SKINS: Final = (0.1, 1.0)
+NUMBERS: Final = "format float %.17g"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How far a run goes, and what it tells on its way."""
+
+    until: float  #: [s]
+    samples: int  #: spacings of the series
+    per_sample: int  #: steps between two samples
+    time_step: float  #: [s]
+    log: bool  #: all contacts at every step, not only at the samples
+
+    @property
+    def n_steps(self) -> int:
+        """Of the whole run."""
+        return self.samples * self.per_sample if self.until > 0.0 else 0
+
+
+def script(
+    system: ParticleSystem,
+    types: Types,
+    coefficients: Mapping[tuple[int, int | None], str],
+    plan: Plan,
+    header: Sequence[str],
+) -> str:
+    """The input as text. ``coefficients``: words for pairs (i, j) of types, and for (i, None), a type at a wall."""
+    parts = [
+        [f"# {line}".rstrip() for line in header],
+        _box(system),
+        _forces(coefficients),
+        _walls(system, types, coefficients),
+        _motion(system, plan),
+        _what_comes_out(system, plan),
+    ]
+    return "\n".join(line for part in parts for line in [*part, ""]).replace("\n\n\n", "\n\n")
+
+
+def _box(system: ParticleSystem) -> list[str]:
+    sides = " ".join("p" if side == "periodic" else "f" for side in system.boundary)
+    return [
+        "# the box and its particles",
+        "units si",
+        f"dimension {system.dimension}",
+        f"boundary {sides}{' p' if system.dimension == 2 else ''}",
+        "atom_style sphere",
+        "newton on",
+        "comm_modify vel yes",
+        "read_data start.data",
+        f"neighbor {skin(system):.6g} bin",
+        "neigh_modify delay 0 every 1 check yes",
+    ]
+
+
+def _forces(coefficients: Mapping[tuple[int, int | None], str]) -> list[str]:
+    pairs = [f"pair_coeff {i + 1} {j + 1} {words}" for (i, j), words in coefficients.items() if j is not None]
+    return ["# forces", "pair_style granular", *pairs]
+
+
+def skin(system: ParticleSystem) -> float:
+    """Of the neighbour list [m]."""
+    mean = float(system.radius.mean())
+    apart = (float(np.prod(system.box)) / system.n) ** (1.0 / system.dimension)
+    low, high = SKINS
+    return float(mean * min(max(0.5 * (apart / mean - 2.0), low), high))
+
+
+def _walls(
+    system: ParticleSystem, types: Types, coefficients: Mapping[tuple[int, int | None], str]
+) -> Iterator[str]:
+    """Each wall on its own: of two in one command LAMMPS takes the nearer one only."""
+    if "wall" not in system.boundary:
+        return
+    yield "# walls"
+    for i in range(len(types)):
+        group = "all" if len(types) == 1 else f"type{i + 1}"
+        if group != "all":
+            yield f"group {group} type {i + 1}"
+        for axis, name in enumerate(AXES[: system.dimension]):
+            if system.boundary[axis] == "wall":
+                of = f"{group} wall/gran granular {coefficients[i, None]} {name}plane"
+                yield f"fix {name}low{i + 1} {of} 0.0 NULL"
+                yield f"fix {name}high{i + 1} {of} NULL {float(system.box[axis])!r}"
+
+
+def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
+    """Without friction nothing turns."""
+    yield "# motion"
+    if system.gravity.any():
+        size = float(np.sqrt(system.gravity @ system.gravity))
+        along = " ".join(map(repr, [*system.gravity.tolist(), 0.0][:3]))
+        yield f"fix pull all gravity {size!r} vector {along}"
+    yield "fix move all nve"
+    if system.dimension == 2:
+        yield "fix plane all enforce2d"
+    yield f"timestep {plan.time_step!r}"
+
+
+def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
+    every = 1 if plan.log else plan.per_sample
+    yield "# at each sample: energies, momentum, the virial of pairs as a mean over the steps since the sample before"
+    yield "compute kinetic all ke"
+    yield "compute virial all pressure NULL pair"
+    yield f"fix virial all ave/time 1 {plan.per_sample} {plan.per_sample} c_virial"
+    if system.gravity.any():  # fix gravity itself takes positions that jump at periodic sides
+        yield "compute path all property/atom xu yu zu"
+        lifted = "".join(f"{-g:+.17g}*c_path[{axis + 1}]" for axis, g in enumerate(system.gravity.tolist()))
+        yield f'variable lifted atom "mass*({lifted})"'
+        yield "compute potential all reduce sum v_lifted"
+    yield f"variable potential equal {'c_potential' if system.gravity.any() else '0.0'}"
+    for axis in AXES:
+        yield f"variable p{axis} equal vcm(all,{axis})*mass(all)"
+    yield "thermo_style custom step c_kinetic v_potential v_px v_py v_pz f_virial"
+    yield f"thermo_modify line one lost error flush yes {NUMBERS}"
+    yield f"thermo {plan.per_sample}"
+    yield f"# contacts, {'at every step' if plan.log else 'at each sample'}"
+    yield "compute who all property/local patom1 patom2 cutoff radius"
+    yield "compute how all pair/local dist force cutoff radius"
+    yield f"dump pairs all local {every} pairs.dump c_who[1] c_who[2] c_how[1] c_how[2]"
+    yield f"dump_modify pairs {NUMBERS}"
+    if "wall" in system.boundary:
+        yield f'variable touches atom "{_touches(system)}"'
+        yield f"dump walls all custom {every} walls.dump id x y z vx vy vz"
+        yield f"dump_modify walls thresh v_touches > 0 {NUMBERS}"
+    yield ""
+    yield f"run {plan.n_steps}"
+    yield f"write_dump all custom end.dump id xu yu zu vx vy vz modify sort id {NUMBERS}"
+
+
+def _touches(system: ParticleSystem) -> str:
+    """True for a particle that overlaps a wall, in the formulas of LAMMPS."""
+    ways = [
+        f"{name}<radius||{name}>{float(edge)!r}-radius"
+        for name, edge, side in zip(AXES, system.box, system.boundary, strict=False)
+        if side == "wall"
+    ]
+    return "||".join(ways)

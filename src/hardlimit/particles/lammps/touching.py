@@ -1,0 +1,231 @@
+"""What overlaps: at the samples its energy and its number, and with a log its times and speeds.
+
+LAMMPS gives the distances of all that overlap. Their differences between two steps are the velocities half a step away,
+with which it computed its forces. Our law then gives each force that acted, hence the velocity before a touch and after
+a release, and when the force began and ended, to a part of a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from ..system import Floats, ParticleSystem
+from .forces import Flags, Integers, Pairs
+from .rows import Snapshot, snapshots, table
+
+#: Lines of a dump that are made into numbers together.
+BATCH: Final = 50_000
+#: Rows that are looked at together.
+PORTION: Final = 500_000
+#: The rate before a touch is found from that after it by so many repetitions, each of which gains more than a digit.
+REPETITIONS: Final = 20
+
+
+class Overlaps(NamedTuple):
+    """Of several instants."""
+
+    step: Integers
+    first: Integers
+    second: Integers  #: a negative number is a wall
+    compression: Floats  #: [m]
+    pushing: Flags  #: the force is not zero
+
+
+class PairDump:
+    """Rows of the dump of pairs: two numbers of particles, distance, force."""
+
+    width: Final = 4
+
+    def __init__(self, pairs: Pairs) -> None:
+        self._pairs = pairs
+
+    def overlaps(self, step: Integers, table: Floats) -> Overlaps:
+        """The pairs that overlap."""
+        both = np.sort(table[:, :2].astype(np.int64), axis=1) - 1
+        first, second = both[:, 0], both[:, 1]
+        compression = self._pairs.apart(first, second) - table[:, 2]
+        return Overlaps(step, first, second, compression, table[:, 3] > 0.0)
+
+
+class WallDump:
+    """Rows of the dump of particles at walls: number, position, velocity."""
+
+    width: Final = 7
+
+    def __init__(self, pairs: Pairs, system: ParticleSystem) -> None:
+        self._pairs, self._system = pairs, system
+
+    def overlaps(self, step: Integers, table: Floats) -> Overlaps:
+        """Particles and walls that overlap."""
+        sides = zip(*self._sides(step, table), strict=True)
+        step, first, second, compression, rate = (np.concatenate(part) for part in sides)
+        force = self._pairs.force(first, second, compression, rate)
+        return Overlaps(step, first, second, compression, force > 0.0)
+
+    def _sides(self, step: Integers, table: Floats) -> Iterator[tuple[Any, ...]]:
+        number = table[:, 0].astype(np.int64) - 1
+        for axis, side in enumerate(self._system.boundary):
+            if side != "wall":
+                continue
+            x, v, edge = table[:, 1 + axis], table[:, 4 + axis], self._system.box[axis]
+            for wall, gap, rate in ((-1 - 2 * axis, x, -v), (-2 - 2 * axis, edge - x, v)):
+                depth = self._system.radius[number] - gap
+                hit = depth > 0.0
+                yield step[hit], number[hit], np.full(int(hit.sum()), wall), depth[hit], rate[hit]
+
+
+class Sums(NamedTuple):
+    """At a sample."""
+
+    energy: float  #: elastic, of all that overlap [J]
+    in_contact: int
+
+
+class Watch:
+    """Follows a dump to its end."""
+
+    def __init__(
+        self, dump: PairDump | WallDump, pairs: Pairs, per_sample: int, finder: Finder | None
+    ) -> None:
+        self._dump, self._pairs, self._per_sample, self.finder = dump, pairs, per_sample, finder
+        self._shots: list[Snapshot] = []
+        self._waiting = 0  # lines
+        self.sums: dict[int, Sums] = {}  #: by step
+
+    def follow(self, lines: Iterable[str]) -> None:
+        """Read a whole dump.
+
+        Raises
+        ------
+        ValueError
+            If it breaks off.
+        """
+        for shot in snapshots(lines):
+            self._shots.append(shot)
+            self._waiting += 1 + len(shot.rows)
+            if self._waiting > BATCH:
+                self._see()
+        if self._shots:
+            self._see()
+
+    def _see(self) -> None:
+        shots, self._shots, self._waiting = self._shots, [], 0
+        steps = np.array([shot.step for shot in shots])
+        numbers = table([row for shot in shots for row in shot.rows], self._dump.width)
+        found = self._dump.overlaps(np.repeat(steps, [len(shot.rows) for shot in shots]), numbers)
+        self._sum(steps[steps % self._per_sample == 0], found)
+        if self.finder is not None:
+            self.finder.add(found, int(steps[-1]))
+
+    def _sum(self, samples: Integers, found: Overlaps) -> None:
+        """The sums of these samples, in their order."""
+        now = found.step % self._per_sample == 0
+        energies = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
+        at, n = np.searchsorted(samples, found.step[now]), len(samples)
+        energy = np.bincount(at, energies, n)
+        pushing = np.bincount(at, found.pushing[now], n)
+        for sample, stored, count in zip(samples.tolist(), energy.tolist(), pushing.tolist(), strict=True):
+            self.sums[sample] = Sums(stored, int(count))
+
+
+class Change(NamedTuple):
+    """Contacts that begin, or end: one entry for each."""
+
+    first: Integers
+    second: Integers
+    time: Floats  #: [s]
+    speed: Floats  #: of approach, or of separation [m/s]; NaN of one that lasted a single step
+
+
+class Finder:
+    """Finds contacts that begin and end in what overlaps at each step."""
+
+    def __init__(self, pairs: Pairs, time_step: float, last: int) -> None:
+        self._pairs, self._dt, self._last = pairs, time_step, last
+        self._held: list[Overlaps] = []
+        self._count, self._done = 0, -1  # rows held; step up to which changes were found
+        self.begins: list[Change] = []
+        self.ends: list[Change] = []
+
+    def add(self, found: Overlaps, until: int) -> None:
+        """All that overlaps in the next steps, of which the last is ``until``."""
+        self._held.append(found)
+        self._count += len(found.step)
+        if until == self._last:
+            self._look(until)
+        elif self._count > PORTION:
+            self._look(until - 1)
+
+    def _look(self, until: int) -> None:
+        """Find what changed after the steps that are done. Three steps are kept, for what their neighbours tell."""
+        held = Overlaps._make(np.concatenate(column) for column in zip(*self._held, strict=True))
+        rows = Rows(self._pairs, self._dt, held)
+        new = (rows.step > self._done) & (rows.step <= until)
+        self.begins.append(rows.begins(new))
+        self.ends.append(rows.ends(new & (rows.step < self._last)))
+        kept = held.step >= until - 1
+        self._held = [Overlaps._make(column[kept] for column in held)]
+        self._count, self._done = int(kept.sum()), until
+
+
+class Rows:
+    """Overlaps of many steps, in the order of their pairs and then of time."""
+
+    def __init__(self, pairs: Pairs, dt: float, held: Overlaps) -> None:
+        order = np.lexsort((held.step, held.second, held.first))
+        step, depth = held.step[order], held.compression[order]
+        first, second = held.first[order], held.second[order]
+        self.step, self._first, self._second, self._depth, self._dt = step, first, second, depth, dt
+        same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)
+        self._has_before = np.concatenate([[False], same]) if len(step) else np.zeros(0, bool)
+        self._has_after = np.concatenate([same, [False]]) if len(step) else np.zeros(0, bool)
+        # To the velocity half a step before; LAMMPS begins with half a step.
+        self._kick = np.where(step == 0, 0.5, 1.0) * dt / pairs.effective_mass(first, second)
+        self._rate = np.full(len(step), np.nan)
+        change = np.diff(depth) / dt
+        before, after = np.flatnonzero(self._has_before), np.flatnonzero(self._has_after)
+        self._rate[before] = change[before - 1]
+        self._after = np.full(len(step), np.nan)
+        self._after[after] = change[after]
+        touch = np.flatnonzero(self._has_after & ~self._has_before)
+        self._rate[touch] = self._before_touch(pairs, touch)
+        self._force = pairs.force(first, second, depth, np.nan_to_num(self._rate))
+        self._pushes = self._force > 0.0
+        leaving = np.isnan(self._after)
+        self._after[leaving] = (self._rate - self._kick * self._force)[leaving]
+
+    def _before_touch(self, pairs: Pairs, at: Integers) -> Floats:
+        """The rates u with u − F(ξ, u) Δt/m as measured after the touch."""
+        measured = self._after[at]
+        rate = measured
+        for _ in range(REPETITIONS):
+            force = pairs.force(self._first[at], self._second[at], self._depth[at], rate)
+            rate = measured + self._kick[at] * force
+        return rate
+
+    def begins(self, among: Flags) -> Change:
+        """Contacts whose first force acts at one of these rows."""
+        pushed_before = np.zeros(len(self.step), bool)
+        pushed_before[1:] = self._pushes[:-1] & self._has_before[1:]
+        at = np.flatnonzero(among & self._pushes & ~pushed_before)
+        since = np.clip(self._depth[at] / self._rate[at], 0.0, self._dt)
+        since = np.where(self._has_before[at] | np.isnan(since), 0.5 * self._dt, since)
+        time = np.where(self.step[at] == 0, 0.0, self.step[at] * self._dt - since)
+        return Change(self._first[at], self._second[at], time, self._rate[at])
+
+    def ends(self, among: Flags) -> Change:
+        """Contacts whose last force acts at one of these rows."""
+        pushes_after = np.zeros(len(self.step), bool)
+        pushes_after[:-1] = self._pushes[1:] & self._has_after[:-1]
+        at = np.flatnonzero(among & self._pushes & ~pushes_after)
+        force = self._force[at]
+        fell = np.where(self._has_before[at], self._force[at - 1] - force, np.nan)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_force = np.where(fell > 0.0, force / fell, 0.5)
+            by_gap = np.where(self._has_after[at], 1.0, -self._depth[at] / (self._after[at] * self._dt))
+        left = np.fmin(np.fmin(by_force, np.where(by_gap > 0.0, by_gap, 1.0)), 1.0)
+        time = (self.step[at] + left) * self._dt
+        return Change(self._first[at], self._second[at], np.asarray(time, np.float64), -self._after[at])
