@@ -138,42 +138,9 @@ public:
         if (c->tail <= inline_ids) return n + c->tail;
         return collect_chain(c, list, n);
     }
-    // All ids in a block of at most three cells along each axis; what lies beyond a border is found on the other
-    // side, or not at a wall. `across` tells whether the block reaches across a periodic border.
-    std::size_t collect_near(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to,
-                             std::vector<u32>& list, bool& across) const {
-        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
-        u32 offset[3][3] = {}, count[3] = {1, 1, 1}, stride = 1;
-        across = false;
-        for (int k = 0; k < d; ++k) {
-            count[k] = 0;
-            for (int at = from[k]; at <= to[k]; ++at) {
-                const int shift = at < 0 ? g.cells[k] : at >= g.cells[k] ? -g.cells[k] : 0;
-                across = across || shift != 0;
-                if (shift != 0 && !box.periodic[k]) continue;
-                offset[k][count[k]++] = static_cast<u32>(at + shift) * stride;
-            }
-            stride *= static_cast<u32>(g.cells[k]);
-        }
-        const Cell* const cells = cells_.data() + g.first;
-        u32* out = list.data();
-        for (u32 z = 0; z < count[2]; ++z)
-            for (u32 y = 0; y < count[1]; ++y) {
-                const Cell* const row = cells + (offset[2][z] + offset[1][y]);
-                for (u32 x = 0; x < count[0]; ++x) {
-                    const Cell* const cell = row + offset[0][x];
-                    std::memcpy(out, cell, sizeof *cell);
-                    if (cell->tail <= inline_ids)
-                        out += cell->tail;
-                    else
-                        out = list.data() +
-                              collect_chain(cell, list, static_cast<std::size_t>(out - list.data()));
-                }
-            }
-        return static_cast<std::size_t>(out - list.data());
-    }
-
-    // The same block for the kernels that collect it themselves; its ids need at most room(). Returns `across`.
+    // A block of at most three cells along each axis, for the kernels that collect it themselves; what lies beyond a
+    // border is found on the other side, or not at a wall. Its ids need at most room(). Returns whether the block
+    // reaches across a periodic border.
     bool lay_block(hardlimit_abi::CellBlock& block, const Box<d>& box, int level, const Place<d>& from,
                    const Place<d>& to) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];

@@ -224,7 +224,9 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
     """|difference| over t_c ν, a panel for each φ and ε; filled where it is told apart from nothing."""
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 5.4))
-        axes = figure.subplots(len(RESTITUTION), len(PACKING_FRACTION), sharex=True, sharey=True)
+        axes = figure.subplots(
+            len(RESTITUTION), len(PACKING_FRACTION), sharex=True, sharey=True, squeeze=False
+        )
         for (row, epsilon), (column, phi) in itertools.product(
             enumerate(RESTITUTION), enumerate(PACKING_FRACTION)
         ):

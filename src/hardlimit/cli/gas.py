@@ -89,9 +89,7 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     FILE is a job (.toml), or particles to start from (.xyz, .gsd, .data). Without one: 1000 spheres of radius
     1 mm and density 2500 kg/m³ in a periodic box, filled to 0.3, with restitution 0.9. A restitution alone is that
     of all collisions; with other parameters of a law it depends on pair and speed. Numbers may bear a unit.
-    With --engine the contacts of that law last.
-
-    hardlimit gas compare sets the rules beside Newton's equations: see its --help.
+    With --engine the contacts of that law last. hardlimit gas compare sets the rules beside Newton's equations.
     """
     if given["engine"] is not None:
         return run_contacts(file, resume, as_json, given)

@@ -170,7 +170,7 @@ def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
 def _of_the_log(plan: Plan, system: ParticleSystem, ended: Any) -> dict[str, Any]:
     """What single contacts were like, and how the run ended."""
     if isinstance(ended, contact_result.ContactResult):
-        assert ended.n_contacts is not None  # our own engines count
+        assert ended.n_contacts is not None  # both of our engines count them
         found, count = encounters.of_newton(ended), ended.n_contacts
     else:
         found, count = encounters.of_hard_spheres(system, plan.law, ended), ended.n_collisions
