@@ -7,7 +7,6 @@
 // period away is another neighbour.
 #pragma once
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "box.hpp"
