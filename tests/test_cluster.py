@@ -19,6 +19,7 @@ from distributed import Client, LocalCluster
 
 import hardlimit as hl
 from conftest import wait_until
+from hardlimit import cluster as connecting
 from hardlimit.sweep import chunks as chunking
 from hardlimit.sweep.engines import dask as cluster
 from hardlimit.sweep.plan import make_plan
@@ -168,7 +169,7 @@ def test_every_chunk_comes_once() -> None:
 
 @pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1:1", "nowhere", 3])
 def test_a_scheduler_that_is_none(scheduler: object, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "PATIENCE", "0.5s")
+    monkeypatch.setattr(connecting, "PATIENCE", "0.5s")
     with pytest.raises(ValueError, match="must be the address of a scheduler that answers") as refused:
         hl.sweep(PAPER, engine="dask", scheduler=scheduler, **GRID)
     assert str(refused.value).startswith(f"scheduler: got {scheduler!r}")

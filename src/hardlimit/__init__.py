@@ -13,6 +13,7 @@ from .laws import LAWS
 from .laws import __all__ as _laws
 from .particles.contact_result import ContactResult
 from .particles.event_driven import event_driven
+from .particles.fidelity import Fidelity, fidelity
 from .particles.lammps.folder import lammps_input, lammps_result
 from .particles.molecular_dynamics import molecular_dynamics
 from .particles.result import ParticleResult
@@ -35,6 +36,7 @@ __all__ = [
     "Comparison",
     "Contact",
     "ContactResult",
+    "Fidelity",
     "Law",
     "ParticleResult",
     "ParticleSystem",
@@ -43,6 +45,7 @@ __all__ = [
     "adiabatic",
     "compare",
     "event_driven",
+    "fidelity",
     "independent",
     "lammps_input",
     "lammps_result",

@@ -22,6 +22,8 @@ from .laws import Viscoelastic as Viscoelastic
 from .laws import Tsuji as Tsuji
 from .particles.contact_result import ContactResult as ContactResult
 from .particles.event_driven import event_driven as event_driven
+from .particles.fidelity import Fidelity as Fidelity
+from .particles.fidelity import fidelity as fidelity
 from .particles.lammps.folder import lammps_input as lammps_input
 from .particles.lammps.folder import lammps_result as lammps_result
 from .particles.molecular_dynamics import molecular_dynamics as molecular_dynamics

@@ -16,6 +16,7 @@ from ..particles.formats.frame import Append
 from ..particles.result import ParticleResult
 from ..particles.system import BOUNDARIES, ParticleSystem
 from ..progress import Report, bar
+from .gas_compare import make_command
 from .gas_contacts import engine_options, refuse_without_engine, run_contacts
 from .gas_job import make_job
 from .gas_report import as_mapping, print_report, save
@@ -58,8 +59,22 @@ file_options = options(
 )
 
 
+class WithCompare(Command):
+    """``gas FILE`` runs, ``gas compare FILE`` is another command."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        if args and args[0] == compare.name:
+            return compare.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+        return super().make_context(info_name, args, parent, **extra)
+
+
+compare = make_command(start_options)
+
+
 @click.command(
-    cls=Command,
+    cls=WithCompare,
     epilog="\b\nExample:\n  hardlimit gas --n 2000 --packing-fraction 0.2 --restitution 0.8 --until 0.2 --plot gas.png",
 )
 @click.argument("file", required=False, metavar="[FILE]")
@@ -74,7 +89,7 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     FILE is a job (.toml), or particles to start from (.xyz, .gsd, .data). Without one: 1000 spheres of radius
     1 mm and density 2500 kg/m³ in a periodic box, filled to 0.3, with restitution 0.9. A restitution alone is that
     of all collisions; with other parameters of a law it depends on pair and speed. Numbers may bear a unit.
-    With --engine the contacts of that law last.
+    With --engine the contacts of that law last. hardlimit gas compare sets the rules beside Newton's equations.
     """
     if given["engine"] is not None:
         return run_contacts(file, resume, as_json, given)

@@ -73,7 +73,7 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     options = {name: value for name, value in given.items() if value not in (None, ())}
     if resume is not None:
         return _resumed(file, resume, options | parameters | ({"law": law_name} if law_name else {}))
-    content = _changed(_read(file), options)
+    content = _changed(read(file), options)
     outputs = _checked_outputs(content["output"])
     settings, run = _rules(content, law_name, parameters)
     checkpoint = None if run["checkpoint"] is None else checked_path(run["checkpoint"])
@@ -82,9 +82,9 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     samples = 100 if run["samples"] is None else run["samples"]
     end = runs.checked_end(run["until"], run["max_collisions"], samples)
     _refuse_frames_without_end(outputs, end.until, end.max_collisions)
-    system = _start(content)
+    system = start(content)
     if end.until is None and end.max_collisions is None:
-        end = end._replace(until=_usual_end(system))
+        end = end._replace(until=usual_end(system))
     keep = outputs["save"] is not None
     return Job(runs.start(system, settings, end.target(system), keep, checkpoint, every), outputs)
 
@@ -109,7 +109,7 @@ def make_contact_job(file: str | None, given: dict[str, Any]) -> ContactJob:
         For anything that no run can be made of.
     """
     law_name, parameters = given.pop("law"), given_law_parameters(given)
-    content = _changed(_read(file), {name: v for name, v in given.items() if v not in (None, ())})
+    content = _changed(read(file), {name: v for name, v in given.items() if v not in (None, ())})
     run = content["event_driven"]
     for name in ("restitution", "rule", "contact_duration", "max_collisions"):
         if name in run:
@@ -120,12 +120,12 @@ def make_contact_job(file: str | None, given: dict[str, Any]) -> ContactJob:
             raise ValueError(f"--{name}: must be left out with --engine")
     law = content["law"]
     if law_name is not None or parameters:
-        law = _law(law, law_name, parameters)
+        law = law_of(law, law_name, parameters)
     if law is None:
         raise ValueError("--law: must be given with --engine, with its parameters")
-    system = _start(content)
+    system = start(content)
     until = run.pop("until", None)
-    return ContactJob(system, law, _usual_end(system) if until is None else until, run, outputs["save"])
+    return ContactJob(system, law, usual_end(system) if until is None else until, run, outputs["save"])
 
 
 def _changed(content: dict[str, Any], options: Mapping[str, Any]) -> dict[str, Any]:
@@ -152,7 +152,7 @@ def _resumed(file: str | None, path: str, options: dict[str, Any]) -> Job:
 # --- files --------------------------------------------------------------------------------------------------
 
 
-def _read(file: str | None) -> dict[str, Any]:
+def read(file: str | None) -> dict[str, Any]:
     """The content of a job file by table; a start from a file of particles is under "start"."""
     content: dict[str, Any] = {"start": None, "law": None, "random": {}, "event_driven": {}, "output": {}}
     if file is None:
@@ -237,9 +237,9 @@ def _quantity(name: str, value: Any, unit: str | None) -> Any:
 # --- the parts of a job -------------------------------------------------------------------------------------
 
 
-def _start(content: Mapping[str, Any]) -> ParticleSystem:
+def start(content: Mapping[str, Any]) -> ParticleSystem:
     """The particles: from a file, its box changed by options, or at random."""
-    given = {name: _single(value) for name, value in content["random"].items()}
+    given = {name: single(value) for name, value in content["random"].items()}
     if content["start"] is not None:
         strange = [name for name in given if name not in OF_THE_BOX]
         if strange:
@@ -249,7 +249,7 @@ def _start(content: Mapping[str, Any]) -> ParticleSystem:
     return ParticleSystem.random(**(USUAL | given), progress=True)
 
 
-def _single(value: Any) -> Any:
+def single(value: Any) -> Any:
     """A list of one, which an option that may be repeated makes, is that one."""
     return value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
 
@@ -263,13 +263,13 @@ def _rules(
     if law is not None and restitution is not None:
         raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
     if law_name is not None or law is not None or parameters.keys() - {"restitution"}:
-        law, restitution = _law(law, law_name, parameters), None
+        law, restitution = law_of(law, law_name, parameters), None
     else:
         restitution = parameters.get("restitution", USUAL_RESTITUTION if restitution is None else restitution)
     return runs.checked_settings(law, restitution, run.pop("rule"), run.pop("contact_duration")), run
 
 
-def _law(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
+def law_of(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
     """Another law, or other parameters of the present one."""
     base = columns.of_column(Column.paper())
     scenario = replace(base, laws=() if present is None else (present,))
@@ -280,7 +280,7 @@ def _law(present: Law | None, name: str | None, parameters: Mapping[str, float])
     return columns.law_with(None, parameters)(**parameters)
 
 
-def _usual_end(system: ParticleSystem) -> float:
+def usual_end(system: ParticleSystem) -> float:
     """Time [s] for some collisions of every particle, as a round number."""
     return float(f"{runs.expected_duration(system, USUAL_COLLISIONS * system.n // 2):.2g}")
 

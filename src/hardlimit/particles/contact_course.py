@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -96,18 +97,25 @@ class ContactCourse:
         KeyboardInterrupt
             At Ctrl-C, once the checkpoint is written if there is one.
         """
+        for _ in self.steps(report):
+            pass
+        return self.result()
+
+    def steps(self, report: Report) -> Iterator[float]:
+        """To the end, with a stop at every sample; yields its time [s]."""
         try:
             self._sample()
+            yield self.engine.time
             while self.engine.outcome == "ok" and self.engine.time < self.target.until:
                 self._advance(self.target.after(self.engine.time), report)
                 self._sample()
+                yield self.engine.time
             self.save()
         except KeyboardInterrupt:
             log = self._joined_log()
             if log is None or len(log[0]) == self._logged():  # no row was lost on its way here
                 self.save()
             raise
-        return self.result()
 
     def _advance(self, at: float, report: Report) -> None:
         while self.engine.outcome == "ok" and (self.engine.time < at or self.engine.paused):

@@ -47,7 +47,7 @@ def gas(run: ParticleResult) -> Figure:
                 ax.plot(at * factor, expected, color="black", lw=0.9, ls=(0, (4, 3)), label=text)
                 ax.legend(loc="best")
             ax.set_ylabel(f"{label}\n[{units.replace('m2/s2', 'm²/s²')}]")
-            _set_scale(ax, values, [v for _, v in [theories[name]]] if name in theories else [])
+            set_scale(ax, values, [v for _, v in [theories[name]]] if name in theories else [])
         axes[-1].set_xlim(0.0, float(time[-1]) * factor or 1.0)
         axes[-1].set_xlabel(f"time [{unit}]")
         figure.align_ylabels(axes)
@@ -58,7 +58,7 @@ def gas(run: ParticleResult) -> Figure:
     return figure
 
 
-def _set_scale(ax: Axes, values: Any, others: list[Any]) -> None:
+def set_scale(ax: Axes, values: Any, others: list[Any]) -> None:
     """From zero, or logarithmic where values spread over decades."""
     good = np.concatenate([np.asarray(v)[np.isfinite(v)] for v in (values, *others)])
     positive = good[good > 0.0]

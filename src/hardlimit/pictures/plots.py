@@ -7,6 +7,7 @@ This module gathers what may be called; each subject has a module of its own.
 
 from .contacts import restitution_obtained, restitution_over_speed
 from .drop import drop
+from .fidelity import fidelity
 from .forces import forces
 from .gas import gas
 from .heights import heights
@@ -18,6 +19,7 @@ __all__ = [
     "count_map",
     "difference_map",
     "drop",
+    "fidelity",
     "forces",
     "gas",
     "heights",

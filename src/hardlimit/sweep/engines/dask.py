@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import gc
-import logging
 from collections.abc import Generator, Iterable, Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from ... import _core
+from ... import _core, cluster
 from ..chunks import Chunks
 from ..computation import Computation, Report, Values
 
 if TYPE_CHECKING:
     from distributed import Client
-
-#: How long a scheduler may take to answer.
-PATIENCE = "10s"
 
 
 def compute(
@@ -32,16 +26,11 @@ def compute(
     A task carries all it needs, so the death of a worker costs the chunks it was at, and the scheduler gives
     them to another. Only a few chunks for each worker are under way: results pile up neither there nor here.
     """
+    lost = cluster.lost_connection("engine: got 'dask'")
     try:
-        from distributed import CancelledError
-        from distributed.comm import CommClosedError
-    except ImportError:
-        need = "engine: got 'dask', must have the package distributed: pip install 'hardlimit[cluster]'"
-        raise ImportError(need) from None
-    try:
-        with _client(scheduler) as client:
+        with cluster.connection(scheduler) as client:
             yield from _stream(client, computation, chunks, iter(wanted), threads)
-    except (CancelledError, CommClosedError):
+    except lost:
         raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
 
 
@@ -100,35 +89,3 @@ def _result(future: Any) -> Values:
     except KilledWorker:
         raise RuntimeError("scheduler: four workers died, one after another, at the same chunk") from None
     return values
-
-
-@contextmanager
-def _client(scheduler: Any) -> Iterator[Client]:
-    """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine."""
-    from distributed import Client, LocalCluster
-
-    if isinstance(scheduler, Client):
-        yield scheduler
-    elif scheduler is None:
-        # Threads rather than processes: the kernel does not hold the interpreter lock, and a script needs no
-        # `if __name__ == "__main__"`.
-        here = {"dashboard_address": "127.0.0.1:0", "worker_dashboard_address": "127.0.0.1:0"}
-        with (
-            LocalCluster(processes=False, silence_logs=logging.ERROR, **here) as cluster,
-            Client(cluster, set_as_default=False) as client,
-        ):
-            yield client
-    else:
-        fault = None
-        try:
-            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
-            fault = str(error)
-        if fault is not None:
-            # A client that could not connect closes itself when it is collected. Let that be now: in a thread that
-            # is just being started it would wait for ever.
-            gc.collect()
-            need = f"scheduler: got {scheduler!r}, must be the address of a scheduler that answers"
-            raise ValueError(f"{need} ({fault})")
-        with client:
-            yield client

@@ -1,0 +1,65 @@
+"""The way to a cluster: a scheduler of dask.distributed, given or started here."""
+
+from __future__ import annotations
+
+import gc
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: How long a scheduler may take to answer.
+PATIENCE = "10s"
+
+
+def lost_connection(asked: str) -> tuple[type[Exception], ...]:
+    """The errors with which dask.distributed says that the scheduler has gone.
+
+    Raises
+    ------
+    ImportError
+        If it is not installed; ``asked`` is what needs it, such as ``engine: got 'dask'``.
+    """
+    try:
+        from distributed import CancelledError
+        from distributed.comm import CommClosedError
+    except ImportError:
+        raise ImportError(
+            f"{asked}, must have the package distributed: pip install 'hardlimit[cluster]'"
+        ) from None
+    return CancelledError, CommClosedError
+
+
+@contextmanager
+def connection(scheduler: Any) -> Iterator[Client]:
+    """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine."""
+    from distributed import Client, LocalCluster
+
+    if isinstance(scheduler, Client):
+        yield scheduler
+    elif scheduler is None:
+        # Threads rather than processes: the kernel does not hold the interpreter lock, and a script needs no
+        # `if __name__ == "__main__"`.
+        here = {"dashboard_address": "127.0.0.1:0", "worker_dashboard_address": "127.0.0.1:0"}
+        with (
+            LocalCluster(processes=False, silence_logs=logging.ERROR, **here) as cluster,
+            Client(cluster, set_as_default=False) as client,
+        ):
+            yield client
+    else:
+        fault = None
+        try:
+            client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        except (OSError, ValueError, TypeError) as error:
+            fault = str(error)
+        if fault is not None:
+            # A client that could not connect closes itself when it is collected. Let that be now: in a thread that
+            # is just being started it would wait for ever.
+            gc.collect()
+            need = f"scheduler: got {scheduler!r}, must be the address of a scheduler that answers"
+            raise ValueError(f"{need} ({fault})")
+        with client:
+            yield client

@@ -1,0 +1,271 @@
+"""What a comparison of models found: every replica, means with their errors, differences, one sentence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from ... import _core, html
+from ..system import Floats
+from . import statistics, words
+from .encounters import EDGES
+from .lockstep import DIVERGENCE, QUANTITIES, Arrays, Plan
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+#: Of a whole run: unit and meaning.
+TOTALS: Final = {
+    "overlapped_share": (
+        "1",
+        "share of the contacts that shared a particle with another one while they lasted; hard spheres: that would "
+        "have, by the law’s duration",
+    ),
+    "median_restitution": ("1", "median of separation speed over impact speed of the contacts"),
+    "n_contacts": ("1", "contacts of a replica, those with walls included"),
+    "end_time": ("s", "time at which the run ended"),
+}
+STATISTICS: Final = ("mean", "standard_error")
+
+
+class Departure(NamedTuple):
+    """Where a rule first leaves the error bars of its difference from Newton's equations."""
+
+    time: float  #: [s]
+    size: float  #: relative difference there
+    error: float  #: its standard error
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fidelity:
+    """One initial state under Newton's equations and under rules for hard spheres, over replicas. It never changes.
+
+    ``print(f)`` gives one sentence, ``f.dataset`` everything, ``f.plot()`` a figure.
+    """
+
+    plan: Plan
+    system: str  #: the start of replica 0 in words
+    dimension: int
+    arrays: tuple[Arrays, ...] = field(repr=False)  #: of each replica
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """Newton's equations first."""
+        return self.plan.models
+
+    @property
+    def n_replicas(self) -> int:
+        """How many there are; one gives no error bars and no verdict."""
+        return len(self.arrays)
+
+    @property
+    def contact_duration(self) -> float:
+        """t_c [s]: that of the law at the mean impact speed of the start, or as given."""
+        return self.plan.contact_duration
+
+    @cached_property
+    def tc_nu(self) -> float:
+        """t_c ν: contact duration times the collision rate under Newton's equations, mean over run and replicas; NaN
+        where there is no time for a rate."""
+        rate = self._all("collision_rate")[:, 0]
+        last = self.last_common(0)
+        return self.contact_duration * float(rate[:, last].mean())
+
+    @property
+    def bars(self) -> str:
+        """How long they are, in words."""
+        if self.n_replicas < 2:
+            return "none: one replica"
+        return (
+            f"{statistics.student(self.n_replicas - 1):.3g} standard errors (99 % of Student’s distribution)"
+        )
+
+    def _all(self, name: str) -> Floats:
+        """Of all replicas, the first axis."""
+        return np.array([found[name] for found in self.arrays])
+
+    def last_common(self, model: int) -> int:
+        """The last sample that this model and Newton's equations reached in every replica."""
+        there = np.isfinite(self._all("granular_temperature")[:, [0, model]]).all(axis=(0, 1))
+        return int(np.flatnonzero(there)[-1])
+
+    def outcomes(self, model: str) -> list[str]:
+        """How the run of each replica ended, as a name among ``hardlimit.OUTCOMES``."""
+        i = self.models.index(model)
+        return [_core.outcome_names[int(found["outcome"][i])] for found in self.arrays]
+
+    # --- differences ----------------------------------------------------------------------------------------
+
+    def difference(self, quantity: str, model: str) -> statistics.Estimate:
+        """(model − Newton)/|Newton| at every sample, with its standard error over replicas, paired by their starts."""
+        values = self._all(quantity)
+        return statistics.relative_difference(values[:, self.models.index(model)], values[:, 0])
+
+    def final_difference(self, quantity: str, model: str) -> statistics.Estimate:
+        """The same at the last sample that both reached in every replica."""
+        found, last = self.difference(quantity, model), self.last_common(self.models.index(model))
+        return statistics.Estimate(found.mean[last], found.error[last])
+
+    def told_apart(self, quantity: str, model: str) -> bool:
+        """Whether the final difference is outside its bars: 99 % of Student's distribution."""
+        return bool(statistics.outside(self.final_difference(quantity, model), self.n_replicas))
+
+    def departure(self, quantity: str, model: str) -> Departure | None:
+        """When and with which size the model first leaves the bars for two samples in a row; None if it stays."""
+        found = self.difference(quantity, model)
+        at = statistics.departure(found, self.n_replicas)
+        if at is None:
+            return None
+        return Departure(float(self.plan.times[at]), float(found.mean[at]), float(found.error[at]))
+
+    # --- labelled -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def replicas(self) -> xr.Dataset:
+        """Every replica: Dataset over ``model``, ``replica`` and ``time``, and what single contacts were like."""
+        import xarray as xr
+
+        data: dict[str, Any] = {}
+        for name, (unit, meaning) in self._series().items():
+            values = self._all(name).transpose(1, 0, 2)
+            data[name] = (("model", "replica", "time"), values, {"units": unit, "long_name": meaning})
+        for name, (unit, meaning) in TOTALS.items():
+            data[name] = (("model", "replica"), self._all(name).T, {"units": unit, "long_name": meaning})
+        share = self._all("restitution_share").transpose(1, 0, 2)
+        data["restitution_share"] = (("model", "replica", "restitution"), share, _SHARE)
+        codes = self._all("outcome").T.astype(np.int8)
+        data["outcome"] = (("model", "replica"), codes, _flags())
+        coordinates = {**self._coordinates(), "replica": np.arange(self.n_replicas)}
+        return xr.Dataset(data, coordinates, self._attributes("Replicas"))
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """Means and standard errors over ``model``, ``time`` and ``statistic``; relative differences from Newton's
+        equations over ``quantity`` as well, with time and size at which each leaves its bars (NaN: it stays)."""
+        import xarray as xr
+
+        data: dict[str, Any] = {}
+        for name, (unit, meaning) in (self._series() | TOTALS).items():
+            values = self._all(name)
+            dims = ("model", "time", "statistic") if values.ndim == 3 else ("model", "statistic")
+            data[name] = (dims, _stacked(statistics.mean(values)), {"units": unit, "long_name": meaning})
+        share = _stacked(statistics.mean(self._all("restitution_share")))
+        data["restitution_share"] = (("model", "restitution", "statistic"), share, _SHARE)
+        coordinates = {
+            **self._coordinates(),
+            "statistic": list(STATISTICS),
+            "quantity": list(QUANTITIES),
+        }
+        return xr.Dataset(data | self._differences(), coordinates, self._attributes("Means"))
+
+    def _differences(self) -> dict[str, Any]:
+        pairs = [[(name, model) for model in self.models] for name in QUANTITIES]
+        found = np.array([[_stacked(self.difference(*pair)) for pair in row] for row in pairs])
+        nowhere = Departure(math.nan, math.nan, math.nan)
+        left = np.array([[self.departure(*pair) or nowhere for pair in row] for row in pairs])
+        size = {"units": "1", "long_name": "relative difference when it leaves its bars"}
+        return {
+            "difference": (
+                ("quantity", "model", "time", "statistic"),
+                found,
+                {
+                    "units": "1",
+                    "long_name": "difference from Newton’s equations, relative to them, paired by starts",
+                },
+            ),
+            "departure_time": (
+                ("quantity", "model"),
+                left[..., 0],
+                {"units": "s", "long_name": "when the difference leaves its bars for two samples in a row"},
+            ),
+            "departure_size": (("quantity", "model", "statistic"), left[..., 1:], size),
+        }
+
+    def _series(self) -> dict[str, tuple[str, str]]:
+        found = dict(QUANTITIES) | {"divergence": DIVERGENCE}
+        if self.dimension == 2:
+            found["pressure"] = ("N/m", found["pressure"][1])
+        return found
+
+    def _coordinates(self) -> dict[str, Any]:
+        time = {"units": "s", "long_name": "time after the start"}
+        middle = {"units": "1", "long_name": "coefficient of restitution, middle of a bin; the last is open"}
+        return {
+            "model": list(self.models),
+            "time": ("time", self.plan.times, time),
+            "restitution": ("restitution", 0.5 * (EDGES[1:] + EDGES[:-1]), middle),
+        }
+
+    def _attributes(self, what: str) -> dict[str, Any]:
+        return {
+            "title": f"{what} of a comparison of rules for hard spheres with Newton’s equations",
+            "source": f"hardlimit {_core.version}",
+            "system": self.system,
+            "law": repr(self.plan.law),
+            "restitution": self.plan.restitution,
+            "contact_duration": self.contact_duration,
+            "tc_nu": self.tc_nu,
+            "n_replicas": self.n_replicas,
+            "bars": self.bars,
+            "summary": self.summary(),
+            "hardlimit_version": _core.version,
+        }
+
+    def save(self, path: str | Path) -> Path:
+        """Write means and replicas as the groups ``means`` and ``replicas`` of one NetCDF file.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; names it.
+        """
+        import xarray as xr
+
+        from ... import saving
+
+        return saving.groups(
+            {"/": xr.Dataset(attrs=self.dataset.attrs), "means": self.dataset, "replicas": self.replicas},
+            path,
+        )
+
+    # --- in words and pictures ------------------------------------------------------------------------------
+
+    def summary(self) -> str:
+        """One sentence: how far each rule is from Newton's equations at the end, with standard errors."""
+        return words.sentence(self)
+
+    def plot(self) -> Figure:
+        """Differences of each rule from Newton's equations over time with their bars, contacts and paths."""
+        from ...pictures import plots
+
+        return plots.fidelity(self)
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        return f"<Fidelity of {', '.join(self.models)} over {self.n_replicas} replicas: {self.summary()}>"
+
+    def _repr_html_(self) -> str:
+        head, rows = words.table(self)
+        return html.table("Relative to Newton’s equations", head, rows, self.summary())
+
+
+_SHARE: Final = {"units": "1", "long_name": "share of the contacts in each bin of the restitution"}
+
+
+def _flags() -> dict[str, Any]:
+    names = _core.outcome_names
+    return {"flag_values": np.arange(len(names), dtype=np.int8), "flag_meanings": " ".join(names)}
+
+
+def _stacked(estimate: statistics.Estimate) -> Floats:
+    """Mean and error side by side, along a last axis."""
+    return np.stack([estimate.mean, estimate.error], axis=-1)

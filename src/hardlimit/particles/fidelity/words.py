@@ -1,0 +1,197 @@
+"""What a comparison says in words: numbers with their errors, one sentence, a table."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from .lockstep import NEWTON, QUANTITIES
+from .statistics import Estimate
+
+if TYPE_CHECKING:
+    from .result import Departure, Fidelity
+
+#: Rows of tables: names as people say them.
+NAMES: Final = {
+    "granular_temperature": "temperature",
+    "cooling": "cooling",
+    "dissipation_rate": "dissipation",
+    "collision_rate": "collision rate",
+    "pressure": "pressure",
+    "pair_correlation": "pairs near contact",
+    "density_variance": "density variance",
+}
+#: What the sentence judges by, the first that there is: more of it in words, less of it in words.
+MEASURES: Final = {
+    "cooling": ("cools", "too fast", "too slowly"),
+    "collision_rate": ("collides", "too often", "too rarely"),
+}
+
+
+def percent(difference: Estimate) -> str:
+    """``4.1 ± 0.3 %``: the error with one digit, two if it begins with 1, and the value with as many decimals."""
+    value, error = 100.0 * float(difference.mean), 100.0 * float(difference.error)
+    if math.isnan(value):
+        return "–"
+    if math.isnan(error):
+        return f"{_signed(f'{value:.2g}')} %"
+    if error < 1e-6:
+        return f"{_signed(f'{value:.3g}')} ± {'0' if error == 0.0 else '<1e-6'} %"
+    decimals = _decimals(error)
+    if decimals < 0:
+        unit = 10**-decimals
+        value, error, decimals = unit * round(value / unit), unit * round(error / unit), 0
+    return f"{_signed(f'{value:.{decimals}f}')} ± {error:.{decimals}f} %"
+
+
+def _decimals(error: float) -> int:
+    """Digits after the point that an error deserves."""
+    digits = 1 if f"{error:.1e}"[0] == "1" else 0
+    return digits - int(f"{error:.{digits}e}".split("e")[1])
+
+
+def _signed(text: str) -> str:
+    """With a minus sign that is one, and no minus before zeros."""
+    if not text.startswith("-"):
+        return text
+    return f"−{text[1:]}" if any(c in "123456789" for c in text) else text[1:]
+
+
+# --- the sentence -------------------------------------------------------------------------------------------
+
+
+def sentence(f: Fidelity) -> str:
+    """How far each rule is from Newton's equations, or why that cannot be said."""
+    rules = [model for model in f.models if model != NEWTON]
+    reason = _no_verdict(f, rules)
+    if reason is not None:
+        return reason
+    measure = next((name for name in MEASURES if _known(f, name, rules)), None)
+    if measure is None:
+        return f"No verdict: there is no time to compare in.{_early(f)}"
+    verb, more, less = MEASURES[measure]
+    apart: list[str] = []
+    same: list[str] = []
+    for rule in _known(f, measure, rules):
+        found = f.final_difference(measure, rule)
+        if f.told_apart(measure, rule):
+            size = percent(Estimate(abs(found.mean), found.error))
+            who = rule if apart else f"the rule {rule} {verb}"
+            apart.append(f"{who} {size} {more if found.mean > 0.0 else less}")
+        else:
+            same.append(f"{rule} ({percent(found)})")
+    parts = [", ".join(apart)] if apart else []
+    if same:
+        whose = f"from Newton’s equations by {MEASURED[measure]}"
+        what = f"the rule {same[0]} is" if len(same) == 1 else f"the rules {_listed(same)} are"
+        parts.append(f"{what} not told apart {whose}")
+    bars = f"(± standard error of {f.n_replicas} replicas)"
+    return f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)} {bars}.{_early(f)}"
+
+
+#: What the measures of the sentence are.
+MEASURED: Final = {"cooling": "their cooling", "collision_rate": "their collision rate"}
+
+
+def _no_verdict(f: Fidelity, rules: list[str]) -> str | None:
+    contacts = sum(float(found["n_contacts"].sum()) for found in f.arrays)
+    if contacts == 0.0:
+        return "No verdict: there was no contact in this time."
+    if not rules:
+        return "No verdict: only Newton’s equations were asked for, and no rule to compare with them."
+    if f.n_replicas < 2:
+        return f"No verdict: one replica has no error bars{_at(f)}; ask for some, such as replicas=8."
+    return None
+
+
+def _at(f: Fidelity) -> str:
+    return "" if math.isnan(f.tc_nu) else f" (t_c ν = {f.tc_nu:.2g})"
+
+
+def _known(f: Fidelity, name: str, rules: list[str]) -> list[str]:
+    """The rules with a relative difference of this quantity: it is not zero under Newton's equations, and there is a
+    sample after the start that both reached."""
+    return [rule for rule in rules if np.isfinite(f.final_difference(name, rule).mean)]
+
+
+def _early(f: Fidelity) -> str:
+    """Models that did not come to the end, in sentences of their own."""
+    said = ""
+    for model in f.models:
+        outcomes = f.outcomes(model)
+        bad = sum(name != "ok" for name in outcomes)
+        if bad:
+            who = "Newton’s equations" if model == NEWTON else f"the rule {model}"
+            what = "inelastic collapse" if "collapse" in outcomes else "an early end"
+            last = f.plan.times[f.last_common(f.models.index(model))]
+            judged = f"all is judged at {last:.3g} s" if model == NEWTON else f"it is judged at {last:.3g} s"
+            judged = judged if last > 0.0 else "before the first sample"
+            said += f" {who[0].upper()}{who[1:]} met {what} in {bad} of {len(outcomes)} replicas; {judged}."
+    return said
+
+
+def _listed(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
+
+
+# --- the table ----------------------------------------------------------------------------------------------
+
+
+def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
+    """Head and rows: what Newton's equations give at the end, and the difference of each rule in per cent."""
+    rules = [model for model in f.models if model != NEWTON]
+    rows = []
+    for name in QUANTITIES:
+        differences = [f.final_difference(name, rule) for rule in rules]
+        marked = [
+            percent(found) + ("*" if f.told_apart(name, rule) else "")
+            for found, rule in zip(differences, rules, strict=True)
+        ]
+        rows.append([NAMES[name], *marked])
+    return ["", *rules], rows
+
+
+def departures(f: Fidelity) -> list[list[str]]:
+    """Rows: time [t_c] and size at which each rule leaves its bars; none where no rule does."""
+    rules = [model for model in f.models if model != NEWTON]
+    rows = []
+    for name in QUANTITIES:
+        left = [f.departure(name, rule) for rule in rules]
+        if any(left):
+            rows.append([NAMES[name], *("–" if at is None else _where(f, at) for at in left)])
+    return rows
+
+
+def _where(f: Fidelity, at: Departure) -> str:
+    size = percent(Estimate(np.array(at.size), np.array(at.error))).split(" ± ")[0]
+    return f"{_rounded(at.time / f.contact_duration)}: {size} %"
+
+
+def _rounded(value: float) -> str:
+    """Two digits, without an exponent where that is short."""
+    return f"{value:.0f}" if 10.0 <= value < 1e5 else f"{value:.2g}"
+
+
+def contacts(f: Fidelity) -> tuple[list[str], list[list[str]]]:
+    """Head and rows: what single contacts were like under each model, means over replicas."""
+    ds = f.dataset
+    rows = [
+        [
+            "share that overlap another in time",
+            *(_percentage(x) for x in ds["overlapped_share"].values[:, 0]),
+        ],
+        ["median restitution", *(_number(x) for x in ds["median_restitution"].values[:, 0])],
+        ["contacts of a replica", *(f"{x:.0f}" for x in ds["n_contacts"].values[:, 0])],
+        ["distance of paths at the end [radii]", *(_number(x) for x in ds["divergence"].values[:, -1, 0])],
+    ]
+    return ["", *f.models], rows
+
+
+def _percentage(share: float) -> str:
+    return "–" if math.isnan(share) else f"{100.0 * share:.2g} %"
+
+
+def _number(value: float) -> str:
+    return "–" if math.isnan(value) else f"{value:.3g}"

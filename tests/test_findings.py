@@ -1,0 +1,77 @@
+"""The scripts of docs/findings: a corner of the grid, stopped and gone on with, gives data and figures."""
+
+import argparse
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from legible import assert_legible
+
+FOLDER = Path(__file__).resolve().parents[1] / "docs" / "findings"
+
+
+def script(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def grid(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    """Two points, written elsewhere."""
+    found = script("cooling_gas")
+    small = {"TC_NU": (0.03, 0.1), "PACKING_FRACTION": (0.2,), "RESTITUTION": (0.9,), "COLLISIONS": 3}
+    for name, value in (small | {"DATA": tmp_path / "data.nc", "IMAGES": tmp_path}).items():
+        monkeypatch.setattr(found, name, value)
+    return found
+
+
+@pytest.mark.slow
+def test_a_small_grid_from_compute_to_figures(
+    grid: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = {"stores": tmp_path / "stores", "n": 40, "replicas": 3, "workers": 1, "scheduler": None}
+    for part in ("1/2", "2/2"):
+        grid.compute(argparse.Namespace(**given, part=part))
+    grid.collect(argparse.Namespace(**given))
+    grid.draw(argparse.Namespace())
+    ds = xr.open_dataset(grid.DATA)
+    assert np.isfinite(ds.cooling).all() and ds.attrs["n"] == 40
+    assert (tmp_path / "rules_cooling.png").stat().st_size > 10_000
+    assert "| 0.2 | 0.9 |" in capsys.readouterr().out
+
+
+def test_what_was_found_can_be_drawn_again() -> None:
+    """From the data beside the script: every difference has an error bar, unless the rule collapsed."""
+    findings = script("cooling_gas")
+    ds = xr.open_dataset(findings.DATA)
+    assert_legible(findings.differences(ds, "cooling"))
+    for rule in findings.RULES:
+        found = findings.difference(ds, "cooling", rule)
+        assert (np.isfinite(found.mean) == np.isfinite(found.error)).all()
+
+
+def test_a_limit_is_kept_surely_or_lost_surely() -> None:
+    """Differences of 0.1, 0.9, 2 and 30 % with errors of 0.1 %: what is within 0.2 % of 1 % is neither."""
+    findings = script("cooling_gas")
+    noise = np.array([-1.0, 1.0]) * 1e-3
+    values = np.array([1.001, 1.009, 1.02, 1.3])[:, None] + noise
+    both = np.stack([np.ones_like(values), values], axis=1)[:, None, None]
+    ds = xr.Dataset(
+        {"cooling": (("tc_nu", "packing_fraction", "restitution", "model", "replica"), both)},
+        {"tc_nu": [0.001, 0.01, 0.1, 0.3], "model": ["newton", "soft"]},
+    )
+    for limit, expected in (
+        (0.01, (0.001, 0.1)),
+        (0.1, (0.1, 0.3)),
+        (1e-5, (0.0, 0.01)),
+        (1.0, (0.3, np.inf)),
+    ):
+        held, lost = findings.trusted(ds, "cooling", "soft", limit)
+        assert (held.item(), lost.item()) == expected

@@ -1,0 +1,107 @@
+"""``hardlimit gas compare`` as a user meets it."""
+
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from conftest import lattice
+from legible import assert_legible
+from test_cli import printed, refused, run
+
+ELASTIC = hl.LinearDashpot(stiffness=1e5, restitution=1.0)
+FAST = ["--until", "1ms", "--samples", "5", "--workers", "1"]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Path:
+    return lattice(27, seed=1).write(tmp_path / "start.xyz")
+
+
+def test_json_holds_what_the_library_says(start: Path) -> None:
+    found = printed("gas", "compare", start, "--restitution", 0.8, "--stiffness", 2e5, "--replicas", 2, *FAST)
+    law = hl.LinearDashpot(stiffness=2e5, restitution=0.8)
+    f = hl.fidelity(hl.ParticleSystem.read(start), law=law, until=1e-3, samples=5, replicas=2)
+    assert found["summary"] == str(f) and found["tc_nu"] == f.tc_nu
+    assert found["models"] == list(f.models) and found["outcomes"]["soft"] == ["ok", "ok"]
+    difference = found["variables"]["difference"]
+    assert difference["dims"] == ["quantity", "model", "time", "statistic"]
+    at = found["coordinates"]["quantity"].index("pressure"), found["models"].index("tc")
+    assert difference["values"][at[0]][at[1]][-1][0] == f.final_difference("pressure", "tc").mean
+
+
+@pytest.mark.slow
+def test_tables_pictures_and_files(tmp_path: Path) -> None:
+    """Each replica from another random start; the same call finds them all in the store."""
+    out, plot, store = tmp_path / "f.nc", tmp_path / "f.png", tmp_path / "store"
+    options = ["--n", 40, "--replicas", 3, "--models", "soft", "--models", "tc", "--store", store, *FAST]
+    text = run("gas", "compare", *options, "--out", out, "--plot", plot).stdout
+    words = " ".join(text.split())
+    assert "40 spheres" in text and "Difference from Newton’s equations at the end" in text
+    assert "(± standard error of 3 replicas)" in words and "share that overlap another" in text
+    assert max(map(len, text.splitlines())) <= 100
+    means = xr.open_dataset(out, group="means")
+    assert means.model.values.tolist() == ["newton", "soft", "tc"] and plot.stat().st_size > 10_000
+    again = run("gas", "compare", *options).stdout
+    assert again in text and text.startswith(again)
+    assert "was made with seed 0, not 5" in refused("gas", "compare", *options, "--seed", 5)
+
+
+def test_one_replica_and_one_model(start: Path) -> None:
+    one = run("gas", "compare", start, "--replicas", 1, *FAST).stdout
+    assert "one replica has no error bars" in " ".join(one.split())
+    alone = run("gas", "compare", start, "--replicas", 2, "--models", "newton", *FAST).stdout
+    assert "no rule to compare with" in " ".join(alone.split()) and "Difference" not in alone
+
+
+def test_a_job_gives_start_law_and_end(tmp_path: Path) -> None:
+    job = tmp_path / "job.toml"
+    job.write_text(
+        '[random]\nn = 30\npacking_fraction = 0.2\nradius = "1 mm"\ndensity = 2500\nrms_speed = 1\n'
+        '[event_driven]\nrestitution = 0.7\nuntil = "0.5 ms"\nrule = "constant"\n'
+    )
+    found = printed("gas", "compare", job, "--replicas", 2, "--workers", 1, "--samples", 3)
+    assert found["law"] == "LinearDashpot(stiffness=1000000.0, restitution=0.7)"
+    assert found["coordinates"]["time"][-1] == 5e-4 and found["system"].startswith(
+        "<ParticleSystem of 30 spheres"
+    )
+
+
+REFUSED = {
+    "models[1]: got 'hard'": ["--models", "hard"],
+    "replicas: got 0": ["--replicas", 0],
+    "--out: got 'x.csv', must end in .nc": ["--out", "x.csv"],
+    "FILE: got 'nothing'": ["nothing"],
+    "engine: got 'lammps'": ["--engine", "lammps"],
+    "scheduler | workers": ["--scheduler", "tcp://127.0.0.1:1", "--workers", 2],
+    "No such option": ["--rule", "soft"],
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_bad_input_is_refused_in_one_line(message: str) -> None:
+    said = refused("gas", "compare", *REFUSED[message], "--n", 20, "--until", "1us")
+    assert said.startswith(f"hardlimit gas compare: {message}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"replicas": 1},
+        {"models": ("newton",)},
+        {"until": 0.0},
+        {"law": ELASTIC},
+    ],
+)
+def test_pictures_can_be_read(given: dict) -> None:
+    law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
+    arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | given
+    assert_legible(hl.fidelity(lattice(27, seed=2), **arguments).plot())
+
+
+def test_the_figure_can_be_read() -> None:
+    system, law = lattice(27, seed=2), hl.LinearDashpot(stiffness=2e5, restitution=0.8)
+    assert_legible(hl.fidelity(system, law=law, until=1e-3, samples=4, replicas=2).plot())
