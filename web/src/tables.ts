@@ -37,8 +37,8 @@ export const namesOf = { newton, icm: independent };
 
 export const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
 
-// "spring constant k, the same for every contact" → "Spring constant k".
-export const labelOf = (q: Quantity): string => capital(q.meaning.split(/[;,(]| at release/)[0].trim().replace("'", "’"));
+// "restitution ε at impact_speed; every contact …" → "Restitution ε": no sentence, and no name of a parameter.
+export const labelOf = (q: Quantity): string => capital(q.meaning.split(/[;,(]| at (?:release|[a-z]+_[a-z]+)/)[0].trim().replace("'", "’"));
 
 // The symbol at the end of a label, as in "Mass m"; "": there is none.
 export const symbolOf = (q: Quantity): string => /\s(\S{1,2})$/u.exec(labelOf(q))?.[1] ?? "";

@@ -13,6 +13,7 @@ test("labels, symbols and units are those of the core", () => {
     ["Height of the lowest centre", "m"], ["Velocity", "m/s"],
   ]);
   assert.equal(symbolOf(parameterOfColumn("gap")), "Δh");
+  for (const law of laws) assert.equal(labelOf(lib.restitutionOf({ ...paper(), law: law.name })), "Coefficient of restitution ε");
   for (const law of laws)
     for (const p of law.parameters.filter((p) => p.name !== "restitution")) {
       const { label, range, symbol } = constants[p.name];
