@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "arrays.hpp"
+#include "column/model.hpp"
 #include "column/rebound.hpp"
 #include "contact.hpp"
 
@@ -193,9 +194,24 @@ auto sample(const Solution& s, In times) {
                       make_array(std::move(all.dissipated), {n}));
 }
 
+nb::list model_records() {
+    nb::list rows;
+    for (const col::ModelRecord& r : col::model_records) {
+        nb::dict d;
+        d["name"] = r.name;
+        d["label"] = r.label;
+        d["short"] = r.short_label;
+        d["limits"] = r.limits;
+        rows.append(d);
+    }
+    return rows;
+}
+
 }  // namespace
 
 void bind_columns(nb::module_& m) {
+    m.def("model_records", &model_records,
+          "The models of a column in the order of their numbers: name, labels, limits.");
     nb::class_<Column>(m, "Column", "A column of balls in SI units.");
     m.def("make_column", &make_column, "floor"_a, "gravity"_a, "mass"_a, "radius"_a, "contacts"_a, "gaps"_a,
           "velocity"_a);

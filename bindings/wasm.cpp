@@ -6,14 +6,17 @@
 //   [0] law, place in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
 //   [6] number of balls   [7] 1: floor, 0: cradle   [8] gravity [m/s²]
 //   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
+#include "column/model.hpp"
 #include "column/rebound.hpp"
 #include "contact/registry.hpp"
 #include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
+#include "sweep/parameter_table.hpp"
 #include "sweep/viscoelastic_entry.hpp"
 #include "sweep/viscoelastic_kernel.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -318,6 +321,16 @@ void each_parameter(const hl::LawRecord& law, F&& f) {
     for (int i = 0; i < law.n_in_alternative[a]; ++i) f(law.alternatives[a][i]);
 }
 
+void write_line(std::vector<char>& text, std::initializer_list<std::string_view> fields) {
+    char before = '\0';
+    for (const std::string_view field : fields) {
+        if (before) text.push_back(before);
+        before = '\t';
+        text.insert(text.end(), field.begin(), field.end());
+    }
+    text.push_back('\n');
+}
+
 #define HL_RECORD(Law) &hl::contact::Law::record,
 const hl::LawRecord* const laws[] = {HARDLIMIT_LAWS(HL_RECORD)};
 #undef HL_RECORD
@@ -421,38 +434,36 @@ long scan_timeline(int model, long n, const double* restitution, double* out, lo
     return with_law([&]<class Law>() { return timeline<Law>(model, n, restitution, out, room); });
 }
 
-// The laws in the order of the registry, by lines: "law", name, alternative; then "parameter", name, unit, meaning for
-// each parameter in the order of the column. Fields are separated by tabs.
-const char* law_records() {
+// What the core states of itself, by lines whose fields are separated by tabs: for each law of the registry "law",
+// name, alternative, then "parameter", name, unit, meaning in the order of the column; for each parameter of a column
+// "swept", name, unit, meaning; for each model "model", name, label, abbreviation.
+const char* records() {
     static std::vector<char> text;
     text.clear();
-    const auto write = [](std::string_view field, char after) {
-        text.insert(text.end(), field.begin(), field.end());
-        text.push_back(after);
-    };
     for (const hl::LawRecord* law : laws) {
-        const char digit = static_cast<char>('0' + page_alternative(*law));
-        write("law", '\t');
-        write(law->name, '\t');
-        write({&digit, 1}, '\n');
+        const char alternative[] = {static_cast<char>('0' + page_alternative(*law)), '\0'};
+        write_line(text, {"law", law->name, alternative});
         each_parameter(*law, [&](const hl::Parameter& p) {
-            write("parameter", '\t');
-            write(p.name, '\t');
-            write(p.unit, '\t');
-            write(p.meaning, '\n');
+            write_line(text, {"parameter", p.name, p.unit, p.meaning});
         });
     }
+    for (const hl::sweep::SweptRecord& r : hl::sweep::swept_records)
+        write_line(text, {"swept", r.name, r.unit, r.meaning});
+    for (const col::ModelRecord& m : col::model_records)
+        write_line(text, {"model", m.name, m.label, m.abbreviation});
     text.push_back('\0');
     return text.data();
 }
 
-// Lowest and highest value of each parameter, in the order of law_records().
-void law_ranges(double* out) {
+// Lowest and highest value of each "parameter" and "swept", in the order of records().
+void record_ranges(double* out) {
+    const auto write = [&](double lowest, double highest) {
+        *out++ = lowest;
+        *out++ = highest;
+    };
     for (const hl::LawRecord* law : laws)
-        each_parameter(*law, [&](const hl::Parameter& p) {
-            *out++ = p.lowest;
-            *out++ = p.highest;
-        });
+        each_parameter(*law, [&](const hl::Parameter& p) { write(p.lowest, p.highest); });
+    for (const hl::sweep::SweptRecord& r : hl::sweep::swept_records) write(r.lowest, hl::math::infinity);
 }
 
 const char* outcome_message(int outcome) { return hl::message(static_cast<hl::Outcome>(outcome)); }

@@ -49,9 +49,12 @@ using u64 = unsigned long long;
 static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 
 #if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
-// Brings a cache line near before it is needed. Forced inline: gcc takes a function that only does this for one that
-// does nothing.
-__attribute__((always_inline)) inline void prefetch(const void* p) { __builtin_prefetch(p); }
+// Brings a cache line near before it is needed. gcc takes a function that only does this for one that does nothing, and
+// drops the calls of it; the empty instruction is something that it must keep.
+__attribute__((always_inline)) inline void prefetch(const void* p) {
+    __builtin_prefetch(p);
+    __asm__ volatile("" : : "r"(p));
+}
 
 // Fewer entries of the page table for a large array; a hint that may be ignored.
 inline void advise_huge_pages(void* p, unsigned long bytes) {

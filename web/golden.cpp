@@ -1,14 +1,11 @@
 // Golden values of the page's core: columns, what the native build makes of them, and a hash over a large map, as JSON
-// on standard output. tests/data/golden_wasm.json is what this printed; web/tests/golden.test.mjs replays it in
-// WebAssembly. Numbers are the sixteen hexadecimal digits of their bits; every NaN is written as "nan".
-// (web/golden.sh writes it).
+// on standard output; then those of boxes of grains. tests/data/golden_wasm.json is what this printed (web/golden.sh
+// writes it); web/tests/golden.test.mjs replays it in WebAssembly.
 #include "../bindings/wasm.cpp"
 
 #include <array>
-#include <cstdint>
-#include <cstdio>
-#include <cstring>
-#include <string>
+
+#include "golden.hpp"
 
 namespace {
 
@@ -63,18 +60,6 @@ std::vector<Case> cases() {
     };
 }
 
-std::string bits(double x) {
-    if (x != x) return "\"nan\"";
-    char text[24];
-    std::snprintf(text, sizeof text, "\"%016llx\"", static_cast<unsigned long long>(hardlimit::bits_of(x)));
-    return text;
-}
-void print(const char* name, const double* x, long n, const char* after) {
-    std::printf("\"%s\": [", name);
-    for (long i = 0; i < n; ++i) std::printf("%s%s", i ? ", " : "", bits(x[i]).c_str());
-    std::printf("]%s", after);
-}
-
 void print_run(int model, double until) {
     if (!solve(model, until)) {
         std::printf("null");
@@ -94,20 +79,6 @@ void print_run(int model, double until) {
     print("states", states.data(), static_cast<long>(states.size()), "}");
 }
 
-// Two 32-bit hashes of the bits, NaN counted as one value.
-struct Hash {
-    std::uint32_t a = 2166136261u, b = 0x9e3779b9u;
-    void add(double x) {
-        std::uint64_t v = 0x7ff8000000000000ull;
-        if (x == x) std::memcpy(&v, &x, 8);
-        for (const std::uint32_t word :
-             {static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(v >> 32)}) {
-            a = (a ^ word) * 16777619u;
-            b = ((b ^ word) * 0x85ebca6bu) ^ (b >> 13);
-        }
-    }
-};
-
 // side² points: ε = (i + 1/2)/side above 0.02, gap = 1e-8 (j + 1)² m or R1/R2 = 0.5 + 0.05 j.
 void print_map(const char* name, const Case& c, int axis, int side, const char* after) {
     std::memcpy(column_buffer(), c.column.data(), 8 * c.column.size());
@@ -122,8 +93,8 @@ void print_map(const char* name, const Case& c, int axis, int side, const char* 
     for (const double x : out) hash.add(x);
     std::printf("  {\"name\": \"%s\", \"axis\": %d, \"side\": %d, ", name, axis, side);
     print("column", c.column.data(), static_cast<long>(c.column.size()), ", ");
-    std::printf("\"hash\": \"%08x%08x\"}%s\n", static_cast<unsigned>(hash.a), static_cast<unsigned>(hash.b),
-                after);
+    hash.print("hash", "}");
+    std::printf("%s\n", after);
 }
 
 }  // namespace
@@ -152,5 +123,7 @@ int main() {
     print_map("paper, contacts over radius ratio", all[0], 1, 100, ",");
     print_map("viscoelastic over gap", all[5], 0, 60, ",");
     print_map("viscoelastic over radius ratio", all[5], 1, 40, "");
-    std::printf("]}\n");
+    std::printf("],\n");
+    print_boxes();
+    std::printf("}\n");
 }

@@ -11,10 +11,17 @@ void* operator new(std::size_t size) {
 }
 void* operator new[](std::size_t size) { return operator new(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return std::malloc(size ? size : 1); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    const std::size_t unit = static_cast<std::size_t>(alignment);
+    void* p = std::aligned_alloc(unit, (size + unit - 1) / unit * unit);
+    if (!p) __builtin_trap();
+    return p;
+}
 void operator delete(void* p) noexcept { std::free(p); }
 void operator delete[](void* p) noexcept { std::free(p); }
 void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
 void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
 
 void std::__libcpp_verbose_abort(const char*, ...) { __builtin_trap(); }

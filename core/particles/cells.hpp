@@ -138,42 +138,9 @@ public:
         if (c->tail <= inline_ids) return n + c->tail;
         return collect_chain(c, list, n);
     }
-    // All ids in a block of at most three cells along each axis; what lies beyond a border is found on the other
-    // side, or not at a wall. `across` tells whether the block reaches across a periodic border.
-    std::size_t collect_near(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to,
-                             std::vector<u32>& list, bool& across) const {
-        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
-        u32 offset[3][3] = {}, count[3] = {1, 1, 1}, stride = 1;
-        across = false;
-        for (int k = 0; k < d; ++k) {
-            count[k] = 0;
-            for (int at = from[k]; at <= to[k]; ++at) {
-                const int shift = at < 0 ? g.cells[k] : at >= g.cells[k] ? -g.cells[k] : 0;
-                across = across || shift != 0;
-                if (shift != 0 && !box.periodic[k]) continue;
-                offset[k][count[k]++] = static_cast<u32>(at + shift) * stride;
-            }
-            stride *= static_cast<u32>(g.cells[k]);
-        }
-        const Cell* const cells = cells_.data() + g.first;
-        u32* out = list.data();
-        for (u32 z = 0; z < count[2]; ++z)
-            for (u32 y = 0; y < count[1]; ++y) {
-                const Cell* const row = cells + (offset[2][z] + offset[1][y]);
-                for (u32 x = 0; x < count[0]; ++x) {
-                    const Cell* const cell = row + offset[0][x];
-                    std::memcpy(out, cell, sizeof *cell);
-                    if (cell->tail <= inline_ids)
-                        out += cell->tail;
-                    else
-                        out = list.data() +
-                              collect_chain(cell, list, static_cast<std::size_t>(out - list.data()));
-                }
-            }
-        return static_cast<std::size_t>(out - list.data());
-    }
-
-    // The same block for the kernels that collect it themselves; its ids need at most room(). Returns `across`.
+    // A block of at most three cells along each axis, for the kernels that collect it themselves; what lies beyond a
+    // border is found on the other side, or not at a wall. Its ids need at most room(). Returns whether the block
+    // reaches across a periodic border.
     bool lay_block(hardlimit_abi::CellBlock& block, const Box<d>& box, int level, const Place<d>& from,
                    const Place<d>& to) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
@@ -199,18 +166,28 @@ public:
     }
     std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
 
-    // Fetches the cells around one that is not at a border; elsewhere it would not pay.
-    void fetch_around(int level, u32 cell) const {
-        for_rows(level, cell, [](const Cell* row) {
+    // Cells that a particle will look into, counted from its own: those around it, or beyond a border of it.
+    struct Surroundings {
+        int from[3] = {-1, -1, d == 3 ? -1 : 0}, to[3] = {1, 1, d == 3 ? 1 : 0};
+
+        static Surroundings beyond(int axis, bool high) {
+            Surroundings s;
+            s.from[axis] = s.to[axis] = high ? 2 : -2;
+            return s;
+        }
+    };
+    // Fetches those of a cell that is not at a border of the box; elsewhere it would not pay.
+    void fetch(int level, u32 cell, const Surroundings& s) const {
+        for_rows(level, cell, s, [](const Cell* row, int length) {
             prefetch(row);
-            prefetch(row + 2);
+            if (length == 3) prefetch(row + 2);
         });
     }
     // f(id) for the particles there, without those that did not fit inline.
     template <class F>
-    void for_inline_around(int level, u32 cell, const F& f) const {
-        for_rows(level, cell, [&](const Cell* row) {
-            for (int x = 0; x < 3; ++x)
+    void for_inline(int level, u32 cell, const Surroundings& s, const F& f) const {
+        for_rows(level, cell, s, [&](const Cell* row, int length) {
+            for (int x = 0; x < length; ++x)
                 for (u32 k = 0; k < std::min(row[x].tail, inline_ids); ++k) f(row[x].id[k]);
         });
     }
@@ -299,17 +276,17 @@ private:
         if (to >= cells && periodic) part(std::max(from, cells) - cells, to - cells);
     }
 
-    // f(the first of three cells in a row) for the rows around a cell, as far as they are cells at all.
+    // f(the first of the cells in a row, how many), as far as they are cells at all.
     template <class F>
-    void for_rows(int level, u32 cell, const F& f) const {
+    void for_rows(int level, u32 cell, const Surroundings& s, const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
-        const i64 row = g.cells[0], plane = d == 3 ? row * g.cells[1] : 0,
-                  most = static_cast<i64>(cells_.size()) - 3;
-        const int planes = d == 3 ? 1 : 0;
-        for (int z = -planes; z <= planes; ++z)
-            for (int y = -1; y <= 1; ++y) {
-                const i64 first = static_cast<i64>(cell) - 1 + y * row + z * plane;
-                if (first >= 0 && first <= most) f(cells_.data() + first);
+        const i64 row = g.cells[0], plane = d == 3 ? row * g.cells[1] : 0;
+        const int length = s.to[0] - s.from[0] + 1;
+        const i64 most = static_cast<i64>(cells_.size()) - length;
+        for (int z = s.from[2]; z <= s.to[2]; ++z)
+            for (int y = s.from[1]; y <= s.to[1]; ++y) {
+                const i64 first = static_cast<i64>(cell) + s.from[0] + y * row + z * plane;
+                if (first >= 0 && first <= most) f(cells_.data() + first, length);
             }
     }
 

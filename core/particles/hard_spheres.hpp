@@ -104,7 +104,7 @@ private:
     std::unique_ptr<SoftRule> soft_;
     Records<SoftContact> softs_;  // under the soft rule only
     i64 soft_contacts_ = 0, soft_third_body_ = 0;
-    bool fetches_ = false;  // whether the system is too large for the caches
+    bool fetches_ = false;  // whether the system is too large for a core's caches
 
     static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.of[d - 2][static_cast<int>(motion)];
@@ -173,6 +173,7 @@ private:
     // hard_spheres_ahead.hpp
     void look_ahead();
     void look_into_bin();
+    static typename Cells<d>::Surroundings surroundings(const Pending& e);
     void fetch_cells(u32 i) const;
     void fetch_neighbours(u32 i) const;
 

@@ -23,22 +23,31 @@ void HardSpheres<d, motion, mixed>::look_into_bin() {
         calendar_.ahead(k, [this](u32 id) { fetch_neighbours(id); });
 }
 
-// The cells around a particle, the particle, and the one it meets.
+// Where a particle will look at its next event.
+template <int d, Motion motion, bool mixed>
+auto HardSpheres<d, motion, mixed>::surroundings(const Pending& e) -> typename Cells<d>::Surroundings {
+    const Own own = static_cast<Own>(e.own);
+    if (e.pair_time <= e.own_time || own == Own::rescan) return {};
+    return Cells<d>::Surroundings::beyond(axis_of(own), is_high(own));
+}
+
+// The cells there, the particle, and the one it meets.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::fetch_cells(u32 i) const {
     const Pending& e = pending_[i];
     prefetch(&particles_[i]);
-    if (e.partner != nobody) {
+    if (e.pair_time <= e.own_time) {
         prefetch(&particles_[e.partner]);
         prefetch(&pending_[e.partner]);
     }
-    cells_.fetch_around(level(i), e.cell);
+    cells_.fetch(level(i), e.cell, surroundings(e));
 }
 
 // The particles in those cells.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::fetch_neighbours(u32 i) const {
-    cells_.for_inline_around(level(i), pending_[i].cell, [this](u32 id) { prefetch(&particles_[id]); });
+    const Pending& e = pending_[i];
+    cells_.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) { prefetch(&particles_[id]); });
 }
 
 }  // namespace hardlimit::particles

@@ -1,6 +1,6 @@
-"""The models of a column, each described once: name, labels, what it applies to, its limits, its solver.
+"""The models of a column: what the core says of them, what each applies to, and its solver.
 
-Python, the command line, sweeps, plots and the page read this table.
+Names, labels and limits stand in ``core/column/model.hpp``, where the page reads them, too.
 """
 
 from __future__ import annotations
@@ -57,35 +57,18 @@ class Model:
             raise ValueError(f"column: the {self.name} model is that of {self.needs}")
 
 
+def _model(number: int, solve: Callable[..., _core.Solution], **applies: Any) -> Model:
+    return Model(number=number, solve=solve, **_core.model_records()[number], **applies)
+
+
 #: Newton's equations (Eq. 14), with a force for as long as a contact lasts.
-NEWTON: Final = Model(
-    number=0,
-    name="newton",
-    label="Newton’s equations",
-    short="Newton",
-    limits="none beyond those of the contact law",
-    solve=_core.newton,
-)
+NEWTON: Final = _model(0, _core.newton)
 #: Appendix A: the upper ball does not act on the lower one.
-ADIABATIC: Final = Model(
-    number=1,
-    name="adiabatic",
-    label="adiabatic",
-    short="adiabatic",
-    limits="exact for R1 ≫ R2; the error falls as the mass ratio m2/m1",
-    solve=_core.adiabatic,
-    applies=solvable_exactly,
-    needs="two balls on a floor under the linear law",
+ADIABATIC: Final = _model(
+    1, _core.adiabatic, applies=solvable_exactly, needs="two balls on a floor under the linear law"
 )
 #: Instantaneous collisions of two bodies at a time (Eqs. 1–6): the event-driven sequence.
-INDEPENDENT: Final = Model(
-    number=2,
-    name="independent",
-    label="independent collisions",
-    short="independent",
-    limits="right if every contact is over before the next one begins; may end in inelastic collapse",
-    solve=_core.independent,
-)
+INDEPENDENT: Final = _model(2, _core.independent)
 
 #: Name → model, in the order of the core's numbers.
 MODELS: Final[Mapping[str, Model]] = MappingProxyType(

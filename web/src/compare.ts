@@ -7,6 +7,7 @@ import type { Pool } from "./pool";
 import { constants, constantsOf, copyOf, massOf, type Scenario } from "./scenario";
 import { drawTrueScale } from "./stage";
 import type { State } from "./state";
+import { labelOf, namesOf, parameterOfColumn } from "./tables";
 
 type Row = [string, string, string];
 
@@ -20,7 +21,7 @@ export function differences(a: Scenario, b: Scenario): Row[] {
   row("balls", String(a.balls.length), String(b.balls.length));
   row("ε", digits(a.restitution, 4), digits(b.restitution, 4));
   if (!a.cradle || !b.cradle) row("height of the lowest centre", withUnit(a.height, "m", 4), withUnit(b.height, "m", 4));
-  for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++) row(a.balls.length === 2 && b.balls.length === 2 ? "gap Δh" : `gap ${i + 1}–${i + 2}`, gap(a.gaps[i]), gap(b.gaps[i]));
+  for (let i = 0; i < Math.max(a.gaps.length, b.gaps.length); i++) row(a.balls.length === 2 && b.balls.length === 2 ? labelOf(parameterOfColumn("gap")) : `gap ${i + 1}–${i + 2}`, gap(a.gaps[i]), gap(b.gaps[i]));
   for (const name of new Set([...constantsOf(a), ...constantsOf(b)])) {
     const say = (s: Scenario): string => (constantsOf(s).includes(name) ? withUnit(s.constants[name], constants[name].range.unit, 4) : "–");
     row(constants[name].label, say(a), say(b));
@@ -38,14 +39,13 @@ export function differences(a: Scenario, b: Scenario): Row[] {
 function results(a: Drop, b: Drop): { name: string; model: "newton" | "icm"; values: [string, string] }[] {
   const top = (d: Drop): number => d.scenario.balls.length - 1;
   const models = ["newton", "icm"] as const;
-  const name = { newton: "Newton", icm: "ICM" };
   if (a.scenario.cradle || b.scenario.cradle)
     return models.map((model) => ({
-      name: `Last ball leaves with, ${name[model]}`, model,
+      name: `Last ball leaves with, ${namesOf[model].short}`, model,
       values: [a, b].map((d) => withUnit(d[model].final.velocity[top(d)], "m/s", 3, true)) as [string, string],
     }));
-  const rises = models.map((model) => ({ name: `Top ball rises to, ${name[model]}`, model, values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]) }));
-  const counts = models.map((model) => ({ name: `Ball–ball contacts, ${name[model]}`, model, values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string] }));
+  const rises = models.map((model) => ({ name: `Top ball rises to, ${namesOf[model].short}`, model, values: lengths(a[model].peaks[top(a)], b[model].peaks[top(b)]) }));
+  const counts = models.map((model) => ({ name: `Ball–ball contacts, ${namesOf[model].short}`, model, values: [String(a[model].run.nContacts), String(b[model].run.nContacts)] as [string, string] }));
   return [...rises, ...counts];
 }
 

@@ -1,8 +1,9 @@
 // The controls: a slider and a text field for every number.
 import { parse, sub, withUnit } from "./format";
 import {
-  clampTo, constants, constantsOf, densityFor, laws, massOf, MOST_BALLS, ranges, setBallCount, settle, type Range, type Scenario,
+  clampTo, constants, constantsOf, densityFor, laws, massOf, MOST_BALLS, ranges, restitutionOf, setBallCount, settle, type Range, type Scenario,
 } from "./scenario";
+import { capital, labelOf, parameterOfColumn } from "./tables";
 import { touchable } from "./touch";
 
 // Places of a slider: even steps on a linear scale, a thousand on a logarithmic one.
@@ -62,12 +63,12 @@ export class Controls {
       this.list.push(c);
       parts.push(c.element);
     };
-    add(this.number("restitution", "Restitution ε", ranges.restitution, (q) => q.restitution, (q, x) => (q.restitution = x)));
-    if (s.balls.length === 2) add(this.gap(1, `Gap Δh`));
+    add(this.number("restitution", labelOf(restitutionOf(s)), ranges.restitution, (q) => q.restitution, (q, x) => (q.restitution = x)));
+    if (s.balls.length === 2) add(this.gap(1, labelOf(parameterOfColumn("gap"))));
     if (!s.cradle)
-      add(this.number("height", "Height of lowest centre", ranges.height, (q) => q.height, (q, x) => (q.height = x)));
+      add(this.number("height", labelOf(parameterOfColumn("height")), ranges.height, (q) => q.height, (q, x) => (q.height = x)));
     add(
-      this.choice("law", "Contact law", laws.map(({ name }) => [name, name === "tsuji" ? "Tsuji" : name]), () => this.scenario.law, (v) =>
+      this.choice("law", "Contact law", laws.map(({ name }) => [name, capital(name)]), () => this.scenario.law, (v) =>
         this.edit((q) => (q.law = v)),
       ),
     );
@@ -92,13 +93,13 @@ export class Controls {
         group.append(c.element);
       };
       const name = sub(i + 1);
-      inside(this.number(`radius${i + 1}`, `Radius R${name}`, ranges.radius, (q) => q.balls[i].radius, (q, x) => (q.balls[i].radius = x)));
+      inside(this.number(`radius${i + 1}`, labelOf(parameterOfColumn("radius")) + name, ranges.radius, (q) => q.balls[i].radius, (q, x) => (q.balls[i].radius = x)));
       inside(
-        this.number(`mass${i + 1}`, `Mass m${name}`, ranges.mass, (q) => massOf(q.balls[i]), (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius))),
+        this.number(`mass${i + 1}`, labelOf(parameterOfColumn("mass")) + name, ranges.mass, (q) => massOf(q.balls[i]), (q, x) => (q.balls[i].density = densityFor(x, q.balls[i].radius))),
       );
       inside(this.density(i));
       if (i > 0 && n > 2) inside(this.gap(i, s.cradle ? `Gap to ball ${i}` : `Gap below, to ball ${i}`));
-      if (s.cradle) inside(this.number(`velocity${i + 1}`, `Velocity`, ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
+      if (s.cradle) inside(this.number(`velocity${i + 1}`, labelOf(parameterOfColumn("velocity")), ranges.velocity, (q) => q.velocities[i], (q, x) => (q.velocities[i] = x)));
       parts.push(group);
     }
     this.box.replaceChildren(...parts);

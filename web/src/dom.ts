@@ -16,6 +16,9 @@ export class Sheet {
       if (this.measure()) resized();
     }).observe(this.canvas.parentElement!);
   }
+  // Whether there is anything to see of it, on the screen or beyond its edge.
+  readonly shown = (): boolean => this.width > 0;
+
   private measure(): boolean {
     const { clientWidth: w, clientHeight: h } = this.canvas.parentElement!;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);

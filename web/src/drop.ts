@@ -4,6 +4,7 @@ import { Clock, windowsOf, type Window } from "./clock";
 import { Model, type Contact, type Core, type Run, type State } from "./core";
 import { Motion, type Samples } from "./motion";
 import { GRAVITY, type Scenario } from "./scenario";
+import { independent as independentNames, newton as newtonNames } from "./tables";
 
 export interface Track {
   run: Run; // the sequence of contacts
@@ -110,15 +111,15 @@ function laterHeights(t: Track): number[] {
 // `report` is told what begins, as a share of the whole.
 export function solve(core: Core, scenario: Scenario, report: (what: string, share: number) => void = () => {}): Solved | Unsolved {
   core.set(scenario);
-  report("Newton’s equations", 0);
+  report(newtonNames.label, 0);
   const newton = sequence(core, Model.newton);
-  report("independent collisions", 0.3);
+  report(independentNames.label, 0.3);
   const icm = newton && sequence(core, Model.independent);
   if (!newton || !icm) return { scenario, reason: "These balls never meet the floor." };
   const stop = Math.max(endOfFilm(scenario, newton), endOfFilm(scenario, icm));
-  report("the film by Newton’s equations", 0.5);
+  report(`the film by ${newtonNames.label}`, 0.5);
   goOn(core, Model.newton, newton, stop);
-  report("the film by independent collisions", 0.75);
+  report(`the film by ${independentNames.label}`, 0.75);
   goOn(core, Model.independent, icm, stop);
   report("the film’s pictures", 0.9);
   const contacts = newton.run.contacts.filter((c) => c.begin <= newton.run.last);

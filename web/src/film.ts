@@ -3,6 +3,7 @@ import { find, type Sheet } from "./dom";
 import type { Drop } from "./drop";
 import { drawStage } from "./stage";
 import type { State } from "./state";
+import { independent, newton } from "./tables";
 import { touchable } from "./touch";
 
 export class Film {
@@ -113,7 +114,7 @@ export class Film {
     find("speed").textContent = speed;
     scrubber.setAttribute("aria-valuetext", `${told}, ${speed}`);
     if (!state.playing || sheet.canvas.getAttribute("aria-label") === null)
-      sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of Newton’s equations beside those of independent collisions`);
+      sheet.canvas.setAttribute("aria-label", `Animation at ${told}: balls of ${newton.label} beside those of ${independent.label}`);
   }
 }
 

@@ -2,6 +2,7 @@
 import type { Drop } from "./drop";
 import { digits, forceName, niceTicks, withUnit } from "./format";
 import { drawAxes, fontSize, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
+import { independent } from "./tables";
 import type { Theme } from "./theme";
 
 export interface ForcesLayout {
@@ -126,7 +127,7 @@ function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames:
   g.fillStyle = theme.icm;
   g.textBaseline = "bottom";
   g.textAlign = "right";
-  const text = times.length === 1 ? "ICM: one instant" : `ICM: ${times.length} instants`;
+  const text = `${independent.short}: ${times.length === 1 ? "one instant" : `${times.length} instants`}`;
   g.fillText(text, frames[0].left + frames[0].width, frames[0].top - 5);
   return g.measureText(text).width;
 }

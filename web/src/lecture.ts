@@ -31,9 +31,9 @@ export class Lecture {
     pool: Pool,
     private readonly moves: () => boolean,
     load: (example: string) => void,
+    resized: () => void,
   ) {
     const view = state.lecture;
-    const resized = (): void => state.redraw();
     this.rebound = new ReboundPanel(state, view, new Sheet("rebound", resized), pool);
     this.compare = new Compare(state, view, new Sheet("compare-stage", resized), pool, () => this.settingsChanged());
     this.mini = new Mini(state);

@@ -49,7 +49,7 @@ class Page {
     this.desk = new Desk(module);
     this.pool = new Pool(module);
     const state = (this.state = new State(copyOf(presets[0].scenario), () => this.edited()));
-    const resized = (): void => state.redraw();
+    const resized = (): void => this.resized();
     this.fillPresets();
     this.readLink();
     this.controls = new Controls(find("controls"), state.scenario, () => this.edited());
@@ -58,7 +58,7 @@ class Page {
     this.forces = new ForcesPanel(state, this.forcesSheet, this.film);
     this.timeline = new TimelinePanel(state, new Sheet("timeline", resized), this.pool);
     this.map = new MapPanel(state, new Sheet("map", resized), this.pool);
-    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!));
+    this.lecture = new Lecture(state, this.film, this.map, this.pool, moves, (id) => this.load(presets.find((p) => p.id === id)!), resized);
     find("notes").querySelector("button")!.addEventListener("click", () => this.note([]));
     addEventListener("popstate", () => this.goBack());
     new ThemeSwitch(state);
@@ -206,7 +206,7 @@ class Page {
 
   private tellNumbers(): void {
     const d = this.state.drop!;
-    fillTable(find("numbers").querySelector("tbody")!, d);
+    fillTable(find("numbers"), d);
     find("rebound-said").hidden = d.scenario.cradle;
     fillDefinitions(find("definitions").querySelector("dl")!, d);
     fillEnergy(find("energy"), d);
@@ -222,6 +222,12 @@ class Page {
     b.textContent = icm;
     find("verdict").replaceChildren(a, b);
     this.announcer.say(`${newton} ${icm}`);
+  }
+
+  // A picture that is shown now may not be computed yet.
+  private resized(): void {
+    this.state.redraw();
+    this.pool.wake();
   }
 
   // ---- drawing ----------------------------------------------------------------------------------------

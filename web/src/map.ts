@@ -31,7 +31,7 @@ export class ContactMap {
   private column: Float64Array = new Float64Array();
   private axis: MapAxis = "gap";
   private job = 0;
-  private began = 0;
+  private began = NaN; // when the first points were asked for
   private perPoint = 0; // ms, measured as it goes; 0: not known yet
   private next = 0; // stride of the level that is being sent
   private show: MapShow = "count";
@@ -46,12 +46,13 @@ export class ContactMap {
   constructor(
     private readonly pool: Pool,
     private readonly changed: () => void,
+    shown: () => boolean,
   ) {
     this.box = { x: [0.05, 1], y: [1e-6, 1e-2] };
     this.sheet = document.createElement("canvas");
     this.sheet.width = this.sheet.height = SIDE;
     this.image = new ImageData(SIDE, SIDE);
-    pool.add(() => this.nextBatch());
+    pool.add(() => this.nextBatch(), shown);
   }
 
   // `keep`: what is shown is part of the same map and stays until it is covered.
@@ -70,7 +71,7 @@ export class ContactMap {
     this.next = strides[0];
     this.resolution = this.sent = this.perPoint = 0;
     this.computing = this.computed = 0;
-    this.began = performance.now();
+    this.began = NaN;
     for (const stride of strides) for (let column = 0; column < SIDE; column += stride) this.queue.push({ stride, column, from: 0 });
     this.column = columnOf(scenario);
     this.axis = axis;
@@ -96,6 +97,7 @@ export class ContactMap {
       if (j < SIDE) next.from = j;
       else this.queue.shift();
     }
+    if (Number.isNaN(this.began)) this.began = performance.now();
     if (at.length === 0) return null;
     const x = this.scaleX(0, SIDE);
     const y = this.scaleY(0, SIDE);

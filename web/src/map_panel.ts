@@ -27,7 +27,7 @@ export class MapPanel {
     private readonly sheet: Sheet,
     private readonly pool: Pool,
   ) {
-    this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true));
+    this.map = new ContactMap(pool, () => (state.dirty.mapPicture = true), sheet.shown);
     this.map.setShow(state.view.map.show);
     this.listenPointer();
     this.listenKeys();

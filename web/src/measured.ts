@@ -6,7 +6,7 @@ export interface MeasuredBall {
   diameter: [number, number]; // m
   restitution: [number, number]; // from the rebound heights below
   bounce: string; // the test that gives the restitution
-  contact: { time: number; how: string } | null; // s on a rigid floor
+  contact: { time: number; how: string } | null; // s on a rigid floor, approximately
   source: string;
 }
 
@@ -56,9 +56,9 @@ export const measuredBalls: MeasuredBall[] = [
     bounce: "dropped from 1.8 m (its lowest point), its top comes back to 1.2 to 1.4 m",
     contact: {
       time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
-      how: "calculated from the pressure, 7.5 to 8.5 psi (NBA rules): k = 2πRp = 42 kN/m",
+      how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA rules), k = 2πRp = 42 kN/m",
     },
-    source: "FIBA, Official Basketball Rules (mass, circumference, rebound)",
+    source: "FIBA, Official Basketball Rules, older editions (mass, circumference, rebound); today the range is narrower, 580 g to 620 g and 75 cm to 77 cm around",
   },
   {
     id: "tennis",
@@ -67,8 +67,8 @@ export const measuredBalls: MeasuredBall[] = [
     diameter: [0.0654, 0.0686],
     restitution: fromHeights(2.54, [1.35, 1.47]),
     bounce: "dropped from 2.54 m on concrete, it comes back to 1.35 to 1.47 m",
-    contact: { time: 5e-3, how: "measured on a force plate, about 5 ms: R. Cross, Sports Engineering 2, 23 (1999)" },
-    source: "ITF, Rules of Tennis, Appendix I",
+    contact: { time: 5e-3, how: "approximate; for measured courses of the force see R. Cross, Sports Engineering 2, 23 (1999)" },
+    source: "ITF, Rules of Tennis, Appendix I (mass, size, rebound)",
   },
   {
     id: "tabletennis",
@@ -76,9 +76,9 @@ export const measuredBalls: MeasuredBall[] = [
     mass: [0.0027, 0.0027],
     diameter: [0.04, 0.04],
     restitution: fromHeights(0.305, [0.24, 0.26]),
-    bounce: "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm",
+    bounce: "dropped from 30.5 cm on a steel block, it comes back to 24 to 26 cm; a ball that is not of celluloid to 26.5 cm",
     contact: null,
-    source: "ITTF, Laws of Table Tennis 2.3 and Technical Leaflet T3",
+    source: "ITTF, Laws of Table Tennis 2.03 (mass, diameter) and Technical Leaflet T3, B.7 (bounce)",
   },
 ];
 

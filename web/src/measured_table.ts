@@ -13,7 +13,7 @@ function facts(b: MeasuredBall): [string, string][] {
   ];
   if (b.contact) {
     const stiffness = stiffnessFor(middle(b.mass), b.contact.time, middle(b.restitution));
-    list.push(["Contact with the floor", `${withUnit(b.contact.time, "s", 2)} (${b.contact.how})`], ["Stiffness", withUnit(stiffness, "N/m", 2)]);
+    list.push(["Contact with the floor", `about ${withUnit(b.contact.time, "s", 2)} (${b.contact.how})`], ["Stiffness", `about ${withUnit(stiffness, "N/m", 2)}`]);
   }
   list.push(["Source", b.source]);
   return list;

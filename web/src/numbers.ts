@@ -2,6 +2,7 @@
 import type { State } from "./core";
 import type { Solved, Track } from "./drop";
 import { digits, lengths, withUnit } from "./format";
+import { capital, independent, namesOf } from "./tables";
 
 interface Row {
   name: string;
@@ -41,8 +42,8 @@ function rows(d: Solved): Row[] {
   }
   row("vr", "Relative velocity v′_r", "upper minus lower velocity when the last contact of the sequence ends", both((t) => withUnit(t.run.relativeVelocity, "m/s", 3, true)));
   row("vs", "Separation velocity", "the same once no force acts", both((t) => withUnit(t.run.separationVelocity, "m/s", 3, true)));
-  row("eff", "ε_eff", "restitution that would give v′ᵣ with independent collisions", both((t) => digits(t.run.effective)));
-  row("ratio", "ε_eff/ε", "1: independent collisions are right", both((t) => digits(t.run.effective / scenario.restitution)));
+  row("eff", "ε_eff", `restitution that would give v′ᵣ with ${independent.label}`, both((t) => digits(t.run.effective)));
+  row("ratio", "ε_eff/ε", `1: ${independent.label} are right`, both((t) => digits(t.run.effective / scenario.restitution)));
   row("sep", "ε_eff/ε at separation", "the same from the separation velocity", both((t) => digits(t.run.effectiveSeparation / scenario.restitution)));
   row("floor", "Floor contact lasts", "first contact of the lowest ball with the floor", [withUnit(newton.run.tFloorEnd, "s"), "0 s"]);
   return list;
@@ -75,8 +76,10 @@ export function exactNumbers(d: Solved): Record<string, number | null> {
   return out;
 }
 
-export function fillTable(body: HTMLElement, d: Solved): void {
+export function fillTable(table: HTMLElement, d: Solved): void {
   const list = rows(d);
+  for (const [model, names] of Object.entries(namesOf)) table.querySelector(`th.${model}`)!.textContent = names.short;
+  const body = table.querySelector("tbody")!;
   while (body.children.length > list.length) body.lastElementChild!.remove();
   list.forEach((r, i) => {
     let tr = body.children[i] as HTMLTableRowElement | undefined;
@@ -114,7 +117,7 @@ export function fillEnergy(box: HTMLElement, d: Solved): void {
   const n = d.scenario.balls.length;
   const names = [...d.scenario.balls.map((_, i) => ballName(n - 1 - i, d.scenario.cradle ? 0 : n)), "lost in contacts"];
   const colors = [...d.scenario.balls.map((_, i) => `var(--ball${n - i})`), "var(--lost)"];
-  const tracks: [string, string, Track][] = [["Newton", "newton", d.newton], ["ICM", "icm", d.icm]];
+  const tracks: [string, string, Track][] = [[namesOf.newton.short, "newton", d.newton], [namesOf.icm.short, "icm", d.icm]];
   const parts: HTMLElement[] = [];
   for (const [name, className, track] of tracks) {
     const title = document.createElement("div");
@@ -158,7 +161,7 @@ export const ballName = (i: number, n: number): string =>
 
 const words = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
 const spell = (n: number): string => words[n] ?? String(n);
-const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
+const ICM = capital(independent.label);
 
 const contactsOf = (k: number): string => (k === 1 ? "one contact" : `${spell(k)} contacts`);
 
@@ -171,17 +174,17 @@ export function verdict(d: Solved): [string, string] {
   const unknown = newton.run.outcome !== 0 ? `${capital(newton.run.message)}.` : "";
   if (scenario.cradle) {
     const v = (t: Track): string => withUnit(t.final.velocity[n - 1], "m/s", 3, true);
-    return [unknown || `${contacts}; the last ball leaves with ${v(newton)}.`, `Independent collisions: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
+    return [unknown || `${contacts}; the last ball leaves with ${v(newton)}.`, `${ICM}: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
   }
   const [rise, risen] = lengths(newton.peaks[n - 1], icm.peaks[n - 1]);
-  if (unknown) return [unknown, Number.isNaN(icm.peaks[n - 1]) ? "" : `Independent collisions: ${spell(icm.run.nContacts)}, and up to ${risen}.`];
+  if (unknown) return [unknown, Number.isNaN(icm.peaks[n - 1]) ? "" : `${ICM}: ${spell(icm.run.nContacts)}, and up to ${risen}.`];
   const ratio = newton.run.effective / scenario.restitution;
   const where = Number.isNaN(newton.peaks[n - 1]) ? `${contacts}; the top ball does not bounce before the floor is met again.` : `${contacts}, and the top ball rises to ${rise}.`;
-  if (Number.isNaN(icm.peaks[n - 1])) return [where, `Independent collisions: ${icm.run.outcome !== 0 ? icm.run.message : "the top ball is not met"}.`];
-  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `Independent collisions say ${rise === risen ? "the same" : "nearly the same"}: ${risen}.`];
+  if (Number.isNaN(icm.peaks[n - 1])) return [where, `${ICM}: ${icm.run.outcome !== 0 ? icm.run.message : "the top ball is not met"}.`];
+  if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `${ICM} say ${rise === risen ? "the same" : "nearly the same"}: ${risen}.`];
   const times = icm.peaks[n - 1] / newton.peaks[n - 1];
   const factor = times > 1.15 ? `, ${digits(times, 2)} times as high` : "";
-  return [where, `Independent collisions: ${spell(icm.run.nContacts)}, and up to ${risen}${factor}.`];
+  return [where, `${ICM}: ${spell(icm.run.nContacts)}, and up to ${risen}${factor}.`];
 }
 
 // What the names in the table mean, for those that are shown.

@@ -69,8 +69,9 @@ export class Pool {
     for (let i = 0; i < this.size; i++) this.hands.push(new Hand(module, () => this.wake()));
   }
 
-  add(source: Source): void {
-    this.sources.push(source);
+  // What a source computes is for a picture: nothing is asked of it while that is not shown.
+  add(source: Source, shown: () => boolean): void {
+    this.sources.push(() => (shown() ? source() : null));
   }
 
   // Before anything that the sources still have.

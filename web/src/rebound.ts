@@ -58,8 +58,9 @@ export class Curve {
   constructor(
     private readonly pool: Pool,
     private readonly changed: () => void,
+    shown: () => boolean,
   ) {
-    pool.add(() => this.nextBatch());
+    pool.add(() => this.nextBatch(), shown);
   }
 
   start(scenario: Scenario, axis: CurveAxis, span: Span): void {

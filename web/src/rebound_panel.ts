@@ -8,6 +8,7 @@ import { Curve, spanOf, valueOn, type CurvePoint } from "./rebound";
 import { drawCurves, nameOf, nearest, valueAt, type CurveLayout, type CurvePicture } from "./rebound_plot";
 import { clampTo, firstGap, lowestHeight, ranges, type Scenario } from "./scenario";
 import type { State } from "./state";
+import { independent, newton } from "./tables";
 import { dragged } from "./touch";
 
 const largestFile = 1e6; // bytes
@@ -29,8 +30,8 @@ export class ReboundPanel {
     pool: Pool,
   ) {
     const changed = (): void => void (this.dirty = true);
-    this.curve = new Curve(pool, changed);
-    this.pinned = new Curve(pool, changed);
+    this.curve = new Curve(pool, changed, sheet.shown);
+    this.pinned = new Curve(pool, changed, sheet.shown);
     this.listen();
   }
 
@@ -116,7 +117,7 @@ export class ReboundPanel {
 
   private told(p: CurvePoint): string {
     const say = (x: number): string => (!Number.isFinite(x) ? "none" : this.state.scenario.cradle ? withUnit(x, "m/s") : metres(x));
-    return `Newton ${say(p.newton)}, ICM ${say(p.icm)}`;
+    return `${newton.short} ${say(p.newton)}, ${independent.short} ${say(p.icm)}`;
   }
 
   // Newton's heights at gap 0 and the highest over the gap; null until they are computed.

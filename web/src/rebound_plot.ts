@@ -4,6 +4,7 @@ import type { CurveAxis } from "./lecture_view";
 import type { Measurements } from "./measurements";
 import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
 import type { CurvePoint, Span } from "./rebound";
+import { independent, newton } from "./tables";
 import type { Theme } from "./theme";
 
 export interface CurvePicture {
@@ -257,14 +258,14 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme
   let at = f.left + f.width;
   const y = f.top - 5;
   const names: [string, string, number[] | null][] = [
-    ["independent collisions", theme.icm, [8, 5]],
-    ["Newton", theme.newton, []],
+    [independent.label, theme.icm, [8, 5]],
+    [newton.short, theme.newton, []],
   ];
   if (p.measured?.axis === p.axis) names.push(["measured", theme.ink, null]);
   if (p.pinned.length > 0) names.push(["thin: A", theme.muted, null]);
   const short = f.width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
   for (const [name, color, dash] of names) {
-    const text = short && name.startsWith("independent") ? "ICM" : name;
+    const text = short && name === independent.label ? independent.short : name;
     g.fillStyle = color;
     g.fillText(text, at, y);
     at -= g.measureText(text).width + 6;

@@ -1,21 +1,5 @@
 // What is dropped: the parameters, their ranges, their form in a link and in a TOML file. SI units.
-export interface LawParameter {
-  name: string;
-  unit: string; // "1": a plain number
-  meaning: string;
-  lowest: number;
-  highest: number | null; // null: infinite
-}
-
-export interface Law {
-  name: string;
-  alternative: number;
-  parameters: LawParameter[]; // in the order of the core's column; one of them is the restitution
-}
-
-// The laws of the core's registry, in its order; build.mjs puts them here.
-declare const LAWS: Law[];
-export const laws: readonly Law[] = LAWS;
+import { labelOf, laws, parameterOfColumn, symbolOf, unitOf, type Law, type Quantity } from "./tables";
 
 export interface Ball {
   radius: number;
@@ -45,17 +29,20 @@ export interface Range {
   zero?: boolean; // 0 is allowed below `low`
 }
 
+// The extent of a slider: what a teacher may want of what the core takes.
+const rangeOf = (name: string, slider: Omit<Range, "unit">): Range => ({ ...slider, unit: unitOf(parameterOfColumn(name)) });
+
 export const ranges = {
   restitution: { low: 0.02, high: 1, log: false, unit: "" },
-  height: { low: 0.01, high: 10, log: true, unit: "m" },
-  radius: { low: 1e-3, high: 0.5, log: true, unit: "m" },
-  mass: { low: 1e-6, high: 1e3, log: true, unit: "kg" },
-  gap: { low: 1e-8, high: 1, log: true, unit: "m", zero: true },
-  velocity: { low: -5, high: 5, log: false, step: 0.01, unit: "m/s" },
-  density: { low: 0.1, high: 1e6, log: true, unit: "kg/m³" },
+  height: rangeOf("height", { low: 0.01, high: 10, log: true }),
+  radius: rangeOf("radius", { low: 1e-3, high: 0.5, log: true }),
+  mass: rangeOf("mass", { low: 1e-6, high: 1e3, log: true }),
+  gap: rangeOf("gap", { low: 1e-8, high: 1, log: true, zero: true }),
+  velocity: rangeOf("velocity", { low: -5, high: 5, log: false, step: 0.01 }),
+  density: rangeOf("density", { low: 0.1, high: 1e6, log: true }),
 } satisfies Record<string, Range>;
 
-// What a constant of a law looks like on the page: key in a link, label, symbol, slider and the value to start from.
+// A constant of a law on the page: key in a link, label, symbol, slider and the value to start from.
 export interface Constant {
   key: string;
   label: string;
@@ -64,34 +51,35 @@ export interface Constant {
   start: number;
 }
 
-const known: Record<string, Constant> = {
-  stiffness: { key: "k", label: "Stiffness k", symbol: "k", range: { low: 1e3, high: 1e9, log: true, unit: "N/m" }, start: 5e7 },
-  youngs_modulus: { key: "Y", label: "Young’s modulus Y", symbol: "Y", range: { low: 1e5, high: 1e12, log: true, unit: "Pa" }, start: 5e7 },
-  poisson_ratio: { key: "nu", label: "Poisson’s ratio ν", symbol: "ν", range: { low: 0, high: 0.5, log: false, unit: "" }, start: 0.45 },
-  impact_speed: { key: "v", label: "ε is given at", symbol: "v", range: { low: 0.01, high: 100, log: true, unit: "m/s" }, start: 3 },
-  elastic_prefactor: { key: "K", label: "Hertz stiffness k", symbol: "k", range: { low: 1e4, high: 1e12, log: true, unit: "N/m^1.5" }, start: 1e9 },
+// What the page decides itself: the key in a link, the slider and where it starts.
+const known: Record<string, { key: string; slider: Omit<Range, "unit">; start: number }> = {
+  stiffness: { key: "k", slider: { low: 1e3, high: 1e9, log: true }, start: 5e7 },
+  youngs_modulus: { key: "Y", slider: { low: 1e5, high: 1e12, log: true }, start: 5e7 },
+  poisson_ratio: { key: "nu", slider: { low: 0, high: 0.5, log: false }, start: 0.45 },
+  impact_speed: { key: "v", slider: { low: 0.01, high: 100, log: true }, start: 3 },
+  elastic_prefactor: { key: "K", slider: { low: 1e4, high: 1e12, log: true }, start: 1e9 },
 };
 
-// A parameter that this page has never heard of shows what the law says about it.
-function constantOf(p: LawParameter): Constant {
+// A parameter that this page has never heard of takes a slider from what the law says about it.
+function constantOf(p: Quantity): Constant {
   const bounded = p.highest !== null;
   const high = p.highest ?? 1e12;
-  const low = bounded ? p.lowest : Math.max(p.lowest, 1e-3);
-  const label = p.meaning.split(/[;,]/)[0];
-  return {
+  const low = bounded ? (p.lowest ?? -1e12) : Math.max(p.lowest ?? 0, 1e-3);
+  const { key, slider, start } = known[p.name] ?? {
     key: p.name,
-    label: label[0].toUpperCase() + label.slice(1),
-    symbol: p.name,
-    range: { low, high, log: !bounded, unit: p.unit === "1" ? "" : p.unit },
+    slider: { low, high, log: !bounded },
     start: bounded ? 0.5 * (low + high) : Math.sqrt(low * high),
   };
+  return { key, label: labelOf(p), symbol: symbolOf(p) || key, range: { ...slider, unit: unitOf(p) }, start };
 }
 
+export { laws };
 export const constants: Record<string, Constant> = Object.fromEntries(
-  laws.flatMap((law) => law.parameters.filter((p) => p.name !== "restitution").map((p) => [p.name, known[p.name] ?? constantOf(p)])),
+  laws.flatMap((law) => law.parameters.filter((p) => p.name !== "restitution").map((p) => [p.name, constantOf(p)])),
 );
 
 export const lawOf = (s: Scenario): Law => laws.find((law) => law.name === s.law) ?? laws[0];
+export const restitutionOf = (s: Scenario): Quantity => lawOf(s).parameters.find((p) => p.name === "restitution")!;
 export const constantsOf = (s: Scenario): string[] => lawOf(s).parameters.map((p) => p.name).filter((name) => name !== "restitution");
 
 export const clampTo = (r: Range, x: number): number =>

@@ -5,6 +5,7 @@ import type { Drop, Track } from "./drop";
 import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "./format";
 import { laterHeight } from "./numbers";
 import { lettering } from "./plot";
+import { independent, newton } from "./tables";
 import type { Theme } from "./theme";
 
 interface Rect {
@@ -127,8 +128,8 @@ class Painter {
 
   private models(): [string, string, State, Track, boolean][] {
     return [
-      ["Newton", this.theme.newton, this.m.newton, this.d.newton, false],
-      ["ICM", this.theme.icm, this.m.icm, this.d.icm, true],
+      [newton.short, this.theme.newton, this.m.newton, this.d.newton, false],
+      [independent.short, this.theme.icm, this.m.icm, this.d.icm, true],
     ];
   }
 
@@ -286,7 +287,7 @@ class Painter {
       this.font(1, 600);
       if (cradle) this.text(name, r.x, middle, color);
       else this.text(name, middle, r.y + r.h - 0.95 * size, color, "center");
-      this.stack(line, state, track, radii, magnify, 0.9 * open, ghost);
+      this.stack(line, state, track, radii, magnify, 0.9 * open, ghost, r.x + r.w);
     });
   }
 
@@ -326,8 +327,8 @@ class Painter {
     }
   }
 
-  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted.
-  private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], limit: number, ghost: boolean): void {
+  // `limit`: the widest gap that is drawn [pixels]; a wider one is dotted. `edge`: where the picture ends on the right.
+  private stack(line: Line, state: State, track: Track, radii: number[], magnify: number[], limit: number, ghost: boolean, edge: number): void {
     const { theme, d } = this;
     const n = radii.length;
     const floor = !d.scenario.cradle;
@@ -364,7 +365,7 @@ class Painter {
       if (ghost) this.flash(line, j, cuts[j], track);
     }
     if (line.horizontal) this.tagsAbove(line, tags, Math.max(...radii));
-    else this.tagsBeside(line, tags, surface);
+    else this.tagsBeside(line, tags, surface, edge);
   }
 
   private dots(line: Line, middle: number, limit: number): void {
@@ -406,8 +407,8 @@ class Painter {
     };
   }
 
-  // To the right of a column, one below the other, each tied to its contact.
-  private tagsBeside(line: Line, tags: Tag[], top: number): void {
+  // To the right of a column, one below the other, each tied to its contact; over a ball where the picture ends.
+  private tagsBeside(line: Line, tags: Tag[], top: number, edge: number): void {
     const { g, size, theme } = this;
     const places = apart(tags.map((t) => Math.max(t.along, 0.8 * size)), 1.2 * size, 0.8 * size, Math.max(top + size, 0));
     const reach = Math.max(...tags.map((t) => t.radius)) + 0.4 * size;
@@ -416,7 +417,8 @@ class Painter {
       g.lineWidth = 1;
       line.segment(t.along, Math.min(0.72 * t.radius, reach - 6), places[i], reach - 3);
       this.font(0.92, t.weight);
-      this.label(t.text, ...line.at(places[i], reach), t.color, "left");
+      const [x, y] = line.at(places[i], reach);
+      this.label(t.text, Math.min(x, edge - g.measureText(t.text).width), y, t.color, "left");
     });
   }
 

@@ -3,6 +3,7 @@ import type { Drop } from "./drop";
 import { digits, metres, withUnit } from "./format";
 import type { Step } from "./lecture_view";
 import { ballById } from "./measured";
+import { capital } from "./tables";
 import { releaseHeight } from "./tale";
 import { spell, times, why } from "./why";
 import { massOf, type Ball } from "./scenario";
@@ -27,8 +28,6 @@ const titles: Record<Step, string> = {
 
 const onCradle: Partial<Record<Step, string>> = { predict: "How fast will the last one leave?", drop: "The collision" };
 export const titleOf = (step: Step, cradle: boolean): string => (cradle && onCradle[step]) || titles[step];
-
-const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
 
 // "basketball" where radius and mass are those of one, else what the place in the column says.
 export function nameOfBall(b: Ball, place: string): string {

@@ -6,6 +6,7 @@ import { metres, niceTicks, withUnit } from "./format";
 import { setFont, stroke } from "./plot";
 import { massOf } from "./scenario";
 import { nameOfBall } from "./story_text";
+import { capital, independent, newton } from "./tables";
 import type { Theme } from "./theme";
 
 export interface Tale {
@@ -48,7 +49,7 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
   drawRuler(g, left, w, floor, scale, top, size, theme);
   const lanes = t.falling ? 2 : 1;
   const lane = (w - left) / lanes;
-  const columns: ["newton" | "icm", string, Balls][] = [["newton", "Newton’s equations", t.newton], ["icm", lane > 16 * size ? "Independent collisions" : "ICM", t.icm]];
+  const columns: ["newton" | "icm", string, Balls][] = [["newton", newton.label, t.newton], ["icm", lane > 16 * size ? capital(independent.label) : independent.short, t.icm]];
   const release = releaseHeight(t.drop);
   const said = t.falling && lane < 16 * size ? "" : `let go at ${metres(release)}`; // heights need the room
   drawLevel(g, left, w, floor - release * scale, said, theme.muted, [2, 5], 1.5, size, theme, "left");

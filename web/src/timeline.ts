@@ -7,7 +7,9 @@ import { columnOf, ranges, type Scenario } from "./scenario";
 import type { Theme } from "./theme";
 
 const even = 241; // rows to begin with
-const finest = 1 / 4096; // of the distance between them
+const finest = 1 / 4096; // of the distance between them, where the contacts change
+const finestBend = 1 / 40; // where their times bend
+const straight = 1 / 1500; // of the times shown: what a line may miss
 const most = 1500; // rows
 const patience = 4_000; // ms: rows that would take longer are left out
 const low = ranges.restitution.low;
@@ -29,8 +31,9 @@ export class Timeline {
   constructor(
     pool: Pool,
     private readonly changed: () => void,
+    shown: () => boolean,
   ) {
-    pool.add(() => this.nextBatch());
+    pool.add(() => this.nextBatch(), shown);
     this.wake = () => pool.wake();
   }
   private readonly wake: () => void;
@@ -77,15 +80,19 @@ export class Timeline {
     this.changed();
   }
 
-  // Halves the distances over which the contacts change.
+  // Halves the distances over which the contacts change, and those over which their times are no straight line.
   private refine(): void {
-    const least = ((1 - low) / (even - 1)) * finest;
-    for (let i = 1; i < this.rows.length; i++) {
-      const [a, b] = [this.rows[i - 1], this.rows[i]];
+    const { rows } = this;
+    const apart = (1 - low) / (even - 1);
+    const seen = this.span();
+    for (let i = 1; i < rows.length; i++) {
+      const [a, b] = [rows[i - 1], rows[i]];
+      const distance = b.restitution - a.restitution;
       const changed = !alike(a, b) || (this.exact && !alike(this.adiabatic[i - 1], this.adiabatic[i]));
-      if (b.restitution - a.restitution > least && changed) this.queue.push(0.5 * (a.restitution + b.restitution));
+      const bent = distance > finestBend * apart && (bends(rows[i - 2], a, b, seen) || bends(a, b, rows[i + 1], seen));
+      if (distance > finest * apart && (changed || bent)) this.queue.push(0.5 * (a.restitution + b.restitution));
     }
-    if (this.rows.length + this.queue.length > most || this.queue.length * this.perRow > patience) this.queue = [];
+    if (rows.length + this.queue.length > most || this.queue.length * this.perRow > patience) this.queue = [];
     this.asked += this.queue.length;
   }
 
@@ -143,7 +150,8 @@ export class Timeline {
       group[0].contacts.forEach(({ pair }, k) => {
         const left = group.map((row, i): [number, number] => [x.at(row.contacts[k].begin), heights[i]]);
         const right = group.map((row, i): [number, number] => [end(row.contacts[k]), heights[i]]);
-        for (const edge of [left, right]) edge.unshift([edge[0][0], bottom]), edge.push([edge[last + 1][0], top]);
+        const over = several && pair > 0 ? 0 : 0.5; // pixels into the next region, or a hairline shows between them
+        for (const edge of [left, right]) edge.unshift([edge[0][0], bottom + over]), edge.push([edge[last + 1][0], top - over]);
         g.fillStyle = g.strokeStyle = pair === 0 ? theme.faint : theme.pairs[pair];
         g.globalAlpha = several && pair > 0 ? 0.16 : 1;
         trace(g, [...left, ...right.reverse()]);
@@ -248,6 +256,18 @@ export class Timeline {
 // Whether two rows have the same contacts, in the same order.
 const alike = (a: TimelineRow, b: TimelineRow): boolean =>
   a.contacts.length === b.contacts.length && a.contacts.every((c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end));
+
+// Whether lines between three rows with the same contacts miss what is shown of the times between the rows: by a quarter of
+// what one line over all three misses the middle row by.
+function bends(a: TimelineRow | undefined, b: TimelineRow, c: TimelineRow | undefined, shown: number): boolean {
+  if (!a || !c || !alike(a, b) || !alike(b, c)) return false;
+  const u = (b.restitution - a.restitution) / (c.restitution - a.restitution);
+  return b.contacts.some((contact, k) =>
+    (["begin", "end"] as const).some(
+      (edge) => contact.begin < shown && Math.abs(contact[edge] - (1 - u) * a.contacts[k][edge] - u * c.contacts[k][edge]) > 4 * straight * shown,
+    ),
+  );
+}
 
 function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {
   g.beginPath();

@@ -51,6 +51,14 @@ export class Site {
   }
 }
 
+// Another setting in the page that is open, by way of its history; its numbers are those of before until it is solved.
+export const goTo = (page, query) => page.evaluate((query) => {
+  history.pushState(null, "", query);
+  dispatchEvent(new PopStateEvent("popstate"));
+}, query);
+export const forget = (page) => page.evaluate(() => delete document.documentElement.dataset.numbers);
+
+export const mapDone = (page) => page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });
 export const solved = (page) => page.waitForFunction(() => document.documentElement.dataset.numbers);
 
 export async function accessible(page, what) {
@@ -61,9 +69,9 @@ export async function accessible(page, what) {
   assert.ok(wide <= 0, `${what}: ${wide} pixels too wide`);
 }
 
-export async function shoot(page, name) {
+export async function shoot(page, name, options = {}) {
   const { SHOTS: folder } = process.env;
   if (!folder) return;
   mkdirSync(folder, { recursive: true });
-  await page.screenshot({ path: join(folder, `${name}.png`) });
+  await page.screenshot({ path: join(folder, `${name}.png`), ...options });
 }

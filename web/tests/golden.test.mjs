@@ -1,4 +1,4 @@
-// The WebAssembly core returns the bits of the native one. Golden values: tests/data/golden_wasm.json.
+// The WebAssembly modules return the bits of the native core. Golden values: tests/data/golden_wasm.json.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
@@ -6,8 +6,9 @@ import { test } from "node:test";
 const root = new URL("../../", import.meta.url);
 const wasm = process.env.EXPLORER_WASM ?? new URL("src/hardlimit/explorer/page/core.wasm", root);
 const golden = JSON.parse(readFileSync(new URL("tests/data/golden_wasm.json", root), "utf8"));
-const core = new WebAssembly.Instance(new WebAssembly.Module(readFileSync(wasm)), {}).exports;
-const view = (pointer, n) => new Float64Array(core.memory.buffer, pointer, n);
+const load = (file) => new WebAssembly.Instance(new WebAssembly.Module(readFileSync(file)), {}).exports;
+const core = load(wasm);
+const view = (pointer, n, of = core) => new Float64Array(of.memory.buffer, pointer, n);
 
 const cell = new DataView(new ArrayBuffer(8));
 function decode(text) {
@@ -73,5 +74,24 @@ for (const { name, axis, side, column, hash: expected } of golden.maps) {
       }
     core.scan_points(axis, n, pointer, pointer + 16 * n);
     assert.equal(hash(view(pointer + 16 * n, 3 * n)), expected);
+  });
+}
+
+const grains = process.env.EXPLORER_GRAINS_WASM ?? new URL("src/hardlimit/explorer/page/grains.wasm", root);
+for (const box of golden.boxes) {
+  test(`box: ${box.name}`, () => {
+    const module = load(grains);
+    const values = (pointer, n) => view(pointer, n, module);
+    const setting = module.box_setting(box.dimension, box.number);
+    values(setting, box.setting.length).set(box.setting.map(decode));
+    assert.equal(module.box_grow(5), box.grown);
+    const coordinates = box.dimension * box.number;
+    assert.equal(hash(values(setting + 8 * module.box_fields(), coordinates)), box.positions);
+    assert.equal(module.box_start(1), box.refusal);
+    assert.equal(module.box_advance(Infinity, box.rows), box.outcome);
+    assert.deepEqual(Array.from(values(module.box_observe(), 17), encode), box.observed);
+    assert.equal(hash(values(module.box_state(), 2 * coordinates)), box.state);
+    assert.equal(module.box_take_log(), box.logged);
+    assert.equal(hash(values(module.box_log(), 4 * box.logged)), box.log);
   });
 }

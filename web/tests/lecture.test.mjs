@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { createServer } from "node:http";
 import { after, before, test } from "node:test";
-import { accessible, shoot, Site, solved } from "./browser.mjs";
+import { accessible, mapDone, shoot, Site, solved } from "./browser.mjs";
 
 let site;
 before(async () => void (site = await Site.begin()));
@@ -11,9 +11,10 @@ after(() => site?.end());
 const open = (...args) => site.open(...args);
 
 const steps = ["predict", "drop", "slow", "count", "gap", "map"];
-const phone = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
+const phone = { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
 const query = (page) => new URL(page.url()).searchParams;
 const at = (page, step) => page.waitForFunction((step) => new URL(location.href).searchParams.get("story") === step, step);
+const tooHigh = (page) => page.evaluate(() => document.documentElement.scrollHeight - innerHeight); // pixels
 const curveDone = (page) => page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
 const reading = (page, part) => page.waitForFunction((part) => document.getElementById("rebound-reading").textContent.includes(part), part);
 
@@ -135,17 +136,21 @@ test("the story: counts, curve and map belong to the setting", async (t) => {
   await page.waitForFunction(() => /For the present ε that takes a gap above \d[\d.]* cm/.test(document.getElementById("story-text").textContent), null, { timeout: 120_000 });
 });
 
-test("the story is told of every example", async (t) => {
+// Its texts for every example and many settings: lecture_units.test.mjs.
+test("the story is told of two balls, of several and of a cradle", async (t) => {
   const page = await open(t);
-  for (const example of await page.$$eval("#preset option", (list) => list.map((x) => x.value).filter(Boolean)))
+  for (const example of ["fig7", "astro", "cradle"]) {
+    await page.goto(`${site.base}?example=${example}&story=${steps[0]}`);
+    await solved(page);
     for (const step of steps) {
-      await page.goto(`${site.base}?example=${example}&story=${step}`);
-      await solved(page);
+      await at(page, step);
       await page.waitForFunction(() => document.getElementById("story-text").textContent !== "");
       const text = await page.textContent("#story-text");
       assert.doesNotMatch(text, /NaN|undefined|Infinity|null/, `${example} ${step}`);
       assert.match(text, /^[A-Z].*[.…?]$/, `${example} ${step}: ${text}`);
+      if (step !== steps.at(-1)) await page.click("#story-next");
     }
+  }
 });
 
 test("the story on a phone: a swipe turns the pages, a finger on the ruler guesses", async (t) => {
@@ -167,21 +172,25 @@ test("the story on a phone: a swipe turns the pages, a finger on the ruler guess
   await page.waitForFunction(() => new URL(location.href).searchParams.has("guess"));
 });
 
-for (const panel of ["film", "numbers", "energy", "forces", "timeline", "rebound", "map"])
-  test(`one panel: ${panel}`, async (t) => {
-    const page = await open(t, `?panel=${panel}&gap=0.03&example=basketball`, { viewport: { width: 1280, height: 720 } });
+test("one panel: each by itself, with text that grows with the window", async (t) => {
+  const page = await open(t, "?panel=film&gap=0.03&example=basketball");
+  for (const panel of ["film", "numbers", "energy", "forces", "timeline", "rebound", "map"]) {
+    await page.setViewportSize({ width: 1280, height: 720 });
+    await page.goto(`${site.base}?panel=${panel}&gap=0.03&example=basketball`);
+    await solved(page);
     const shown = await page.$$eval("main > .panel", (list) => list.filter((x) => getComputedStyle(x).display !== "none").map((x) => x.className.split(" ")[1]));
     assert.deepEqual(shown, [panel]);
-    const small = await page.evaluate(() => parseFloat(getComputedStyle(document.documentElement).fontSize));
+    const size = () => page.evaluate(() => parseFloat(getComputedStyle(document.documentElement).fontSize));
+    const small = await size();
     await page.setViewportSize({ width: 2560, height: 1440 });
-    const large = await page.evaluate(() => parseFloat(getComputedStyle(document.documentElement).fontSize));
-    assert.ok(small >= 18 && large > 1.9 * small, `${small} px, ${large} px`);
-    const over = await page.evaluate(() => document.documentElement.scrollHeight - innerHeight);
-    assert.ok(over <= 0, `${over} pixels too high`);
-    await page.keyboard.press("Escape");
-    await page.waitForFunction(() => !new URL(location.href).searchParams.has("panel"));
-    assert.equal(await page.isVisible("#controls"), true);
-  });
+    const large = await size();
+    assert.ok(small >= 18 && large > 1.9 * small, `${panel}: ${small} px, ${large} px`);
+    assert.ok((await tooHigh(page)) <= 0, panel);
+  }
+  await page.keyboard.press("Escape");
+  await page.waitForFunction(() => !new URL(location.href).searchParams.has("panel"));
+  assert.equal(await page.isVisible("#controls"), true);
+});
 
 test("one panel: chosen from the page and from another panel", async (t) => {
   const page = await open(t);
@@ -300,7 +309,7 @@ test("A beside B, in one link", async (t) => {
   await page.fill("#restitution-value", "0.8");
   await page.keyboard.press("Tab");
   const rows = () => page.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent)));
-  const told = [["ε", "0.7600", "0.8000"], ["Gap Δh", "touching", "5 cm"]];
+  const told = [["ε", "0.7600", "0.8000"], ["Gap between neighbouring balls Δh", "touching", "5 cm"]];
   await page.waitForFunction(() => document.getElementById("compare").dataset.ready === "true" && document.getElementById("compare-table").textContent.includes("5 cm"));
   const before = await rows();
   assert.deepEqual(before.slice(0, 2).map((r) => r[0]), told.map((r) => r[0]));
@@ -333,23 +342,37 @@ test("on a phone what comes out stays in sight", async (t) => {
   await page.waitForSelector("#mini", { state: "hidden" });
 });
 
-for (const [name, options] of Object.entries({
-  light: { viewport: { width: 1280, height: 720 }, colorScheme: "light" },
-  dark: { viewport: { width: 1440, height: 900 }, colorScheme: "dark" },
-  large: { viewport: { width: 2560, height: 1440 } },
-  phone,
-}))
-  test(`accessible, and within the window: ${name}`, async (t) => {
-    for (const query of [...steps.map((step) => `?story=${step}&guess=2.5`), "?panel=film", "?panel=numbers", "?panel=compare&a.example=basketball&gap=0.03&example=basketball", "?a.example=fig2"]) {
-      const page = await open(t, query, options);
-      await accessible(page, query);
-      if (name !== "phone" && query.includes("=") && !query.startsWith("?a")) {
-        const over = await page.evaluate(() => document.documentElement.scrollHeight - innerHeight);
-        assert.ok(over <= 0, `${query}: ${over} pixels too high`);
-      }
-      if (!process.env.SHOTS) continue;
-      if (query.includes("map")) await page.waitForFunction(() => document.getElementById("map").dataset.ms !== undefined, null, { timeout: 120_000 });
-      if (query.includes("gap")) await curveDone(page);
-      await shoot(page, `lecture-${name}-${query.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`);
+const views = [...steps.map((step) => `?story=${step}&guess=2.5`), "?panel=film", "?panel=numbers", "?panel=compare&a.example=basketball&gap=0.03&example=basketball", "?a.example=fig2"];
+
+// For screenshots: what is computed in the background is there.
+async function shootWhole(page, name, view) {
+  if (!process.env.SHOTS) return;
+  if (await page.isVisible("#map")) await mapDone(page);
+  if (await page.isVisible("#rebound")) await curveDone(page);
+  await page.waitForFunction(() => document.getElementById("timeline").dataset.computed !== "false" || !document.getElementById("timeline").checkVisibility(), null, { timeout: 120_000 });
+  await shoot(page, `lecture-${name}-${view.replace(/^\?(\w+)=(\w+).*$/, "$1-$2").replace(/^\?.*/, "pinned")}`, { fullPage: view.startsWith("?a") });
+}
+
+// Each view once, in three windows: the colours of both themes, and nothing outside the window.
+for (const view of views)
+  test(`accessible, and within the window: ${view}`, async (t) => {
+    const page = await open(t, view, { viewport: { width: 1280, height: 720 }, colorScheme: "light" });
+    for (const [name, width, height, colorScheme] of [["light", 1280, 720, "light"], ["dark", 1440, 900, "dark"], ["large", 2560, 1440, "light"]]) {
+      await page.emulateMedia({ colorScheme });
+      await page.setViewportSize({ width, height });
+      await page.waitForFunction((theme) => document.documentElement.dataset.theme === theme, colorScheme);
+      if (name !== "large") await accessible(page, `${name} ${view}`);
+      if (!view.startsWith("?a")) assert.ok((await tooHigh(page)) <= 0, `${name} ${view}`);
+      await shootWhole(page, name, view);
     }
   });
+
+test("accessible, and no wider than a phone", async (t) => {
+  const page = await open(t, views[0], phone);
+  for (const view of views) {
+    await page.goto(site.base + view);
+    await solved(page);
+    await accessible(page, view);
+    await shootWhole(page, "phone", view);
+  }
+});

@@ -1,10 +1,11 @@
 // The parts of the lecture that need no browser: sentences, curves, measured balls and heights, links.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { load, random as randomness } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("why", "measurements", "measured", "story_text", "lecture_view", "presets", "trust");
+const lib = await load("why", "measurements", "measured", "story_text", "lecture_view", "presets", "trust", "view");
 const { core } = lib;
 
 // What why() is made of.
@@ -124,8 +125,8 @@ test("measured balls: stiffness, restitution and contact time belong together", 
 test("the story: well formed for every step and setting", () => {
   const random = randomness(3);
   let told = 0;
-  for (let i = 0; i < 60; i++) {
-    const solved = lib.solve(core, randomScenario(random, lib));
+  for (const scenario of [...lib.presets.map((p) => lib.copyOf(p.scenario)), ...Array.from({ length: 50 }, () => randomScenario(random, lib))]) {
+    const solved = lib.solve(core, scenario);
     if ("reason" in solved) continue;
     const drop = lib.dropOf(solved);
     const top = drop.scenario.balls.length - 1;
@@ -174,6 +175,22 @@ test("a scenario in a link is the same again, whatever the page opens with", () 
     lib.fromQuery(read, q, notes);
     if (notes.length === 0) assert.ok(lib.sameScenario(read, s), q.toString());
   }
+});
+
+test("the documentation names every parameter of a link, and what it may be", () => {
+  const text = readFileSync(new URL("../../docs/explorer.md", import.meta.url), "utf8").replace(/^```[^]*?^```/gm, "");
+  const told = new Set([...text.matchAll(/`\??([^`]+)`/g)].map(([, name]) => name));
+  const q = new URLSearchParams();
+  const one = lib.paper();
+  for (const name of Object.keys(one.constants)) one.constants[name] *= 1.01;
+  lib.toQuery({ ...one, law: "tsuji", cradle: true, restitution: 0.5, height: 2, balls: [{ radius: 1, density: 1 }], gaps: [], velocities: [1] }, q);
+  lib.viewToQuery({ map: { axis: "ratio", show: "effective", zoom: { x: [0.1, 1], y: [1, 2] } }, slow: false, time: 1 }, q);
+  lib.lectureToQuery({ step: "drop", guess: 1, panel: "film", curve: "e", pin: lib.paper() }, q);
+  assert.ok(q.size > 20);
+  for (const key of q.keys()) assert.ok(told.has(key.replace(/^a\..*/, "a.…")), key);
+  const steps = lib.steps.filter((step) => step !== "predict");
+  for (const name of [...lib.presets.map((p) => p.id), ...lib.laws.map((law) => law.name), ...steps, ...lib.curveAxes, ...lib.panels.filter((p) => p !== "film")]) assert.ok(told.has(name), name);
+  for (const name of ["story=predict", "panel=film"]) assert.ok(told.has(name), name);
 });
 
 test("where both models agree: the lowest row from which they do", () => {

@@ -3,7 +3,7 @@ import { build } from "esbuild";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { laws } from "../laws.mjs";
+import { tables } from "../tables.mjs";
 
 const src = new URL("../src/", import.meta.url).pathname;
 const wasm = process.env.EXPLORER_WASM ?? new URL("../../src/hardlimit/explorer/page/core.wasm", import.meta.url).pathname;
@@ -14,7 +14,7 @@ export async function load(...more) {
   const names = ["clock", "core", "drop", "format", "motion", "numbers", "scenario", "trajectory_csv", ...more];
   const outfile = join(folder, "modules.mjs");
   const contents = names.map((name) => `export * from "${src}${name}";`).join("\n");
-  await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { LAWS: laws(wasm) } });
+  await build({ stdin: { contents, resolveDir: src, loader: "ts" }, outfile, bundle: true, format: "esm", platform: "node", define: { TABLES: tables(wasm) } });
   const modules = await import(outfile);
   rmSync(folder, { recursive: true, force: true });
   return { ...modules, core: new modules.Core(new WebAssembly.Module(readFileSync(wasm))) };

@@ -1,7 +1,7 @@
 // What must hold for every setting, over 500 random ones: nothing throws, the numbers are Python's, the film reaches every
 // contact of both models. PYTHON: an interpreter that has hardlimit installed.
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { spawn } from "node:child_process";
 import { test } from "node:test";
 import { load, random, randomLink } from "./modules.mjs";
 
@@ -36,9 +36,16 @@ for text in json.load(sys.stdin):
                      "rises": [tidy(z) for z in r.rebound_heights]}
     print(json.dumps(out), flush=True)
 `;
-const fromPython = (texts) =>
-  execFileSync(process.env.PYTHON ?? "python3", ["-c", program], { input: JSON.stringify(texts), encoding: "utf8", maxBuffer: 1e8 })
-    .trim().split("\n").map((line) => JSON.parse(line));
+// Python computes beside us.
+async function fromPython(texts) {
+  const python = spawn(process.env.PYTHON ?? "python3", ["-c", program], { stdio: ["pipe", "pipe", "inherit"] });
+  python.stdin.end(JSON.stringify(texts));
+  let said = "";
+  for await (const data of python.stdout.setEncoding("utf8")) said += data;
+  const lines = said.trim().split("\n").map((line) => JSON.parse(line));
+  assert.equal(lines.length, texts.length);
+  return lines;
+}
 
 function checkNumbers(numbers, said, n, where) {
   for (const model of ["newton", "icm"]) {
@@ -73,10 +80,10 @@ function checkFilm(d, where) {
 
 test(`${count} random settings`, async (t) => {
   const all = settings();
-  const python = fromPython(all.map(({ scenario }) => toToml(scenario)));
+  const asked = fromPython(all.map(({ scenario }) => toToml(scenario)));
   let slowest = 0;
   let resolved = 0;
-  for (const [i, { scenario, link }] of all.entries()) {
+  const drops = all.map(({ scenario, link }) => {
     const where = `?${link}`;
     const again = paper();
     const q = new URLSearchParams();
@@ -90,9 +97,13 @@ test(`${count} random settings`, async (t) => {
     const d = dropOf(solved);
     checkFilm(d, where);
     assert.ok(verdict(d).every((text) => !/NaN|undefined|Infinity/.test(text)), `${where}: ${verdict(d)}`);
-    if ([python[i].newton, python[i].icm].some((r) => r.outcome === unresolved) || d.newton.run.outcome === unresolved || d.icm.run.outcome === unresolved) continue;
+    return { where, numbers: exactNumbers(d), balls: scenario.balls.length, resolved: d.newton.run.outcome !== unresolved && d.icm.run.outcome !== unresolved };
+  });
+  const python = await asked;
+  for (const [i, { where, numbers, balls, resolved: here }] of drops.entries()) {
+    if (!here || [python[i].newton, python[i].icm].some((r) => r.outcome === unresolved)) continue;
     resolved++;
-    checkNumbers(exactNumbers(d), python[i], scenario.balls.length, where);
+    checkNumbers(numbers, python[i], balls, where);
   }
   t.diagnostic(`${resolved} of ${count} resolved by both; slowest ${slowest.toFixed(0)} ms`);
   assert.ok(resolved > 0.97 * count);

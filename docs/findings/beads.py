@@ -1,6 +1,6 @@
 """A column of N equal beads meets a floor: where collisions collapse, the beads of Newton's equations fly apart.
 
-    python docs/figures/beads.py [--points 41] [--sizes 2 5 10 20 50] [--out docs/images/beads.png]
+    python docs/findings/beads.py [--points 41] [--sizes 2 5 10 20 50] [--out docs/images/beads.png]
 
 After Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev. E 50, 4113 (1994), with the two-ball problem as its end.
 """

@@ -1,0 +1,47 @@
+// What the core states of itself: its laws, the parameters of a column, its models. build.mjs puts the tables here.
+export interface Quantity {
+  name: string;
+  unit: string; // "1": a plain number
+  meaning: string;
+  lowest: number | null; // null: infinite
+  highest: number | null;
+}
+
+export interface Law {
+  name: string;
+  alternative: number;
+  parameters: Quantity[]; // in the order of the core's column; one of them is the restitution
+}
+
+export interface ModelNames {
+  name: string;
+  label: string;
+  short: string;
+}
+
+declare const TABLES: { laws: Law[]; swept: Quantity[]; models: ModelNames[] };
+export const { laws, swept, models } = TABLES;
+
+const named = <T extends { name: string }>(list: T[], name: string): T => {
+  const found = list.find((one) => one.name === name);
+  if (!found) throw new Error(`the core knows no ${name}`);
+  return found;
+};
+
+export const parameterOfColumn = (name: string): Quantity => named(swept, name);
+
+// The models that the page shows.
+export const newton = named(models, "newton");
+export const independent = named(models, "independent");
+export const namesOf = { newton, icm: independent };
+
+export const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
+
+// "spring constant k, the same for every contact" → "Spring constant k".
+export const labelOf = (q: Quantity): string => capital(q.meaning.split(/[;,(]| at release/)[0].trim().replace("'", "’"));
+
+// The symbol at the end of a label, as in "Mass m"; "": there is none.
+export const symbolOf = (q: Quantity): string => /\s(\S{1,2})$/u.exec(labelOf(q))?.[1] ?? "";
+
+// "kg/m3" → "kg/m³", "1" → "".
+export const unitOf = (q: Quantity): string => (q.unit === "1" ? "" : q.unit.replace(/(?<=[a-z])[23](?![.\d])/g, (n) => (n === "2" ? "²" : "³")));

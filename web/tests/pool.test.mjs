@@ -1,0 +1,51 @@
+// Who is asked for work, and when: the pool with workers that answer when told.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { load } from "./modules.mjs";
+
+const workers = [];
+globalThis.Worker = class {
+  constructor() {
+    workers.push(this);
+  }
+  asked = [];
+  postMessage(message) {
+    if (message?.kind) this.asked.push(message);
+  }
+  answer(answer) {
+    this.onmessage({ data: { id: this.asked.at(-1).id, ms: 1, answer } });
+  }
+};
+Object.defineProperty(globalThis, "navigator", { value: { hardwareConcurrency: 2 }, configurable: true });
+const { Pool } = await load("pool");
+
+test("nothing is computed for a picture that is not shown, until it is", () => {
+  workers.length = 0;
+  const pool = new Pool(null);
+  const left = { seen: 2, hidden: 2 };
+  const done = [];
+  let visible = false;
+  for (const [name, shown] of [["hidden", () => visible], ["seen", () => true]])
+    pool.add(() => (left[name]-- > 0 ? { kind: "points", ask: name, done: () => done.push(name) } : null), shown);
+  pool.wake();
+  assert.deepEqual(workers.map((w) => w.asked.map((m) => m.ask)), [["seen"], ["seen"]]);
+  for (const w of workers) w.answer([]);
+  assert.deepEqual(done, ["seen", "seen"]);
+  assert.equal(left.hidden, 2);
+  visible = true;
+  pool.wake();
+  for (const w of workers) w.answer([]);
+  assert.deepEqual(done, ["seen", "seen", "hidden", "hidden"]);
+});
+
+test("what somebody waits for comes first", async () => {
+  workers.length = 0;
+  const pool = new Pool(null);
+  pool.add(() => ({ kind: "points", ask: "picture", done() {} }), () => true);
+  pool.wake();
+  const waiting = pool.ask("csv", "file");
+  for (const w of workers) w.answer("text");
+  assert.deepEqual(workers[0].asked.map((m) => m.ask), ["picture", "file"]);
+  workers[0].answer("text");
+  assert.equal(await waiting, "text");
+});
