@@ -45,7 +45,7 @@ def same(one: hl.Fidelity, other: hl.Fidelity) -> bool:
 # --- observables --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_near_pairs_are_those_of_all_pairs(seed: int) -> None:
     """Boxes of any shape and boundary, particles of any size, paths that have left the box."""
     rng = np.random.default_rng(seed)
@@ -259,7 +259,7 @@ def test_typical_speeds_without_heat() -> None:
 # --- the sentence -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_the_sentence_says_what_the_dataset_holds(seed: int) -> None:
     rng = np.random.default_rng(seed)
     law = hl.LinearDashpot(
@@ -397,6 +397,7 @@ def test_a_cluster_gives_the_same() -> None:
         assert same(compare(replicas=2, scheduler=client), compare(replicas=2))
 
 
+@pytest.mark.slow
 def test_a_store_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C in the third replica: the first two are there, and are not computed again."""
     store = tmp_path / "replicas"

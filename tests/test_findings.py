@@ -47,6 +47,7 @@ def test_a_small_grid_from_compute_to_figures(
     assert "| 0.2 | 0.9 |" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_what_was_found_can_be_drawn_again() -> None:
     """From the data beside the script: every difference has an error bar, unless the rule collapsed."""
     findings = script("cooling_gas")

@@ -100,8 +100,3 @@ def test_pictures_can_be_read(given: dict) -> None:
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
     arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | given
     assert_legible(hl.fidelity(lattice(27, seed=2), **arguments).plot())
-
-
-def test_the_figure_can_be_read() -> None:
-    system, law = lattice(27, seed=2), hl.LinearDashpot(stiffness=2e5, restitution=0.8)
-    assert_legible(hl.fidelity(system, law=law, until=1e-3, samples=4, replicas=2).plot())
