@@ -57,6 +57,11 @@ def math(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None,), ord
 
 def atan2_upper(y: float, x: float) -> float: ...
 
+def model_records() -> list:
+    """
+    The models of a column in the order of their numbers: name, labels, limits.
+    """
+
 class Column:
     """A column of balls in SI units."""
 
