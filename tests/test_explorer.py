@@ -51,7 +51,15 @@ def get(
 
 def test_every_file_is_served_with_its_type_and_the_policy(address: tuple[str, int]) -> None:
     files = server.page_files()
-    assert set(files) == {"index.html", "main.js", "worker.js", "style.css", "core.wasm", "grains.wasm", "icon.svg"}
+    assert set(files) == {
+        "index.html",
+        "main.js",
+        "worker.js",
+        "style.css",
+        "core.wasm",
+        "grains.wasm",
+        "icon.svg",
+    }
     for name, content in files.items():
         status, headers, body = get(address, f"/{name}")
         assert (status, body) == (200, content)
