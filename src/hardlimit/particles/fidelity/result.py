@@ -104,8 +104,8 @@ class Fidelity:
     # --- differences ----------------------------------------------------------------------------------------
 
     def difference(self, quantity: str, model: str) -> statistics.Estimate:
-        """(model − Newton) over the magnitude of Newton, at every sample; with its standard error over replicas, paired by
-        their starts."""
+        """(model − Newton) over the magnitude of Newton at every sample, with its standard error over replicas, paired
+        by their starts."""
         values = self._all(quantity)
         return statistics.relative_difference(values[:, self.models.index(model)], values[:, 0])
 
