@@ -1,5 +1,8 @@
 """``hardlimit gas compare`` as a user meets it."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -100,3 +103,23 @@ def test_pictures_can_be_read(given: dict) -> None:
     law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
     arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | given
     assert_legible(hl.fidelity(lattice(27, seed=2), **arguments).plot())
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (["gas", "comp"], {"plain,compare", "file,comp"}),
+        (["gas", "start"], {"file,start"}),
+        (["gas", "compare", "--replic"], {"plain,--replicas"}),
+    ],
+)
+def test_completion(words: list[str], offered: set[str]) -> None:
+    asked = {"COMP_WORDS": " ".join(["hardlimit", *words]), "COMP_CWORD": str(len(words))}
+    found = subprocess.run(
+        [sys.executable, "-m", "hardlimit"],
+        env={**os.environ, **asked, "_HARDLIMIT_COMPLETE": "bash_complete"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert set(found.split()) == offered

@@ -120,8 +120,6 @@ public:
     // The largest speed at which a member can move against the others [m/s].
     double speed() const { return unit_of_speed(); }
 
-    bool open() const { return all(Touch::open); }
-
     double contact_energy() const {
         double sum = 0.0;
         for (const Touching<Law>& pair : pairs)

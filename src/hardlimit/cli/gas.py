@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..particles import files
 from ..particles.course import Course
@@ -73,11 +74,17 @@ class WithCompare(Command):
 compare = make_command(start_options)
 
 
+def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """What may stand first: a file, or ``compare``."""
+    files = CompletionItem(incomplete, type="file")
+    return [CompletionItem("compare"), files] if "compare".startswith(incomplete) else [files]
+
+
 @click.command(
     cls=WithCompare,
     epilog="\b\nExample:\n  hardlimit gas --n 2000 --packing-fraction 0.2 --restitution 0.8 --until 0.2 --plot gas.png",
 )
-@click.argument("file", required=False, metavar="[FILE]")
+@click.argument("file", required=False, metavar="[FILE]", shell_complete=completions)
 @start_options
 @law_options()
 @run_options
