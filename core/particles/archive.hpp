@@ -24,7 +24,7 @@ HL_FN u64 checksum(const char* data, std::size_t n) {
 
 class Writer {
 public:
-    Writer() { bytes_.insert(bytes_.end(), archive_mark, archive_mark + sizeof archive_mark); }
+    Writer() : bytes_(archive_mark, archive_mark + sizeof archive_mark) {}
 
     template <class T>
     void operator()(const T& value) {
@@ -46,8 +46,9 @@ private:
     std::vector<char> bytes_;
 
     void append(const void* data, std::size_t n) {
-        const char* from = static_cast<const char*>(data);
-        bytes_.insert(bytes_.end(), from, from + n);
+        const std::size_t at = bytes_.size();
+        bytes_.resize(at + n);
+        if (n > 0) std::memcpy(bytes_.data() + at, data, n);
     }
 };
 
