@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import DATA, damped, lattice, law_of, laws, log_floats, restitutions
 from hardlimit import _core
-from hardlimit.particles import time_step
+from hardlimit.particles import engines, time_step
 
 molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
 
@@ -57,18 +57,7 @@ def order_of(errors):
 
 
 def engine_of(system, law, step, log=True):
-    return _core.NewtonSteps(
-        system.positions,
-        system.velocities,
-        np.ascontiguousarray(system.radius),
-        np.ascontiguousarray(system.mass),
-        system.box.tolist(),
-        [side == "periodic" for side in system.boundary],
-        system.gravity.tolist(),
-        (law.record["name"], law.alternative, list(law.parameters.values())),
-        step,
-        log,
-    )
+    return _core.NewtonSteps(*engines.scene(system), engines.choice(law), step, log)
 
 
 def everything(engine):
@@ -276,7 +265,7 @@ def test_no_contact_is_missed(system, name, stiff):
         engine.advance(k * 2e-4)
         open_now = engine.open_contacts()
         listed = set(zip(open_now[2].tolist(), open_now[3].tolist(), strict=True))
-        now = hl.particles.engines.present(system, engine)
+        now = engines.present(system, engine)
         assert listed == overlaps(now)
         assert engine.observe()["n_in_contact"] == len(listed)
 

@@ -106,7 +106,8 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     result = carry_out(job.course, job.outputs)
     written = [path for path in (job.outputs["out"], job.outputs["animate"]) if path]
     if job.outputs["save"]:
-        written.append(save(result, job.outputs["save"]))
+        how = {"rule": result.settings.words()}
+        written.append(save(result, job.outputs["save"], how, "collisions"))
     if job.outputs["plot"]:
         from ..pictures import plots
 

@@ -7,14 +7,14 @@ from typing import Any, Final
 
 import click
 
-from .. import saving
 from ..particles.contact_result import ContactResult, quantities
 from ..particles.lammps.folder import lammps_input
 from ..particles.molecular_dynamics import UNITS, molecular_dynamics
 from ..particles.system import ParticleSystem, described
 from .gas_job import ContactJob, make_contact_job
+from .gas_report import mapping, save
 from .options import options, output_option, quantity_option
-from .printing import console, digits, plain, print_json, show, table
+from .printing import console, digits, print_json, show, table
 
 engine_options = options(
     click.option("--engine", type=click.Choice(list(UNITS)), help="Newton's equations; takes a --law."),
@@ -53,7 +53,7 @@ def run_contacts(file: str | None, resume: str | None, as_json: bool, given: dic
         **own,
         **job.options,
     )
-    files = [] if job.save is None else [save(result, job.save)]
+    files = [] if job.save is None else [save(result, job.save, {"engine": result.engine}, "contacts")]
     if as_json:
         print_json(as_mapping(job.system, result, files))
     else:
@@ -110,48 +110,19 @@ def print_report(start: ParticleSystem, result: ContactResult, files: list[Path]
 
 def as_mapping(start: ParticleSystem, result: ContactResult, files: list[Path]) -> dict[str, Any]:
     """Everything the tables show and the series, in SI units."""
-    series, law = result.series, result.law
-    names = ("time", "n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share", "energy_error")
-    found: dict[str, Any] = plain(
+    law = result.law
+    names = ("n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share", "energy_error")
+    return mapping(
+        start,
+        result,
+        files,
         {
-            "system": {
-                "n": start.n,
-                "dimension": start.dimension,
-                "box": start.box,
-                "boundary": start.boundary,
-                "gravity": start.gravity,
-                "packing_fraction": start.packing_fraction,
-            },
             "engine": result.engine,
             "law": {"name": law.record["name"], **law.parameters},
-            "outcome": {"name": result.outcome_name, "message": result.outcome},
             **{name: getattr(result, name) for name in names},
             "time_step": result.time_step,
             "n_steps": result.n_steps,
             "largest_cluster": result.largest_cluster,
             "cluster_share": result.cluster_share,
-            "series": {
-                "time": series["time"].values,
-                **{name: v.values for name, v in series.data_vars.items()},
-            },
-            "files": files,
-        }
+        },
     )
-    return found
-
-
-def save(result: ContactResult, path: Path) -> Path:
-    """Series, contacts and the final state as groups of one NetCDF file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    """
-    import xarray as xr
-
-    about = {"title": "hardlimit gas", "engine": result.engine, "outcome": result.outcome}
-    groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
-    if result.log is not None:
-        groups["contacts"] = result.contacts
-    return saving.groups(groups, path)

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import saving
 from ..particles import theory
+from ..particles.contact_result import ContactResult
 from ..particles.result import ParticleResult, quantities
 from ..particles.system import ParticleSystem, described
 from .printing import console, digits, plain, show, table
@@ -75,9 +76,34 @@ def note(start: ParticleSystem, result: ParticleResult) -> str:
 def as_mapping(start: ParticleSystem, result: ParticleResult, files: list[Path]) -> dict[str, Any]:
     """Everything the tables show and the series, in SI units."""
     settings = result.settings
-    series = result.series
     law = settings.law
-    found: dict[str, Any] = plain(
+    return mapping(
+        start,
+        result,
+        files,
+        {
+            "rule": settings.rule,
+            "restitution": settings.restitution,
+            "law": None if law is None else {"name": law.record["name"], **law.parameters},
+            "contact_duration": settings.contact_duration,
+            "collapse": None if result.collapse is None else result.collapse._asdict(),
+            "n_collisions": result.n_collisions,
+            "n_pair_collisions": result.n_pairs,
+            "n_wall_collisions": result.n_walls,
+            "n_elastic_by_tc": result.n_elastic_by_tc,
+            "n_soft": result.n_soft,
+            "n_soft_third_body": result.n_soft_third_body,
+            "theory": expected(result),
+        },
+    )
+
+
+def mapping(
+    start: ParticleSystem, result: ParticleResult | ContactResult, files: list[Path], own: dict[str, Any]
+) -> dict[str, Any]:
+    """What every run of a box tells, around what only this kind does."""
+    series = result.series
+    told: dict[str, Any] = plain(
         {
             "system": {
                 "n": start.n,
@@ -87,20 +113,9 @@ def as_mapping(start: ParticleSystem, result: ParticleResult, files: list[Path])
                 "gravity": start.gravity,
                 "packing_fraction": start.packing_fraction,
             },
-            "rule": settings.rule,
-            "restitution": settings.restitution,
-            "law": None if law is None else {"name": law.record["name"], **law.parameters},
-            "contact_duration": settings.contact_duration,
+            **own,
             "outcome": {"name": result.outcome_name, "message": result.outcome},
-            "collapse": None if result.collapse is None else result.collapse._asdict(),
             "time": result.time,
-            "n_collisions": result.n_collisions,
-            "n_pair_collisions": result.n_pairs,
-            "n_wall_collisions": result.n_walls,
-            "n_elastic_by_tc": result.n_elastic_by_tc,
-            "n_soft": result.n_soft,
-            "n_soft_third_body": result.n_soft_third_body,
-            "theory": expected(result),
             "series": {
                 "time": series["time"].values,
                 **{name: v.values for name, v in series.data_vars.items()},
@@ -108,11 +123,11 @@ def as_mapping(start: ParticleSystem, result: ParticleResult, files: list[Path])
             "files": files,
         }
     )
-    return found
+    return told
 
 
-def save(result: ParticleResult, path: Path) -> Path:
-    """Series, collisions and the final state as groups of one NetCDF file.
+def save(result: ParticleResult | ContactResult, path: Path, how: dict[str, str], log: str) -> Path:
+    """Series, the log of that name if there is one, and the final state as groups of one NetCDF file.
 
     Raises
     ------
@@ -121,8 +136,8 @@ def save(result: ParticleResult, path: Path) -> Path:
     """
     import xarray as xr
 
-    about = {"title": "hardlimit gas", "rule": result.settings.words(), "outcome": result.outcome}
+    about = {"title": "hardlimit gas", **how, "outcome": result.outcome}
     groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
     if result.log is not None:
-        groups["collisions"] = result.collisions
+        groups[log] = getattr(result, log)
     return saving.groups(groups, path)
