@@ -34,11 +34,7 @@ class Run:
         self.engine.advance(self.engine.time + self.span)
 
     def count(self) -> int:
-        return (
-            int(self.engine.observe()["n_contacts"])
-            if self.contacts == ""
-            else getattr(self.engine, self.contacts)
-        )
+        return int(getattr(self.engine, self.contacts))
 
 
 def start(n: int) -> hl.ParticleSystem:
