@@ -8,6 +8,10 @@ from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
 from .contact import Contact, Law
+from .fitting import fit
+from .fitting.files import read_measurements
+from .fitting.measurements import Impacts, Rebounds
+from .fitting.result import Fit
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
@@ -37,20 +41,25 @@ __all__ = [
     "Contact",
     "ContactResult",
     "Fidelity",
+    "Fit",
+    "Impacts",
     "Law",
     "ParticleResult",
     "ParticleSystem",
+    "Rebounds",
     "Result",
     "Verdict",
     "adiabatic",
     "compare",
     "event_driven",
     "fidelity",
+    "fit",
     "independent",
     "lammps_input",
     "lammps_result",
     "molecular_dynamics",
     "newton",
+    "read_measurements",
     "restitution_pade",
     "restitution_series",
     "resume",

@@ -16,6 +16,11 @@ from .column.solvers import independent as independent
 from .column.solvers import newton as newton
 from .contact import Contact as Contact
 from .contact import Law as Law
+from .fitting import fit as fit
+from .fitting.files import read_measurements as read_measurements
+from .fitting.measurements import Impacts as Impacts
+from .fitting.measurements import Rebounds as Rebounds
+from .fitting.result import Fit as Fit
 from .laws import LAWS as LAWS
 from .laws import LinearDashpot as LinearDashpot
 from .laws import Viscoelastic as Viscoelastic

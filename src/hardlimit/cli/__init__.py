@@ -9,6 +9,7 @@ from .completion import completion
 from .contact import contact
 from .drop import drop
 from .explore import explore
+from .fit import fit
 from .gas import gas
 from .paper import paper
 from .program import Program
@@ -33,5 +34,5 @@ def main(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-for command in (drop, contact, paper, sweep, gas, explore, completion):
+for command in (drop, contact, fit, paper, sweep, gas, explore, completion):
     main.add_command(command)

@@ -8,6 +8,7 @@ This module gathers what may be called; each subject has a module of its own.
 from .contacts import restitution_obtained, restitution_over_speed
 from .drop import drop
 from .fidelity import fidelity
+from .fit import fit
 from .forces import forces
 from .gas import gas
 from .heights import heights
@@ -20,6 +21,7 @@ __all__ = [
     "difference_map",
     "drop",
     "fidelity",
+    "fit",
     "forces",
     "gas",
     "heights",

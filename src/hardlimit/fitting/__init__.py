@@ -1,0 +1,122 @@
+"""Parameters of a contact law from what was measured (:func:`fit`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .. import validation
+from ..bodies import FLOOR, Ball, Floor
+from ..contact import Law
+from ..progress import Report, reporter
+from .candidates import candidate, rivals
+from .likelihood import minimum
+from .measurements import Measured
+from .result import Fit, Trial
+
+__all__ = ["fit"]
+
+
+def fit(
+    data: Measured,
+    law: str | type[Law] = "viscoelastic",
+    *,
+    fixed: Mapping[str, float] | None = None,
+    free: Sequence[str] | None = None,
+    ball: Ball | None = None,
+    other: Ball | Floor = FLOOR,
+    scatter: bool = False,
+    confidence: float = 0.68,
+    compare: bool = True,
+    progress: bool | Report | None = None,
+) -> Fit:
+    """Fit a contact law to measured impacts or rebounds, and say whether it can describe them.
+
+    Parameters
+    ----------
+    data : Impacts or Rebounds
+        Of a class method of ``hardlimit.Impacts`` or ``hardlimit.Rebounds``, or of ``hardlimit.read_measurements``.
+    law : str or Law class
+        A name of ``hardlimit.LAWS``, or the class.
+    fixed : mapping, optional
+        Parameters that are known, by name, in SI units.
+    free : sequence of str, optional
+        Parameters to fit. Impacts tell ε(v) and nothing else: by default ``restitution``, at the speed
+        ``impact_speed`` for a law in which it depends on speed; with a Young's modulus and a Poisson ratio in
+        ``fixed``, what is left. Rebounds tell the stiffness as well. What is neither free nor fixed is held, and
+        ``Fit.notes`` says at what.
+    ball : Ball, optional
+        The ball of the impacts; needed where more than ε is fitted.
+    other : Ball or FLOOR
+        What it meets.
+    scatter : bool
+        Fit how much ε (or the rebound) varies from one impact to the next, beyond the errors of the measurement, as
+        a normal distribution of one width. The law then describes the mean, and χ² tests nothing.
+    confidence : float
+        Of the intervals, in (0, 1); they come from the profile of the likelihood.
+    compare : bool
+        Fit the other laws too, and for rebounds collisions with one ε.
+    progress : bool or callable(done, total), optional
+        True shows a bar. A function is told how many laws were fitted so far, and of how many.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, the data have no errors and ``scatter`` is False, there are fewer values
+        than parameters, or the data cannot tell the parameters apart; names them.
+
+    Notes
+    -----
+    The likelihood is that of normal errors, with the covariance of speeds and coefficients of restitution that share a
+    reading. Minimum and profile are those of MINUIT: James & Roos, Comput. Phys. Commun. 10, 343 (1975).
+    """
+    if not isinstance(data, Measured):
+        raise ValueError(f"data: got {validation.shown(data)}, must be Impacts or Rebounds")
+    if not scatter and not data.has_errors:
+        raise ValueError("error: missing or 0 for some values, must be > 0 unless scatter is True")
+    level = validation.number("confidence", confidence, 0.0, 1.0)
+    if ball is not None and not isinstance(ball, Ball):
+        raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
+    if not isinstance(other, Ball | Floor):
+        raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
+    held = dict(_mapping(fixed))
+    chosen = candidate(law, data.kind, data.reference_speed, held, _listed(free), ball, other)
+    if data.n < len(chosen.free) + scatter:
+        raise ValueError(f"data: got {data.n} values, must be {len(chosen.free) + scatter} or more")
+    others = rivals(chosen, data.kind, data.reference_speed, held) if compare else []
+    others = [rival for rival in others if data.n >= len(rival.free) + scatter]
+    with reporter(progress, "fit", "laws") as report:
+        trial = Trial(chosen, minimum(data, chosen, scatter, level))
+        tried: list[Trial] = []
+        for done, rival in enumerate(others, 1):
+            report(done, 1 + len(others))
+            tried += _tried(data, rival, scatter, level)
+    return Fit(data, trial, tuple(tried), level)
+
+
+def _tried(data: Measured, rival: Any, scatter: bool, level: float) -> list[Trial]:
+    """A law for comparison; left out where the data cannot tell its parameters apart."""
+    try:
+        return [Trial(rival, minimum(data, rival, scatter, level))]
+    except ValueError:
+        return []
+
+
+def _mapping(fixed: Any) -> Mapping[str, float]:
+    if fixed is None:
+        return {}
+    if not isinstance(fixed, Mapping):
+        raise ValueError(f"fixed: got {validation.shown(fixed)}, must be a mapping of names to values")
+    return fixed
+
+
+def _listed(free: Any) -> list[str] | None:
+    if free is None:
+        return None
+    if isinstance(free, str) or not isinstance(free, Sequence):
+        raise ValueError(f"free: got {validation.shown(free)}, must be a list of names")
+    return list(free)

@@ -1,0 +1,266 @@
+"""A law to be tried on data: which of its parameters are free, and at which values the others are held."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.typing import NDArray
+
+from .. import validation
+from ..bodies import FLOOR, Ball, Floor
+from ..contact import RESTITUTION, Law, law_parameters
+from ..laws import LAWS
+
+Floats = NDArray[np.float64]
+
+#: What a parameter is held at where the data do not depend on it, by its unit.
+NEUTRAL: Final = {"N/m": 1e6, "Pa": 1e9, "N/m^1.5": 1e9, "N s/m": 1.0, "s": 1e-6}
+#: Between which powers of ten a positive parameter is looked for, by its unit.
+DECADES: Final = {"N/m": (1, 12), "Pa": (3, 13), "N/m^1.5": (2, 14), "N s/m": (-6, 6), "s": (-12, 0)}
+USUAL_DECADES: Final = (-6, 6)
+#: Poisson's ratio where none is given; only Y/(1 − ν²) enters a contact.
+USUAL_POISSON_RATIO: Final = 0.3
+POISSON_RATIO: Final = "poisson_ratio"
+IMPACT_SPEED: Final = "impact_speed"
+#: The smallest coefficient of restitution that is tried.
+LEAST_RESTITUTION: Final = 1e-3
+#: Degree of ε in ln v, and how far beyond the data the polynomial reaches.
+DEGREE: Final = 20
+MARGIN: Final = 0.05
+#: A ball for laws of which only ε is fitted: it does not enter.
+ANY_BALL: Final = Ball(0.01, density=1000.0)
+
+
+@dataclass(frozen=True)
+class Free:
+    """One free parameter: its range, and whether its logarithm is varied."""
+
+    name: str
+    unit: str
+    lowest: float
+    highest: float
+    logarithmic: bool
+
+    def inner(self, value: float) -> float:
+        """The variable of the fit."""
+        return math.log(value) if self.logarithmic else value
+
+    def outer(self, variable: float) -> float:
+        """The parameter."""
+        return math.exp(variable) if self.logarithmic else variable
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Of the variable of the fit."""
+        if self.logarithmic:
+            return -690.0, 690.0  # within the range of a double
+        return self.lowest, self.highest
+
+    def grid(self) -> Floats:
+        """Values at which a fit may start."""
+        if not self.logarithmic:
+            return np.linspace(self.lowest, self.highest, 17)[1:-1]
+        low, high = DECADES.get(self.unit, USUAL_DECADES)
+        return np.logspace(low, high, 2 * (high - low) + 1)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A law and a model of collisions with free parameters."""
+
+    law: type[Law]
+    model: str  #: "newton" or "independent"
+    free: tuple[Free, ...]
+    held: Mapping[str, float]
+    notes: tuple[str, ...]  #: what was held, and why, one sentence each
+    ball: Ball
+    other: Ball | Floor
+    alike: tuple[str, ...] = ()  #: laws with one ε at every speed, which impacts cannot tell from each other
+
+    @property
+    def name(self) -> str:
+        """As tables call it."""
+        if self.model != "newton":
+            return "collisions with one ε"
+        return f"one ε ({', '.join(self.alike)})" if self.alike else str(self.law.record["name"])
+
+    def made(self, values: Sequence[float]) -> Law:
+        """The law with these values of the free parameters."""
+        given = dict(self.held) | {p.name: v for p, v in zip(self.free, values, strict=True)}
+        return self.law(**{name: given[name] for name in law_parameters(self.law) if name in given})
+
+    def curve(self, law: Law, slowest: float, fastest: float) -> Chebyshev:
+        """ε of one impact as a polynomial in ln v, between these speeds [m/s]: its error is below 1e-9."""
+        contact = law.between(self.ball, self.other)
+        ends = [math.log(slowest) - MARGIN, math.log(fastest) + MARGIN]
+        return Chebyshev.interpolate(
+            lambda x: np.asarray(contact.restitution(np.exp(x))), DEGREE, domain=ends
+        )
+
+
+def candidate(
+    law: str | type[Law],
+    kind: str,
+    reference_speed: float,
+    fixed: Mapping[str, float],
+    free: Sequence[str] | None,
+    ball: Ball | None,
+    other: Ball | Floor,
+    model: str = "newton",
+) -> Candidate:
+    """Choose the alternative of the law's parameters, and which of them are free.
+
+    Of the alternatives that know every name given, that with ``restitution`` comes first, because ε is what impacts
+    measure. Impacts free what is left of the alternative, rebounds also the stiffness.
+
+    Raises
+    ------
+    ValueError
+        If no alternative of the law knows all the names, or nothing is left free.
+    """
+    chosen = _law(law)
+    known = law_parameters(chosen)
+    names = set(fixed) | set(free or ())
+    for name in names:
+        if name not in known:
+            raise ValueError(
+                f"fixed | free: got {name}, must be parameters of {chosen.__name__}: {', '.join(known)}"
+            )
+    values = {name: _checked(known[name], value) for name, value in fixed.items()}
+    both = sorted(set(values) & set(free or ()))
+    if both:
+        raise ValueError(f"fixed | free: got {both[0]} in both, must be in at most one of them")
+    parameters = _alternative(chosen, names)
+    wanted = _free_names(parameters, kind, values, free)
+    if not wanted:
+        raise ValueError(f"fixed: got {', '.join(values)}, must leave a parameter of {chosen.__name__} free")
+    held, notes = _held(parameters, kind, wanted, values, reference_speed)
+    if kind == "impacts" and ball is None and wanted != [RESTITUTION]:
+        raise ValueError(f"ball: missing, must be the Ball that was dropped, to tell {', '.join(wanted)}")
+    variables = tuple(_variable(known[name]) for name in wanted)
+    alike = (
+        _with_one_restitution() if kind == "impacts" and chosen in _with_one_restitution().values() else {}
+    )
+    return Candidate(chosen, model, variables, held, notes, ball or ANY_BALL, other, tuple(alike))
+
+
+def _with_one_restitution() -> dict[str, type[Law]]:
+    """The laws in which ε can be given and is the same at every speed."""
+    found = {}
+    for name, law in LAWS.items():
+        parameters = law_parameters(law)
+        if RESTITUTION in parameters and IMPACT_SPEED not in parameters:
+            found[name] = law
+    return found
+
+
+def _law(law: Any) -> type[Law]:
+    if isinstance(law, type) and issubclass(law, Law) and law in LAWS.values():
+        return law
+    name = law.__name__ if isinstance(law, type) else law
+    return LAWS[validation.one_of("law", name, tuple(LAWS))]
+
+
+def _checked(record: Mapping[str, Any], value: Any) -> float:
+    return validation.number(
+        record["name"],
+        value,
+        record["lowest"],
+        record["highest"],
+        lowest_allowed=record["lowest_allowed"],
+        highest_allowed=record["highest_allowed"],
+    )
+
+
+def _alternative(law: type[Law], names: set[str]) -> dict[str, Any]:
+    """The records of all parameters of the alternative that is taken, by name."""
+    common = {p["name"]: p for p in law.record["common"]}
+    choices = [common | {p["name"]: p for p in choice} for choice in law.record["alternatives"]]
+    able = [choice for choice in choices if names <= set(choice)]
+    if not able:
+        raise ValueError(
+            f"fixed | free: got {', '.join(sorted(names))}, must be of one set of parameters of {law.__name__}: "
+            + " | ".join(", ".join(choice) for choice in choices)
+        )
+    # Material constants that are given call for the one that is left.
+    if {"youngs_modulus", POISSON_RATIO} <= names:
+        for choice in able:
+            if RESTITUTION not in choice:
+                return choice
+    return next((choice for choice in able if RESTITUTION in choice), able[0])
+
+
+def _free_names(
+    parameters: Mapping[str, Any], kind: str, fixed: Mapping[str, float], free: Sequence[str] | None
+) -> list[str]:
+    if free is not None:
+        return [name for name in parameters if name in free]
+    left = [name for name in parameters if name not in fixed and name not in (POISSON_RATIO, IMPACT_SPEED)]
+    if kind == "impacts":
+        return [RESTITUTION] if RESTITUTION in left else left[-1:]
+    return left
+
+
+def _held(
+    parameters: Mapping[str, Any],
+    kind: str,
+    wanted: Sequence[str],
+    fixed: Mapping[str, float],
+    reference_speed: float,
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Values of what is not free, and a sentence for each that was not given."""
+    held, notes = dict(fixed), []
+    for name, record in parameters.items():
+        if name in wanted or name in fixed:
+            continue
+        if name == IMPACT_SPEED:
+            held[name] = reference_speed
+            notes.append(f"restitution is that at {reference_speed:g} m/s (impact_speed)")
+        elif name == POISSON_RATIO:
+            held[name] = USUAL_POISSON_RATIO
+            notes.append(
+                f"poisson_ratio held at {USUAL_POISSON_RATIO:g}: only Y/(1 − ν²) enters a contact"
+                if kind == "rebounds"
+                else "poisson_ratio does not enter and cannot be told"
+            )
+        else:
+            held[name] = NEUTRAL.get(record["unit"], 1.0)
+            notes.append(
+                f"{name} does not enter and cannot be told"
+                if wanted == [RESTITUTION] and kind == "impacts"
+                else f"{name} held at {held[name]:g} {record['unit']}"
+            )
+    return held, tuple(notes)
+
+
+def _variable(record: Mapping[str, Any]) -> Free:
+    bounded = math.isfinite(record["highest"])
+    lowest = (
+        max(record["lowest"], LEAST_RESTITUTION) if bounded and record["lowest"] == 0.0 else record["lowest"]
+    )
+    return Free(record["name"], record["unit"], lowest, record["highest"], not bounded)
+
+
+def rivals(
+    chosen: Candidate, kind: str, reference_speed: float, fixed: Mapping[str, float]
+) -> list[Candidate]:
+    """The other laws of the registry, and for rebounds collisions with one ε, each with what it leaves free.
+
+    Impacts see laws with one ε at every speed as the same.
+    """
+    found: list[Candidate] = []
+    for law in LAWS.values():
+        if law is chosen.law or any(law.record["name"] in one.alike for one in (chosen, *found)):
+            continue
+        common = {p["name"] for p in law.record["common"]}
+        shared = {k: v for k, v in fixed.items() if k == POISSON_RATIO and k in common}
+        found.append(candidate(law, kind, reference_speed, shared, None, chosen.ball, chosen.other))
+    if kind == "rebounds":
+        linear, held = LAWS["linear"], {"stiffness": NEUTRAL["N/m"]}
+        found.append(candidate(linear, kind, reference_speed, held, None, chosen.ball, FLOOR, "independent"))
+    return found

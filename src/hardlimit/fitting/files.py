@@ -1,0 +1,243 @@
+"""Measurements in CSV files: a header with names and units, one row for each impact, height, time or drop.
+
+Lines that begin with ``#`` are comments. A unit stands behind its name, ``speed [cm/s]``; without one it is SI.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from .. import units, validation
+from ..column.scenario import STANDARD_GRAVITY, Column
+from .measurements import OBSERVED, Impacts, Measured, Rebounds
+
+#: Unit of each column a file may have.
+UNITS: Final = {
+    "speed": "m/s",
+    "speed_error": "m/s",
+    "restitution": "1",
+    "restitution_error": "1",
+    "drop": "1",
+    "height": "m",
+    "height_error": "m",
+    "drop_height": "m",
+    "drop_height_error": "m",
+    "rebound_height": "m",
+    "rebound_height_error": "m",
+    "time": "s",
+    "time_error": "s",
+    "gap": "m",
+    **{name: unit for name, (_, unit) in OBSERVED.items()},
+    **{f"{name}_error": unit for name, (_, unit) in OBSERVED.items()},
+}
+LARGEST_FILE: Final = 100_000_000  #: bytes
+
+_HEADER: Final = re.compile(r"(\w+)(?:\s*\[([^\]]*)\])?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of a file in SI units, and the line of each row."""
+
+    columns: dict[str, list[float]]
+    lines: list[int]
+    header: int  #: its line
+
+    def groups(self) -> list[list[int]]:
+        """Rows of each drop, in the order of the file; one drop without a column that numbers them."""
+        numbers = self.columns.get("drop", [0.0] * len(self.lines))
+        found: dict[float, list[int]] = {}
+        for row, number in enumerate(numbers):
+            found.setdefault(number, []).append(row)
+        return list(found.values())
+
+    def grouped(self, name: str) -> list[list[float]]:
+        """A column by drops; empty if it is not there."""
+        if name not in self.columns:
+            return []
+        return [[self.columns[name][row] for row in rows] for rows in self.groups()]
+
+
+def read_measurements(
+    path: str | Path, *, column: Column | None = None, gravity: float = STANDARD_GRAVITY
+) -> Measured:
+    """Measurements from a CSV file; what they are is told from the names in its header.
+
+    ======================================  =========================================================
+    header                                  one row is
+    ======================================  =========================================================
+    ``speed, restitution``                  an impact
+    ``drop_height, rebound_height``         an impact after a fall from rest
+    ``height``                              a peak of a ball that bounces on; the release first
+    ``time``                                an impact of a ball that bounces on
+    ``separation_velocity``,                a drop of ``column``; with ``gap`` and ``height`` where they
+    ``top_velocity`` or ``top_height``      differ from drop to drop
+    ======================================  =========================================================
+
+    Each may have its error in a column ``…_error``; ``drop`` numbers the drops of peaks or times.
+
+    Parameters
+    ----------
+    path : path
+    column : Column, optional
+        For rebounds of a column.
+    gravity : float [m/s²]
+        For heights and times.
+
+    Returns
+    -------
+    Impacts or Rebounds
+
+    Raises
+    ------
+    ValueError
+        If the file is not such a table; names line and column of the fault.
+    OSError
+        If the file cannot be read.
+    """
+    table = _read(path)
+    build, names, allowed = _kind(str(path), table)
+    for name in table.columns:
+        if name not in (*names, *allowed):
+            raise ValueError(f"{path}: line {table.header}: got column {name}, {_expected(names)}")
+    try:
+        return build(table, column, gravity)
+    except ValueError as error:
+        raise ValueError(f"{path}: {_with_line(str(error), table)}") from None
+
+
+def _impacts(table: Table, column: Column | None, gravity: float) -> Measured:
+    got = table.columns
+    error, of_speed = got.get("restitution_error", 0.0), got.get("speed_error", 0.0)
+    return Impacts.of_restitution(got["speed"], got["restitution"], error, of_speed)
+
+
+def _rebound_heights(table: Table, column: Column | None, gravity: float) -> Measured:
+    got = table.columns
+    error, before = got.get("rebound_height_error", 0.0), got.get("drop_height_error", 0.0)
+    return Impacts.of_rebound_heights(got["drop_height"], got["rebound_height"], error, before, gravity)
+
+
+def _heights(table: Table, column: Column | None, gravity: float) -> Measured:
+    return Impacts.of_heights(table.grouped("height"), table.grouped("height_error") or 0.0, gravity)
+
+
+def _times(table: Table, column: Column | None, gravity: float) -> Measured:
+    return Impacts.of_times(table.grouped("time"), table.grouped("time_error") or 0.0, gravity)
+
+
+def _rebounds(table: Table, column: Column | None, gravity: float) -> Measured:
+    name = next(name for name in OBSERVED if name in table.columns)
+    if column is None:
+        raise ValueError(f"column: missing, must be the Column whose {name} was measured")
+    got = table.columns
+    error = got.get(f"{name}_error", 0.0)
+    return Rebounds.of_column(column, name, got[name], error, gap=got.get("gap"), height=got.get("height"))
+
+
+Build = Callable[[Table, Column | None, float], Measured]
+#: By the names that must be there: how it is read, and what else may be there.
+KINDS: Final[dict[tuple[str, ...], tuple[Build, tuple[str, ...]]]] = {
+    ("speed", "restitution"): (_impacts, ("restitution_error", "speed_error")),
+    ("drop_height", "rebound_height"): (_rebound_heights, ("rebound_height_error", "drop_height_error")),
+    ("time",): (_times, ("time_error", "drop")),
+    **{(name,): (_rebounds, (f"{name}_error", "gap", "height")) for name in OBSERVED},
+    ("height",): (_heights, ("height_error", "drop")),
+}
+
+
+def _kind(path: str, table: Table) -> tuple[Build, tuple[str, ...], tuple[str, ...]]:
+    for names, (build, allowed) in KINDS.items():
+        if set(names) <= table.columns.keys():
+            return build, names, allowed
+    wanted = " | ".join(", ".join(names) for names in KINDS)
+    got = ", ".join(table.columns)
+    raise ValueError(f"{path}: line {table.header}: got columns {got}, must hold {wanted}")
+
+
+def _expected(names: Sequence[str]) -> str:
+    _, allowed = KINDS[tuple(names)]
+    return f"must be one of {', '.join((*names, *allowed))}"
+
+
+def _with_line(message: str, table: Table) -> str:
+    """The fault with its line where it names one of the rows: ``times[1][3]: …`` or ``speed[4]: …``."""
+    found = re.match(r"(\w+)\[(\d+)\](?:\[(\d+)\])?: (.*)", message, re.ASCII | re.DOTALL)
+    if found is None:
+        return message
+    name = {"times": "time", "heights": "height"}.get(found[1], found[1])
+    rows = list(range(len(table.lines)))
+    if name in ("time", "height", "time_error", "height_error") and "gap" not in table.columns:
+        rows = table.groups()[int(found[2])]
+        if found[3] is None:
+            return f"lines {table.lines[rows[0]]} to {table.lines[rows[-1]]}, column {name}: {found[4]}"
+        return f"line {table.lines[rows[int(found[3])]]}, column {name}: {found[4]}"
+    where = f"line {table.lines[rows[int(found[2])]]}"
+    return f"{where}: {found[4]}" if name == "column" else f"{where}, column {name}: {found[4]}"
+
+
+# --- the table ----------------------------------------------------------------------------------------------
+
+
+def _read(path: str | Path) -> Table:
+    """The table of the file, every cell a number in its range."""
+    source = Path(path)
+    if source.stat().st_size > LARGEST_FILE:
+        raise ValueError(f"{path}: got {source.stat().st_size} bytes, must be at most {LARGEST_FILE}")
+    try:
+        text = source.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path}: got bytes that are no UTF-8 at {error.start}, must be text") from None
+    numbered = [(i + 1, line) for i, line in enumerate(text.splitlines())]
+    kept = [(i, line) for i, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+    if len(kept) < 2:
+        raise ValueError(f"{path}: got {len(kept)} lines besides comments, must be a header and rows")
+    (first, header), *body = kept
+    factors = _header(f"{path}: line {first}", _cells(header))
+    columns: dict[str, list[float]] = {name: [] for name in factors}
+    for number, line in body:
+        cells = _cells(line)
+        if len(cells) != len(factors):
+            raise ValueError(f"{path}: line {number}: got {len(cells)} cells, must be {len(factors)}")
+        for (name, factor), cell in zip(factors.items(), cells, strict=True):
+            columns[name].append(_number(f"{path}: line {number}, column {name}", name, cell, factor))
+    return Table(columns, [number for number, _ in body], first)
+
+
+def _cells(line: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([line]))]
+
+
+def _header(where: str, cells: Sequence[str]) -> dict[str, float]:
+    """Names, and the factor that brings each column to SI units."""
+    factors: dict[str, float] = {}
+    for cell in cells:
+        found = _HEADER.fullmatch(cell)
+        name = found[1] if found else cell
+        if found is None or name not in UNITS:
+            raise ValueError(f"{where}: got column {validation.shown(cell)}, must be of {', '.join(UNITS)}")
+        if name in factors:
+            raise ValueError(f"{where}: got column {name} twice, must be there once")
+        try:
+            factors[name] = units.number(name, f"1 {found[2]}", UNITS[name]) if found[2] else 1.0
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
+    return factors
+
+
+def _number(where: str, name: str, cell: str, factor: float) -> float:
+    try:
+        value: float | str = float(cell)
+    except ValueError:
+        value = cell
+    if isinstance(value, float):
+        value *= factor
+    error, anything = name.endswith("_error"), name in ("time", "drop", "gap", *OBSERVED)
+    lowest = -math.inf if anything else 0.0
+    return validation.number(where, value, lowest, lowest_allowed=error)

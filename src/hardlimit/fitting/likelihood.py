@@ -1,0 +1,200 @@
+"""Likelihood of a law given the data: minimum, intervals by profile, what can be told, and the probability of χ²."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import product
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .candidates import Candidate
+from .measurements import HOPELESS, Measured
+
+if TYPE_CHECKING:
+    from iminuit import Minuit
+
+Floats = NDArray[np.float64]
+
+SCATTER: Final = "scatter"
+#: A parameter that moves no value by more than this many errors when it grows by a factor e cannot be told.
+FLAT: Final = 1e-3
+#: Of the direction in which the data say nothing: components beyond this share name their parameter.
+SHARE: Final = 0.2
+#: Starts from which the minimum is sought, the best of a coarse grid.
+STARTS: Final = 3
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A fitted value and its uncertainty."""
+
+    value: float
+    error: float  #: standard error, from the curvature of the likelihood
+    lower: float  #: ends of the interval of the confidence asked for, from the profile of the likelihood
+    upper: float
+
+    def __str__(self) -> str:
+        return f"{self.value:.6g} ± {self.error:.2g}"
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where the likelihood is largest."""
+
+    estimates: dict[str, Estimate]
+    covariance: Floats  #: of the free parameters, in their order; the scatter last if it is free
+    deviations: Floats  #: in units of their errors, independent
+    chi_square: float
+    minus_two_log_likelihood: float
+
+
+class Likelihood:
+    """−2 ln L of one candidate, a function of its variables; the scatter is the last of them if it is free."""
+
+    def __init__(self, data: Measured, candidate: Candidate, scatter: bool) -> None:
+        self.data, self.candidate, self.scatter = data, candidate, scatter
+
+    def parts(self, variables: Any) -> tuple[Floats, float]:
+        """Deviations in units of their errors, and ln det of their covariance."""
+        free = self.candidate.free
+        if not np.isfinite(variables).all():  # a step from where the likelihood is flat
+            return np.full(self.data.n, HOPELESS), 0.0
+        values = [p.outer(float(x)) for p, x in zip(free, variables, strict=False)]
+        scatter = float(variables[len(free)]) if self.scatter else 0.0
+        return self.data.deviations(self.candidate, self.candidate.made(values), scatter)
+
+    def __call__(self, variables: Any) -> float:
+        white, logarithm = self.parts(variables)
+        value = float(white @ white) + logarithm + white.size * math.log(2.0 * math.pi)
+        return value if math.isfinite(value) else 1e300
+
+    def starts(self) -> list[list[float]]:
+        """The best points of a coarse grid."""
+        guess = [self.data.spread()] if self.scatter else []
+        grids = [[p.inner(float(v)) for v in p.grid()] for p in self.candidate.free]
+        points = [[*point, *guess] for point in product(*grids)]
+        return sorted(points, key=self)[: STARTS if len(points[0]) > 1 else 1]
+
+    def refuse_what_cannot_be_told(self, variables: Any) -> None:
+        """Refuse parameters, or combinations of them, on which the data do not depend.
+
+        Raises
+        ------
+        ValueError
+            If there are any; names them and says what to do.
+        """
+        free = self.candidate.free
+        at = np.array(variables, dtype=float)
+        columns = []
+        for i, p in enumerate(free):
+            step = 1e-4 * (1.0 if p.logarithmic else at[i])
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = at.copy()
+                moved[i] = min(max(at[i] + sign * step, p.limits[0]), p.limits[1])
+                ends.append((moved[i], self.parts(moved)[0]))
+            (above, high), (below, low) = ends
+            columns.append((high - low) / (above - below) * (1.0 if p.logarithmic else at[i]))
+        _, sizes, directions = np.linalg.svd(np.column_stack(columns), full_matrices=False)
+        if sizes.size < len(free):
+            raise ValueError(f"free: got {len(free)} parameters, must be at most {sizes.size}, one per value")
+        if sizes[-1] > FLAT:
+            return
+        names = [p.name for p, share in zip(free, directions[-1], strict=True) if abs(share) > SHARE]
+        if len(names) == 1:
+            raise ValueError(f"{names[0]}: cannot be told from {self.data.what}, must be given in fixed")
+        raise ValueError(
+            f"{' | '.join(names)}: only a combination of them can be told from {self.data.what}, "
+            "all but one must be given in fixed"
+        )
+
+
+def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: float) -> Minimum:
+    """The most likely parameters and their intervals.
+
+    Raises
+    ------
+    ValueError
+        If the data do not tell them apart.
+    """
+    from iminuit import Minuit
+
+    likelihood = Likelihood(data, candidate, scatter)
+    starts = likelihood.starts()
+    best: Minuit | None = None
+    for start in starts:
+        trial = _prepared(Minuit(likelihood, start), likelihood)
+        trial.migrad()
+        if best is None or trial.fval < best.fval:
+            best = trial
+    assert best is not None
+    likelihood.refuse_what_cannot_be_told(best.values if np.isfinite(best.values).all() else starts[0])
+    best.hesse()
+    return _read(best, likelihood, confidence)
+
+
+def _prepared(fit: Minuit, likelihood: Likelihood) -> Minuit:
+    fit.errordef, fit.tol = 1.0, 1e-3
+    free = likelihood.candidate.free
+    for i, p in enumerate(free):
+        fit.limits[i] = p.limits
+        fit.errors[i] = 0.1 if p.logarithmic else 0.02
+    if likelihood.scatter:
+        least = 0.0 if likelihood.data.has_errors else 1e-6 * likelihood.data.spread()
+        fit.limits[len(free)] = (least, None)
+        fit.errors[len(free)] = 0.1 * likelihood.data.spread()
+    return fit
+
+
+def _read(fit: Minuit, likelihood: Likelihood, confidence: float) -> Minimum:
+    free, names = likelihood.candidate.free, [p.name for p in likelihood.candidate.free]
+    slopes = [p.outer(fit.values[i]) if p.logarithmic else 1.0 for i, p in enumerate(free)]
+    if likelihood.scatter:
+        names, slopes = [*names, SCATTER], [*slopes, 1.0]
+    inner = np.array(fit.covariance if fit.covariance is not None else np.full((len(names),) * 2, math.nan))
+    covariance = inner * np.outer(slopes, slopes)
+    values, errors = list(fit.values), np.sqrt(np.diag(covariance))
+    white, _ = likelihood.parts(values)
+    lowest = float(fit.fval)
+    fit.errordef = NormalDist().inv_cdf(0.5 + 0.5 * confidence) ** 2
+    fit.hesse()
+    ends = [_ends(fit, i) for i in range(len(names))]
+    estimates = {}
+    for i, name in enumerate(names):
+        outer = free[i].outer if i < len(free) else float
+        lower, upper = (outer(end) for end in ends[i])
+        estimates[name] = Estimate(outer(values[i]), float(errors[i]), lower, upper)
+    return Minimum(estimates, covariance, white, float(white @ white), lowest)
+
+
+def _ends(fit: Minuit, i: int) -> tuple[float, float]:
+    """Ends of the interval of one variable; the end of its range where the likelihood does not fall that far."""
+    name = fit.parameters[i]
+    low, high = fit.limits[i]
+    try:
+        fit.minos(name)
+    except RuntimeError:  # it has left the minimum; the curvature is what remains
+        return max(fit.values[i] - fit.errors[i], low), min(fit.values[i] + fit.errors[i], high)
+    found = fit.merrors[name]
+    lower = fit.values[i] + found.lower if found.lower_valid else low
+    upper = fit.values[i] + found.upper if found.upper_valid else high
+    return max(lower, low), min(upper, high)
+
+
+def chi_square_probability(chi_square: float, degrees: int) -> float:
+    """Probability that χ² of so many degrees of freedom exceeds ``chi_square``; NaN without any.
+
+    The incomplete gamma function Q(n/2, χ²/2) of whole and half orders is a finite sum (Abramowitz & Stegun 26.4.4–5).
+    """
+    if degrees < 1 or math.isnan(chi_square):
+        return math.nan
+    if chi_square <= 0.0:
+        return 1.0
+    half, odd = 0.5 * chi_square, degrees % 2
+    powers = np.arange(degrees // 2) + 0.5 * odd
+    terms = (math.exp(-half + p * math.log(half) - math.lgamma(p + 1.0)) for p in powers)
+    return min((math.erfc(math.sqrt(half)) if odd else 0.0) + math.fsum(terms), 1.0)

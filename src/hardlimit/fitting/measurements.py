@@ -1,0 +1,495 @@
+"""What was measured: impacts of one ball, each a speed and a coefficient of restitution, or drops of a column.
+
+Speeds and coefficients of restitution follow from heights and from flight times by free fall alone. The same number
+then enters several of them, and its error with it: the covariance of the deviations is carried along, to first order.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Final
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.typing import NDArray
+
+from .. import validation
+from ..column.scenario import STANDARD_GRAVITY, Column
+from ..column.solvers import independent, newton
+from ..contact import Law, Values
+from .candidates import Candidate
+
+Floats = NDArray[np.float64]
+
+#: Relative errors beyond this cannot be carried along to first order.
+LARGEST_ERROR: Final = 0.3
+#: A flight longer than the one before by this factor and more than 5 errors is not the next bounce.
+LONGER: Final = 1.15
+#: What a column of two or more balls may be asked for in an experiment, in words and with its unit.
+OBSERVED: Final = {
+    "separation_velocity": ("separation velocity of two balls", "m/s"),
+    "top_velocity": ("velocity of the top ball after the last contact", "m/s"),
+    "top_height": ("greatest height of the centre of the top ball", "m"),
+}
+#: Deviation, in errors, of a drop in which the balls never part: no experiment finds it.
+HOPELESS: Final = 1e4
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Impacts whose errors belong together: those of one drop, or any number that share nothing (``chained`` false).
+
+    What was read off the instruments are the numbers y with errors σ. The speeds and coefficients of restitution have
+    the derivatives ``d_speed`` and ``d_restitution`` by them: of shape (n, m) for all the y of a chain, of shape
+    (n, q) for the q numbers that each impact has to itself.
+    """
+
+    speed: Floats  #: of impact [m/s]
+    restitution: Floats
+    d_speed: Floats
+    d_restitution: Floats
+    sigma: Floats  #: (m,) of a chain, (n, q) otherwise
+    chained: bool
+
+
+class Measured:
+    """What was measured; the classes that follow make one."""
+
+    what: ClassVar[str]  #: in words
+    kind: ClassVar[str]
+
+    @property
+    def n(self) -> int:
+        """Number of values that a law is compared with."""
+        raise NotImplementedError
+
+    @property
+    def has_errors(self) -> bool:
+        """Whether each value has an error."""
+        raise NotImplementedError
+
+    @property
+    def reference_speed(self) -> float:
+        """A speed of impact [m/s] in the middle of what was measured."""
+        raise NotImplementedError
+
+    def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
+        """Deviations from the law in units of their errors, made independent, and ln det of their covariance."""
+        raise NotImplementedError
+
+    def spread(self) -> float:
+        """A first guess at how much values scatter."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class Impacts(Measured):
+    """Impacts of one ball on a floor or on another ball; made by one of its class methods."""
+
+    kind: ClassVar[str] = "impacts"
+    what: ClassVar[str] = "ε over the speed of impact"
+
+    blocks: tuple[Block, ...]
+    origin: str  #: what was read off the instruments, in words
+
+    @classmethod
+    def of_restitution(
+        cls,
+        speed: Values,
+        restitution: Values,
+        restitution_error: float | Values = 0.0,
+        speed_error: float | Values = 0.0,
+    ) -> Impacts:
+        """Coefficients of restitution ε measured at speeds of impact [m/s].
+
+        Parameters
+        ----------
+        speed : N numbers [m/s]
+        restitution : N numbers
+        restitution_error, speed_error : number or N numbers
+            Standard errors. Without errors of ε their scatter is fitted as well (``fit(…, scatter=True)``).
+
+        Returns
+        -------
+        Impacts
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range or there are not as many of one as of the other; names its place.
+        """
+        count = _count("speed", speed)
+        v = validation.each("speed", speed, count, lowest=0.0)
+        e = validation.each("restitution", restitution, count, lowest=0.0)
+        errors = [
+            validation.each(name, given, count, lowest=0.0, lowest_allowed=True)
+            for name, given in (("restitution_error", restitution_error), ("speed_error", speed_error))
+        ]
+        _refuse_coarse("speed_error", errors[1], v)
+        one, zero = np.ones(count), np.zeros(count)
+        block = Block(
+            v, e, np.column_stack([zero, one]), np.column_stack([one, zero]), np.column_stack(errors), False
+        )
+        return cls((block,), "ε and speed of each impact")
+
+    @classmethod
+    def of_rebound_heights(
+        cls,
+        drop_height: Values,
+        rebound_height: Values,
+        rebound_height_error: float | Values = 0.0,
+        drop_height_error: float | Values = 0.0,
+        gravity: float = STANDARD_GRAVITY,
+    ) -> Impacts:
+        """Single bounces: height of fall and of rebound [m] of the lowest point of the ball; ε = √(h'/h), v = √(2 g h).
+
+        Only gravity acts in flight: the drag of the air is not modelled.
+
+        Returns
+        -------
+        Impacts
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range or there are not as many of one as of the other; names its place.
+        """
+        count = _count("drop_height", drop_height)
+        g = validation.number("gravity", gravity, 0.0)
+        before = validation.each("drop_height", drop_height, count, lowest=0.0)
+        after = validation.each("rebound_height", rebound_height, count, lowest=0.0)
+        sigma = []
+        for name, given, height in (
+            ("drop_height_error", drop_height_error, before),
+            ("rebound_height_error", rebound_height_error, after),
+        ):
+            sigma.append(validation.each(name, given, count, lowest=0.0, lowest_allowed=True))
+            _refuse_coarse(name, sigma[-1], height)
+        v, e = np.sqrt(2.0 * g * before), np.sqrt(after / before)
+        d_speed = np.column_stack([v / (2.0 * before), np.zeros(count)])
+        d_restitution = np.column_stack([-e / (2.0 * before), e / (2.0 * after)])
+        block = Block(v, e, d_speed, d_restitution, np.column_stack(sigma), False)
+        return cls((block,), "heights of fall and rebound")
+
+    @classmethod
+    def of_heights(
+        cls,
+        heights: Sequence[Values],
+        height_error: float | Sequence[Any] = 0.0,
+        gravity: float = STANDARD_GRAVITY,
+    ) -> Impacts:
+        """Peaks of a ball that bounces again and again: for each drop, its height and those of the rebounds [m].
+
+        Only gravity acts in flight: the drag of the air is not modelled.
+
+        Parameters
+        ----------
+        heights : sequence of sequences [m]
+            Of each drop: heights of the lowest point of the ball, the release first.
+        height_error : number, or sequence of the shape of ``heights`` [m]
+        gravity : float [m/s²]
+
+        Returns
+        -------
+        Impacts
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or a drop has fewer than two heights; names its place.
+        """
+        g = validation.number("gravity", gravity, 0.0)
+        drops = _drops("heights", heights, 2, lowest=0.0)
+        errors = _errors("height_error", height_error, drops)
+        for i, (sigma, height) in enumerate(zip(errors, drops, strict=True)):
+            _refuse_coarse(f"height_error[{i}]", sigma, height)
+        return cls(
+            tuple(_from_heights(h, s, g) for h, s in zip(drops, errors, strict=True)),
+            "heights of the bounces",
+        )
+
+    @classmethod
+    def of_times(
+        cls,
+        times: Sequence[Values],
+        time_error: float | Sequence[Any] = 0.0,
+        gravity: float = STANDARD_GRAVITY,
+    ) -> Impacts:
+        """Instants of the impacts of a ball that bounces again and again [s], as a microphone hears them.
+
+        A flight of duration T ends with the speed g T/2 with which it began, so that ε = T'/T from one flight to the
+        next. Only gravity acts: the drag of the air is not modelled, and the contacts, which T contains, are short.
+
+        Parameters
+        ----------
+        times : sequence of sequences [s]
+            Of each drop: instants of all impacts without a gap, three or more.
+        time_error : number, or sequence of the shape of ``times`` [s]
+        gravity : float [m/s²]
+
+        Returns
+        -------
+        Impacts
+
+        Raises
+        ------
+        ValueError
+            If the times of a drop do not grow, are fewer than three, or a bounce between them is missing; names the
+            place.
+        """
+        g = validation.number("gravity", gravity, 0.0)
+        drops = _drops("times", times, 3)
+        errors = _errors("time_error", time_error, drops)
+        blocks = []
+        for i, (t, sigma) in enumerate(zip(drops, errors, strict=True)):
+            _refuse_gaps(f"times[{i}]", t, sigma)
+            _refuse_coarse(f"time_error[{i}]", sigma[1:], np.diff(t))
+            blocks.append(_from_times(t, sigma, g))
+        return cls(tuple(blocks), "instants of the impacts")
+
+    @property
+    def speed(self) -> Floats:
+        return np.concatenate([block.speed for block in self.blocks])
+
+    @cached_property
+    def speeds(self) -> tuple[float, float]:
+        """The slowest and the fastest impact [m/s]."""
+        return float(self.speed.min()), float(self.speed.max())
+
+    @property
+    def restitution(self) -> Floats:
+        return np.concatenate([block.restitution for block in self.blocks])
+
+    @property
+    def restitution_error(self) -> Floats:
+        """Standard error of each ε by itself, for pictures; fits take the covariances."""
+        return np.concatenate([np.sqrt(_own_variance(block)) for block in self.blocks])
+
+    @property
+    def n(self) -> int:
+        return sum(block.speed.size for block in self.blocks)
+
+    @property
+    def has_errors(self) -> bool:
+        return bool((self.restitution_error > 0.0).all())
+
+    @property
+    def reference_speed(self) -> float:
+        return float(f"{math.exp(float(np.log(self.speed).mean())):.2g}")
+
+    def spread(self) -> float:
+        return max(float(self.restitution.std()), 1e-4)
+
+    def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
+        curve = candidate.curve(law, *self.speeds)
+        found = [_block_deviations(block, curve, scatter) for block in self.blocks]
+        return np.concatenate([white for white, _ in found]), sum(logarithm for _, logarithm in found)
+
+
+def _own_variance(block: Block) -> Floats:
+    variance: Floats = (block.d_restitution**2 * block.sigma**2).sum(axis=1)
+    return variance
+
+
+def _block_deviations(block: Block, curve: Chebyshev, scatter: float) -> tuple[Floats, float]:
+    v = block.speed
+    deviation = block.restitution - curve(np.log(v))
+    slope = curve.deriv()(np.log(v)) / v
+    jacobian = (block.d_restitution - slope[:, None] * block.d_speed) * block.sigma
+    if not block.chained:
+        variance = (jacobian**2).sum(axis=1) + scatter**2
+        return deviation / np.sqrt(variance), float(np.log(variance).sum())
+    covariance = jacobian @ jacobian.T
+    covariance[np.diag_indices(v.size)] += scatter**2
+    lower = np.linalg.cholesky(covariance)
+    return np.linalg.solve(lower, deviation), 2.0 * float(np.log(np.diag(lower)).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Rebounds(Measured):
+    """Drops of a column, of which one number was measured each; made by :meth:`of_column`."""
+
+    kind: ClassVar[str] = "rebounds"
+    what: ClassVar[str] = "rebounds of a column"
+
+    columns: tuple[Column, ...]  #: their law is replaced by the one that is tried
+    observable: str  #: a key of ``OBSERVED``
+    values: Floats
+    error: Floats
+    varied: dict[str, Floats]  #: what differs from drop to drop
+
+    @classmethod
+    def of_column(
+        cls,
+        column: Column,
+        observable: str,
+        values: Values,
+        error: float | Values = 0.0,
+        *,
+        gap: Values | None = None,
+        height: Values | None = None,
+    ) -> Rebounds:
+        """Drops of a column of two or more balls, of which one number was measured each.
+
+        Parameters
+        ----------
+        column : Column
+            Balls, gaps and height; its law is replaced by the ones that are tried.
+        observable : {"separation_velocity", "top_velocity", "top_height"}
+            What was measured: as ``Result.separation_velocity``, or the last of ``final_velocities`` or
+            ``rebound_heights``.
+        values : N numbers [m/s] or [m]
+        error : number or N numbers
+            Standard errors.
+        gap, height : N numbers [m], optional
+            Of each drop, where they differ from those of the column; a gap is that of all neighbours.
+
+        Returns
+        -------
+        Rebounds
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or there are not as many of one as of the other; names its place.
+        """
+        if not isinstance(column, Column) or not column.floor or len(column.balls) < 2:
+            raise ValueError(
+                f"column: got {validation.shown(column)}, must be a Column of two or more balls above a floor"
+            )
+        validation.one_of("observable", observable, tuple(OBSERVED))
+        if observable == "separation_velocity" and len(column.balls) != 2:
+            raise ValueError(
+                "observable: got 'separation_velocity', must be top_velocity or top_height for more than two balls"
+            )
+        count = _count("values", values)
+        measured = validation.each("values", values, count)
+        sigma = validation.each("error", error, count, lowest=0.0, lowest_allowed=True)
+        given = {"gap": gap, "height": height}
+        varied = {name: validation.each(name, v, count) for name, v in given.items() if v is not None}
+        columns = []
+        for i in range(count):
+            changes = {("gaps" if k == "gap" else k): float(v[i]) for k, v in varied.items()}
+            try:
+                columns.append(column.replace(**changes))  # type: ignore[arg-type]
+            except ValueError as error_of_row:
+                raise ValueError(f"column[{i}]: {error_of_row}") from None
+        return cls(tuple(columns), observable, measured, sigma, varied)
+
+    @property
+    def n(self) -> int:
+        return self.values.size
+
+    @property
+    def has_errors(self) -> bool:
+        return bool((self.error > 0.0).all())
+
+    @property
+    def reference_speed(self) -> float:
+        return float(f"{np.mean([column.impact_speed for column in self.columns]):.2g}")
+
+    def spread(self) -> float:
+        return max(float(self.values.std()), 1e-4 * float(np.abs(self.values).max()), 1e-300)
+
+    def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
+        variance = self.error**2 + scatter**2
+        predicted = self.predicted(candidate, law)
+        white = np.where(
+            np.isfinite(predicted), (self.values - predicted) / np.sqrt(variance), HOPELESS * self.n
+        )
+        return white, float(np.log(variance).sum())
+
+    def predicted(self, candidate: Candidate, law: Law) -> Floats:
+        """What the law gives for each drop; NaN where the balls do not part."""
+        solve = newton if candidate.model == "newton" else independent
+        return np.array([_observed(solve(c.replace(law=law)), self.observable) for c in self.columns])
+
+
+def _observed(result: Any, observable: str) -> float:
+    if observable == "separation_velocity":
+        return float(result.separation_velocity)
+    found = result.final_velocities if observable == "top_velocity" else result.rebound_heights
+    return float(found[-1])
+
+
+def _from_heights(h: Floats, sigma: Floats, g: float) -> Block:
+    n = h.size - 1
+    v, e = np.sqrt(2.0 * g * h[:-1]), np.sqrt(h[1:] / h[:-1])
+    d_speed, d_restitution = np.zeros((n, n + 1)), np.zeros((n, n + 1))
+    i = np.arange(n)
+    d_speed[i, i] = v / (2.0 * h[:-1])
+    d_restitution[i, i] = -e / (2.0 * h[:-1])
+    d_restitution[i, i + 1] = e / (2.0 * h[1:])
+    return Block(v, e, d_speed, d_restitution, sigma, True)
+
+
+def _from_times(t: Floats, sigma: Floats, g: float) -> Block:
+    flight = np.diff(t)
+    n = flight.size - 1
+    v, e = 0.5 * g * flight[:-1], flight[1:] / flight[:-1]
+    d_speed, d_restitution = np.zeros((n, n + 2)), np.zeros((n, n + 2))
+    i = np.arange(n)
+    d_speed[i, i], d_speed[i, i + 1] = -0.5 * g, 0.5 * g
+    d_restitution[i, i] = e / flight[:-1]
+    d_restitution[i, i + 1] = -(1.0 + e) / flight[:-1]
+    d_restitution[i, i + 2] = 1.0 / flight[:-1]
+    return Block(v, e, d_speed, d_restitution, sigma, True)
+
+
+# --- checks -------------------------------------------------------------------------------------------------
+
+
+def _count(name: str, values: Any) -> int:
+    found = np.atleast_1d(validation.array(name, values))
+    return int(found.size)
+
+
+def _drops(name: str, given: Any, least: int, **limits: float) -> list[Floats]:
+    if not isinstance(given, Sequence) or isinstance(given, str | bytes) or not len(given):
+        raise ValueError(
+            f"{name}: got {validation.shown(given)}, must be a list of drops, each a list of numbers"
+        )
+    drops = []
+    for i, one in enumerate(given):
+        values = np.atleast_1d(validation.array(f"{name}[{i}]", one, **limits))  # type: ignore[arg-type]
+        if values.size < least:
+            raise ValueError(f"{name}[{i}]: got {values.size} values, must be {least} or more")
+        drops.append(values)
+    return drops
+
+
+def _errors(name: str, given: Any, drops: Sequence[Floats]) -> list[Floats]:
+    limits: dict[str, Any] = {"lowest": 0.0, "lowest_allowed": True}
+    if isinstance(given, Sequence) and not isinstance(given, str | bytes):
+        if len(given) != len(drops):
+            raise ValueError(f"{name}: got {len(given)} drops, must be {len(drops)}")
+        return [
+            validation.each(f"{name}[{i}]", one, drop.size, **limits)
+            for i, (one, drop) in enumerate(zip(given, drops, strict=True))
+        ]
+    return [np.full(drop.size, validation.number(name, given, **limits)) for drop in drops]
+
+
+def _refuse_coarse(name: str, error: Floats, value: Floats) -> None:
+    """Errors are carried along to first order."""
+    bad = np.flatnonzero(error > LARGEST_ERROR * np.abs(value))
+    if bad.size:
+        i = int(bad[0])
+        raise ValueError(
+            f"{name}[{i}]: got {error[i]:.6g} for a value of {value[i]:.6g}, must be at most {LARGEST_ERROR:g} of it"
+        )
+
+
+def _refuse_gaps(name: str, t: Floats, sigma: Floats) -> None:
+    flight = np.diff(t)
+    for i in np.flatnonzero(flight <= 0.0):
+        raise ValueError(f"{name}[{i + 1}]: got {t[i + 1]:.9g} s after {t[i]:.9g} s, must be later")
+    slack = 5.0 * np.sqrt(sigma[:-2] ** 2 + 4.0 * sigma[1:-1] ** 2 + sigma[2:] ** 2)
+    for i in np.flatnonzero(flight[1:] > np.maximum(LONGER * flight[:-1], flight[:-1] + slack)):
+        raise ValueError(
+            f"{name}[{i + 2}]: got a flight of {flight[i + 1]:.6g} s after one of {flight[i]:.6g} s, must be "
+            "shorter: a bounce is missing, or a sound is none"
+        )

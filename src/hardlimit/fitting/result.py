@@ -1,0 +1,262 @@
+"""What a fit found: parameters with intervals, χ² and its probability, and whether the law describes the data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import html
+from ..contact import RESTITUTION, Contact, Law
+from .candidates import IMPACT_SPEED, Candidate
+from .likelihood import SCATTER, Estimate, Minimum, chi_square_probability
+from .measurements import Impacts, Measured, Rebounds
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+#: A law that gives the data a smaller probability than this does not describe them.
+UNLIKELY: Final = 0.01
+#: A law with an AIC larger than the best by this is hardly supported (Burnham & Anderson 2002).
+WORSE: Final = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One law tried on the data."""
+
+    candidate: Candidate
+    minimum: Minimum
+
+    @property
+    def name(self) -> str:
+        """Name of the law."""
+        return self.candidate.name
+
+    @property
+    def n_parameters(self) -> int:
+        """Free parameters, the scatter included."""
+        return len(self.minimum.estimates)
+
+    @property
+    def law(self) -> Law:
+        """The law with the most likely parameters."""
+        free = self.candidate.free
+        return self.candidate.made([self.minimum.estimates[p.name].value for p in free])
+
+    @property
+    def chi_square(self) -> float:
+        """χ² of the deviations; with a fitted scatter it is near the number of values whatever the law."""
+        return self.minimum.chi_square
+
+    @property
+    def degrees(self) -> int:
+        """Values less free parameters."""
+        return self.minimum.deviations.size - self.n_parameters
+
+    @property
+    def probability(self) -> float:
+        """Probability of a χ² this large if the law is right; NaN where the scatter is fitted."""
+        if SCATTER in self.minimum.estimates:
+            return math.nan
+        return chi_square_probability(self.chi_square, self.degrees)
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion, −2 ln L + 2 × free parameters; only differences mean anything."""
+        return self.minimum.minus_two_log_likelihood + 2.0 * self.n_parameters
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit:
+    """A law fitted to data; made by :func:`hardlimit.fit`."""
+
+    data: Measured
+    chosen: Trial
+    others: tuple[Trial, ...]  #: the other laws, for comparison
+    confidence: float  #: of the intervals
+
+    @property
+    def law(self) -> Law:
+        """The law with the most likely parameters; what the data cannot tell is held (``notes``)."""
+        return self.chosen.law
+
+    @property
+    def parameters(self) -> Mapping[str, Estimate]:
+        """Each fitted parameter: value, standard error, and the ends of its interval."""
+        return {k: v for k, v in self.chosen.minimum.estimates.items() if k != SCATTER}
+
+    @property
+    def scatter(self) -> Estimate | None:
+        """Standard deviation of the measured quantity from one impact to the next, beyond its errors; None unless
+        it was fitted."""
+        return self.chosen.minimum.estimates.get(SCATTER)
+
+    @property
+    def covariance(self) -> Floats:
+        """Of the fitted parameters in their order, the scatter last."""
+        return self.chosen.minimum.covariance
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the data cannot tell and at which value it is held."""
+        return self.chosen.candidate.notes
+
+    @property
+    def deviations(self) -> Floats:
+        """Data less law in units of their errors, made independent of each other."""
+        return self.chosen.minimum.deviations
+
+    @property
+    def chi_square(self) -> float:
+        """χ², the sum of the squares of ``deviations``."""
+        return self.chosen.chi_square
+
+    @property
+    def degrees(self) -> int:
+        """Values less free parameters."""
+        return self.chosen.degrees
+
+    @property
+    def probability(self) -> float:
+        """Probability of a χ² this large if the law is right; NaN where the scatter is fitted."""
+        return self.chosen.probability
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """All laws tried, the best Akaike criterion first."""
+        return tuple(sorted((self.chosen, *self.others), key=lambda trial: trial.aic))
+
+    @property
+    def contact(self) -> Contact:
+        """The contact of the ball, under the fitted law."""
+        return self.law.between(self.chosen.candidate.ball, self.chosen.candidate.other)
+
+    @property
+    def dissipation(self) -> Estimate | None:
+        """A (ρ/m_eff)^(2/5) [(s/m)^(1/5)] of viscoelastic spheres: all that ε(v) tells; None for other laws.
+
+        x = (3/2) A (ρ/m_eff)^(2/5) v^(1/5) is the argument of ε(x) (Müller & Pöschel 2011, Eq. B3).
+        """
+        fitted = self.parameters.get(RESTITUTION)
+        if fitted is None or IMPACT_SPEED not in self.law.parameters or isinstance(self.data, Rebounds):
+            return None
+
+        def of(restitution: float) -> float:
+            contact = self._contact_of(restitution)
+            return contact.dissipative_time * math.pow(
+                contact.elastic_prefactor / contact.effective_mass, 0.4
+            )
+
+        step = 0.01 * min(fitted.value, 1.0 - fitted.value) or 1e-6
+        slope = (of(fitted.value - step) - of(fitted.value)) / step
+        return Estimate(of(fitted.value), slope * fitted.error, of(fitted.upper), of(fitted.lower))
+
+    def _contact_of(self, restitution: float) -> Contact:
+        candidate = self.chosen.candidate
+        law = candidate.made([restitution])
+        return law.between(candidate.ball, candidate.other)
+
+    @property
+    def verdict(self) -> str:
+        """Whether the law describes the data, in one sentence."""
+        return verdict(self.chosen, self.others, self.data.n)
+
+    def plot(self) -> Figure:
+        """Data and laws, and the deviations in units of their errors."""
+        from ..pictures import plots
+
+        return plots.fit(self)
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} {value}" for name, value in self.chosen.minimum.estimates.items())
+        return f"<Fit of {self.chosen.name}: {found}; {self.verdict}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [name, f"{e}", f"{e.lower:.6g} … {e.upper:.6g}"]
+            for name, e in self.chosen.minimum.estimates.items()
+        ]
+        head = ["", "value", f"{100.0 * self.confidence:g} % interval"]
+        return html.table(f"{self.chosen.name} fitted to {self.data.n} values", head, rows, self.verdict)
+
+
+def verdict(chosen: Trial, others: Sequence[Trial], n: int) -> str:
+    """Whether the law describes the data, and how the others compare, in one sentence."""
+    said = _alone(chosen, n)
+    better = [t for t in others if t.aic < chosen.aic - WORSE]
+    worse = [t for t in others if t.aic > chosen.aic + WORSE]
+    if better:
+        best = min(better, key=lambda t: t.aic)
+        return f"{said}; {best.name} does better by {chosen.aic - best.aic:.3g} in AIC{_own(best)}"
+    if worse and len(worse) == len(others):
+        margin = min(t.aic for t in worse) - chosen.aic
+        return f"{said}; {_names(worse)} do{'es' if len(worse) == 1 else ''} worse by {margin:.3g} or more in AIC"
+    near = [t for t in others if t not in worse]
+    return f"{said}; {_names(near)} cannot be told from it (AIC within {WORSE:g})" if near else said
+
+
+def _alone(trial: Trial, n: int) -> str:
+    if SCATTER in trial.minimum.estimates:
+        scatter = trial.minimum.estimates[SCATTER].value
+        return f"{trial.name} describes the mean of {n} values that scatter by {scatter:.2g} about it"
+    if trial.degrees < 1:
+        return f"{trial.name} has as many parameters as there are values, so nothing is left to test it"
+    if trial.probability < UNLIKELY:
+        return f"{trial.name} cannot describe the data: {_chi(trial)}"
+    return f"{trial.name} describes the data: {_chi(trial)}"
+
+
+def _chi(trial: Trial) -> str:
+    return f"χ² = {trial.chi_square:.4g} for {trial.degrees} degrees of freedom, p = {trial.probability:.2g}"
+
+
+def _own(trial: Trial) -> str:
+    return "" if math.isnan(trial.probability) else f" (p = {trial.probability:.2g})"
+
+
+def _names(trials: Sequence[Trial]) -> str:
+    *first, last = [trial.name for trial in trials]
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def as_mapping(fit: Fit) -> dict[str, Any]:
+    """Everything in plain values, SI units."""
+
+    def plain(e: Estimate | None) -> dict[str, float] | None:
+        return None if e is None else {"value": e.value, "error": e.error, "lower": e.lower, "upper": e.upper}
+
+    points: dict[str, Any] = {"deviation": fit.deviations}
+    if isinstance(fit.data, Impacts):
+        points |= {"speed": fit.data.speed, "restitution": fit.data.restitution}
+    return {
+        "law": {"name": fit.law.record["name"], **fit.law.parameters},
+        "parameters": {name: plain(e) for name, e in fit.parameters.items()},
+        "scatter": plain(fit.scatter),
+        "dissipation": plain(fit.dissipation),
+        "confidence": fit.confidence,
+        "covariance": fit.covariance,
+        "n": fit.data.n,
+        "chi_square": fit.chi_square,
+        "degrees_of_freedom": fit.degrees,
+        "probability": fit.probability,
+        "verdict": fit.verdict,
+        "notes": list(fit.notes),
+        "laws": [
+            {
+                "name": t.name,
+                "parameters": {k: plain(v) for k, v in t.minimum.estimates.items()},
+                "chi_square": t.chi_square,
+                "probability": t.probability,
+                "aic": t.aic,
+            }
+            for t in fit.trials
+        ],
+        "data": points,
+    }

@@ -1,0 +1,379 @@
+"""Fits of contact laws: what the data tell and what not, intervals that cover, χ² that is distributed as one."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from scipy import stats
+
+import hardlimit as hl
+from hardlimit.cli import main
+from hardlimit.fitting.candidates import candidate
+from hardlimit.fitting.likelihood import chi_square_probability
+from legible import assert_legible
+
+BALL = hl.Ball(0.01, density=1000.0)
+G = 9.81
+
+
+def viscoelastic(restitution: float = 0.8, speed: float = 1.0) -> hl.Law:
+    return hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=restitution, impact_speed=speed)
+
+
+def peaks(law: hl.Law, height: float, n: int, scatter: float = 0.0, rng: object = None) -> np.ndarray:
+    """Heights of a ball that bounces on, by the definition of ε alone."""
+    contact, found = law.between(BALL), [height]
+    for _ in range(n):
+        e = contact.restitution(math.sqrt(2.0 * G * found[-1]))
+        found.append(found[-1] * (e + (scatter * rng.normal() if rng else 0.0)) ** 2)
+    return np.array(found)
+
+
+def times_of(heights: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(2.0 * np.sqrt(2.0 * heights[1:] / G))])
+
+
+def measured(kind: str, law: hl.Law, rng: np.random.Generator) -> hl.Impacts:
+    """Noisy data of a law, of each kind that a file can hold."""
+    if kind == "restitution":
+        v = np.geomspace(0.1, 3.0, 12)
+        e = law.between(BALL).restitution(v) + rng.normal(0.0, 0.005, v.size)
+        return hl.Impacts.of_restitution(v, e, 0.005)
+    if kind == "rebound heights":
+        h = np.linspace(0.1, 0.9, 12)
+        contact = law.between(BALL)
+        up = h * contact.restitution(np.sqrt(2.0 * G * h)) ** 2 + rng.normal(0.0, 2e-3, h.size)
+        return hl.Impacts.of_rebound_heights(h + rng.normal(0.0, 2e-3, h.size), up, 2e-3, 2e-3)
+    h = peaks(law, 0.5, 9)
+    if kind == "heights":
+        return hl.Impacts.of_heights([h + rng.normal(0.0, 1e-3, h.size) for _ in range(2)], 1e-3)
+    t = times_of(h)
+    return hl.Impacts.of_times([t + rng.normal(0.0, 1e-4, t.size) for _ in range(2)], 1e-4)
+
+
+KINDS = ["restitution", "rebound heights", "heights", "times"]
+
+
+# --- statistics ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("degrees", [1, 2, 3, 7, 10, 101, 1000])
+def test_probability_of_chi_square(degrees: int) -> None:
+    for x in (0.0, 1e-8, 0.3 * degrees, 1.0 * degrees, 2.0 * degrees + 3.0):
+        expected = stats.chi2.sf(x, degrees)
+        assert chi_square_probability(x, degrees) == pytest.approx(expected, rel=1e-11, abs=1e-300)
+    assert math.isnan(chi_square_probability(1.0, 0))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_deviations_are_independent_with_unit_variance(kind: str) -> None:
+    """From the true law, whatever was read off the instruments: the covariance of shared readings is right."""
+    law, rng = viscoelastic(), np.random.default_rng(3)
+    tried = candidate("viscoelastic", "impacts", 1.0, {}, None, BALL, hl.FLOOR)
+    samples = np.array([measured(kind, law, rng).deviations(tried, law, 0.0)[0] for _ in range(300)])
+    n = samples.shape[1]
+    assert np.abs(samples.mean(0)).max() < 5.0 / math.sqrt(300)
+    assert np.abs(samples.T @ samples / 300 - np.eye(n)).max() < 5.0 * math.sqrt(2.0 / 300)
+
+
+def covered(kind: str, seeds: range, confidence: float = 0.68) -> tuple[float, np.ndarray]:
+    """Share of the intervals that hold the true value, and the probabilities of χ²."""
+    truth, hits, chances = viscoelastic(0.8, 1.0), 0, []
+    for seed in seeds:
+        data = measured(kind, truth, np.random.default_rng(seed))
+        found = hl.fit(data, fixed={"impact_speed": 1.0}, compare=False, confidence=confidence)
+        estimate = found.parameters["restitution"]
+        hits += estimate.lower <= 0.8 <= estimate.upper
+        chances.append(found.probability)
+    return hits / len(seeds), np.array(chances)
+
+
+def test_intervals_cover() -> None:
+    share, _ = covered("restitution", range(20))
+    assert 0.36 < share < 0.99  # three standard errors of a binomial number
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("confidence", [0.68, 0.95])
+def test_intervals_cover_and_chi_square_is_one(kind: str, confidence: float) -> None:
+    share, chances = covered(kind, range(250), confidence)
+    assert abs(share - confidence) < 3.5 * math.sqrt(confidence * (1.0 - confidence) / 250)
+    assert stats.kstest(chances, "uniform").pvalue > 1e-3
+
+
+@pytest.mark.slow
+def test_scatter_is_found_and_its_interval_covers() -> None:
+    """Each impact has its own ε beside the error of the reading."""
+    hits, values = 0, []
+    for seed in range(150):
+        rng = np.random.default_rng(seed)
+        drops = [peaks(viscoelastic(), 0.8, 15, 0.01, rng) for _ in range(2)]
+        noisy = [h + rng.normal(0.0, 5e-4, h.size) for h in drops]
+        found = hl.fit(hl.Impacts.of_heights(noisy, 5e-4), scatter=True, compare=False)
+        hits += found.scatter.lower <= 0.01 <= found.scatter.upper
+        values.append(found.scatter.value)
+    assert (
+        abs(np.mean(values) - 0.01) < 0.0005
+    )  # maximum likelihood takes 1 of 30 values for the mean: 2 % too low
+    assert abs(hits / 150 - 0.68) < 0.15
+
+
+@pytest.mark.parametrize("span", [1.0, 30.0, 1e4])
+def test_the_polynomial_is_the_curve(span: float) -> None:
+    """ε and its slope over ln v, at any ε and over as many decades as are measured."""
+    for e in (0.02, 0.3, 0.7, 0.95, 0.9999):
+        tried = candidate("viscoelastic", "impacts", 1.0, {}, None, BALL, hl.FLOOR)
+        law = viscoelastic(e)
+        v = np.geomspace(1.0 / span, 1.0, 50)
+        exact = law.between(BALL).restitution
+        curve = tried.curve(law, v[0], v[-1])
+        np.testing.assert_allclose(curve(np.log(v)), exact(v), atol=1e-9)
+        slope = (exact(v * 1.0001) - exact(v * 0.9999)) / 2e-4
+        np.testing.assert_allclose(curve.deriv()(np.log(v)), slope, atol=1e-6)
+
+
+# --- parameters ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_exact_data_give_the_parameters_back(seed: int) -> None:
+    """Random laws, bodies and speeds: without noise the fit is the law."""
+    rng = np.random.default_rng(seed)
+    e, v = rng.uniform(0.05, 0.99), np.geomspace(0.01, 10.0, 6) * rng.uniform(0.1, 10.0)
+    ball, other = (hl.Ball(10.0 ** rng.uniform(-4, -1), density=rng.uniform(100, 8000)) for _ in range(2))
+    law = [
+        hl.LinearDashpot(stiffness=10.0 ** rng.uniform(3, 9), restitution=e),
+        hl.Tsuji(elastic_prefactor=1e9, restitution=e),
+        viscoelastic(e, 1.0),
+    ][seed % 3]
+    met = other if seed % 2 else hl.FLOOR
+    data = hl.Impacts.of_restitution(v, law.between(ball, met).restitution(v), 1e-3)
+    found = hl.fit(data, type(law), ball=ball, other=met, compare=False)
+    np.testing.assert_allclose(found.contact.restitution(v), data.restitution, atol=2e-6)
+    assert found.chi_square < 1e-6 and found.probability > 0.999
+    if seed % 3 == 2:
+        truth = law.between(ball, met)
+        combination = truth.dissipative_time * (truth.elastic_prefactor / truth.effective_mass) ** 0.4
+        assert found.dissipation.value == pytest.approx(combination, rel=1e-5)
+        known = {"youngs_modulus": 1e9, "poisson_ratio": 0.3}
+        again = hl.fit(data, fixed=known, ball=ball, other=met, compare=False)
+        assert again.parameters["dissipative_time"].value == pytest.approx(truth.dissipative_time, rel=1e-5)
+
+
+def test_dissipation_has_the_interval_of_the_restitution() -> None:
+    """One is a function of the other: their intervals agree, and the error is that of its slope."""
+    data = measured("restitution", viscoelastic(), np.random.default_rng(5))
+    found = hl.fit(data, compare=False)
+    other = hl.fit(data, fixed={"youngs_modulus": 2e8, "poisson_ratio": 0.1}, ball=BALL, compare=False)
+    scale = (other.contact.elastic_prefactor / other.contact.effective_mass) ** 0.4
+    for end in ("value", "error", "lower", "upper"):
+        expected = getattr(other.parameters["dissipative_time"], end) * scale
+        assert getattr(found.dissipation, end) == pytest.approx(expected, rel=0.02)
+
+
+def test_verdict_tells_a_law_that_fails_from_one_that_describes() -> None:
+    data = measured("times", viscoelastic(), np.random.default_rng(1))
+    right, wrong = hl.fit(data), hl.fit(data, "tsuji")
+    assert right.verdict.startswith("viscoelastic describes the data: χ² = ")
+    assert "one ε (linear, tsuji) does worse by" in right.verdict
+    assert wrong.verdict.startswith("one ε (linear, tsuji) cannot describe the data: χ² = ")
+    assert "viscoelastic does better by" in wrong.verdict
+    assert right.trials[0].name == wrong.trials[0].name == "viscoelastic"
+    assert wrong.probability < 1e-6 < right.probability
+    assert "impact_speed" in right.notes[-1]
+
+
+def test_data_without_a_trend_cannot_tell_the_laws_apart() -> None:
+    e = 0.8 + np.random.default_rng(0).normal(0.0, 0.05, 5)
+    found = hl.fit(hl.Impacts.of_restitution(np.linspace(0.9, 1.1, 5), e, 0.05))
+    assert found.verdict.endswith("one ε (linear, tsuji) cannot be told from it (AIC within 10)")
+
+
+def test_restitution_at_its_limit() -> None:
+    """Values above 1 by noise: the best ε is 1, and its interval ends there."""
+    e = hl.fit(hl.Impacts.of_restitution([1.0, 2.0], [1.01, 1.02], 0.02), "linear").parameters["restitution"]
+    assert e.value == pytest.approx(1.0, abs=1e-3) and e.upper == pytest.approx(1.0)
+    assert 0.9 < e.lower < 1.0
+
+
+def test_rebounds_tell_stiffness_and_restitution() -> None:
+    column = hl.Column.paper(restitution=0.7)
+    gaps = np.array([2e-4, 5e-4, 7e-4, 1e-3, 2e-3])
+    truth = np.array([hl.newton(column.replace(gaps=g)).separation_velocity for g in gaps])
+    values = truth + np.random.default_rng(4).normal(0.0, 0.02, gaps.size)
+    data = hl.Rebounds.of_column(column, "separation_velocity", values, 0.02, gap=gaps)
+    found = hl.fit(data, "linear", compare=False)
+    for name, true in (("stiffness", 5e7), ("restitution", 0.7)):
+        estimate = found.parameters[name]
+        assert abs(estimate.value - true) < 4.0 * estimate.error < 0.2 * true
+        assert estimate.lower < estimate.value < estimate.upper
+    assert found.covariance.shape == (2, 2) and found.degrees == 3
+    assert_legible(found.plot())
+
+
+@pytest.mark.slow
+def test_rebounds_tell_laws_apart() -> None:
+    column = hl.Column.paper(restitution=0.7)
+    gaps = np.geomspace(1e-4, 3e-3, 10)
+    truth = np.array([hl.newton(column.replace(gaps=g)).separation_velocity for g in gaps])
+    data = hl.Rebounds.of_column(column, "separation_velocity", truth, 0.01, gap=gaps)
+    found = hl.fit(data, "linear")
+    assert found.trials[0].name == "linear" and found.chi_square < 1e-3
+    assert {t.name for t in found.others} == {"viscoelastic", "tsuji", "collisions with one ε"}
+    assert all(t.probability < 0.01 for t in found.others)
+
+
+# --- refusals -----------------------------------------------------------------------------------------------
+
+GOOD = hl.Impacts.of_restitution([1.0, 2.0, 3.0], [0.8, 0.79, 0.78], 0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"free": ["stiffness", "restitution"], "law": "linear"}, "stiffness: cannot be told"),
+        ({"free": ["stiffness"], "law": "linear"}, "stiffness: cannot be told"),
+        (
+            {"free": ["youngs_modulus", "dissipative_time"]},
+            "youngs_modulus | dissipative_time: only a combination of them can be told",
+        ),
+        ({"free": ["restitution", "impact_speed"]}, "impact_speed: cannot be told from"),
+        ({"free": ["stiffness"]}, "fixed | free: got stiffness, must be parameters of Viscoelastic"),
+        ({"fixed": {"restitution": 1.5}}, "restitution: got 1.5, must be in (0, 1]"),
+        ({"fixed": {"restitution": 0.5}, "free": ["restitution"]}, "fixed | free: got restitution in both"),
+        ({"fixed": {"restitution": 0.5, "dissipative_time": 1e-6}}, "fixed | free: got dissipative_time"),
+        ({"free": "restitution"}, "free: got 'restitution', must be a list of names"),
+        ({"fixed": 3}, "fixed: got 3, must be a mapping"),
+        ({"law": "hertz"}, "law: got 'hertz', must be one of"),
+        ({"confidence": 1.0}, "confidence: got 1, must be in (0, 1)"),
+        ({"ball": 3}, "ball: got 3, must be a Ball"),
+        ({"other": None}, "other: got None, must be a Ball or FLOOR"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(arguments: dict, message: str) -> None:
+    given = {"ball": BALL} | arguments
+    with pytest.raises(ValueError) as error:
+        hl.fit(GOOD, **given)
+    assert str(error.value).startswith(message) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: hl.fit([0.8]), "data: got [0.8], must be Impacts or Rebounds"),
+        (lambda: hl.fit(hl.Impacts.of_restitution([1.0], [0.8])), "error: missing or 0"),
+        (
+            lambda: hl.fit(hl.Impacts.of_restitution([1.0], [0.8]), scatter=True),
+            "data: got 1 values, must be 2",
+        ),
+        (lambda: hl.fit(GOOD, fixed={"dissipative_time": 1e-6}), "ball: missing"),
+        (lambda: hl.Impacts.of_restitution([1.0, 0.0], [0.8, 0.8]), "speed[1]: got 0, must be > 0"),
+        (lambda: hl.Impacts.of_restitution([1.0, 2.0], [0.8]), "restitution: got 1 values, must be 2"),
+        (
+            lambda: hl.Impacts.of_restitution([1.0], [0.8], 0.01, 0.5),
+            "speed_error[0]: got 0.5 for a value of 1",
+        ),
+        (lambda: hl.Impacts.of_heights([1.0, 0.5]), "heights[0]: got 1 values, must be 2 or more"),
+        (lambda: hl.Impacts.of_heights(3.0), "heights: got 3.0, must be a list of drops"),
+        (lambda: hl.Impacts.of_heights([[1.0, -0.5]]), "heights[0]: got -0.5, must be > 0"),
+        (lambda: hl.Impacts.of_heights([[1.0, 0.5]], [0.1, 0.1]), "height_error: got 2 drops, must be 1"),
+        (lambda: hl.Impacts.of_times([[0.0, 1.0]]), "times[0]: got 2 values, must be 3 or more"),
+        (lambda: hl.Impacts.of_times([[0.0, 1.0, 0.9]]), "times[0][2]: got 0.9 s after 1 s, must be later"),
+        (
+            lambda: hl.Impacts.of_times([[0.0, 0.5, 1.3]]),
+            "times[0][2]: got a flight of 0.8 s after one of 0.5",
+        ),
+        (lambda: hl.Rebounds.of_column(3, "top_velocity", [1.0]), "column: got 3, must be a Column of two"),
+        (lambda: hl.Rebounds.of_column(hl.Column.paper(), "mass", [1.0]), "observable: got 'mass'"),
+        (
+            lambda: hl.Rebounds.of_column(hl.Column.paper(), "top_height", [1.0], height=[0.01]),
+            "column[0]: height: got 0.01",
+        ),
+    ],
+)
+def test_bad_data_are_refused(make: object, message: str) -> None:
+    with pytest.raises(ValueError) as error:
+        make()
+    assert str(error.value).startswith(message) and "\n" not in str(error.value)
+
+
+# --- files and command line ---------------------------------------------------------------------------------
+
+
+def run(*args: object, code: int = 0) -> Result:
+    result = CliRunner().invoke(main, ["fit", *map(str, args)], prog_name="hardlimit")
+    assert result.exit_code == code, result.output
+    return result
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "got 0 lines besides comments, must be a header and rows"),
+        ("# only\nspeed,restitution\n", "got 1 lines besides comments"),
+        ("speed,restitution\n1,x\n", "line 2, column restitution: got 'x', must be a number > 0"),
+        ("speed,restitution\n1,0.8\n\n-2,0.8\n", "line 4, column speed: got -2, must be > 0"),
+        ("speed,restitution\n1,0.8,0.1\n", "line 2: got 3 cells, must be 2"),
+        ("speed,restitution\n1,nan\n", "line 2, column restitution: got nan, must be > 0"),
+        ("speed,restitution,restitution_error\n1,0.8,-1\n", "column restitution_error: got -1, must be >= 0"),
+        ("speed,mass\n1,2\n", "line 1: got column 'mass', must be of speed"),
+        ("speed,speed\n1,2\n", "line 1: got column speed twice"),
+        ("speed [kg],restitution\n1,0.8\n", "line 1: speed: got '1 kg', must be a number [m/s]"),
+        ("speed\n1\n2\n", "line 1: got columns speed, must hold speed, restitution |"),
+        ("speed,restitution,gap\n1,0.8,1\n", "line 1: got column gap, must be one of speed, restitution,"),
+        ("# c\ntime\n0\n1\n0.5\n", "line 5, column time: got 0.5 s after 1 s, must be later"),
+        ("drop,time\n1,0\n1,1\n2,0\n2,1\n2,1.5\n", "lines 2 to 3, column time: got 2 values, must be 3"),
+        ("drop,time\n1,0\n2,0\n1,1\n2,1\n1,1.5\n2,2.9\n", "line 7, column time: got a flight of 1.9 s"),
+        ("height,height_error\n1,0.5\n0.5,0.1\n", "line 2, column height_error: got 0.5 for a value of 1"),
+        ("top_height\n1\n", "column: missing, must be the Column whose top_height was measured"),
+    ],
+)
+def test_faults_of_a_file_are_named_by_line_and_column(tmp_path: Path, text: str, message: str) -> None:
+    file = tmp_path / "data.csv"
+    file.write_text(text, encoding="utf-8")
+    result = run(file, code=2)
+    assert message in result.stderr and len(result.stderr.splitlines()) == 1
+
+
+def test_files_are_read_with_their_units(tmp_path: Path) -> None:
+    file = tmp_path / "data.csv"
+    h = peaks(viscoelastic(), 0.5, 4)
+    rows = [f"7,{100.0 * x!r},1" for x in h.tolist()]
+    file.write_text("drop,height [cm],height_error [mm]\n" + "\n".join(rows), encoding="utf-8")
+    data, direct = hl.read_measurements(file), hl.Impacts.of_heights([h], 1e-3)
+    np.testing.assert_allclose(data.speed, direct.speed, rtol=1e-14)
+    np.testing.assert_allclose(data.restitution_error, direct.restitution_error, rtol=1e-12)
+
+
+def test_the_command_fits_its_example(tmp_path: Path) -> None:
+    file, picture = tmp_path / "impacts.csv", tmp_path / "fit.png"
+    file.write_text(run("--example").stdout, encoding="utf-8")
+    text = run(file, "--plot", picture).stdout
+    assert "Viscoelastic describes the data" in " ".join(text.split()) and picture.stat().st_size > 10_000
+    found = json.loads(run(file, "--json").stdout)
+    direct = hl.fit(hl.read_measurements(file))
+    assert found["parameters"]["restitution"]["value"] == direct.parameters["restitution"].value
+    assert found["verdict"] == direct.verdict and len(found["data"]["speed"]) == found["n"] == 16
+    assert_legible(direct.plot())
+
+
+def test_a_column_from_a_file_and_its_rebounds(tmp_path: Path) -> None:
+    column = hl.Column.paper(restitution=0.9, gap=3e-3)
+    toml, file = tmp_path / "column.toml", tmp_path / "data.csv"
+    assert CliRunner().invoke(main, ["drop", "--restitution", "0.9", "--toml", str(toml)]).exit_code == 0
+    value = hl.newton(column).separation_velocity
+    file.write_text(
+        f"gap,separation_velocity,separation_velocity_error\n3e-3,{value!r},0.01\n", encoding="utf-8"
+    )
+    found = json.loads(run(file, "--column", toml, "--stiffness", "5e7", "--no-compare", "--json").stdout)
+    assert found["parameters"]["restitution"]["value"] == pytest.approx(0.9, abs=1e-4)
+
+
+def test_refusals_of_the_command(tmp_path: Path) -> None:
+    assert "FILE: missing" in run(code=2).stderr
+    assert "FILE: must be left out with --example" in run("x.csv", "--example", code=2).stderr
+    run(tmp_path / "none.csv", code=1)
