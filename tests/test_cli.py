@@ -48,7 +48,7 @@ def printed(*args: object) -> dict:
 
 # --- help ---------------------------------------------------------------------------------------------------
 
-COMMANDS = ["drop", "contact", "fit", "paper", "sweep", "gas", "explore", "completion"]
+COMMANDS = ["drop", "contact", "fit", "stack", "paper", "sweep", "gas", "explore", "completion"]
 
 
 def test_help_lists_the_commands() -> None:

@@ -23,6 +23,7 @@ from .particles.molecular_dynamics import molecular_dynamics
 from .particles.result import ParticleResult
 from .particles.resuming import resume
 from .particles.system import ParticleSystem
+from .stacks import Stack, stack
 from .sweep import sweep
 
 __version__: str = _core.version
@@ -48,6 +49,7 @@ __all__ = [
     "ParticleSystem",
     "Rebounds",
     "Result",
+    "Stack",
     "Verdict",
     "adiabatic",
     "compare",
@@ -63,6 +65,7 @@ __all__ = [
     "restitution_pade",
     "restitution_series",
     "resume",
+    "stack",
     "sweep",
     "usual_damping",
     *(name for name in _laws if name != "LAWS"),

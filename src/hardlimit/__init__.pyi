@@ -35,6 +35,8 @@ from .particles.molecular_dynamics import molecular_dynamics as molecular_dynami
 from .particles.result import ParticleResult as ParticleResult
 from .particles.resuming import resume as resume
 from .particles.system import ParticleSystem as ParticleSystem
+from .stacks import Stack as Stack
+from .stacks import stack as stack
 from .sweep import sweep as sweep
 __version__: str
 OUTCOMES: tuple[str, ...]

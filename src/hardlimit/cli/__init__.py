@@ -13,6 +13,7 @@ from .fit import fit
 from .gas import gas
 from .paper import paper
 from .program import Program
+from .stack import stack
 from .sweep import sweep
 
 
@@ -34,5 +35,5 @@ def main(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-for command in (drop, contact, fit, paper, sweep, gas, explore, completion):
+for command in (drop, contact, fit, stack, paper, sweep, gas, explore, completion):
     main.add_command(command)

@@ -205,7 +205,7 @@ def verdict(chosen: Trial, others: Sequence[Trial], n: int) -> str:
 def _alone(trial: Trial, n: int) -> str:
     if SCATTER in trial.minimum.estimates:
         scatter = trial.minimum.estimates[SCATTER].value
-        return f"{trial.name} describes the mean of {n} values that scatter by {scatter:.2g} about it"
+        return f"{trial.name} leaves a scatter of {scatter:.2g} of {n} values about their mean"
     if trial.degrees < 1:
         return f"{trial.name} has as many parameters as there are values, so nothing is left to test it"
     if trial.probability < UNLIKELY:

@@ -13,6 +13,7 @@ from .forces import forces
 from .gas import gas
 from .heights import heights
 from .maps import count_map, difference_map, sweep_map
+from .stack import stack
 from .style import count_colours, save, style
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "restitution_obtained",
     "restitution_over_speed",
     "save",
+    "stack",
     "style",
     "sweep_map",
 ]

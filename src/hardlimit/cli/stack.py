@@ -1,0 +1,114 @@
+"""``hardlimit stack``: the masses with which a stack throws its top ball fastest."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+import numpy as np
+
+from ..contact import Law
+from ..stacks import MOST_BALLS, Stack
+from ..stacks import stack as best
+from .contact import chosen_law
+from .drop_report import law_text
+from .options import dpi_option, given_law_parameters, law_options, output_option, quantity_option, writable
+from .printing import console, digits, print_json, quantity, show, table
+from .program import Command
+
+#: Gaps of the table, in units of V t_c.
+GAPS = (0.0, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0)
+MODELS = {"newton": "Newton's equations", "independent": "collisions"}
+
+
+@click.command(
+    cls=Command,
+    epilog="\b\nExample:\n  hardlimit stack --balls 3 --bottom-mass 1kg --top-mass 10g --restitution 1",
+)
+@click.option("--balls", type=int, default=3, show_default=True, help=f"2 to {MOST_BALLS}.")
+@quantity_option("--bottom-mass", unit="kg", help="[kg].  [default: 1]")
+@quantity_option("--top-mass", unit="kg", help="[kg]; without it, free as well.")
+@quantity_option("--least-ratio", unit="1", help="Least mass over that of the ball below.  [default: 0.001]")
+@quantity_option("--largest-ratio", unit="1", help="Largest one.  [default: 1]")
+@quantity_option("--gap", unit="m", help="Between neighbours [m].  [default: 0]")
+@quantity_option("--density", unit="kg/m3", help="[kg/m³].  [default: 1000]")
+@quantity_option("--speed", unit="m/s", help="Of impact [m/s].  [default: 1]")
+@law_options()
+@output_option("--plot", "Masses and speed over the gap as a picture (png, pdf, svg, …).")
+@dpi_option
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+def stack(law: str | None, balls: int, as_json: bool, plot: str | None, **given: Any) -> None:
+    """Masses with which a falling stack throws its top ball fastest, by collisions and by Newton's equations.
+
+    Balls that touch or nearly touch push each other at the same time; then the masses that are best for
+    collisions one at a time are poor, and so is what they promise. A number may bear a unit, such as 10g.
+    """
+    picture = writable("plot", plot)
+    rule = chosen_law(law, given_law_parameters(given))
+    found = computed(rule, balls, given)
+    if picture:
+        from ..pictures import plots
+
+        plots.save(plots.stack(*found.values()), picture, given["dpi"])
+    if as_json:
+        print_json(as_mapping(found, rule))
+    else:
+        print_report(found, rule)
+
+
+def computed(rule: Law, balls: int, given: dict[str, Any]) -> dict[str, Stack]:
+    """The best stack under each model."""
+    usual = {"bottom_mass": 1.0, "gap": 0.0, "density": 1000.0, "speed": 1.0}
+    usual |= {"least_ratio": 1e-3, "largest_ratio": 1.0}
+    taken = {name: value if given[name] is None else given[name] for name, value in usual.items()}
+    return {
+        model: best(
+            balls,
+            rule,
+            bottom_mass=taken["bottom_mass"],
+            top_mass=given["top_mass"],
+            ratio_limits=(taken["least_ratio"], taken["largest_ratio"]),
+            model=model,
+            gaps=taken["gap"],
+            density=taken["density"],
+            impact_speed=taken["speed"],
+            progress=True,
+        )
+        for model in MODELS
+    }
+
+
+def print_report(found: dict[str, Stack], rule: Law) -> None:
+    out = console()
+    n = found["newton"].masses.size
+    rows = [
+        [f"ball {i + 1}", *(quantity(float(one.masses[i]) * 1e3, "g") for one in found.values())]
+        for i in reversed(range(n))
+    ]
+    for model, name in MODELS.items():
+        rows.append([f"top speed / V, {name}", *(digits(one.speed_under(model)) for one in found.values())])
+    columns = ["best masses for", *MODELS.values()]
+    show(out, f"Stack of {n} balls", table(columns, rows), f"{rule.record['name']} law: {law_text(rule)}")
+    rows = []
+    for gap in GAPS:
+        speeds = [one.speed_under("newton", gap * one.contact_way) for one in found.values()]
+        rows.append([digits(gap), *map(digits, speeds)])
+    way = quantity(found["newton"].contact_way, "m", 3)
+    title = "Top speed / V under Newton's equations over the gap"
+    below = f"V t_c = {way}, the way of a ball while the lowest one alone touches the floor."
+    show(out, title, table(["gap / (V t_c)", *(f"best for {name}" for name in MODELS.values())], rows), below)
+
+
+def as_mapping(found: dict[str, Stack], rule: Law) -> dict[str, Any]:
+    """Everything in plain values, SI units; speeds in units of the speed of impact."""
+    content: dict[str, Any] = {"law": {"name": rule.record["name"], **rule.parameters}}
+    for model, one in found.items():
+        gaps = np.array(GAPS) * one.contact_way
+        over = one.over_gaps(gaps)
+        content[f"best_under_{model}"] = {
+            "masses": one.masses,
+            "top_speed": {name: one.speed_under(name) for name in MODELS},
+            "contact_way": one.contact_way,
+            "over_gaps": {"gap": gaps, **{name: over[name].values for name in MODELS}},
+        }
+    return content

@@ -1,0 +1,51 @@
+"""A stack: its masses, and the speed of its top ball over the gap between neighbours."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from .labels import LINES
+from .style import GREY, PAGE_WIDTH, PALETTE, style
+
+if TYPE_CHECKING:
+    from ..stacks import Stack
+
+#: Gaps of the picture in units of V t_c.
+GAPS = np.geomspace(1e-3, 30.0, 61)
+NAMES = {"newton": "Newton’s equations", "independent": "collisions"}
+COLOURS = {"newton": PALETTE["blue"], "independent": PALETTE["vermillion"]}
+
+
+def stack(*stacks: Stack) -> Figure:
+    """Masses of the stacks, each best under its model, and the speed of their top balls over the gap.
+
+    Lines are Newton's equations, dashes collisions; the colour is that of the model under which the masses are best.
+    """
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH, 3.1))
+        left, right = figure.subplots(1, 2)
+        for one in stacks:
+            look = {"color": COLOURS[one.model], "label": f"best under {NAMES[one.model]}"}
+            left.plot(np.arange(1, one.masses.size + 1), one.masses, "o-", ms=4.0, **look)
+            way = one.contact_way
+            found = one.over_gaps(GAPS * way)
+            for model in NAMES:
+                right.plot(GAPS, found[model], ls=LINES[model], color=COLOURS[one.model])
+        left.set_yscale("log")
+        left.xaxis.set_major_locator(MaxNLocator(integer=True))
+        left.tick_params(axis="x", which="minor", bottom=False, top=False)
+        left.set_xlabel("ball, from below")
+        left.set_ylabel("mass [kg]")
+        left.legend(loc="best")
+        for model, name in NAMES.items():
+            right.plot([], [], ls=LINES[model], color=GREY, label=name)
+        right.set_xscale("log")
+        right.set_xlim(GAPS[0], GAPS[-1])
+        right.set_xlabel(r"gap / $V t_c$")
+        right.set_ylabel("speed of the top ball / $V$")
+        right.legend(loc="best")
+    return figure

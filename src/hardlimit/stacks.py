@@ -1,0 +1,327 @@
+"""Stacks of balls that throw the top one highest: their masses under Newton's equations and under collisions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import validation
+from .bodies import Ball
+from .column.scenario import Column
+from .column.solvers import independent, newton
+from .contact import Law
+from .progress import Report, reporter
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from iminuit import Minuit
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+MOST_BALLS: Final = 20
+MODELS: Final = ("newton", "independent")
+#: Shapes of ln(mass) over the number of the ball among which the search begins: bend and slant of its steps.
+BENDS: Final = (-0.9, -0.5, 0.0, 0.5, 0.9)
+#: Steps of ln(ratio) among which the search begins where the top mass is free.
+FIRST_RATIOS: Final = 7
+STARTS: Final = 3  #: the best of them are followed
+#: A search is begun again where it ended until it gains less than this, relative to the impact speed.
+GAIN: Final = 1e-9
+MOST_ROUNDS: Final = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Balls whose masses make the top one as fast as it can be; made by :func:`hardlimit.stack`."""
+
+    column: Column  #: on the floor, at the instant of its impact
+    model: str  #: ``"newton"`` or ``"independent"``, under which the masses are best
+    speed: float  #: of the top ball after the last contact, in units of the speed of impact
+
+    @property
+    def masses(self) -> Floats:
+        """[kg], bottom first."""
+        return np.array([ball.mass for ball in self.column.balls])
+
+    @property
+    def ratios(self) -> Floats:
+        """Mass of each ball over that of the one below it."""
+        return self.masses[1:] / self.masses[:-1]
+
+    def speed_under(self, model: str, gaps: float | Sequence[float] | None = None) -> float:
+        """Speed of the top ball over that of the impact, for the same masses under a model and with other gaps [m].
+
+        NaN where no last contact was found; ``hardlimit.newton(stack.column)`` says why.
+
+        Raises
+        ------
+        ValueError
+            If the model or a gap is outside its range.
+        """
+        validation.one_of("model", model, MODELS)
+        return _top(self.column if gaps is None else self.column.replace(gaps=gaps), model)
+
+    @property
+    def contact_way(self) -> float:
+        """Way [m] of a ball at the speed of impact while the lowest one alone touches the floor: V t_c.
+
+        It is the length with which gaps are to be compared.
+        """
+        speed = self.column.impact_speed
+        return speed * float(self.column.contacts[0].duration(speed))
+
+    def over_gaps(self, gaps: ArrayLike) -> xr.Dataset:
+        """Speed of the top ball over the gap between neighbours, under both models.
+
+        Parameters
+        ----------
+        gaps : N numbers [m]
+            Each that of all neighbours.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``newton`` and ``independent`` over ``gap``, in units of the speed of impact.
+
+        Raises
+        ------
+        ValueError
+            If a gap is negative or not finite.
+        """
+        import xarray as xr
+
+        at = np.atleast_1d(validation.array("gaps", gaps, lowest=0.0, lowest_allowed=True))
+        names = {"newton": "Newton's equations", "independent": "independent collisions"}
+        found = {
+            model: ("gap", [self.speed_under(model, float(g)) for g in at], {"units": "1", "long_name": name})
+            for model, name in names.items()
+        }
+        gap = ("gap", at, {"units": "m", "long_name": "gap between neighbours"})
+        attrs = {
+            "title": "Speed of the top ball over that of the impact",
+            "column": repr(self.column),
+            "contact_way": self.contact_way,
+        }
+        return xr.Dataset(found, coords={"gap": gap}, attrs=attrs)
+
+    def plot(self) -> Figure:
+        """Masses, and the speed of the top ball over the gap."""
+        from .pictures import plots
+
+        return plots.stack(self)
+
+    def __repr__(self) -> str:
+        masses = ", ".join(f"{m:.4g}" for m in self.masses)
+        return f"<Stack of {len(self.column.balls)}, best under {self.model}: {masses} kg, top {self.speed:.6g} V>"
+
+
+def stack(
+    n: int,
+    law: Law | Sequence[Law],
+    *,
+    bottom_mass: float,
+    top_mass: float | None = None,
+    ratio_limits: Sequence[float] = (1e-3, 1.0),
+    model: str = "newton",
+    gaps: float | Sequence[float] = 0.0,
+    density: float | Sequence[float] = 1000.0,
+    impact_speed: float = 1.0,
+    progress: bool | Report | None = None,
+) -> Stack:
+    """The masses with which a stack that falls on the floor throws its top ball fastest.
+
+    Parameters
+    ----------
+    n : int
+        Balls, 2 to 20.
+    law : Law, or one Law for each contact (floor first)
+        Of a linear dashpot only the ratios of the stiffnesses matter where the balls touch.
+    bottom_mass : float [kg]
+    top_mass : float, optional [kg]
+        Without it, it is free as well.
+    ratio_limits : two floats
+        Smallest and largest mass of a ball over that of the one below it. Collisions with one ε want the smallest that
+        is allowed; balls that touch have a best ratio under Newton's equations.
+    model : {"newton", "independent"}
+        Newton's equations, or collisions one at a time.
+    gaps : float or sequence of float [m]
+        Between neighbours when the lowest ball touches the floor; 0 lets them touch.
+    density : float or sequence of float [kg/m³]
+        Of the balls, whose radii follow from their masses; radii matter to Hertz contacts.
+    impact_speed : float [m/s]
+        V, of all balls; there is no gravity while they are in contact.
+    progress : bool or callable(done, total), optional
+        True shows a bar. A function is told how many searches are done, and of how many.
+
+    Returns
+    -------
+    Stack
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the masses do not fit between the ends with such ratios; names it.
+
+    Notes
+    -----
+    Of collisions, v_{k+1} + V = (v_k + V)(1 + ε)/(1 + m_{k+1}/m_k): between fixed ends the masses are in geometric
+    progression of ratio r (the sum of ln(1 + e^x) over x = ln m_{k+1}/m_k is convex), and the top ball leaves with
+    v/V = (1 + ε)^n/(1 + r)^(n−1) − 1. Where ε depends on the speed, and under Newton's equations, the masses are
+    searched, by the simplex of Nelder and Mead and by MINUIT (James & Roos, Comput. Phys. Commun. 10, 343 (1975)) from
+    several starts; the search ends in a best one among its neighbours.
+    """
+    count = validation.whole("n", n, 2, MOST_BALLS)
+    search = _Search(
+        count,
+        law,
+        validation.number("bottom_mass", bottom_mass, 0.0),
+        None if top_mass is None else validation.number("top_mass", top_mass, 0.0),
+        _limits(ratio_limits),
+        validation.one_of("model", model, MODELS),
+        gaps,
+        validation.numbers("density", density, count, lowest=0.0),
+        validation.number("impact_speed", impact_speed, 0.0),
+    )
+    with reporter(progress, "stack", "searches") as report:
+        logarithms = search.best(report)
+    column = search.column(logarithms)
+    return Stack(column, model, _top(column, model))
+
+
+def _limits(given: Any) -> tuple[float, float]:
+    low, high = validation.numbers("ratio_limits", given, 2, lowest=0.0)
+    if not low < high:
+        raise ValueError(f"ratio_limits: got {low:g} and {high:g}, must be a smaller and a larger number")
+    return low, high
+
+
+def _top(column: Column, model: str) -> float:
+    """Speed of the top ball over that of the impact."""
+    result = newton(column) if model == "newton" else independent(column)
+    return float(result.final_velocities[-1]) / column.impact_speed
+
+
+class _Search:
+    """Search for ln(m_{k+1}/m_k); with a given top mass the last of them follows from the others."""
+
+    def __init__(
+        self,
+        n: int,
+        law: Any,
+        bottom: float,
+        top: float | None,
+        limits: tuple[float, float],
+        model: str,
+        gaps: Any,
+        density: Sequence[float],
+        speed: float,
+    ) -> None:
+        self.n, self.law, self.bottom, self.model = n, law, bottom, model
+        self.gaps, self.density, self.speed = gaps, density, speed
+        self.lowest, self.highest = (math.log(limit) for limit in limits)
+        self.total = None if top is None else math.log(top / bottom)
+        middle = 0.5 * (self.lowest + self.highest)
+        if self.total is not None:
+            least, most = (bottom * limit ** (n - 1) for limit in limits)
+            if not least * (1.0 - 1e-9) <= bottom * math.exp(self.total) <= most * (1.0 + 1e-9):
+                raise ValueError(f"top_mass: got {top:.6g}, must be in [{least:.6g}, {most:.6g}]")
+            middle = self.total / (n - 1)
+        self.column([middle] * (n - 1))  # refuses a law or gaps that fit no column
+
+    def column(self, logarithms: Sequence[float]) -> Column:
+        """The stack at the instant when its lowest ball touches the floor."""
+        masses = [self.bottom * math.exp(x) for x in accumulate(logarithms, initial=0.0)]
+        radii = [
+            (0.75 * m / (math.pi * rho)) ** (1.0 / 3.0) for m, rho in zip(masses, self.density, strict=True)
+        ]
+        balls = [Ball(r, mass=m) for r, m in zip(radii, masses, strict=True)]
+        return Column(balls, self.gaps, radii[0], self.law, velocities=-self.speed, gravity=0.0)
+
+    def full(self, variables: Any) -> list[float]:
+        """All logarithms of ratios from those that are varied."""
+        given = [float(x) for x in variables]
+        return given if self.total is None else [*given, self.total - math.fsum(given)]
+
+    def cost(self, variables: Any) -> float:
+        """Minus the speed of the top ball; a slope back to the allowed ratios outside of them."""
+        logarithms = self.full(variables)
+        inside = [min(max(x, self.lowest), self.highest) for x in logarithms]
+        outside = math.fsum(abs(a - b) for a, b in zip(logarithms, inside, strict=True))
+        if outside > 1e-12:
+            return self.cost_inside(inside) + outside
+        return self.cost_inside(logarithms)
+
+    def cost_inside(self, logarithms: Sequence[float]) -> float:
+        found = _top(self.column(logarithms), self.model)
+        return -found if math.isfinite(found) else 1.0
+
+    def starts(self) -> list[list[float]]:
+        """Geometric progressions and bent ones, the best first."""
+        steps = self.n - 1
+        means = [self.total / steps] if self.total is not None else self._first_means()
+        place = np.linspace(-1.0, 1.0, steps) if steps > 1 else np.zeros(1)
+        shapes = [(b, s) for b in BENDS for s in BENDS] if steps > 2 else [(0.0, s) for s in BENDS]
+        found = []
+        for mean in means:
+            for bend, slant in shapes if steps > 1 else [(0.0, 0.0)]:
+                form = mean * (1.0 + slant * place + bend * (place**2 - np.mean(place**2)))
+                x = np.clip(form, self.lowest, self.highest).tolist()
+                found.append(x if self.total is None else x[:-1])
+        return sorted(found, key=self.cost)[:STARTS]
+
+    def _first_means(self) -> list[float]:
+        width = self.highest - self.lowest
+        means: list[float] = np.linspace(
+            self.lowest + 0.02 * width, self.highest - 0.02 * width, FIRST_RATIOS
+        ).tolist()
+        return means
+
+    def best(self, report: Report) -> list[float]:
+        """ln(m_{k+1}/m_k) of the fastest top ball."""
+        steps = self.n - 1
+        if self.total is not None and steps == 1:
+            return [self.total]
+        geometric = [self.lowest if self.total is None else self.total / steps] * steps
+        if self.model == "independent" and not self._depends_on_speed(geometric):
+            return geometric
+        starts = self.starts()
+        ends = []
+        for done, start in enumerate(starts):
+            report(done, len(starts))
+            ends.append(self._descend(start))
+        return [min(max(x, self.lowest), self.highest) for x in self.full(min(ends, key=self.cost))]
+
+    def _depends_on_speed(self, logarithms: Sequence[float]) -> bool:
+        speeds = self.speed * np.array([0.5, 1.0, 5.0])
+        found = [contact.restitution(speeds) for contact in self.column(logarithms).contacts]
+        return bool(np.ptp(np.array(found)) > 1e-12)
+
+    def _descend(self, start: Sequence[float]) -> list[float]:
+        """Simplex and gradient in turn, from one start, until they gain no more."""
+        from iminuit import Minuit
+
+        at, reached = list(start), self.cost(start)
+        for size in np.geomspace(0.3, 1e-3, MOST_ROUNDS):
+            search = _prepared(Minuit(self.cost, at), float(size))
+            search.simplex(ncall=200 * len(at))
+            search.migrad(ncall=200 * len(at))
+            gained = reached - float(search.fval)
+            if gained > 0.0:
+                at, reached = list(search.values), float(search.fval)
+            if gained < GAIN and size < 0.05:
+                break
+        return at
+
+
+def _prepared(search: Minuit, step: float) -> Minuit:
+    search.errordef, search.tol, search.strategy = 1e-6, 1e-3, 0
+    for i in range(len(search.values)):
+        search.errors[i] = step
+    return search
