@@ -1,6 +1,7 @@
 """Oblique soft impact: the force of a contact, integrated in the plane by SciPy, turns the contact normal as known."""
 
 import csv
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -55,3 +56,111 @@ def test_normal_turns(row: dict[str, str]) -> None:
     end = run.y_events[0][-1]
     np.testing.assert_allclose(np.degrees(np.arctan2(end[1], end[0])), float(rotation), rtol=1e-8)
     np.testing.assert_allclose(run.t_events[0][-1] / duration, float(length), rtol=1e-8)
+
+
+# --- two balls dropped with an offset -----------------------------------------------------------------------
+
+
+def columns(seed: int) -> hl.Column:
+    """Random drops of two balls that part."""
+    rng = np.random.default_rng(seed)
+    lower, upper = 0.1 * rng.uniform(0.3, 1.0), 0.1 * rng.uniform(0.1, 0.6)
+    e = rng.uniform(0.8, 1.0)
+    law = [
+        hl.LinearDashpot(stiffness=5e7, restitution=e),
+        hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=e, impact_speed=1.0),
+        hl.Tsuji(elastic_prefactor=1e9, restitution=e),
+    ][seed % 3]
+    gap = float(rng.choice([0.0, 1e-4, 1e-3]))
+    balls = [hl.Ball(lower, density=840.0), hl.Ball(upper, density=840.0)]
+    return hl.Column(balls, gap, lower + rng.uniform(0.1, 0.8), law)
+
+
+@pytest.mark.parametrize("seed", range(9))
+def test_without_offset_it_is_the_column(seed: int) -> None:
+    column = columns(seed)
+    found, straight = hl.oblique_drop(column, 0.0), hl.newton(column)
+    scale = 1e-8 * column.impact_speed
+    assert found.sideways_velocity == 0.0 and found.estimate == 0.0
+    assert found.separation_velocity == pytest.approx(straight.separation_velocity, abs=scale)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_offsets_are_mirrored_and_keep_momentum(seed: int) -> None:
+    column = columns(seed)
+    offset = 0.05 * column.balls[1].radius
+    one, other = hl.oblique_drop(column, offset), hl.oblique_drop(column, -offset)
+    scale = column.impact_speed
+    assert one.sideways_velocity == pytest.approx(-other.sideways_velocity, abs=1e-9 * scale)
+    assert one.separation_velocity == pytest.approx(other.separation_velocity, abs=1e-9 * scale)
+    masses = np.array([ball.mass for ball in column.balls])
+    assert abs(masses @ one.velocities[:, 0]) < 1e-9 * masses[0] * scale
+    assert one.run.energy_error < 1e-9
+    assert one.tilt == -other.tilt and one.throw_angle > 0.0
+
+
+def linear_response(column: hl.Column) -> float:
+    """Sideways velocity per offset: x'' = F12(t) x/(μ s), with the force and the distance s of the straight drop."""
+    straight = hl.newton(column)
+    lower, upper = column.balls
+    reduced = lower.mass * upper.mass / (lower.mass + upper.mass)
+    _, begin, end = straight.contact_times
+    marks = np.unique(np.concatenate([[0.0], begin, end]))
+    state = np.array([1.0, 0.0])
+    for a, b in pairwise(marks):
+        inside = np.array([a + 1e-9 * (b - a), b - 1e-9 * (b - a)])
+
+        def change(t: float, y: np.ndarray, inside: np.ndarray = inside) -> list[float]:
+            at = straight.trajectory(np.clip([t], *inside))
+            force = float(at.force.sel(pair=1)[0])
+            apart = float(at.position[0, 1] - at.position[0, 0])
+            return [y[1], force * y[0] / (reduced * apart)]
+
+        state = solve_ivp(change, (a, b), state, rtol=1e-8, atol=1e-12).y[:, -1]
+    return float(state[1]) * lower.mass / (lower.mass + upper.mass)
+
+
+def test_small_offsets_follow_the_linear_response() -> None:
+    """The sideways velocity is odd in the offset: what it lacks of the linear one falls with the square."""
+    column = hl.Column.paper(restitution=0.9, gap=5e-4)
+    response = linear_response(column)
+    offsets = np.array([4e-3, 2e-3, 1e-3])
+    errors = [abs(hl.oblique_drop(column, d).sideways_velocity / (d * response) - 1.0) for d in offsets]
+    assert errors[-1] < 1e-4
+    np.testing.assert_allclose(np.array(errors[:-1]) / errors[1:], 4.0, rtol=0.1)
+    tiny = hl.oblique_drop(column, 1e-6)
+    assert tiny.sideways_velocity == pytest.approx(1e-6 * response, rel=1e-6)
+    assert tiny.estimate == pytest.approx(tiny.sideways_velocity, rel=0.05)
+
+
+def test_collisions_far_apart_give_the_estimate_in_closed_form() -> None:
+    """A wide gap: (1 + ε)² V/(1 + m2/m1) along the line of centres, less the square of the tilt."""
+    column = hl.Column.paper(restitution=0.9, gap=5e-3, stiffness=1e10, gravity=1e-9, height=0.11).replace(
+        velocities=-3.0
+    )
+    found = hl.oblique_drop(column, 1e-5)
+    ratio = column.balls[1].mass / column.balls[0].mass
+    closed = 1.9**2 * 3.0 / (1.0 + ratio) * found.tilt
+    assert found.sideways_velocity == pytest.approx(closed, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("column", "offset", "message"),
+    [
+        (3, 0.0, "column: got 3, must be a Column of two balls"),
+        (hl.Column.paper(), 0.2, "offset: got 0.2, must be in [-0.1089, 0.1089]"),
+        (hl.Column.paper(), np.nan, "offset: got nan"),
+        (hl.Column.paper().replace(velocities=[-1.0, -2.0]), 0.0, "column: got two velocities"),
+        (
+            hl.Column.paper().replace(
+                law=[hl.LinearDashpot(stiffness=k, restitution=0.9) for k in (1e6, 2e6)]
+            ),
+            0.0,
+            "column: got two laws",
+        ),
+    ],
+)
+def test_bad_drops_are_refused(column: object, offset: float, message: str) -> None:
+    with pytest.raises(ValueError) as error:
+        hl.oblique_drop(column, offset)
+    assert str(error.value).startswith(message)

@@ -15,6 +15,7 @@ from .fitting.result import Fit
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
+from .oblique import ObliqueDrop, oblique_drop
 from .particles.contact_result import ContactResult
 from .particles.event_driven import event_driven
 from .particles.fidelity import Fidelity, fidelity
@@ -45,6 +46,7 @@ __all__ = [
     "Fit",
     "Impacts",
     "Law",
+    "ObliqueDrop",
     "ParticleResult",
     "ParticleSystem",
     "Rebounds",
@@ -61,6 +63,7 @@ __all__ = [
     "lammps_result",
     "molecular_dynamics",
     "newton",
+    "oblique_drop",
     "read_measurements",
     "restitution_pade",
     "restitution_series",

@@ -25,6 +25,8 @@ from .laws import LAWS as LAWS
 from .laws import LinearDashpot as LinearDashpot
 from .laws import Viscoelastic as Viscoelastic
 from .laws import Tsuji as Tsuji
+from .oblique import ObliqueDrop as ObliqueDrop
+from .oblique import oblique_drop as oblique_drop
 from .particles.contact_result import ContactResult as ContactResult
 from .particles.event_driven import event_driven as event_driven
 from .particles.fidelity import Fidelity as Fidelity

@@ -1,0 +1,196 @@
+"""Two balls dropped one above the other, but not quite: the sideways velocity after a small offset."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import validation
+from .column.result import Result
+from .column.scenario import Column
+from .column.solvers import newton
+from .particles.contact_result import ContactResult
+from .particles.molecular_dynamics import molecular_dynamics
+from .particles.system import ParticleSystem
+
+Floats = NDArray[np.float64]
+
+#: Edge of the box over the distance of the centres at the first touch: no ball meets its sides.
+ROOM: Final = 20.0
+#: A run lasts so many times the sequence of the column without offset, and is doubled until the balls have parted.
+LONGER: Final = 1.5
+MOST_DOUBLINGS: Final = 12
+#: Largest offset over the sum of the radii: beyond it the balls pass each other.
+LARGEST_OFFSET: Final = 0.99
+
+
+@dataclass(frozen=True, eq=False)
+class ObliqueDrop:
+    """Two smooth balls in a plane, the centre of the upper one ``offset`` beside that of the lower one.
+
+    Velocities [m/s] are those after the last contact of the sequence, sideways to where the upper ball is, and upwards.
+    """
+
+    column: Column  #: the same drop without offset
+    offset: float  #: of the centres at the first floor touch [m]
+    run: ContactResult  #: of the engine that follows contacts in the plane, from the first floor touch on
+
+    @property
+    def tilt(self) -> float:
+        """Angle [rad] of the line of centres to the vertical where the balls touch, sin θ = offset/(R1 + R2)."""
+        return math.asin(self.offset / sum(ball.radius for ball in self.column.balls))
+
+    @property
+    def velocities(self) -> Floats:
+        """(2, 2) numbers [m/s]: sideways and upwards, of the lower ball and of the upper one."""
+        return self.run.system.velocities
+
+    @property
+    def sideways_velocity(self) -> float:
+        """Of the upper ball [m/s]; without friction that of the lower one is −m2/m1 of it."""
+        return float(self.velocities[1, 0])
+
+    @property
+    def separation_velocity(self) -> float:
+        """Difference of the upward velocities [m/s]; without offset ``Result.separation_velocity``."""
+        return float(self.velocities[1, 1] - self.velocities[0, 1])
+
+    @property
+    def throw_angle(self) -> float:
+        """Angle [rad] of the path of the upper ball to the vertical as it leaves."""
+        return math.atan2(self.sideways_velocity, float(self.velocities[1, 1]))
+
+    @property
+    def n_contacts(self) -> int:
+        """Ball–ball contacts."""
+        return int(self.run.n_pairs or 0)
+
+    @cached_property
+    def straight(self) -> Result:
+        """Newton's equations of the drop without offset."""
+        return newton(self.column)
+
+    @property
+    def estimate(self) -> float:
+        """Sideways velocity of the upper ball [m/s] to leading order: tilt × (v2 + V).
+
+        All of the push on the upper ball acts along the line of centres, and turns its velocity from −V to v2; v2 and V
+        are those without offset. The line turns while the balls push each other, by about V t_c/(R1 + R2) of the tilt,
+        which is left out.
+        """
+        upwards = float(self.straight.final_velocities[1])
+        return self.tilt * (upwards + self.column.impact_speed)
+
+    def __repr__(self) -> str:
+        return (
+            f"<ObliqueDrop by {self.offset:.4g} m: {self.sideways_velocity:.6g} m/s sideways, "
+            f"{math.degrees(self.throw_angle):.4g}°, {self.n_contacts} contacts>"
+        )
+
+
+def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
+    """Drop two balls of which the upper one is a little to the side, under Newton's equations in the plane.
+
+    Parameters
+    ----------
+    column : Column
+        Of two balls above a floor, with one law and one velocity. The gap is the distance of the surfaces at the first
+        floor touch, along the line of centres.
+    offset : float [m]
+        Of the centres, sideways; less than the sum of the radii.
+
+    Returns
+    -------
+    ObliqueDrop
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, or the column is another one.
+    RuntimeError
+        If the balls do not part before the lower one meets the floor again; says so.
+
+    Notes
+    -----
+    Balls and floor are smooth: there is no friction, and nothing rotates. Contacts are followed by
+    ``molecular_dynamics(engine="events")``, to 1e-9.
+    """
+    if not isinstance(column, Column) or not column.floor or len(column.balls) != 2:
+        raise ValueError(
+            f"column: got {validation.shown(column)}, must be a Column of two balls above a floor"
+        )
+    if len(set(column.laws)) != 1:
+        raise ValueError("column: got two laws, must have one law for floor and pair")
+    if len(set(column.velocities)) != 1:
+        raise ValueError("column: got two velocities, must let both balls fall as one")
+    limit = LARGEST_OFFSET * sum(ball.radius for ball in column.balls)
+    aside = validation.number("offset", offset, -limit, limit, lowest_allowed=True, highest_allowed=True)
+    return ObliqueDrop(column, aside, _until_parted(column, _start(column, aside)))
+
+
+def _distance(column: Column) -> float:
+    """Of the centres at the first floor touch [m]."""
+    return column.balls[0].radius + column.gaps[0] + column.balls[1].radius
+
+
+def _start(column: Column, offset: float) -> ParticleSystem:
+    """Both balls at the first floor touch, in a box so large that they meet nothing but each other and the floor."""
+    lower, upper = column.balls
+    apart = _distance(column)
+    edge, speed = ROOM * apart, column.impact_speed
+    rise = math.sqrt((apart - offset) * (apart + offset))
+    return ParticleSystem(
+        [[0.5 * edge, lower.radius], [0.5 * edge + offset, lower.radius + rise]],
+        [[0.0, -speed], [0.0, -speed]],
+        [lower.radius, upper.radius],
+        mass=[lower.mass, upper.mass],
+        box=[edge, edge],
+        boundary="wall",
+        gravity=column.gravity,
+    )
+
+
+def _until_parted(column: Column, system: ParticleSystem) -> ContactResult:
+    """The run up to where no contact is open and the gap grows."""
+    until = LONGER * _sequence(column)
+    for _ in range(MOST_DOUBLINGS):
+        run = molecular_dynamics(system, law=column.laws[0], until=until, samples=1, log=True)
+        if run.outcome_name != "ok":
+            raise RuntimeError(f"oblique drop: {run.outcome}")
+        if _parted(run):
+            return run
+        if _met_floor_again(run):
+            break
+        until *= 2.0
+    raise RuntimeError("oblique drop: the balls do not part before the lower one meets the floor again")
+
+
+def _sequence(column: Column) -> float:
+    """A time [s] within which the drop without offset is over, or the duration of a contact."""
+    result = newton(column)
+    known = [t for t in (result.t_end, result.t_floor_end) if math.isfinite(t) and t > 0.0]
+    contact = float(column.contacts[0].duration(column.impact_speed))
+    return max([contact, *known])
+
+
+def _parted(run: ContactResult) -> bool:
+    """Whether the balls have met, no contact is open, and the gap grows."""
+    (lower, upper), (v_lower, v_upper) = run.system.positions, run.system.velocities
+    growing = float((upper - lower) @ (v_upper - v_lower)) > 0.0
+    return bool(run.n_pairs) and run.n_ended == run.n_contacts and growing
+
+
+def _met_floor_again(run: ContactResult) -> bool:
+    """Whether the floor contact of a later bounce is in the log: one that begins a long way after the one before."""
+    log: Any = run.log
+    if log is None:
+        return False
+    begin, end, _, second = log[:4]
+    floor = begin[second < 0], end[second < 0]
+    gaps = floor[0][1:] - floor[1][:-1]
+    return bool((gaps > 10.0 * (floor[1][0] - floor[0][0])).any())
