@@ -105,18 +105,21 @@ def linear_response(column: hl.Column) -> float:
     lower, upper = column.balls
     reduced = lower.mass * upper.mass / (lower.mass + upper.mass)
     _, begin, end = straight.contact_times
-    marks = np.unique(np.concatenate([[0.0], begin, end]))
-    state = np.array([1.0, 0.0])
-    for a, b in pairwise(marks):
-        inside = np.array([a + 1e-9 * (b - a), b - 1e-9 * (b - a)])
+    state, steps = np.array([1.0, 0.0]), 100
+    for a, b in pairwise(np.unique(np.concatenate([[0.0], begin, end]))):
+        margin = 1e-9 * (b - a)  # the force jumps at the ends
+        at = straight.trajectory(np.clip(np.linspace(a, b, 2 * steps + 1), a + margin, b - margin))
+        apart = (at.position.sel(ball=2) - at.position.sel(ball=1)).values
+        rate, h = at.force.sel(pair=1).values / (reduced * apart), (b - a) / steps
 
-        def change(t: float, y: np.ndarray, inside: np.ndarray = inside) -> list[float]:
-            at = straight.trajectory(np.clip([t], *inside))
-            force = float(at.force.sel(pair=1)[0])
-            apart = float(at.position[0, 1] - at.position[0, 0])
-            return [y[1], force * y[0] / (reduced * apart)]
+        def change(y: np.ndarray, k: float) -> np.ndarray:
+            return np.array([y[1], k * y[0]])
 
-        state = solve_ivp(change, (a, b), state, rtol=1e-8, atol=1e-12).y[:, -1]
+        for begin_rate, middle, end_rate in zip(rate[:-1:2], rate[1::2], rate[2::2], strict=True):
+            k1 = change(state, begin_rate)
+            k2 = change(state + 0.5 * h * k1, middle)
+            k3 = change(state + 0.5 * h * k2, middle)
+            state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + change(state + h * k3, end_rate))
     return float(state[1]) * lower.mass / (lower.mass + upper.mass)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
@@ -31,10 +31,14 @@ MODELS: Final = ("newton", "independent")
 BENDS: Final = (-0.9, -0.5, 0.0, 0.5, 0.9)
 #: Steps of ln(ratio) among which the search begins where the top mass is free.
 FIRST_RATIOS: Final = 7
-STARTS: Final = 3  #: the best of them are followed
-#: A search is begun again where it ended until it gains less than this, relative to the impact speed.
-GAIN: Final = 1e-9
-MOST_ROUNDS: Final = 12
+#: Masses between those of the ends, equal to each other, among which it begins as well.
+PLATEAUS: Final = 9
+MOST_STARTS: Final = 10  #: so many of all these are followed a little way, fewer of more than eight balls
+BALLS_STARTED: Final = 80
+POLISHED: Final = 0.35  #: and this part of them, the best, to the end
+#: First steps of ln(ratio): a search is begun again where it ended.
+STEPS: Final = (0.3, 0.1, 0.03, 0.01, 0.003)
+CALLS: Final = 40  #: at most, for each variable, of each search
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +162,8 @@ def stack(
     impact_speed : float [m/s]
         V, of all balls; there is no gravity while they are in contact.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is told how many searches are done, and of how many.
+        True shows a bar. A function is told how many searches are done, and of how many. Ten balls take seconds, twenty
+        minutes.
 
     Returns
     -------
@@ -263,18 +268,33 @@ class _Search:
         return -found if math.isfinite(found) else 1.0
 
     def starts(self) -> list[list[float]]:
-        """Geometric progressions and bent ones, the best first."""
+        """Geometric progressions, bent ones, and rows of equal balls between the ends; the best first."""
+        found = [np.clip(x, self.lowest, self.highest).tolist() for x in (*self._bent(), *self._plateaus())]
+        if self.total is not None:
+            found = [x[:-1] for x in found]
+        count = max(3, min(MOST_STARTS, BALLS_STARTED // self.n))
+        return sorted(found, key=self.cost)[:count]
+
+    def _bent(self) -> Iterator[Floats]:
         steps = self.n - 1
-        means = [self.total / steps] if self.total is not None else self._first_means()
         place = np.linspace(-1.0, 1.0, steps) if steps > 1 else np.zeros(1)
-        shapes = [(b, s) for b in BENDS for s in BENDS] if steps > 2 else [(0.0, s) for s in BENDS]
-        found = []
-        for mean in means:
-            for bend, slant in shapes if steps > 1 else [(0.0, 0.0)]:
-                form = mean * (1.0 + slant * place + bend * (place**2 - np.mean(place**2)))
-                x = np.clip(form, self.lowest, self.highest).tolist()
-                found.append(x if self.total is None else x[:-1])
-        return sorted(found, key=self.cost)[:STARTS]
+        bends = BENDS if steps > 2 else (0.0,)
+        for mean in [self.total / steps] if self.total is not None else self._first_means():
+            for bend in bends:
+                for slant in BENDS if steps > 1 else (0.0,):
+                    yield mean * (1.0 + slant * place + bend * (place**2 - np.mean(place**2)))
+
+    def _plateaus(self) -> Iterator[Floats]:
+        """Under Newton's equations a row of equal balls carries the push as a pulse."""
+        if self.n < 3:
+            return
+        last = self.total if self.total is not None else self.lowest
+        for level in np.linspace(0.0, last, PLATEAUS + 2)[1:-1]:
+            steps = np.zeros(self.n - 1)
+            steps[0] = level
+            if self.total is not None:
+                steps[-1] = self.total - level
+            yield steps
 
     def _first_means(self) -> list[float]:
         width = self.highest - self.lowest
@@ -292,10 +312,16 @@ class _Search:
         if self.model == "independent" and not self._depends_on_speed(geometric):
             return geometric
         starts = self.starts()
+        polished = math.ceil(POLISHED * len(starts))
+        searches = len(starts) + polished
         ends = []
         for done, start in enumerate(starts):
-            report(done, len(starts))
-            ends.append(self._descend(start))
+            report(done, searches)
+            ends.append(self._descend(start, STEPS[:1]))
+        ends.sort(key=self.cost)
+        for i in range(polished):
+            report(len(starts) + i, searches)
+            ends[i] = self._descend(ends[i], STEPS[1:])
         return [min(max(x, self.lowest), self.highest) for x in self.full(min(ends, key=self.cost))]
 
     def _depends_on_speed(self, logarithms: Sequence[float]) -> bool:
@@ -303,25 +329,22 @@ class _Search:
         found = [contact.restitution(speeds) for contact in self.column(logarithms).contacts]
         return bool(np.ptp(np.array(found)) > 1e-12)
 
-    def _descend(self, start: Sequence[float]) -> list[float]:
-        """Simplex and gradient in turn, from one start, until they gain no more."""
+    def _descend(self, start: Sequence[float], steps: Sequence[float]) -> list[float]:
+        """Simplex and gradient in turn, from one start."""
         from iminuit import Minuit
 
         at, reached = list(start), self.cost(start)
-        for size in np.geomspace(0.3, 1e-3, MOST_ROUNDS):
-            search = _prepared(Minuit(self.cost, at), float(size))
-            search.simplex(ncall=200 * len(at))
-            search.migrad(ncall=200 * len(at))
-            gained = reached - float(search.fval)
-            if gained > 0.0:
+        for step in steps:
+            search = _prepared(Minuit(self.cost, at), step, (self.lowest, self.highest))
+            search.simplex(ncall=CALLS * len(at))
+            search.migrad(ncall=CALLS * len(at))
+            if float(search.fval) < reached:
                 at, reached = list(search.values), float(search.fval)
-            if gained < GAIN and size < 0.05:
-                break
         return at
 
 
-def _prepared(search: Minuit, step: float) -> Minuit:
+def _prepared(search: Minuit, step: float, limits: tuple[float, float]) -> Minuit:
     search.errordef, search.tol, search.strategy = 1e-6, 1e-3, 0
     for i in range(len(search.values)):
-        search.errors[i] = step
+        search.errors[i], search.limits[i] = step, limits
     return search

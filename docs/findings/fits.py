@@ -1,0 +1,52 @@
+"""Fits: impacts computed from a law with noise, and rebounds of two balls.
+
+    python docs/findings/fits.py [--folder docs/images]
+
+Draws fit_impacts.png and fit_rebounds.png. The data are computed, not measured.
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+import hardlimit as hl
+from hardlimit.pictures import plots
+
+
+def impacts():
+    """Three drops of one ball, heard by a microphone, with ε falling with the speed."""
+    law = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.85, impact_speed=1.0)
+    contact, rng = law.between(hl.Ball(0.01, density=1000.0)), np.random.default_rng(2)
+    drops = []
+    for height in (0.9, 0.5, 0.2):
+        speed, times = float(np.sqrt(2.0 * 9.81 * height)), [0.0]
+        for _ in range(10):
+            speed *= float(contact.restitution(speed))
+            times.append(times[-1] + 2.0 * speed / 9.81)
+        drops.append(np.array(times) + rng.normal(0.0, 2e-4, len(times)))
+    return hl.fit(hl.Impacts.of_times(drops, 2e-4))
+
+
+def rebounds():
+    """Separation velocities of the paper's two balls over the gap."""
+    column, rng = hl.Column.paper(restitution=0.7), np.random.default_rng(4)
+    gaps = np.geomspace(1e-4, 3e-3, 14)
+    values = [hl.newton(column.replace(gaps=gap)).separation_velocity for gap in gaps]
+    noisy = np.array(values) + rng.normal(0.0, 0.03, gaps.size)
+    return hl.fit(hl.Rebounds.of_column(column, "separation_velocity", noisy, 0.03, gap=gaps), "linear")
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--folder", type=Path, default=Path("docs/images"))
+    folder = parser.parse_args().folder
+    for name, found in (("impacts", impacts()), ("rebounds", rebounds())):
+        print(found)
+        plots.save(plots.fit(found), folder / f"fit_{name}.png", dpi=110)
+
+
+if __name__ == "__main__":
+    main()
