@@ -677,7 +677,7 @@ private:
     // midpoint rule, whose error is of the third order in it, goes it in two evaluations instead of twelve.
     void locate(int q, Event kind, const Surface& a, const Surface& b, double length, double& high) {
         // A compression is known to the rounding of the places it is the difference of.
-        const double rounding = 0.5 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;
+        const double rounding = 2.0 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;
         double low = 0.0, up = high, at = first_guess(q, a, b, length, high);
         probe(at);
         for (int i = 0; i < 100; ++i) {
