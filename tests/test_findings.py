@@ -76,3 +76,19 @@ def test_a_limit_is_kept_surely_or_lost_surely() -> None:
     ):
         held, lost = findings.trusted(ds, "cooling", "soft", limit)
         assert (held.item(), lost.item()) == expected
+
+
+@pytest.mark.slow
+def test_stacks_and_oblique_drops_are_drawn(capsys: pytest.CaptureFixture[str]) -> None:
+    """What the pictures of docs/stacks.md show, of fewer balls and points."""
+    found = script("stacks")
+    assert len(found.stacks([2, 3], 8).axes) == 4
+    assert len(found.oblique(4).axes) == 2
+    assert "1 % of R1 gives 0.1029 m/s (estimate 0.1027)" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_fit_of_computed_bounces_finds_their_law() -> None:
+    fitted = script("fits").impacts()
+    assert fitted.trials[0].name == "viscoelastic" and fitted.probability > 0.01
+    assert_legible(fitted.plot())

@@ -120,7 +120,7 @@ def test_many_balls() -> None:
 
 def test_twenty_balls_of_collisions_under_newton() -> None:
     found = hl.stack(20, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
-    assert 3.0 < found.speed_under("newton") < 0.2 * found.speed
+    assert 3.0 < found.speed_under("newton") < 0.25 * found.speed
 
 
 def test_wide_gaps_make_both_models_one() -> None:
