@@ -34,13 +34,20 @@ def tsuji_polynomial(restitution: float) -> float:
 
 
 def thornton(restitution: float) -> float:
-    """Kratos' use of the fit of Thornton, Cummins & Cleary, Powder Technology 233, 30 (2013)."""
-    e = max(restitution, 0.001)
-    if e > 0.999:
+    """The fit of Thornton, Cummins & Cleary, Powder Technology 233, 30 (2013), Eq. B7 and Table 2, as YADE has it.
+
+    It stays above 0.0045 up to ε = 1.
+    """
+    if restitution == 1.0:
         return 0.0
     h = (-6.918798, -16.41105, 146.8049, -796.4559, 2928.711, -7206.864, 11494.29, -11342.18, 6276.757)
-    alpha = _polynomial(e, 0.0, *h, -1489.915)
-    return math.sqrt(1.0 / (1.0 - (1.0 + e) ** 2 * math.exp(alpha)) - 1.0)
+    alpha = _polynomial(restitution, 0.0, *h, -1489.915)
+    return math.sqrt(1.0 / (1.0 - (1.0 + restitution) ** 2 * math.exp(alpha)) - 1.0)
+
+
+def thornton_limited(restitution: float) -> float:
+    """The same fit as Kratos has it: as at 0.001 below that, and no damping above 0.999."""
+    return 0.0 if restitution > 0.999 else thornton(max(restitution, 0.001))
 
 
 def bisection(restitution: float) -> float:
@@ -81,7 +88,7 @@ def _linear_restitution(ratio: float) -> float:
 
 FORMULAS: Final[dict[str, Callable[[float], float]]] = {
     function.__name__: function
-    for function in (given, usual, tsuji_polynomial, thornton, bisection, newton)
+    for function in (given, usual, tsuji_polynomial, thornton, thornton_limited, bisection, newton)
 }
 
 
