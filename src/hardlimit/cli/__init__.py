@@ -7,6 +7,7 @@ import click
 from .. import __version__
 from .completion import completion
 from .contact import contact
+from .convert import convert_command
 from .drop import drop
 from .explore import explore
 from .gas import gas
@@ -33,5 +34,5 @@ def main(context: click.Context) -> None:
         click.echo(context.get_help())
 
 
-for command in (drop, contact, paper, sweep, gas, explore, completion):
+for command in (drop, contact, convert_command, paper, sweep, gas, explore, completion):
     main.add_command(command)

@@ -100,7 +100,9 @@ class Code(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     sources: list[str]
     checked: Literal["run", "source"]  #: whether its numbers were compared with runs, or only with its source
     walls: str  #: the effective mass at a wall, in words
-    scheme: Literal["half step"]  #: damping at the velocity of half a step before; see ``particles.lammps.half_steps``
+    scheme: Literal[
+        "half step"
+    ]  #: damping at the velocity of half a step before; see ``particles.lammps.half_steps``
     models: list[Model]
     comment: str = "#"
 
@@ -197,8 +199,9 @@ class Written:
 
     def _spring_factor(self) -> float:
         spring = self.model.spring
-        special = self.pair.wall and spring.wall_factor is not None
-        return float((spring.wall_factor if special else spring.factor) * self.pair.radius**spring.radius)  # type: ignore[operator]
+        at_wall = spring.factor if spring.wall_factor is None else spring.wall_factor
+        factor = at_wall if self.pair.wall else spring.factor
+        return float(factor * self.pair.radius**spring.radius)
 
     def _damping_scale(self, mass: float, stiffness: float) -> float:
         rule = self.model.damping
@@ -235,7 +238,7 @@ def _checked(found: Code) -> Code:
 
 
 def pattern(text: str) -> re.Pattern[str]:
-    """What finds a text with places {number} in an input: any blanks between words, ``*`` for any word, ``…`` for any."""
+    """What finds a text with places in an input: any blanks between words, ``*`` for a word, ``…`` for any words."""
     parts = []
     for part in re.split(r"(\{\w+\}|\s+…\s+|\s+\*|\s+)", text):
         if part.startswith("{"):

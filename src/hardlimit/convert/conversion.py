@@ -198,8 +198,8 @@ def convert(
     Returns
     -------
     Conversion
-        ``.contacts`` under our own law, ``.models`` with the numbers that each code must be given, what the usual number
-        would give there, and ``.text`` to paste.
+        ``.contacts`` under our own law; ``.models`` with the numbers that each code must be given and what the usual
+        number would give there; ``.text`` to paste.
 
     Raises
     ------
@@ -210,9 +210,7 @@ def convert(
     -----
     Source of each code's formulas: the files in ``hardlimit/convert/codes``.
     """
-    asked = wanted(
-        restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression
-    )
+    asked = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
     pairs = _pairs(balls, wall)
     stepping = _stepping(restitution_error, time_step)
     forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
@@ -348,7 +346,9 @@ def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
         found = code(name)
         one = found.model(model)
         if one.powers(False).elastic != powers.elastic:
-            raise ValueError(f"model: got {model!r}, must have the elastic force of the law, not {one.elastic}")
+            raise ValueError(
+                f"model: got {model!r}, must have the elastic force of the law, not {one.elastic}"
+            )
         return [(found, one)]
     searched = list(codes().values()) if name is None else [code(name)]
     fitting = (powers.elastic, powers.damping)

@@ -75,14 +75,20 @@ class Force:
 
     def longest_step(self, speed: float, error: float) -> float:
         """The longest time step [s] whose error of ε is at most ``error``; NaN where the bodies stay together."""
-        return self._scales(speed)[1] * _longest_step(self.powers, self.relative_damping(speed), error)
+        # Rounded, so that pairs and codes with the same damping share one search.
+        damping = float(f"{self.relative_damping(speed):.10g}")
+        return float(self._scales(speed)[1] * _longest_step(self.powers, damping, error))
 
     def error_of_step(self, speed: float, time_step: float) -> float:
         """The error of ε that a time step [s] makes; infinite where the contact does not end with it."""
-        if self.collision(speed).restitution == 0.0:
+        collision = self.collision(speed)
+        if collision.restitution == 0.0:
             return math.nan
+        # With more steps than are tried, the error is taken to fall with the step.
+        tried = max(time_step, collision.duration / half_steps.MOST)
         scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
-        return half_steps.restitution_error(scaled, 1.0, time_step / self._scales(speed)[1])
+        error = half_steps.restitution_error(scaled, 1.0, tried / self._scales(speed)[1])
+        return error * time_step / tried
 
     def _scales(self, speed: float) -> tuple[float, float]:
         """Units of length [m] and time [s] of a collision."""

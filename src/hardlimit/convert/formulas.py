@@ -63,7 +63,7 @@ def bisection(restitution: float) -> float:
 
 
 def newton(restitution: float) -> float:
-    """YADE's solution for a linear force that is never attractive: Newton's method from ζ = 0, until ε is within 1 %."""
+    """YADE's solution for a linear force that is never attractive: Newton's method from 0, until ε is within 1 %."""
     ratio, found, small = 0.0, 1.0, 1e-7
     for _ in range(15):
         if abs(found - restitution) <= 1e-2 * restitution:
