@@ -8,7 +8,7 @@ from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
 from .contact import Contact, Law
-from .convert import Conversion, Obtained, convert, convert_back
+from .convert import convert, convert_back
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
@@ -37,10 +37,8 @@ __all__ = [
     "Comparison",
     "Contact",
     "ContactResult",
-    "Conversion",
     "Fidelity",
     "Law",
-    "Obtained",
     "ParticleResult",
     "ParticleSystem",
     "Result",

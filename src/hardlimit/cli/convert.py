@@ -12,9 +12,9 @@ import click
 from .. import validation
 from ..bodies import FLOOR, Ball
 from ..column.files import prefixed
-from ..convert import Conversion, Obtained, convert, convert_back
-from ..convert.codes import codes
-from ..convert.conversion import ContactNumbers, ModelConversion, ModelNumbers
+from ..convert import convert, convert_back
+from ..convert.codes import names
+from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers, Obtained
 from ..convert.wanted import LAWS
 from .options import options, quantity_option
 from .printing import console, digits, length, print_json, quantity, show, table
@@ -65,7 +65,7 @@ contact_options = options(
     ),
 )
 code_options = options(
-    click.option("--code", help=f"One of {', '.join(codes())}.  [default: a table of all]"),
+    click.option("--code", help=f"One of {', '.join(names())}.  [default: a table of all]"),
     click.option("--model", help="Of the code.  [default: all of the law]"),
     click.option(
         "--attraction", is_flag=True, help="Where a code leaves the choice: a force that attracts at its end."
@@ -164,7 +164,7 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
         if given[name] is not None:
             raise ValueError(f"{name}: got {given[name]}, must not be given beside input, which says it")
     if given["code"] is None:
-        raise ValueError(f"code: missing, must be one of {', '.join(codes())} beside input")
+        raise ValueError(f"code: missing, must be one of {', '.join(names())} beside input")
     if len(balls) > (1 if wall else 2):
         raise ValueError(f"radius: got {len(balls)} values, must be {1 if wall else '1 or 2'} beside input")
     other = FLOOR if wall else balls[-1]
@@ -248,11 +248,11 @@ def main_number(model: ModelConversion, row: ModelNumbers) -> str:
 
 
 def print_model(out: Any, model: ModelConversion) -> None:
-    names = list(next((row.numbers for row in model.contacts if row.numbers is not None), {}))
-    head = ["contact", *(SHORT.get(name, name) for name in names), "then ε", "usual: ε", "time step"]
+    given = list(next((row.numbers for row in model.contacts if row.numbers is not None), {}))
+    head = ["contact", *(SHORT.get(name, name) for name in given), "then ε", "usual: ε", "time step"]
     rows = []
     for row in model.contacts:
-        values = ["–"] * len(names) if row.numbers is None else [digits(row.numbers[n], 6) for n in names]
+        values = ["–"] * len(given) if row.numbers is None else [digits(row.numbers[n], 6) for n in given]
         rows.append(
             [row.pair, *values, digits(row.restitution, 5), digits(row.usual_restitution, 4), step_of(row)]
         )

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from functools import cached_property, lru_cache
 from importlib import resources
 from typing import Any, Final, Literal
-
-import msgspec
 
 from .. import toml, validation
 from .force import Force, Powers
@@ -30,7 +28,8 @@ NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
 ANY: Final = {"…": r"\s(?:[^\n]*?\s)?", "*": r"\s+\S+"}
 
 
-class Spring(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+@dataclass(frozen=True)
+class Spring:
     """K = factor · X · R^radius, where ``given`` (of ``SPRINGS``) says which numbers make X."""
 
     given: str
@@ -39,7 +38,8 @@ class Spring(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     radius: float = 0.0
 
 
-class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+@dataclass(frozen=True)
+class Damping:
     """C = factor · f(number) · m^mass · K^stiffness · R^radius, f one of ``FORMULAS``; q = power."""
 
     number: str  #: its name in the input
@@ -52,7 +52,8 @@ class Damping(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     tolerance: float = 1e-9  #: to which ε can be reached, by the code's own rounding of the formula
 
 
-class Mass(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+@dataclass(frozen=True)
+class Mass:
     """The mass that enters the code's formulas, where it is not the effective one of the contact."""
 
     wall_factor: float = 1.0  #: of the true one, at a wall
@@ -60,18 +61,20 @@ class Mass(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     share: float = 1.0  #: effective mass by that number
 
 
-class Input(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+@dataclass(frozen=True)
+class Input:
     """Texts with places such as {stiffness}; ``reads`` are what a given input is searched for."""
 
     reads: list[str]
     pair: str
-    reads_wall: list[str] = []  #: where a wall is written with other words
+    reads_wall: list[str] = field(default_factory=list)  #: where a wall is written with other words
     wall: str = ""
     head: str = ""
     foot: str = ""
 
 
-class Model(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+@dataclass(frozen=True)
+class Model:
     """One contact model of a code."""
 
     name: str
@@ -91,7 +94,8 @@ class Model(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         return Powers(ELASTIC[self.elastic], round(4.0 * self.damping.power), free)
 
 
-class Code(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+@dataclass(frozen=True)
+class Code:
     """A particle code."""
 
     name: str
@@ -116,6 +120,17 @@ class Code(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
         """
         wanted = validation.one_of("model", name, [model.name for model in self.models])
         return next(model for model in self.models if model.name == wanted)
+
+
+#: Tables within tables.
+INNER: Final[dict[str, Any]] = {
+    "models": Model,
+    "spring": Spring,
+    "damping": Damping,
+    "mass": Mass,
+    "input": Input,
+}
+FOLDER: Final = resources.files(__package__) / "codes"
 
 
 @dataclass(frozen=True)
@@ -210,12 +225,9 @@ class Written:
 
 
 @lru_cache(maxsize=1)
-def codes() -> dict[str, Code]:
-    """All codes by name, in alphabetical order."""
-    folder = resources.files(__package__) / "codes"
-    files = sorted((f for f in folder.iterdir() if f.name.endswith(".toml")), key=lambda f: f.name)
-    read = [_checked(toml.convert(toml.parse(f.read_text("utf-8")), Code, f"{f.name}: ")) for f in files]
-    return {code.name: code for code in read}
+def names() -> list[str]:
+    """Of all codes, in alphabetical order: those of their files."""
+    return sorted(f.name.removesuffix(".toml") for f in FOLDER.iterdir() if f.name.endswith(".toml"))
 
 
 def code(name: Any) -> Code:
@@ -226,15 +238,32 @@ def code(name: Any) -> Code:
     ValueError
         If there is none.
     """
-    return codes()[validation.one_of("code", name, list(codes()))]
+    return _read(validation.one_of("code", name, names()))
 
 
-def _checked(found: Code) -> Code:
-    """A code whose files name nothing that is not there."""
+@lru_cache
+def _read(name: str) -> Code:
+    """The code that a file describes, which names nothing that is not there."""
+    content = toml.parse((FOLDER / f"{name}.toml").read_text("utf-8"))
+    _refuse_unknown(name, content, Code)
+    found = toml.convert(content, Code, f"{name}: ")
     for model in found.models:
-        validation.one_of(f"{found.name}.{model.name}.spring.given", model.spring.given, list(SPRINGS))
-        validation.one_of(f"{found.name}.{model.name}.damping.formula", model.damping.formula, list(FORMULAS))
+        validation.one_of(f"{name}.{model.name}.spring.given", model.spring.given, list(SPRINGS))
+        validation.one_of(f"{name}.{model.name}.damping.formula", model.damping.formula, list(FORMULAS))
     return found
+
+
+def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
+    """Refuse keys that a table of a file must not have."""
+    if isinstance(content, list):
+        for part in content:
+            _refuse_unknown(where, part, kind)
+    elif isinstance(content, dict):
+        known = {one.name: INNER.get(one.name) for one in fields(kind)}
+        for key, part in content.items():
+            validation.one_of(where, key, list(known))
+            if known[key] is not None:
+                _refuse_unknown(f"{where}.{key}", part, known[key])
 
 
 def pattern(text: str) -> re.Pattern[str]:

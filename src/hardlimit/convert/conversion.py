@@ -11,10 +11,10 @@ from .. import _core, validation
 from ..bodies import FLOOR, Ball, Floor
 from ..particles.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
 from . import texts
-from .codes import Code, Model, Pair, Written, code, codes
+from .codes import Code, Model, Pair, Written, code, names
 from .force import Force, Powers
 from .springs import DEFAULT_POISSON_RATIO, Numbers
-from .wanted import LAWS, Wanted, wanted
+from .wanted import LAWS, Wanted
 
 #: More sizes than this make a table that nobody reads.
 MOST_BODIES: Final = 30
@@ -62,7 +62,7 @@ class ModelConversion:
 
 @dataclass(frozen=True)
 class Conversion:
-    """What ``convert`` finds.
+    """What ``hl.convert`` finds.
 
     Attributes
     ----------
@@ -144,116 +144,40 @@ class Stepping:
         return self.time_step, force.error_of_step(speed, self.time_step)
 
 
-def convert(
-    balls: Ball | Sequence[Ball],
-    *,
-    restitution: float,
-    speed: float = 1.0,
-    stiffness: float | None = None,
-    youngs_modulus: float | None = None,
-    poisson_ratio: float | None = None,
-    duration: float | None = None,
-    compression: float | None = None,
-    law: str | None = None,
-    wall: bool = True,
-    code: str | None = None,
-    model: str | None = None,
-    attraction: bool = False,
-    restitution_error: float | None = None,
-    time_step: float | None = None,
+def converted(
+    balls: Any,
+    asked: Wanted,
+    wall: bool,
+    named: Any,
+    model: Any,
+    attraction: bool,
+    restitution_error: Any,
+    time_step: Any,
 ) -> Conversion:
-    """A coefficient of restitution as damping, time step and the input of particle codes, for every pair of sizes.
-
-    Parameters
-    ----------
-    balls : Ball or sequence of Ball
-        The sizes in a bed, at most 30. Contacts are those of each with itself, with every other one, and with a wall.
-    restitution : float
-        Coefficient of restitution ε that is wanted, in [0.001, 1].
-    speed : float [m/s]
-        Of the impact at which it is wanted.
-    stiffness : float [N/m]
-        Of a linear spring. Exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and ``compression`` is given.
-    youngs_modulus, poisson_ratio : float [Pa], float
-        Of the material of balls and wall. Under the linear law, the spring is one that an undamped impact at ``speed``
-        compresses as far as the Hertz contact.
-    duration : float [s]
-        Of each contact.
-    compression : float [m]
-        The greatest in each contact.
-    law : str
-        "linear", "tsuji" (Hertz, with a restitution that does not depend on the speed) or "viscoelastic". By default
-        "tsuji" with a modulus, else "linear".
-    wall : bool
-        Whether contacts with a wall are wanted.
-    code, model : str
-        A code, and one of its models; by default all codes, and of each the models of this law.
-    attraction : bool
-        For codes that leave the choice: whether the force attracts at the end of a contact.
-    restitution_error : float
-        The error of ε that the time step may make, by default 1e-3.
-    time_step : float [s]
-        Instead, a time step whose error of ε is wanted.
-
-    Returns
-    -------
-    Conversion
-        ``.contacts`` under our own law; ``.models`` with the numbers that each code must be given and what the usual
-        number would give there; ``.text`` to paste.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range, or alternatives do not go together.
-
-    Notes
-    -----
-    Source of each code's formulas: the files in ``hardlimit/convert/codes``.
-    """
-    asked = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
+    """As :func:`hardlimit.convert`."""
     pairs = _pairs(balls, wall)
     stepping = _stepping(restitution_error, time_step)
     forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
-    chosen = _chosen(code, model, LAWS[asked.law])
+    chosen = _chosen(named, model, LAWS[asked.law])
     return Conversion(
         asked,
         tuple(_contact(pair, force, asked, stepping) for pair, force in zip(pairs, forces, strict=True)),
-        tuple(_converted(*one, pairs, forces, asked, bool(attraction), stepping) for one in chosen),
+        tuple(_in_model(*one, pairs, forces, asked, bool(attraction), stepping) for one in chosen),
     )
 
 
-def convert_back(
-    text: str,
-    ball: Ball,
-    other: Ball | Floor | None = None,
-    *,
-    code: str,
-    model: str | None = None,
-    speed: float = 1.0,
-    restitution_error: float | None = None,
-    time_step: float | None = None,
+def obtained(
+    text: Any,
+    ball: Any,
+    other: Any,
+    name: Any,
+    model: Any,
+    speed: Any,
+    restitution_error: Any,
+    time_step: Any,
 ) -> Obtained:
-    """The restitution that an input of a code really gives.
-
-    Parameters
-    ----------
-    text : str
-        Lines of input, such as ``convert(…).text`` holds.
-    ball, other : Ball, Ball or FLOOR
-        The bodies; by default two of the same size.
-    code, model : str
-        Of which code the input is; the model is found in it unless it is given.
-    speed : float [m/s]
-        Of impact.
-    restitution_error, time_step : float
-        As for ``convert``.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range, or the input has no model of the code or several.
-    """
-    found = _code_named(code)
+    """As :func:`hardlimit.convert_back`."""
+    found = code(name)
     pair = _pair(ball, ball if other is None else other, 1, 1)
     if not isinstance(text, str):
         raise ValueError(f"input: got {validation.shown(text)}, must be a text")
@@ -278,10 +202,6 @@ def convert_back(
         step,
         error,
     )
-
-
-def _code_named(name: Any) -> Code:
-    return code(name)
 
 
 def _only_model(found: Code, text: str, wall: bool) -> Model:
@@ -350,7 +270,7 @@ def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
                 f"model: got {model!r}, must have the elastic force of the law, not {one.elastic}"
             )
         return [(found, one)]
-    searched = list(codes().values()) if name is None else [code(name)]
+    searched = [code(each) for each in (names() if name is None else [name])]
     fitting = (powers.elastic, powers.damping)
     matching = [
         (one, m)
@@ -378,7 +298,7 @@ def _contact(pair: Pair, force: Force, asked: Wanted, stepping: Stepping) -> Con
     )
 
 
-def _converted(
+def _in_model(
     found: Code,
     model: Model,
     pairs: Sequence[Pair],

@@ -88,7 +88,7 @@ class Force:
         tried = max(time_step, collision.duration / half_steps.MOST)
         scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
         error = half_steps.restitution_error(scaled, 1.0, tried / self._scales(speed)[1])
-        return error * time_step / tried
+        return float(error * time_step / tried)
 
     def _scales(self, speed: float) -> tuple[float, float]:
         """Units of length [m] and time [s] of a collision."""
@@ -99,7 +99,7 @@ class Force:
     def _unit(self, speed: float) -> float:
         """Of the damping C."""
         length, time = self._scales(speed)
-        return self.effective_mass / (time * length ** (0.25 * self.powers.damping))
+        return float(self.effective_mass / (time * length ** (0.25 * self.powers.damping)))
 
 
 @dataclass(frozen=True)
@@ -133,4 +133,4 @@ def _longest_step(powers: Powers, damping: float, error: float) -> float:
     if _collision(powers, damping).restitution == 0.0:
         return math.nan
     scaled: Any = Force(powers, 1.0, damping, 1.0)
-    return half_steps.longest_step(scaled, 1.0, error)
+    return float(half_steps.longest_step(scaled, 1.0, error))
