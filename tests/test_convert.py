@@ -4,6 +4,7 @@ codes, what was measured by running them, and the command line."""
 import csv
 import json
 import math
+import shlex
 import subprocess
 
 import numpy as np
@@ -486,3 +487,33 @@ def test_input_is_read_from_the_command_line_a_file_and_standard_input(tmp_path)
 def test_bad_options_end_in_one_line(arguments, line):
     out = CliRunner().invoke(main, ["convert", *arguments], standalone_mode=True)
     assert out.exit_code == 2 and line in out.stderr and out.stderr.count("\n") == 1
+
+
+def documented():
+    """The commands of the page, and the restitution that stands behind some of them."""
+    page = (DATA.parents[1] / "docs" / "convert.md").read_text("utf-8").replace("\\\n", " ")
+    lines = [line for line in page.splitlines() if line.startswith("hardlimit convert")]
+    return [(shlex.split(line, comments=True)[2:], line.rpartition(" # ")[2]) for line in lines]
+
+
+def test_the_commands_of_the_page_run():
+    told = 0
+    assert len(documented()) > 12
+    for arguments, said in documented():
+        out = run(*arguments, "--json")
+        assert out.exit_code == 0, (arguments, out.output)
+        if "--input" in arguments and said.replace(".", "").isdigit():
+            assert json.loads(out.stdout)["restitution"] == pytest.approx(float(said), abs=6e-5)
+            told += 1
+    assert told >= 3
+
+
+def test_numbers_of_the_page():
+    """What its sentences say of fits and factors."""
+    twice = math.sqrt(2.0) * formulas.tsuji_polynomial(0.7)
+    assert _core.power_collision(6, 1, True, twice)[0] == pytest.approx(0.700, abs=1e-3)
+    for asked in np.linspace(0.1, 0.9, 17):
+        ratio = math.sqrt(6.0) * formulas.thornton(float(asked))
+        assert _core.power_collision(6, 1, False, ratio)[0] == pytest.approx(asked, abs=3e-4)
+    made = hl.convert(BALL, restitution=0.5, code="chrono", model="hertz", **STEEL)
+    assert made.models[0].contacts[0].numbers["restitution"] == pytest.approx(0.436, abs=1e-3)
