@@ -230,6 +230,22 @@ def test_one_coefficient_does_not_serve_all_sizes():
     assert hl.convert_back(text, balls[1], code="lammps").restitution > 0.85
 
 
+@pytest.mark.parametrize(
+    "name,model", [("liggghts", "hooke-stiffness"), ("lammps", "gran-hooke"), ("yade", "viscel")]
+)
+def test_numbers_that_hold_for_all_contacts_are_given_for_one(name, model):
+    """Two sizes need different ones: the input has those of the first, and the others as comments."""
+    balls = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3)]
+    made = hl.convert(balls, restitution=0.7, stiffness=1e5, code=name, model=model)
+    back = hl.convert_back(made.text, balls[0], code=name)
+    assert back.restitution == pytest.approx(0.7, abs=1e-9)
+    live = [line for line in made.text.splitlines() if not line.startswith("#")]
+    assert f"{made.models[0].contacts[0].numbers['damping']:.12g}" in "\n".join(live)
+    assert f"{made.models[0].contacts[1].numbers['damping']:.12g}" not in "\n".join(live)
+    alike = hl.convert(balls, restitution=0.7, code="liggghts", model="hertz", **STEEL)
+    assert "choose" not in alike.text and "choose" in made.text
+
+
 # --- ways to give the stiffness -----------------------------------------------------------------------------
 
 
@@ -332,6 +348,20 @@ def test_any_text_is_read_or_refused(text):
     for name in names():
         with pytest.raises(ValueError, match=r"^input: got no model"):
             hl.convert_back(text, BALL, code=name)
+
+
+@given(
+    words=st.sampled_from(["velocity", "velocity limit_damping", "viscoelastic limit_damping"]),
+    stiffness=log_floats(1e-8, 1e14),
+    damping=st.one_of(st.just(0.0), log_floats(1e-12, 1e16)),
+    speed=log_floats(1e-6, 1e3),
+)
+@settings(max_examples=15, deadline=None)
+def test_any_numbers_give_a_collision(words, stiffness, damping, speed):
+    text = f"hertz/material {stiffness!r} {damping!r} 0.3 damping {words}"
+    found = hl.convert_back(text, BALL, code="lammps", speed=speed, time_step=1e-6)
+    assert 0.0 <= found.restitution <= 1.0 + 1e-12 and found.force > 0.0 and found.compression > 0.0
+    assert (found.duration == math.inf) == (found.restitution == 0.0)
 
 
 # --- by running the codes -----------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from .. import validation
 from ..bodies import FLOOR, Ball
 from ..column.files import prefixed
 from ..convert import convert, convert_back
-from ..convert.codes import names
+from ..convert.codes import code, names
 from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers, Obtained
 from ..convert.wanted import LAWS
 from .options import options, quantity_option
@@ -64,9 +64,17 @@ contact_options = options(
         help="Linear, or Hertz with one of two dampings.  [default: tsuji with a modulus, else linear]",
     ),
 )
+
+
+def models_of_code(context: click.Context, _: click.Parameter, begun: str) -> list[str]:
+    """For the shell: the models of the code that stands before."""
+    named = context.params.get("code")
+    return [m.name for m in code(named).models if m.name.startswith(begun)] if named else []
+
+
 code_options = options(
-    click.option("--code", help=f"One of {', '.join(names())}.  [default: a table of all]"),
-    click.option("--model", help="Of the code.  [default: all of the law]"),
+    click.option("--code", type=click.Choice(names()), help="Whose input.  [default: a table of all]"),
+    click.option("--model", shell_complete=models_of_code, help="Of the code.  [default: all of the law]"),
     click.option(
         "--attraction", is_flag=True, help="Where a code leaves the choice: a force that attracts at its end."
     ),

@@ -71,6 +71,7 @@ class Input:
     wall: str = ""
     head: str = ""
     foot: str = ""
+    shared: bool = False  #: whether what is written holds for all contacts, not for one pair of types
 
 
 @dataclass(frozen=True)

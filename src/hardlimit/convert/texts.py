@@ -20,15 +20,24 @@ def written(
     attraction: bool,
     time_step: float,
 ) -> str:
-    """Lines ready to paste; what several contacts share stands once."""
+    """Lines ready to paste; what several contacts share stands once.
+
+    Where one set of numbers holds for all contacts, and they need different ones, all but the first are commented out.
+    """
     texts = model.input
     keyword = f" {model.keyword}" if model.attracts == "unless" and not attraction else ""
     lines = [f"{code.comment} {code.title} {code.version}: {model.title}", *texts.head.splitlines()]
-    for pair, numbers in contacts:
-        places = {name: f"{value:.12g}" for name, value in numbers.items()}
+    places = [{name: f"{value:.12g}" for name, value in numbers.items()} for _, numbers in contacts]
+    choice = texts.shared and any(one != places[0] for one in places)
+    if choice:
+        lines.append(
+            f"{code.comment} these numbers hold for all contacts: choose those of one, or separate types"
+        )
+    for k, (pair, _) in enumerate(contacts):
         text = texts.wall if pair.wall else texts.pair
-        new = [line for line in _filled(text, pair, places).splitlines() if line and line not in lines]
-        lines += [f"{code.comment} {pair.name}", *new] if new else []
+        new = [line for line in _filled(text, pair, places[k]).splitlines() if line and line not in lines]
+        mark = f"{code.comment} " if choice and k > 0 else ""
+        lines += [f"{code.comment} {pair.name}", *(mark + line for line in new)] if new else []
     lines += texts.foot.replace("{time_step}", f"{time_step:.4g}").splitlines()
     return "\n".join(line.replace("{keyword}", keyword) for line in lines)
 
