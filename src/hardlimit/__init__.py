@@ -8,6 +8,7 @@ from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
 from .contact import Contact, Law
+from .convert import convert, convert_back
 from .fitting import fit
 from .fitting.files import read_measurements
 from .fitting.measurements import Impacts, Rebounds
@@ -55,6 +56,8 @@ __all__ = [
     "Verdict",
     "adiabatic",
     "compare",
+    "convert",
+    "convert_back",
     "event_driven",
     "fidelity",
     "fit",

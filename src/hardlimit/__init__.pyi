@@ -16,6 +16,8 @@ from .column.solvers import independent as independent
 from .column.solvers import newton as newton
 from .contact import Contact as Contact
 from .contact import Law as Law
+from .convert import convert as convert
+from .convert import convert_back as convert_back
 from .fitting import fit as fit
 from .fitting.files import read_measurements as read_measurements
 from .fitting.measurements import Impacts as Impacts

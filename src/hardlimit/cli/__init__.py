@@ -7,6 +7,7 @@ import click
 from .cite import cite
 from .completion import completion
 from .contact import contact
+from .convert import convert_command
 from .drop import drop
 from .explore import explore
 from .fit import fit
@@ -43,5 +44,17 @@ def main(context: click.Context, version: bool, verbose: bool) -> None:
         click.echo(context.get_help())
 
 
-for command in (drop, contact, fit, stack, paper, sweep, gas, explore, cite, completion):
+for command in (
+    drop,
+    contact,
+    convert_command,
+    fit,
+    stack,
+    paper,
+    sweep,
+    gas,
+    explore,
+    cite,
+    completion,
+):
     main.add_command(command)
