@@ -169,7 +169,8 @@ const rests = {
   balls: [[0.145, 21.85], [0.1121, 53.35], [0.05377, 892.3]].map(([radius, density]) => ({ radius, density })), gaps: [6.62e-5, 9.47e-5], velocities: [0, 0, 0],
 };
 const few = drops.filter(({ scenario: s }) => s.balls.length < 4);
-const examples = few.filter(({ scenario: s }) => lib.presets.some((p) => p.scenario === s || JSON.stringify(p.scenario) === JSON.stringify(s)));
+const known = new Set(lib.presets.map((p) => JSON.stringify(p.scenario)));
+const examples = few.filter(({ scenario }) => known.has(JSON.stringify(scenario)));
 const shown = [lib.dropOf(lib.solve(core, lib.copyOf(rests))), ...examples.slice(0, 6), ...few.filter((d) => !examples.includes(d)).slice(0, 12)];
 const timelines = [];
 
