@@ -6,7 +6,7 @@ import { Canvas, crossings, theme } from "./canvas.mjs";
 import { load, random } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("forces", "plot", "presets", "stage", "tale", "timeline");
+const lib = await load("forces", "plot", "presets", "rebound_plot", "stage", "tale", "timeline");
 const { core } = lib;
 
 // The examples, and random settings that can be computed.
@@ -113,8 +113,30 @@ test("forces and the story’s ruler: every number told to the canvas is finite"
       for (const falling of [false, true])
         lib.drawTale(tale, w, h, { drop: d, falling, guess: 2, ...momentOf(d, d.stop), reached: [d.newton.peaks.at(-1), d.icm.peaks.at(-1)] }, 18, theme);
       assert.ok(tale.drawn.some((x) => /guess: 2 m/.test(x.text)));
+      for (const number of tale.drawn.filter((x) => x.kind === "text" && (x.color === theme.newton || x.color === theme.icm) && /m$/.test(x.text)))
+        assert.ok(tale.drawn.some((x) => x.kind === "rect" && x.color === theme.ground && x.x <= number.left && x.x + x.w >= number.right), "a line runs through a number");
     }
   }
+});
+
+test("rebound heights: names and numbers stand clear of each other, on a telephone too", () => {
+  const points = Array.from({ length: 40 }, (_, i) => ({ x: 1e-7 * 10 ** (i / 8), newton: 1 + 0.05 * i, icm: 3.6 }));
+  const place = { x: 0, newton: 1, icm: 3.6 };
+  for (const [w, h] of [[262, 330], [330, 330], [520, 420], [760, 430], [1700, 900]])
+    for (const low of [1e-7, 1e-5])
+      for (const [pinned, measured] of [[[], null], [points, { axis: "gap", list: [{ x: 1e-3, height: 2, uncertainty: 0.1 }] }]])
+        for (const cradle of [false, true]) {
+          const g = new Canvas();
+          const picture = { axis: "gap", span: { low, high: low * 1e5, log: true }, points, touching: place, pinned, pinnedTouching: null, pinnedAt: null, marked: place, hovered: null, measured, released: 1.28, cradle };
+          lib.drawCurves(g, w, h, picture, theme);
+          const texts = g.drawn.filter((x) => x.kind === "text" && !/let go|^A$/.test(x.text));
+          texts.forEach((a, i) => {
+            for (const b of texts.slice(i + 1)) {
+              const [over, down] = [Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top)];
+              assert.ok(over <= 1 || down <= 1, `“${a.text}” over “${b.text}”, ${w} × ${h}`);
+            }
+          });
+        }
 });
 
 // ---- timeline -----------------------------------------------------------------------------------------------
