@@ -1,9 +1,9 @@
-// One step of the implicit Runge-Kutta method Radau IIA of order 9 for an autonomous system dy/dτ = f(y), for motion
-// that is slow while the equations are stiff, where the step of an explicit method would be bounded by its stability:
+// One step of the implicit Runge-Kutta method Radau IIA of order 9 for an autonomous system dy/dτ = f(y): for slow
+// motion of a stiff system, where stability would bound the step of an explicit method.
 //   Y_i = y + h Σ_j a_ij f(Y_j),  y(h) = Y_5,   with Σ_j a_ij c_j^(k−1) = c_i^k/k for k = 1 … 5.
 // The nodes c are the zeros of P_5(2c − 1) − P_4(2c − 1). L-stable: what decays quickly is gone after one step.
-// Source: Hairer & Wanner, Solving Ordinary Differential Equations II (2nd ed., 1996), Sec. IV.5, IV.8. The stages are
-// found by Newton's method with the Jacobian at y.
+// The stages are found by Newton's method with the Jacobian at y. Source: Hairer & Wanner, Solving Ordinary
+// Differential Equations II (2nd ed., 1996), Sec. IV.5, IV.8.
 //
 // There is no interpolant, as in dormand_prince.hpp: a state inside a step is the end of a shorter one.
 #pragma once
@@ -31,8 +31,8 @@ public:
         {0.14371356079122594132, 0.28135601514946206019, 0.31182652297574125408, 0.2231039010835707444, 0.04},
     };
 
-    // out = y(h) for n components, of which f depends on the first `coupled` only; `unit` [coupled] says what a change
-    // of each is measured in. Returns whether Newton's method has converged. `out` must not alias `y`.
+    // out = y(h) for n components. f depends on the first `coupled` only, and `unit` [coupled] says what changes of
+    // these are measured in. Returns whether Newton's method has converged. `out` must not alias `y`.
     template <class Rhs>
     bool step(const Rhs& f, const double* y, double h, int n, int coupled, const double* unit, double* out) {
         resize(n, coupled);
@@ -48,7 +48,7 @@ public:
         return converged;
     }
 
-    // Factor for the next step; `error` is the difference to two steps of half the length, in units of the tolerance.
+    // Factor for the next step, from the difference to two steps of half the length in units of the tolerance.
     static double growth(double error) {
         if (!math::is_finite(error)) return 0.1;
         if (error < 1e-8) return 6.0;

@@ -39,10 +39,10 @@
 // only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
 // pair gives back of its stored energy is dissipation too.
 //
-// Slow motion of a stiff column. Between neighbours much lighter or under a law that damps strongly a ball creeps: rates
-// of 1e6/s and more have died away, and what is left takes milliseconds or seconds. The explicit method would go on in
-// steps of a microsecond. After a long time without events an implicit method (radau.hpp) therefore takes over until the
-// next one, at the same tolerance.
+// Creep. Where a law damps strongly, or between much heavier neighbours, rates of 1e6/s and more die away and leave
+// a motion of milliseconds or seconds, through which the explicit method would go on in steps of a microsecond.
+// After a long time without events an implicit method (radau.hpp) therefore takes over until the next one, at the
+// same tolerance.
 //
 // Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
 // with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end only if

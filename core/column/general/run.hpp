@@ -104,8 +104,8 @@ private:
     int quiet = 0;                 // explicit steps since the last change of the contacts
     double explicit_length = 0.0;  // of the last explicit step
 
-    // Explicit steps without any change of the contacts after which the implicit method is tried, how many times longer
-    // its steps must be, and up to how many balls: its cost grows with their cube.
+    // After how many explicit steps without a change of the contacts the implicit method is tried, how many times
+    // longer its steps must be to stay, and up to how many balls: its cost grows with their cube.
     static constexpr int patience = 5000, least_gain = 50, most_implicit = 16;
 
     Sequence& sequence() { return result.sequence; }
