@@ -8,6 +8,8 @@
 // There is no interpolant. A state inside a step is the end of a shorter step from the same start: it has the
 // full order, at the price of the twelve stages, and nothing but the start needs to be remembered.
 #pragma once
+#include <cstring>
+
 #include "math.hpp"
 
 namespace hardlimit {
@@ -78,26 +80,25 @@ struct DormandPrince {
     // out = y(h) from y and k[0..n) = f(y). `k` [stages * n] receives the stages. `out` must not alias `y`.
     template <class Rhs>
     HL_FN static void step(const Rhs& f, const double* y, double h, int n, double* k, double* out) {
-        for (int i = 1; i < stages; ++i) {
-            combine(a[i], i, y, h, n, k, out);
-            f(out, k + i * n);
-        }
-        combine(b, stages, y, h, n, k, out);
+        run_stage<1>(f, y, h, n, k, out);
+        combine<stages>(y, h, n, k, out);
     }
 
     // Error of the step just taken in units of `scale` [n]; below 1 it is acceptable.
     HL_FN static double error(const double* k, double h, int n, const double* scale) {
         double fifth = 0.0, third_order = 0.0;
-        for (int c = 0; c < n; ++c) {
-            double low = 0.0, high = 0.0;
-            for (int i = 0; i < stages; ++i) {
-                high += e5[i] * k[i * n + c];
-                low += b[i] * k[i * n + c];
-            }
-            low -= third[0] * k[c] + third[1] * k[8 * n + c] + third[2] * k[11 * n + c];
-            fifth += (high / scale[c]) * (high / scale[c]);
-            third_order += (low / scale[c]) * (low / scale[c]);
+        const auto add = [&](double high, double low) {
+            fifth += high * high;
+            third_order += low * low;
+        };
+        int c = 0;
+        for (; c + 2 <= n; c += 2) {
+            const Two unit = load<Two>(scale + c), high = high_error<Two>(k + c, n) / unit,
+                      low = low_error<Two>(k + c, n) / unit;
+            add(high[0], low[0]);
+            add(high[1], low[1]);
         }
+        if (c < n) add(high_error<double>(k + c, n) / scale[c], low_error<double>(k + c, n) / scale[c]);
         if (fifth == 0.0 && third_order == 0.0) return 0.0;
         return math::abs(h) * fifth / math::sqrt((fifth + 0.01 * third_order) * n);
     }
@@ -111,14 +112,64 @@ struct DormandPrince {
     }
 
 private:
-    HL_FN static void combine(const double* weight, int count, const double* y, double h, int n,
-                              const double* k, double* out) {
-        for (int c = 0; c < n; ++c) out[c] = weight[0] * k[c];
-        for (int j = 1; j < count; ++j) {
-            if (weight[j] == 0.0) continue;
-            for (int c = 0; c < n; ++c) out[c] += weight[j] * k[j * n + c];
+    using Two = Vector<2>::Real;  // what every processor has registers for
+
+    template <class Real>
+    HL_FN static Real load(const double* from) {
+        Real x;
+        std::memcpy(&x, from, sizeof x);
+        return x;
+    }
+
+    template <int i, class Rhs>
+    HL_FN static void run_stage(const Rhs& f, const double* y, double h, int n, double* k, double* out) {
+        if constexpr (i < stages) {
+            combine<i>(y, h, n, k, out);
+            f(out, k + i * n);
+            run_stage<i + 1>(f, y, h, n, k, out);
         }
-        for (int c = 0; c < n; ++c) out[c] = y[c] + h * out[c];
+    }
+
+    // out = y + h Σ a_ij k_j for a stage i, with b_j for i = `stages`; several components at a time, whose sums stay in
+    // registers.
+    template <int i>
+    HL_FN static void combine(const double* y, double h, int n, const double* k, double* out) {
+        int c = 0;
+        for (; c + 8 <= n; c += 8) combine_some<i, 4, Two>(y, h, n, k, out, c);
+        for (; c + 2 <= n; c += 2) combine_some<i, 1, Two>(y, h, n, k, out, c);
+        if (c < n) combine_some<i, 1, double>(y, h, n, k, out, c);
+    }
+
+    template <int i, int width, class Real>
+    HL_FN static void combine_some(const double* y, double h, int n, const double* k, double* out, int c) {
+        constexpr int step = Lanes<Real>::count;
+        constexpr const double (&weight)[stages] = i < stages ? a[i < stages ? i : 0] : b;
+        Real sum[width];
+        HL_UNROLL for (int w = 0; w < width; ++w) sum[w] = weight[0] * load<Real>(k + c + step * w);
+        HL_UNROLL for (int j = 1; j < i; ++j) {
+            if (weight[j] == 0.0) continue;
+            HL_UNROLL for (int w = 0; w < width; ++w) sum[w] +=
+                weight[j] * load<Real>(k + j * n + c + step * w);
+        }
+        HL_UNROLL for (int w = 0; w < width; ++w) {
+            const Real to = load<Real>(y + c + step * w) + h * sum[w];
+            std::memcpy(out + c + step * w, &to, sizeof to);
+        }
+    }
+
+    // Of one component, or of several that are side by side.
+    template <class Real>
+    HL_FN static Real high_error(const double* k, int n) {
+        Real sum = e5[0] * load<Real>(k);
+        HL_UNROLL for (int i = 1; i < stages; ++i) if (e5[i] != 0.0) sum += e5[i] * load<Real>(k + i * n);
+        return sum;
+    }
+    template <class Real>
+    HL_FN static Real low_error(const double* k, int n) {
+        Real sum = b[0] * load<Real>(k);
+        HL_UNROLL for (int i = 1; i < stages; ++i) if (b[i] != 0.0) sum += b[i] * load<Real>(k + i * n);
+        return sum - (third[0] * load<Real>(k) + third[1] * load<Real>(k + 8 * n) +
+                      third[2] * load<Real>(k + 11 * n));
     }
 };
 

@@ -141,6 +141,7 @@ private:
     mutable std::vector<double> stages_, factor_;
     std::vector<int> rooted_;  // pairs whose s is a component, in the order of the state
     std::vector<int> slot_;    // [pairs] the component of s
+    bool known_ = false;       // whether k_ is the derivative of y_
     double h_ = 0.0, speed_unit_ = 0.0;
     long steps_ = 0;
 
@@ -183,6 +184,7 @@ private:
         for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
         resize();
         choose_units();
+        known_ = false;
         trace.clear();
         keep();
     }
@@ -333,11 +335,9 @@ private:
     void derivative(const double* y, double* dy) const {
         const int n = count();
         const double gamma = clock_rate(y);
-        for (int i = 0; i < n; ++i)
-            for (int a = 0; a < 3; ++a) {
-                dy[3 * i + a] = gamma * y[3 * (n + i) + a];
-                dy[3 * (n + i) + a] = gravity[static_cast<std::size_t>(a)];
-            }
+        for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
+        for (int i = 3 * n; i < 6 * n; i += 3)
+            for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = gravity[a];
         double loss_rate = 0.0, pressing = 0.0;
         for (std::size_t q = 0; q < pairs.size(); ++q) {
             const Touching<Law>& pair = pairs[q];
@@ -354,7 +354,8 @@ private:
             }
             if (pair.rooted) dy[slot_[q]] = g.rate / p * factor_[q] / power(pair.s_unit, p - 1);
         }
-        for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
+        if constexpr (p > 1)
+            for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
         dy[clock()] = gamma;
         dy[loss()] = gamma * loss_rate;
         dy[work()] = gamma * pressing;
@@ -400,6 +401,7 @@ private:
             slot_[chosen[i]] = first_root() + static_cast<int>(i);
         }
         y_ = std::move(y);
+        known_ = false;
         resize();
         h_ = math::min(h_, 0.25 * time_unit());
     }
@@ -409,7 +411,8 @@ private:
             if (q.touch == Touch::closed) scale(q);
         choose_coordinates();
         if (!(h_ > 0.0)) h_ = 0.25 * time_unit();
-        derivative(y_.data(), k_.data());
+        if (!known_) derivative(y_.data(), k_.data());
+        known_ = true;
         if (at_surface()) return;
         const int n = dimension();
         double length = h_;
@@ -446,6 +449,7 @@ private:
             if (pairs[q].fresh && (what == Event::none || which != static_cast<int>(q)))
                 pairs[q].fresh = still_fresh(static_cast<int>(q));
         y_.swap(end_);
+        k_.swap(k_end_);
         if (last) y_[clock()] = until;
         time = y_[clock()];
         keep();
@@ -532,6 +536,7 @@ private:
             }
         y_[clock()] = what == Event::none ? until : y_[clock()] + least;
         time = y_[clock()];
+        known_ = false;
         if (least > 0.0)
             for (Touching<Law>& q : pairs) q.fresh = false;
         keep();
@@ -677,7 +682,7 @@ private:
     // midpoint rule, whose error is of the third order in it, goes it in two evaluations instead of twelve.
     void locate(int q, Event kind, const Surface& a, const Surface& b, double length, double& high) {
         // A compression is known to the rounding of the places it is the difference of.
-        const double rounding = 0.5 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;
+        const double rounding = 2.0 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;
         double low = 0.0, up = high, at = first_guess(q, a, b, length, high);
         probe(at);
         for (int i = 0; i < 100; ++i) {
@@ -745,6 +750,7 @@ private:
     }
 
     void apply(Event what, int index) {
+        known_ = false;
         Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
         const Geometry g = geometry(q, y_.data());
         q.fresh = true;

@@ -136,6 +136,7 @@ private:
     mutable std::vector<double> times_;  // until they are touched [s]
     Vector3 gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
+    double widest_margin_ = 0.0;  // that cells are wide enough for [m]
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
@@ -154,8 +155,6 @@ private:
     Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
     const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
 
-    // The cells are wide enough for margins up to this.
-    double widest_margin() const { return 0.1 * largest_; }
     // How far a member may go while its group lasts.
     // In a small box no second image of a body may come near.
     double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
@@ -166,8 +165,9 @@ private:
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
     Vector3 velocity(int i, double t) const;
-    void prepare(std::size_t n, const hardlimit_abi::TouchKernels& kernels);
-    void make_cells(std::size_t n);
+    void prepare(std::size_t n);
+    double usual_margin(const std::vector<double>& velocity) const;
+    void make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels);
     void put_into_cells();
     void take(const std::vector<double>& position, const std::vector<double>& velocity);
     void restart_calendar();
@@ -191,6 +191,7 @@ private:
     void conflict(int i, int j);
     void form_remnants();
     void finish(int index);
+    void finish_isolated(int index);
     void part(const std::vector<int>& bodies, const std::vector<Live>& live);
     void go_on_together(int index);
     bool isolate(int i, int j, int side, int& intruder);
@@ -215,7 +216,6 @@ private:
     void stop_at_now(int i);
     void gather(int i, std::vector<int>& set, std::vector<Live>& live);
     void settle(int index, bool at_end, std::vector<Live>& live);
-    void settle_isolated(int index);
     void log(const Group& g, const Touching<Law>& q, const EndedContact& e);
     void drop(int index);
     void release(int index);
@@ -250,7 +250,9 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
     const std::size_t n = position.size() / 3;
-    prepare(n, kernels);
+    prepare(n);
+    widest_margin_ = usual_margin(velocity);
+    make_cells(n, kernels);
     take(position, velocity);
     begin_contacts();
     for (int i = 0; i < static_cast<int>(n); ++i)

@@ -25,19 +25,37 @@ Vector3 NewtonEvents<Law>::velocity(int i, double t) const {
 // ---- the start -------------------------------------------------------------------------------------------------
 
 template <class Law>
-void NewtonEvents<Law>::prepare(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
+void NewtonEvents<Law>::prepare(std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
         largest_ = math::max(largest_, laws_.radius(i));
         smallest_ = math::min(smallest_, laws_.radius(i));
     }
-    touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
-    make_cells(n);
+}
+
+// Several times as far as bodies of the speeds at the start compress each other; the wider the cells, the more bodies
+// there are to look at. Bodies that fall grow faster.
+template <class Law>
+double NewtonEvents<Law>::usual_margin(const std::vector<double>& velocity) const {
+    const double most = 0.1 * largest_;
+    if (dot(gravity_, gravity_) > 0.0) return most;
+    double square = 0.0;
+    std::size_t at = 0;
+    for (const double v : velocity) square += v * v;
+    const std::size_t n = velocity.size() / 3;
+    for (std::size_t i = 0; i < n; ++i)
+        if (laws_.radius(i) == largest_) at = i;
+    const double speed = math::sqrt(square / static_cast<double>(n));
+    if (!(speed > 0.0)) return most;
+    const auto body = static_cast<std::int64_t>(at);
+    const double duration = laws_(body, body).duration(speed, 0.5 * laws_.mass(at));
+    return math::clamp(3.0 * speed * duration, 0.005 * largest_, most);
 }
 
 // All bodies lie in one grid.
 template <class Law>
-void NewtonEvents<Law>::make_cells(std::size_t n) {
-    const double most = 2.001 * (largest_ + widest_margin());
+void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
+    touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
+    const double most = 2.001 * (largest_ + widest_margin_);
     for (int a = 0; a < 3; ++a) {
         const bool used = a < box_.dimension;
         cell_box_.edge[a] = used ? box_.edge[a] : most;

@@ -84,6 +84,7 @@ void NewtonEvents<Law>::conflict(int i, int j) {
 
 template <class Law>
 void NewtonEvents<Law>::finish(int index) {
+    if (group(index).isolated) return finish_isolated(index);
     std::vector<Live> live;
     settle(index, true, live);
     const std::vector<int> bodies = group(index).body;
@@ -91,6 +92,17 @@ void NewtonEvents<Law>::finish(int index) {
     form_remnants();
     for (const int i : bodies)
         if (free(i)) predict(i);
+}
+
+template <class Law>
+void NewtonEvents<Law>::finish_isolated(int index) {
+    const Group& g = group(index);
+    log(g, g.lone.pair, g.lone.contact);
+    dissipated_ += g.lone.dissipated;
+    virial_ += g.lone.virial;
+    for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, g.lone.after[m]);
+    for (const int i : g.body) predict(i);
+    drop(index);
 }
 
 template <class Law>
@@ -361,7 +373,7 @@ bool NewtonEvents<Law>::margins(int index) {
         if (!(after.time > 0.0)) continue;
         const double margin = margin_of(g, m);
         make_room_for(g.body[m], margin);
-        fits = fits && margin <= widest_margin();
+        fits = fits && margin <= widest_margin_;
     }
     return fits;
 }
@@ -462,7 +474,6 @@ void NewtonEvents<Law>::gather(int i, std::vector<int>& set, std::vector<Live>& 
 template <class Law>
 void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) {
     Group& g = group(index);
-    if (g.isolated && at_end) return settle_isolated(index);
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
     if (!at_end) {
         g.cluster->after = start_of(g);
@@ -497,16 +508,6 @@ void NewtonEvents<Law>::log(const Group& g, const Touching<Law>& q, const EndedC
     overlapped_ += e.overlapped;
     if (keep_log_)
         log_.push_back(row_of(g, q, e.begin, e.end, e.impact_speed, e.separation_speed, e.overlapped));
-}
-
-template <class Law>
-void NewtonEvents<Law>::settle_isolated(int index) {
-    const Group& g = group(index);
-    log(g, g.lone.pair, g.lone.contact);
-    dissipated_ += g.lone.dissipated;
-    virial_ += g.lone.virial;
-    for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, g.lone.after[m]);
-    drop(index);
 }
 
 // Undoes build: the members are free bodies at their places now.

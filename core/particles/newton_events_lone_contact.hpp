@@ -34,7 +34,7 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) {
     l.virial = q.mass *
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
     part_pair(l, end, normal, across);
-    return l.span * (approach + sideways) <= travel() && l.margin <= widest_margin();
+    return l.span * (approach + sideways) <= travel() && l.margin <= widest_margin_;
 }
 
 // On straight lines from the end of the force until the bodies are apart. The relative path leaves its chord by the
@@ -94,7 +94,7 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l) {
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;
     l.margin = 1.1 * (0.5 * approach + math::abs(weight) * l.span) * l.span;
-    return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin();
+    return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin_;
 }
 
 // Whether the members stay away from all walls but that of the contact.

@@ -38,6 +38,7 @@ template <class Law>
 void NewtonEvents<Law>::save(Writer& writer) const {
     NewtonEvents& self =
         const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
+    writer(widest_margin_);
     self.exchange(writer);
     writer(groups_.size());
     for (Group& g : self.groups_) exchange(writer, g);
@@ -51,7 +52,9 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
       soft_(soft_contacts(laws_, count)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
-    prepare(count, kernels);
+    prepare(count);
+    reader(widest_margin_);
+    make_cells(count, kernels);
     exchange(reader);
     std::size_t groups = 0;
     reader(groups);
