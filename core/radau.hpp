@@ -35,6 +35,37 @@ public:
     // these are measured in. Returns whether Newton's method has converged. `out` must not alias `y`.
     template <class Rhs>
     bool step(const Rhs& f, const double* y, double h, int n, int coupled, const double* unit, double* out) {
+        return step(Slope{&f, [](const void* rhs, const double* at,
+                                 double* slope) { (*static_cast<const Rhs*>(rhs))(at, slope); }},
+                    y, h, n, coupled, unit, out);
+    }
+
+    // Factor for the next step, from the difference to two steps of half the length in units of the tolerance.
+    static double growth(double error) {
+        if (!math::is_finite(error)) return 0.1;
+        if (error < 1e-8) return 6.0;
+        return math::clamp(0.9 * math::exp(-0.1 * math::log(error)), 0.1, 6.0);
+    }
+
+private:
+    // f without its type: one copy of the code for all right-hand sides.
+    struct Slope {
+        const void* rhs;
+        void (*call)(const void* rhs, const double* at, double* slope);
+        void operator()(const double* at, double* slope) const { call(rhs, at, slope); }
+    };
+
+    int n_ = 0, m_ = 0;
+    std::vector<double> jacobian_;  // [m × m] in units of the components
+    std::vector<double> matrix_;    // [5m × 5m] 1 − h a ⊗ J, factorized
+    std::vector<int> pivot_;        // [5m]
+    std::vector<double> z_;         // [5 × m] stages less y, in units
+    std::vector<double> change_;    // [5 × m]
+    std::vector<double> slope_;     // [5 × n] f at the stages
+    std::vector<double> at_, there_;
+
+    bool step(const Slope& f, const double* y, double h, int n, int coupled, const double* unit,
+              double* out) {
         resize(n, coupled);
         linearize(f, y, unit);
         factorize(h);
@@ -47,23 +78,6 @@ public:
         }
         return converged;
     }
-
-    // Factor for the next step, from the difference to two steps of half the length in units of the tolerance.
-    static double growth(double error) {
-        if (!math::is_finite(error)) return 0.1;
-        if (error < 1e-8) return 6.0;
-        return math::clamp(0.9 * math::exp(-0.1 * math::log(error)), 0.1, 6.0);
-    }
-
-private:
-    int n_ = 0, m_ = 0;
-    std::vector<double> jacobian_;  // [m × m] in units of the components
-    std::vector<double> matrix_;    // [5m × 5m] 1 − h a ⊗ J, factorized
-    std::vector<int> pivot_;        // [5m]
-    std::vector<double> z_;         // [5 × m] stages less y, in units
-    std::vector<double> change_;    // [5 × m]
-    std::vector<double> slope_;     // [5 × n] f at the stages
-    std::vector<double> at_, there_;
 
     void resize(int n, int m) {
         n_ = n;
@@ -80,8 +94,7 @@ private:
     }
 
     // By differences: Newton's method needs no more.
-    template <class Rhs>
-    void linearize(const Rhs& f, const double* y, const double* unit) {
+    void linearize(const Slope& f, const double* y, const double* unit) {
         std::copy(y, y + n_, at_.begin());
         f(at_.data(), slope_.data());
         for (int c = 0; c < m_; ++c) {
@@ -130,8 +143,7 @@ private:
         }
     }
 
-    template <class Rhs>
-    void evaluate(const Rhs& f, const double* y, const double* unit) {
+    void evaluate(const Slope& f, const double* y, const double* unit) {
         for (int i = 0; i < stages; ++i) {
             std::copy(y, y + n_, at_.begin());
             for (int c = 0; c < m_; ++c) at_[c] += unit[c] * z_[i * m_ + c];
@@ -140,8 +152,7 @@ private:
     }
 
     // Down to rounding, where the changes grow no smaller.
-    template <class Rhs>
-    bool solve_stages(const Rhs& f, const double* y, double h, const double* unit) {
+    bool solve_stages(const Slope& f, const double* y, double h, const double* unit) {
         double last = math::infinity;
         for (int round = 0; round < 12; ++round) {
             evaluate(f, y, unit);
