@@ -130,8 +130,6 @@ def test_the_package_has_the_headers() -> None:
 
 # --- the kernel in an emulated warp -------------------------------------------------------------------------
 
-emulation = pytest.mark.xdist_group("warp")  # compiled once for all
-
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -147,14 +145,12 @@ def emulated(library: Path, plan: Plan, room: int = 1 << 40) -> dict[str, Any]:
         return cuda.compute_on(Emulated(library, room), plan, 1, pool, lambda _: None)
 
 
-@emulation
 @pytest.mark.parametrize("name", MAPS)
 def test_a_warp_returns_the_bits_of_the_processor(library: Path, name: str) -> None:
     plan = plan_of(**MAPS[name])
     assert same_chunks(emulated(library, plan), plan.compute(0, plan.size, 1))
 
 
-@emulation
 @pytest.mark.parametrize(
     ("swept", "room"),
     [(GRID, 350_000), pytest.param(random_points(2000), 520_000, marks=pytest.mark.slow)],
@@ -186,7 +182,6 @@ def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
     assert same_chunks(dict(np.load(out)), plan.compute(0, plan.size, 1))
 
 
-@emulation
 def test_most_points_are_solved_by_the_kernel(library: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left = []
     monkeypatch.setattr(cuda, "_solve_on_host", lambda plan, chunk, points, threads: left.append(len(points)))

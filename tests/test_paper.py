@@ -36,8 +36,6 @@ PARTLY = (
 
 POINTS_DRAWN = figure4.POINTS
 
-pytestmark = pytest.mark.xdist_group("paper")  # the figures are computed once for all
-
 
 @pytest.fixture(scope="module")
 def data():
