@@ -3,8 +3,8 @@
     python benchmarks/newton_events.py [--size 1000000] [--write]
 
 Equal spheres, periodic, φ = 0.3, ε = 0.9, from equilibrium, at t_c ν = 0.1, 0.01 and 0.001. All three engines go on by
-the same physical time, the steps (of t_c/50, the usual choice) by a part of it. Before that events and hard spheres have
-run through four collisions of each particle: what is tabled once for a law is tabled.
+the same physical time, the steps (of t_c/50, the usual choice) by a part of it. Before that events and hard spheres
+have run through four collisions of each particle: what is tabled once for a law is tabled.
 """
 
 from __future__ import annotations

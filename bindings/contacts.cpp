@@ -5,6 +5,7 @@
 #include <string>
 #include <type_traits>
 
+#include "../core/contact/powers.hpp"
 #include "arrays.hpp"
 #include "contact.hpp"
 
@@ -205,4 +206,20 @@ void bind_contacts(nb::module_& m) {
     m.def(
         "linear_duration", [](In b) { return map(b, &hl::contact::linear_scaled_duration<double>); },
         "damping_ratio"_a);
+
+    m.def(
+        "power_collision",
+        [](int elastic, int damping, bool attracts, double c) {
+            const auto r = hl::contact::power_collision({elastic, damping, attracts}, c);
+            return nb::make_tuple(r.restitution, r.duration, r.compression, r.force);
+        },
+        "elastic"_a, "damping"_a, "attracts"_a, "c"_a,
+        "ε, duration, greatest compression and force of X'' + X^(elastic/4) + c X^(damping/4) X' = 0 from speed 1.");
+    m.def(
+        "power_damping",
+        [](int elastic, int damping, bool attracts, double restitution) {
+            return hl::contact::power_damping({elastic, damping, attracts}, restitution);
+        },
+        "elastic"_a, "damping"_a, "attracts"_a, "restitution"_a,
+        "The c of power_collision with this ε in (0, 1].");
 }

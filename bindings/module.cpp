@@ -46,6 +46,7 @@ void bind_math(nb::module_& m) {
 NB_MODULE(_core, m) {
     nb::set_leak_warnings(false);  // objects alive at exit, in a traceback say, are no fault
     m.attr("version") = HARDLIMIT_VERSION;
+    m.def("compiler", [] { return HARDLIMIT_COMPILER; });  // not an attribute: stubs hold the values of those
     nb::list names, messages;
     for (const hl::OutcomeRecord& r : hl::outcome_records) {
         names.append(r.name);

@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from click.testing import CliRunner, Result
 
 import hardlimit as hl
 from conftest import law_of
+from hardlimit import _core
 from hardlimit.cli import main
 from hardlimit.cli.axes import axis
 from hardlimit.column import files
@@ -78,6 +80,19 @@ def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: 
 
 def test_version() -> None:
     assert hl.__version__ in run("--version").stdout
+
+
+def test_verbose_version_says_what_an_installation_is_made_of() -> None:
+    lines = run("--version", "--verbose").stdout.splitlines()
+    assert lines[0] == run("--version").stdout.strip()
+    text = "\n".join(lines)
+    assert _core.compiler() in text and _core.instruction_sets()[0] in text
+    extras = tomllib.loads((EXAMPLES.parent / "pyproject.toml").read_text())["project"][
+        "optional-dependencies"
+    ]
+    for extra in extras.keys() - {"dev", "docs", "test"}:
+        assert re.search(rf"^  {extra}: +\S", text, re.MULTILINE)
+    assert refused("--verbose") == "hardlimit: --verbose: only with --version"
 
 
 def test_options_of_laws_follow_the_records() -> None:

@@ -422,6 +422,17 @@ def test_a_store_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.Monk
     assert more.n_replicas == 5 and same(more, compare(replicas=5))
 
 
+def test_two_writers_of_a_store_lose_nothing(tmp_path: Path) -> None:
+    """Each has opened the store before the other one wrote."""
+    path, facts = tmp_path / "replicas", {"until": 1.0}
+    one, other = Store(path, facts), Store(path, facts)
+    one.add(0, {"x": np.array([1.0])})
+    other.add(1, {"x": np.array([2.0])})
+    one.add(2, {"x": np.array([3.0])})
+    found = Store(path, facts).replicas
+    assert {k: arrays["x"].tolist() for k, arrays in found.items()} == {0: [1.0], 1: [2.0], 2: [3.0]}
+
+
 SCRIPT = """
 import hardlimit as hl
 

@@ -19,6 +19,7 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
+from hardlimit import locking
 from hardlimit.sweep import chunks as chunking
 from hardlimit.sweep import store as storing
 from hardlimit.sweep.computation import Computation, Coordinate, Values, Variable
@@ -494,7 +495,7 @@ def test_a_store_is_a_local_folder(path: object) -> None:
 def test_two_writers_at_once_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "map.zarr"
     refused = pytest.raises(ValueError, match=r"map\.zarr is being written by another process")
-    monkeypatch.setattr(storing, "PATIENCE", 0.1)
+    monkeypatch.setattr(locking, "PATIENCE", 0.1)
     with Store(path, *plan_and_chunks(GRID)), refused:
         hl.sweep(PAPER, store=path, **GRID)
     hl.sweep(PAPER, store=path, **GRID)
@@ -514,7 +515,7 @@ def test_a_writer_that_is_about_to_end_is_waited_for(tmp_path: Path, made: bool)
         folder.mkdir()
 
     def hold() -> None:
-        with storing._locked(folder, path):
+        with locking.locked(folder, path):
             held.set()
             waiting.wait()
 
@@ -522,14 +523,14 @@ def test_a_writer_that_is_about_to_end_is_waited_for(tmp_path: Path, made: bool)
     other = threading.Thread(target=hold)
     other.start()
     held.wait()
-    patience = storing._wait_for_lock
+    patience = locking._wait_for_lock
 
-    def let_go(handle: int, of: Path) -> None:
+    def let_go(handle: int, of: Path, seconds: float) -> None:
         waiting.set()
-        patience(handle, of)
+        patience(handle, of, seconds)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(storing, "_wait_for_lock", let_go)
+        patch.setattr(locking, "_wait_for_lock", let_go)
         ds = hl.sweep(PAPER, store=path, **GRID)
     other.join()
     xr.testing.assert_equal(ds, hl.sweep(PAPER, **GRID))

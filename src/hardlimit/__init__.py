@@ -8,6 +8,7 @@ from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
 from .contact import Contact, Law
+from .convert import convert, convert_back
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
@@ -44,6 +45,8 @@ __all__ = [
     "Verdict",
     "adiabatic",
     "compare",
+    "convert",
+    "convert_back",
     "event_driven",
     "fidelity",
     "independent",

@@ -16,6 +16,8 @@ from .column.solvers import independent as independent
 from .column.solvers import newton as newton
 from .contact import Contact as Contact
 from .contact import Law as Law
+from .convert import convert as convert
+from .convert import convert_back as convert_back
 from .laws import LAWS as LAWS
 from .laws import LinearDashpot as LinearDashpot
 from .laws import Viscoelastic as Viscoelastic

@@ -14,8 +14,6 @@ import json
 import os
 import re
 import shutil
-import sys
-import time
 import warnings
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -24,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from .. import validation
+from .. import locking, validation
 from .chunks import Chunks
 from .computation import Computation, Coordinate, Values, Variable, labels
 
@@ -32,14 +30,8 @@ if TYPE_CHECKING:
     import xarray as xr
     import zarr
 
-if sys.platform != "win32":
-    import fcntl
-
 #: Values of a coordinate in one file.
 LABELS_OF_FILE: Final = 1 << 20
-
-#: How long another process may take to let go of a store: one that was killed a moment ago has not yet ended.
-PATIENCE: Final = 2.0  # s
 
 #: What Zarr calls a file while it writes it.
 HALF_WRITTEN: Final = re.compile(r".+\.[0-9a-f]{32}\.partial")
@@ -103,7 +95,7 @@ class Store:
         with _one_line(self.path):
             unfinished.mkdir(parents=True, exist_ok=True)
         with ExitStack() as attempt:
-            if not attempt.enter_context(_locked(unfinished, self.path)):
+            if not attempt.enter_context(locking.locked(unfinished, self.path)):
                 return False
             with _one_line(self.path):
                 try:
@@ -147,7 +139,7 @@ class Store:
             warnings.warn(f"store: {self.path}: {'; '.join(found)}", stacklevel=4)
 
     def _begin_writing(self, lock: ExitStack) -> None:
-        lock.enter_context(_locked(self.path, self.path))
+        lock.enter_context(locking.locked(self.path, self.path))
         names = [*self.computation.results, *(c.name for c in self.computation.coordinates)]
         with _one_line(self.path):
             _tidy(self.path, names)
@@ -415,49 +407,6 @@ def _tidy(path: Path, names: list[str]) -> None:
     for file in (*path.glob("zarr.*.partial"), *inside):
         if HALF_WRITTEN.fullmatch(file.name):
             file.unlink()
-
-
-@contextmanager
-def _locked(folder: Path, path: Path) -> Iterator[bool]:
-    """Keep other processes from writing; ends with this process, however it ends, and leaves no file.
-
-    Gives false if the folder is no longer there under this name: another process was at it.
-    """
-    if sys.platform == "win32":
-        yield True
-        return
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except FileNotFoundError:
-        yield False
-        return
-    except OSError as error:
-        raise _failure(path, error) from None
-    try:
-        with suppress(OSError):  # some network file systems have no locks: then nothing is kept from anything
-            _wait_for_lock(handle, path)
-        yield _is_still(handle, folder)
-    finally:
-        os.close(handle)
-
-
-def _is_still(handle: int, folder: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(handle), folder.stat())
-    except FileNotFoundError:
-        return False
-
-
-def _wait_for_lock(handle: int, path: Path) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while True:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            return
-        except BlockingIOError:
-            if time.monotonic() > deadline:
-                raise ValueError(f"store: {path} is being written by another process") from None
-        time.sleep(0.02)
 
 
 @contextmanager

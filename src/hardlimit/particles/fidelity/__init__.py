@@ -15,7 +15,6 @@ from ...contact import Law
 from ...progress import Report, reporter
 from .. import engines
 from ..system import ParticleSystem
-from . import pool
 from .lockstep import NEWTON, RULES, Plan, digest
 from .result import Fidelity
 from .starts import Starts, checked_starts
@@ -150,6 +149,8 @@ def _compute(
     tell(0)
     if not wanted:
         return
+    from . import pool  # and with it processes, which take a tenth of a second
+
     if scheduler is not None:
         found = pool.on_cluster(starts, plan, wanted, scheduler, tell)
     elif workers > 1 and len(wanted) > 1:

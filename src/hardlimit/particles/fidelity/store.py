@@ -6,12 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from ... import _core, validation
+from ... import _core, locking, validation
 from .. import checkpoint
 from .lockstep import Arrays
 
 #: In the header of the file.
 KIND: Final = "fidelity"
+
+#: How long others may take to write; more than the largest store needs.
+PATIENCE: Final = 60.0  # s
 
 
 class Store:
@@ -35,18 +38,24 @@ class Store:
             if self.path.exists():
                 self.replicas = self._read(self.path)
             else:
-                self._write()
+                self._keep()
 
     def add(self, replica: int, arrays: Arrays) -> None:
-        """One more, which is in the file when this returns."""
+        """One more, which is in the file when this returns, beside those that other processes have put there."""
         self.replicas[replica] = arrays
-        self._write()
+        self._keep()
 
-    def _write(self) -> None:
+    def _keep(self) -> None:
+        """Write what is known; one process at a time, and none loses what another one has written meanwhile."""
         if self.path is None:
             return
-        flat = {f"{k}/{name}": array for k, found in self.replicas.items() for name, array in found.items()}
-        checkpoint.write(self.path, {"kind": KIND, "facts": self.facts}, flat)
+        with locking.locked(self.path.parent, self.path, PATIENCE):
+            if self.path.exists():
+                self.replicas = self._read(self.path) | self.replicas
+            flat = {
+                f"{k}/{name}": array for k, found in self.replicas.items() for name, array in found.items()
+            }
+            checkpoint.write(self.path, {"kind": KIND, "facts": self.facts}, flat)
 
     def _read(self, path: Path) -> dict[int, Arrays]:
         try:

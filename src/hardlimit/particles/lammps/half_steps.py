@@ -25,7 +25,7 @@ def restitution_error(contact: Any, speed: float, time_step: float) -> float:
     steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
     for _ in range(4 * steps + 100):
         force = contact.force(np.maximum(compression, 0.0), rate)
-        if not np.any((force > 0.0) | (rate > 0.0)):
+        if not np.any((force != 0.0) | (rate > 0.0)):  # a force that attracts lasts until the bodies part
             break
         rate = rate - force * over_mass
         compression = compression + rate * time_step

@@ -10,7 +10,7 @@ import sys
 from dataclasses import dataclass
 from datetime import datetime
 from functools import lru_cache
-from importlib import metadata, util
+from importlib import util
 from pathlib import Path
 from typing import Final
 
@@ -82,6 +82,8 @@ def _installed() -> Program | None:
     path = next((f / name for f in folders for name in ("lmp", "lmp.exe") if (f / name).is_file()), None)
     if path is None:
         return None
+    from importlib import metadata  # takes 30 ms
+
     try:
         files = [Path(str(file.locate())) for file in metadata.files("mpich") or []]
     except metadata.PackageNotFoundError:

@@ -1,0 +1,125 @@
+"""Restitution into the damping, time step and input of particle codes, and back.
+
+The work is imported when it is called: files of codes need what ``import hardlimit`` does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..bodies import Ball, Floor
+
+if TYPE_CHECKING:
+    from .conversion import Conversion, Obtained
+
+__all__ = ["convert", "convert_back"]
+
+
+def convert(
+    balls: Ball | Sequence[Ball],
+    *,
+    restitution: float,
+    speed: float = 1.0,
+    stiffness: float | None = None,
+    youngs_modulus: float | None = None,
+    poisson_ratio: float | None = None,
+    duration: float | None = None,
+    compression: float | None = None,
+    law: str | None = None,
+    wall: bool = True,
+    code: str | None = None,
+    model: str | None = None,
+    attraction: bool = False,
+    restitution_error: float | None = None,
+    time_step: float | None = None,
+) -> Conversion:
+    """A coefficient of restitution as damping, time step and the input of particle codes, for every pair of sizes.
+
+    Parameters
+    ----------
+    balls : Ball or sequence of Ball
+        The sizes in a bed, at most 30. Contacts are those of each with itself, with every other one, and with a wall.
+    restitution : float
+        Coefficient of restitution ε that is wanted, in [0.001, 1].
+    speed : float [m/s]
+        Of the impact at which it is wanted.
+    stiffness : float [N/m]
+        Of a linear spring. Exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and ``compression`` is given.
+    youngs_modulus, poisson_ratio : float [Pa], float
+        Of the material of balls and wall. Under the linear law, the spring is one that an undamped impact at ``speed``
+        compresses as far as the Hertz contact.
+    duration : float [s]
+        Of each contact.
+    compression : float [m]
+        The greatest in each contact.
+    law : str
+        "linear", "tsuji" (Hertz, with a restitution that does not depend on the speed) or "viscoelastic". By default
+        "tsuji" with a modulus, else "linear".
+    wall : bool
+        Whether contacts with a wall are wanted.
+    code, model : str
+        A code, and one of its models; by default all codes, and of each the models of this law.
+    attraction : bool
+        For codes that leave the choice: whether the force attracts at the end of a contact.
+    restitution_error : float
+        The error of ε that the time step may make, by default 1e-3.
+    time_step : float [s]
+        Instead, a time step whose error of ε is wanted.
+
+    Returns
+    -------
+    Conversion
+        ``.contacts`` under our own law; ``.models`` with the numbers that each code must be given and what the usual
+        number would give there; ``.text`` to paste.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, or alternatives do not go together.
+
+    Notes
+    -----
+    Source of each code's formulas: the files in ``hardlimit/convert/codes``.
+    """
+    from .conversion import converted
+    from .wanted import wanted
+
+    asked = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
+    return converted(balls, asked, wall, code, model, attraction, restitution_error, time_step)
+
+
+def convert_back(
+    text: str,
+    ball: Ball,
+    other: Ball | Floor | None = None,
+    *,
+    code: str,
+    model: str | None = None,
+    speed: float = 1.0,
+    restitution_error: float | None = None,
+    time_step: float | None = None,
+) -> Obtained:
+    """The restitution that an input of a code really gives.
+
+    Parameters
+    ----------
+    text : str
+        Lines of input, such as ``convert(…).text`` holds.
+    ball, other : Ball, Ball or FLOOR
+        The bodies; by default two of the same size.
+    code, model : str
+        Of which code the input is; the model is found in it unless it is given.
+    speed : float [m/s]
+        Of impact.
+    restitution_error, time_step : float
+        As for ``convert``.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, or the input has no model of the code or several.
+    """
+    from .conversion import obtained
+
+    return obtained(text, ball, other, code, model, speed, restitution_error, time_step)

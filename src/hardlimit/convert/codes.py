@@ -1,0 +1,282 @@
+"""What particle codes do with a normal contact, as data: one file for each code in ``codes``.
+
+A model's force is F = K ξ^p + C ξ^q dξ/dt. Its file says p and q, how the code comes to K and C, whether the force may
+attract, and how its input is written and read. A code is added by a file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property, lru_cache
+from importlib import resources
+from typing import Any, Final, Literal
+
+from .. import toml, validation
+from .force import Force, Powers
+from .formulas import FORMULAS, inverse
+from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers, Where
+
+#: Four times p of the elastic force.
+ELASTIC: Final = {"hooke": 4, "hertz": 6}
+
+#: In patterns: a number, and what stands for any words.
+NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
+
+
+ANY: Final = {"…": r"\s(?:[^\n]*?\s)?", "*": r"\s+\S+"}
+
+
+@dataclass(frozen=True)
+class Spring:
+    """K = factor · X · R^radius, where ``given`` (of ``SPRINGS``) says which numbers make X."""
+
+    given: str
+    factor: float = 1.0
+    wall_factor: float | None = None  #: at a wall, where it is another one
+    radius: float = 0.0
+
+
+@dataclass(frozen=True)
+class Damping:
+    """C = factor · f(number) · m^mass · K^stiffness · R^radius, f one of ``FORMULAS``; q = power."""
+
+    number: str  #: its name in the input
+    formula: str = "given"
+    factor: float = 1.0
+    mass: float = 0.0
+    stiffness: float = 0.0
+    radius: float = 0.0
+    power: float = 0.0
+    tolerance: float = 1e-9  #: to which ε can be reached, by the code's own rounding of the formula
+
+
+@dataclass(frozen=True)
+class Mass:
+    """The mass that enters the code's formulas, where it is not the effective one of the contact."""
+
+    wall_factor: float = 1.0  #: of the true one, at a wall
+    number: str = ""  #: name in the input, where the user hands it over
+    share: float = 1.0  #: effective mass by that number
+
+
+@dataclass(frozen=True)
+class Input:
+    """Texts with places such as {stiffness}; ``reads`` are what a given input is searched for."""
+
+    reads: list[str]
+    pair: str
+    reads_wall: list[str] = field(default_factory=list)  #: where a wall is written with other words
+    wall: str = ""
+    head: str = ""
+    foot: str = ""
+    shared: bool = False  #: whether what is written holds for all contacts, not for one pair of types
+
+
+@dataclass(frozen=True)
+class Model:
+    """One contact model of a code."""
+
+    name: str
+    title: str
+    elastic: Literal["hooke", "hertz"]
+    attracts: Literal["always", "never", "unless"]
+    spring: Spring
+    damping: Damping
+    input: Input
+    keyword: str = ""  #: which keeps the force from attracting, where ``attracts`` is "unless"
+    mass: Mass = Mass()
+    note: str = ""
+
+    def powers(self, attraction: bool) -> Powers:
+        """p, q, and whether the force attracts: as the code is, or, where it leaves the choice, as wanted."""
+        free = {"always": True, "never": False, "unless": attraction}[self.attracts]
+        return Powers(ELASTIC[self.elastic], round(4.0 * self.damping.power), free)
+
+
+@dataclass(frozen=True)
+class Code:
+    """A particle code."""
+
+    name: str
+    title: str
+    version: str
+    sources: list[str]
+    checked: Literal["run", "source"]  #: whether its numbers were compared with runs, or only with its source
+    walls: str  #: the effective mass at a wall, in words
+    scheme: Literal[
+        "half step"
+    ]  #: damping at the velocity of half a step before; see ``particles.lammps.half_steps``
+    models: list[Model]
+    comment: str = "#"
+
+    def model(self, name: str) -> Model:
+        """The model of this name.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        wanted = validation.one_of("model", name, [model.name for model in self.models])
+        return next(model for model in self.models if model.name == wanted)
+
+
+#: Tables within tables.
+INNER: Final[dict[str, Any]] = {
+    "models": Model,
+    "spring": Spring,
+    "damping": Damping,
+    "mass": Mass,
+    "input": Input,
+}
+FOLDER: Final = resources.files(__package__) / "codes"
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies as a code's formulas see them."""
+
+    name: str
+    mass: float  #: effective [kg]
+    radius: float  #: effective [m]
+    wall: bool
+    first: int = 1  #: numbers of the bodies, from 1
+    second: int = 1
+
+
+@dataclass(frozen=True)
+class Written:
+    """A model in one contact: what the code makes of its numbers, and the numbers for a force that is wanted."""
+
+    model: Model
+    pair: Pair
+    speed: float
+    attraction: bool = False
+    poisson_ratio: float = DEFAULT_POISSON_RATIO
+
+    @cached_property
+    def powers(self) -> Powers:
+        """Of the force."""
+        return self.model.powers(self.attraction)
+
+    def force(self, numbers: Mapping[str, float]) -> Force:
+        """The force that the code makes of these numbers."""
+        damping = self.model.damping
+        number = numbers[damping.number]
+        mass = self._mass(numbers)
+        where = self._where(mass, number)
+        spring = SPRINGS[self.model.spring.given].value(numbers, where)
+        stiffness = spring * self._spring_factor()
+        ratio = FORMULAS[damping.formula](number)
+        return Force(self.powers, stiffness, ratio * self._damping_scale(mass, stiffness), self.pair.mass)
+
+    def numbers(self, stiffness: float, restitution: float) -> Numbers | None:
+        """The numbers with which K is ``stiffness`` and ε is ``restitution``; None if the model cannot have that ε."""
+        mass = self._mass({})
+        force = Force.with_restitution(self.powers, stiffness, self.pair.mass, restitution, self.speed)
+        damping = self.model.damping
+        number = inverse(damping.formula, force.damping / self._damping_scale(mass, stiffness))
+        return None if number is None else self._all_numbers(stiffness, number)
+
+    def usual_numbers(self, stiffness: float, restitution: float) -> Numbers | None:
+        """The numbers that one would take who does not know the code; None where there is no usual way.
+
+        The wanted restitution as it is, or for a coefficient the damping of the formula in common use.
+        """
+        damping = self.model.damping
+        if damping.formula != "given":
+            return self._all_numbers(stiffness, restitution)
+        factor = {(4, 0): 2.0, (6, 1): 5.0**0.5}.get((self.powers.elastic, self.powers.damping))
+        if factor is None:
+            return None
+        usual = factor * FORMULAS["usual"](restitution) * (self.pair.mass * stiffness) ** 0.5
+        return self._all_numbers(stiffness, usual / self._damping_scale(self._mass({}), stiffness))
+
+    def _all_numbers(self, stiffness: float, number: float) -> Numbers:
+        mass = self._mass({})
+        spring = SPRINGS[self.model.spring.given]
+        found = spring.numbers(stiffness / self._spring_factor(), self._where(mass, number))
+        if self.model.mass.number:
+            found[self.model.mass.number] = mass / self.model.mass.share
+        return {**found, self.model.damping.number: number}
+
+    def _mass(self, numbers: Mapping[str, float]) -> float:
+        """As the code's formulas have it."""
+        rule = self.model.mass
+        if rule.number and rule.number in numbers:
+            return rule.share * numbers[rule.number]
+        return self.pair.mass * (rule.wall_factor if self.pair.wall else 1.0)
+
+    def _where(self, mass: float, number: float) -> Where:
+        given = None if self.model.damping.formula == "given" else number
+        return Where(mass, self.pair.radius, self.speed, given, self.poisson_ratio)
+
+    def _spring_factor(self) -> float:
+        spring = self.model.spring
+        at_wall = spring.factor if spring.wall_factor is None else spring.wall_factor
+        factor = at_wall if self.pair.wall else spring.factor
+        return float(factor * self.pair.radius**spring.radius)
+
+    def _damping_scale(self, mass: float, stiffness: float) -> float:
+        rule = self.model.damping
+        powers = mass**rule.mass * stiffness**rule.stiffness * self.pair.radius**rule.radius
+        return float(rule.factor * powers)
+
+
+@lru_cache(maxsize=1)
+def names() -> list[str]:
+    """Of all codes, in alphabetical order: those of their files."""
+    return sorted(f.name.removesuffix(".toml") for f in FOLDER.iterdir() if f.name.endswith(".toml"))
+
+
+def code(name: Any) -> Code:
+    """The code of this name.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    return _read(validation.one_of("code", name, names()))
+
+
+@lru_cache
+def _read(name: str) -> Code:
+    """The code that a file describes, which names nothing that is not there."""
+    content = toml.parse((FOLDER / f"{name}.toml").read_text("utf-8"))
+    _refuse_unknown(name, content, Code)
+    found = toml.convert(content, Code, f"{name}: ")
+    for model in found.models:
+        validation.one_of(f"{name}.{model.name}.spring.given", model.spring.given, list(SPRINGS))
+        validation.one_of(f"{name}.{model.name}.damping.formula", model.damping.formula, list(FORMULAS))
+    return found
+
+
+def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
+    """Refuse keys that a table of a file must not have."""
+    if isinstance(content, list):
+        for part in content:
+            _refuse_unknown(where, part, kind)
+    elif isinstance(content, dict):
+        known = {one.name: INNER.get(one.name) for one in fields(kind)}
+        for key, part in content.items():
+            validation.one_of(where, key, list(known))
+            if known[key] is not None:
+                _refuse_unknown(f"{where}.{key}", part, known[key])
+
+
+def pattern(text: str) -> re.Pattern[str]:
+    """What finds a text with places in an input: any blanks between words, ``*`` for a word, ``…`` for any words."""
+    parts = []
+    for part in re.split(r"(\{\w+\}|\s+…\s+|\s+\*|\s+)", text):
+        if part.startswith("{"):
+            parts.append(f"(?P<{part[1:-1]}>{NUMBER})")
+        elif part.isspace():
+            parts.append(r"\s+")
+        elif part.strip() in ANY:
+            parts.append(ANY[part.strip()])
+        else:
+            parts.append(re.escape(part))
+    return re.compile("".join(parts))

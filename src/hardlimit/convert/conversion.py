@@ -1,0 +1,331 @@
+"""From a restitution to the numbers of a contact and to the input of particle codes; and back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Final
+
+from .. import _core, validation
+from ..bodies import FLOOR, Ball, Floor
+from ..particles.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
+from . import texts
+from .codes import Code, Model, Pair, Written, code, names
+from .force import Force, Powers
+from .springs import DEFAULT_POISSON_RATIO, Numbers
+from .wanted import LAWS, Wanted
+
+#: More sizes than this make a table that nobody reads.
+MOST_BODIES: Final = 30
+
+
+@dataclass(frozen=True)
+class ContactNumbers:
+    """One contact under our own law, which is never attractive."""
+
+    pair: str
+    effective_mass: float  #: [kg]
+    effective_radius: float  #: [m]
+    stiffness: float  #: k [N/m], or K of K ξ^(3/2) [N/m^1.5]
+    damping: float  #: the factor of ξ^q dξ/dt: γ [N s/m] of the linear law, else [N s/m^(1 + q)]
+    duration: float  #: [s]
+    compression: float  #: the greatest [m]
+    force: float  #: the greatest [N]
+    time_step: float  #: [s], with which ε errs by ``restitution_error``; NaN where the bodies stay together
+    restitution_error: float
+
+
+@dataclass(frozen=True)
+class ModelNumbers:
+    """One contact in a model of a code."""
+
+    pair: str
+    numbers: Numbers | None  #: that the code is to be given; None if it cannot have this restitution
+    restitution: float  #: that they really give; NaN without them
+    usual: Numbers | None  #: what one would take who does not know the code
+    usual_restitution: float  #: what that gives; NaN without
+    time_step: float  #: [s], with which ε errs by ``restitution_error``
+    restitution_error: float
+
+
+@dataclass(frozen=True)
+class ModelConversion:
+    """All contacts in a model of a code, and its input."""
+
+    code: Code
+    model: Model
+    attraction: bool  #: whether the force attracts at the end of a contact
+    contacts: tuple[ModelNumbers, ...]
+    text: str  #: ready to paste
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What ``hl.convert`` finds.
+
+    Attributes
+    ----------
+    wanted : Wanted
+        What was asked for.
+    contacts : tuple of ContactNumbers
+        Each pair of sizes, and each size with a wall.
+    models : tuple of ModelConversion
+        Of the code that was named, or of all.
+    """
+
+    wanted: Wanted
+    contacts: tuple[ContactNumbers, ...]
+    models: tuple[ModelConversion, ...]
+
+    @property
+    def text(self) -> str:
+        """The input of all models, ready to paste."""
+        return "\n\n".join(model.text for model in self.models)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain dictionaries, in SI units."""
+        return {
+            "wanted": asdict(self.wanted),
+            "contacts": [asdict(contact) for contact in self.contacts],
+            "models": [
+                {
+                    "code": one.code.name,
+                    "version": one.code.version,
+                    "checked": one.code.checked,
+                    "sources": one.code.sources,
+                    "model": one.model.name,
+                    "attraction": one.attraction,
+                    "contacts": [asdict(contact) for contact in one.contacts],
+                    "text": one.text,
+                }
+                for one in self.models
+            ],
+        }
+
+    def __repr__(self) -> str:
+        names = ", ".join(f"{one.code.name} {one.model.name}" for one in self.models)
+        pairs = ", ".join(contact.pair for contact in self.contacts)
+        return f"Conversion(restitution={self.wanted.restitution:g}, contacts=[{pairs}], models=[{names}])"
+
+
+@dataclass(frozen=True)
+class Obtained:
+    """What an input of a code really gives in one contact."""
+
+    code: Code
+    model: Model
+    attraction: bool  #: whether the force attracts at the end of a contact
+    numbers: Numbers  #: as read
+    restitution: float  #: 0 where the bodies stay together
+    duration: float  #: [s]
+    compression: float  #: the greatest [m]
+    force: float  #: the greatest [N]
+    time_step: float  #: [s]; NaN where the bodies stay together
+    restitution_error: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as a plain dictionary, in SI units."""
+        plain = asdict(replace(self, code=None, model=None))  # type: ignore[arg-type]
+        return {**plain, "code": self.code.name, "version": self.code.version, "model": self.model.name}
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """How the time step is found: the longest with an error of ε, or one that is given."""
+
+    error: float
+    time_step: float | None
+
+    def of(self, force: Force, speed: float) -> tuple[float, float]:
+        """The step [s] and the error of ε."""
+        if self.time_step is None:
+            return force.longest_step(speed, self.error), self.error
+        return self.time_step, force.error_of_step(speed, self.time_step)
+
+
+def converted(
+    balls: Any,
+    asked: Wanted,
+    wall: bool,
+    named: Any,
+    model: Any,
+    attraction: bool,
+    restitution_error: Any,
+    time_step: Any,
+) -> Conversion:
+    """As :func:`hardlimit.convert`."""
+    pairs = _pairs(balls, wall)
+    stepping = _stepping(restitution_error, time_step)
+    forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
+    chosen = _chosen(named, model, LAWS[asked.law])
+    return Conversion(
+        asked,
+        tuple(_contact(pair, force, asked, stepping) for pair, force in zip(pairs, forces, strict=True)),
+        tuple(_in_model(*one, pairs, forces, asked, bool(attraction), stepping) for one in chosen),
+    )
+
+
+def obtained(
+    text: Any,
+    ball: Any,
+    other: Any,
+    name: Any,
+    model: Any,
+    speed: Any,
+    restitution_error: Any,
+    time_step: Any,
+) -> Obtained:
+    """As :func:`hardlimit.convert_back`."""
+    found = code(name)
+    pair = _pair(ball, ball if other is None else other, 1, 1)
+    if not isinstance(text, str):
+        raise ValueError(f"input: got {validation.shown(text)}, must be a text")
+    written_in = found.model(model) if model is not None else _only_model(found, text, pair.wall)
+    v = validation.number("speed", speed, 0.0)
+    stepping = _stepping(restitution_error, time_step)
+    numbers, attraction = texts.read(written_in, text, pair.wall)
+    _check_numbers(written_in, numbers)
+    nu = numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
+    force = Written(written_in, pair, v, attraction, nu).force(numbers)
+    step, error = stepping.of(force, v)
+    collision = force.collision(v)
+    return Obtained(
+        found,
+        written_in,
+        attraction,
+        numbers,
+        collision.restitution,
+        collision.duration,
+        collision.compression,
+        collision.force,
+        step,
+        error,
+    )
+
+
+def _only_model(found: Code, text: str, wall: bool) -> Model:
+    matching = [m for m in found.models if texts.matches(m, text, wall)]
+    if len(matching) != 1:
+        names = ", ".join(m.name for m in (matching or found.models))
+        count = "several models" if matching else "no model"
+        raise ValueError(f"input: got {count} of {found.title} in it, must be one of {names}")
+    return matching[0]
+
+
+def _check_numbers(model: Model, numbers: Numbers) -> None:
+    """Numbers of an input within what the model means by them."""
+    for name, value in numbers.items():
+        if name == "restitution":
+            validation.number(name, value, 0.0, 1.0, highest_allowed=True)
+        elif name == "poisson_ratio":
+            validation.number(name, value, -1.0, 0.5, highest_allowed=True)
+        else:
+            validation.number(name, value, 0.0, lowest_allowed=name == model.damping.number)
+
+
+def _pairs(balls: Any, wall: bool) -> list[Pair]:
+    """Every contact, first those of balls."""
+    listed = (balls,) if isinstance(balls, Ball) else validation.instances("balls", balls, Ball, "Ball")
+    if not 1 <= len(listed) <= MOST_BODIES:
+        raise ValueError(f"balls: got {len(listed)}, must be 1 to {MOST_BODIES}")
+    found = [
+        _pair(ball, listed[j], i + 1, j + 1) for i, ball in enumerate(listed) for j in range(i, len(listed))
+    ]
+    return found + [_pair(ball, FLOOR, i + 1, i + 1) for i, ball in enumerate(listed)] * bool(wall)
+
+
+def _pair(ball: Any, other: Any, i: int, j: int) -> Pair:
+    if not isinstance(ball, Ball):
+        raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
+    if not isinstance(other, Ball | Floor):
+        raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
+    at_wall = isinstance(other, Floor)
+    name = f"{i} – wall" if at_wall else f"{i} – {j}"
+    mass, radius = _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
+    return Pair(name, mass, radius, at_wall, i, j)
+
+
+def _stepping(error: Any, time_step: Any) -> Stepping:
+    if error is not None and time_step is not None:
+        raise ValueError("restitution_error | time_step: got both, must be at most one of them")
+    if time_step is not None:
+        return Stepping(math.nan, validation.number("time_step", time_step, 0.0))
+    wanted_error = DEFAULT_ERROR if error is None else error
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    return Stepping(
+        validation.number("restitution_error", wanted_error, SMALLEST_ERROR, LARGEST_ERROR, **limits), None
+    )
+
+
+def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
+    """The models that are wanted: one by its name, or those with the powers of the law."""
+    if name is None and model is not None:
+        raise ValueError("code: missing, must be given beside model")
+    if name is not None and model is not None:
+        found = code(name)
+        one = found.model(model)
+        if one.powers(False).elastic != powers.elastic:
+            raise ValueError(
+                f"model: got {model!r}, must have the elastic force of the law, not {one.elastic}"
+            )
+        return [(found, one)]
+    searched = [code(each) for each in (names() if name is None else [name])]
+    fitting = (powers.elastic, powers.damping)
+    matching = [
+        (one, m)
+        for one in searched
+        for m in one.models
+        if (m.powers(False).elastic, m.powers(False).damping) == fitting
+    ]
+    if not matching:
+        raise ValueError(f"code: got {name!r}, must be another, for it has no model of this law")
+    return matching
+
+
+def _contact(pair: Pair, force: Force, asked: Wanted, stepping: Stepping) -> ContactNumbers:
+    collision = force.collision(asked.speed)
+    return ContactNumbers(
+        pair.name,
+        pair.mass,
+        pair.radius,
+        force.stiffness,
+        force.damping,
+        collision.duration,
+        collision.compression,
+        collision.force,
+        *stepping.of(force, asked.speed),
+    )
+
+
+def _in_model(
+    found: Code,
+    model: Model,
+    pairs: Sequence[Pair],
+    forces: Sequence[Force],
+    asked: Wanted,
+    attraction: bool,
+    stepping: Stepping,
+) -> ModelConversion:
+    rows, writable = [], []
+    for pair, force in zip(pairs, forces, strict=True):
+        written = Written(model, pair, asked.speed, attraction, asked.poisson_ratio)
+        row = _row(written, force.stiffness, asked, stepping)
+        rows.append(row)
+        if row.numbers is not None:
+            writable.append((pair, row.numbers))
+    steps = [row.time_step for row in rows if row.numbers is not None]
+    text = texts.written(found, model, writable, attraction, min(steps)) if writable else ""
+    return ModelConversion(found, model, model.powers(attraction).attracts, tuple(rows), text)
+
+
+def _row(written: Written, stiffness: float, asked: Wanted, stepping: Stepping) -> ModelNumbers:
+    numbers = written.numbers(stiffness, asked.restitution)
+    usual = written.usual_numbers(stiffness, asked.restitution)
+    obtained, step, error = math.nan, math.nan, math.nan
+    if numbers is not None:
+        force = written.force(numbers)
+        obtained = force.collision(asked.speed).restitution
+        step, error = stepping.of(force, asked.speed)
+    usually = math.nan if usual is None else written.force(usual).collision(asked.speed).restitution
+    return ModelNumbers(written.pair.name, numbers, obtained, usual, usually, step, error)

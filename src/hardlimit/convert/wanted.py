@@ -1,0 +1,96 @@
+"""What is wanted of a contact: its restitution, and its stiffness given in one of four ways."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+from .. import validation
+from .force import Force, Powers
+from .springs import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
+
+#: Our own laws as powers: never attractive.
+LAWS: Final = {"linear": Powers(4, 0), "tsuji": Powers(6, 1), "viscoelastic": Powers(6, 2)}
+LOWEST: Final = 1e-3  #: restitution
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A restitution at a speed, under a law, with a stiffness given by one of ``stiffness`` [N/m], ``youngs_modulus``
+    [Pa], ``duration`` [s] and ``compression`` [m]."""
+
+    restitution: float
+    speed: float  #: [m/s]
+    law: str
+    given: str  #: which of them
+    value: float
+    poisson_ratio: float
+
+    def force(self, mass: float, radius: float) -> Force:
+        """Our own law in a contact of this effective mass [kg] and radius [m]."""
+        powers = LAWS[self.law]
+        return Force.with_restitution(
+            powers, self._stiffness(powers, mass, radius), mass, self.restitution, self.speed
+        )
+
+    def _stiffness(self, powers: Powers, mass: float, radius: float) -> float:
+        if self.given == "stiffness":
+            return self.value
+        if self.given == "youngs_modulus":
+            effective = modulus(self.value, self.poisson_ratio)
+            where = Where(mass, radius, self.speed, None, self.poisson_ratio)
+            if self.law == "linear":
+                return impact_stiffness(effective, where)
+            return 4.0 / 3.0 * effective * math.sqrt(radius)
+        return self._stiffness_of_collision(powers, mass)
+
+    def _stiffness_of_collision(self, powers: Powers, mass: float) -> float:
+        """From how long, or how far, the contact goes: both are powers of K."""
+        unit = Force.with_restitution(powers, 1.0, mass, self.restitution, self.speed).collision(self.speed)
+        exponent = 0.25 * powers.elastic + 1.0
+        found = unit.duration if self.given == "duration" else unit.compression
+        return float((found / self.value) ** exponent)
+
+
+def wanted(
+    restitution: Any,
+    speed: Any,
+    law: Any,
+    stiffness: Any,
+    youngs_modulus: Any,
+    poisson_ratio: Any,
+    duration: Any,
+    compression: Any,
+) -> Wanted:
+    """What is wanted, checked.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, or not exactly one way to give the stiffness is taken.
+    """
+    epsilon = validation.number(
+        "restitution", restitution, LOWEST, 1.0, lowest_allowed=True, highest_allowed=True
+    )
+    v = validation.number("speed", speed, 0.0)
+    ways = {
+        "stiffness": stiffness,
+        "youngs_modulus": youngs_modulus,
+        "duration": duration,
+        "compression": compression,
+    }
+    given = validation.exactly_one(**ways)
+    if law is None:
+        law = "tsuji" if given == "youngs_modulus" else "linear"
+    name = validation.one_of("law", law, list(LAWS))
+    if given == "stiffness" and name != "linear":
+        raise ValueError(
+            f"stiffness: got it with the law {name}, must be youngs_modulus, duration or compression"
+        )
+    value = validation.number(given, ways[given], 0.0)
+    nu = DEFAULT_POISSON_RATIO if poisson_ratio is None else poisson_ratio
+    nu = validation.number("poisson_ratio", nu, -1.0, 0.5, highest_allowed=True)
+    if given == "youngs_modulus" and poisson_ratio is None:
+        raise ValueError("poisson_ratio: missing, must be in (-1, 0.5] beside youngs_modulus")
+    return Wanted(epsilon, v, name, given, value, nu)

@@ -1,0 +1,371 @@
+"""What LIGGGHTS, YADE and Kratos make of their numbers: two spheres, and a sphere and a wall, run and written down.
+
+    python tools/verify_codes.py --kratos-python PATH tests/data/code_restitution.csv
+
+Each run takes the numbers that one would take who does not know the code (``usual`` in ``hl.convert``), for several
+restitutions and speeds. ``tests/test_convert.py`` compares what came out with what ``hardlimit`` says of these numbers.
+Needed are the programs ``liggghts`` and ``yade`` in PATH (Debian has both) and a Python with the wheel
+KratosDEMApplication; a code that is missing is left as it stands in the file. LAMMPS is run by the tests themselves.
+"""
+
+import argparse
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import hardlimit as hl
+from hardlimit.convert import texts
+from hardlimit.convert.codes import Code, Model, Pair, Written, code
+
+RADIUS, DENSITY = 5e-4, 7850.0
+RESTITUTIONS = (0.3, 0.7, 0.9, 0.99)
+SPEEDS = (0.1, 1.0)  #: at a wall the last one
+#: [N/m] and [Pa]; softer than any material, so that runs are short.
+STIFFNESS, MODULUS, POISSON = 1e4, 2.1e8, 0.3
+STEPS = 1000  #: in a contact
+COLUMNS = (
+    "code",
+    "version",
+    "model",
+    "contact",
+    "attraction",
+    "speed",
+    "numbers",
+    "time_step",
+    "restitution",
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One collision."""
+
+    code: Code
+    model: Model
+    pair: Pair
+    attraction: bool
+    speed: float
+    numbers: dict[str, float]
+    time_step: float
+    duration: float
+
+    @property
+    def gap(self) -> float:
+        """Between the surfaces at the start [m]: some steps."""
+        return 3.4 * self.time_step * self.speed
+
+    @property
+    def end(self) -> int:
+        """Steps of the run, long enough for the contact to be over."""
+        return round(1.6 * self.duration / self.time_step) + 20
+
+    def text(self) -> str:
+        """The input as the package writes it."""
+        return texts.written(
+            self.code, self.model, [(self.pair, self.numbers)], self.attraction, self.time_step
+        )
+
+
+def cases(name: str, walls: bool) -> Iterator[Case]:
+    """All collisions of a code in which the bodies part."""
+    found = code(name)
+    for model in found.models:
+        spring = (
+            {"stiffness": STIFFNESS}
+            if model.elastic == "hooke"
+            else {"youngs_modulus": MODULUS, "poisson_ratio": POISSON}
+        )
+        for attraction in (False, True) if model.attracts == "unless" else (False,):
+            for restitution in RESTITUTIONS:
+                for speed in SPEEDS:
+                    made = hl.convert(
+                        hl.Ball(RADIUS, density=DENSITY), restitution=restitution, speed=speed, **spring
+                    )
+                    for contact in made.contacts[: 2 if walls and speed == SPEEDS[-1] else 1]:
+                        wall = contact.pair.endswith("wall")
+                        pair = Pair(contact.pair, contact.effective_mass, contact.effective_radius, wall)
+                        written = Written(model, pair, speed, attraction, POISSON)
+                        numbers = written.usual_numbers(contact.stiffness, restitution)
+                        duration = written.force(numbers).collision(speed).duration
+                        yield Case(
+                            found,
+                            model,
+                            pair,
+                            attraction,
+                            speed,
+                            numbers,
+                            float(f"{duration / STEPS:.4g}"),
+                            duration,
+                        )
+
+
+def liggghts(case: Case, folder: Path) -> float:
+    """ε of one run."""
+    half = 20.0 * RADIUS
+    first, second = (-case.speed, 0.0) if case.pair.wall else (0.5 * case.speed, -0.5 * case.speed)
+    body = [
+        "units si",
+        "atom_style granular",
+        "boundary f f f",
+        "newton off",
+        "communicate single vel yes",
+        "atom_modify map array",
+        f"region box block {-half} {half} {-half} {half} {-half} {half} units box",
+        "create_box 1 box",
+        "neighbor 0.0005 bin",
+        "neigh_modify delay 0",
+        *(line for line in case.text().splitlines() if line.startswith("fix m")),
+        *(line for line in case.text().splitlines() if not line.startswith("fix m")),
+    ]
+    if case.pair.wall:
+        body += [
+            f"create_atoms 1 single 0 0 {RADIUS + case.gap!r} units box",
+            f"set atom 1 diameter {2 * RADIUS} density {DENSITY} vz {first!r}",
+            f"variable v equal vz[1]/{case.speed}",
+        ]
+    else:
+        body += [
+            "create_atoms 1 single 0 0 0 units box",
+            f"create_atoms 1 single {2 * RADIUS + case.gap!r} 0 0 units box",
+            f"set atom 1 diameter {2 * RADIUS} density {DENSITY} vx {first!r}",
+            f"set atom 2 diameter {2 * RADIUS} density {DENSITY} vx {second!r}",
+            f"variable v equal (vx[2]-vx[1])/{case.speed}",
+        ]
+    body += [
+        "fix move all nve/sphere",
+        "thermo_style custom step v_v",
+        f"run {case.end}",
+        'print "RESULT ${v}"',
+    ]
+    (folder / "in.two").write_text("\n".join(body) + "\n")
+    return result(["liggghts", "-in", "in.two", "-log", "none"], folder)
+
+
+YADE = """
+O.reset()
+{material}
+mass = {density} * 4.0 / 3.0 * 3.141592653589793 * {radius}**3
+if {wall}:
+    O.bodies.append([sphere((0, 0, {radius} + {gap}), {radius}), utils.wall((0, 0, 0), axis=2)])
+    O.bodies[0].state.vel = (0, 0, -{speed})
+else:
+    O.bodies.append([sphere((0, 0, 0), {radius}), sphere((2 * {radius} + {gap}, 0, 0), {radius})])
+    O.bodies[0].state.vel, O.bodies[1].state.vel = (0.5 * {speed}, 0, 0), (-0.5 * {speed}, 0, 0)
+    O.bodies[1].state.mass = mass
+O.bodies[0].state.mass = mass
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+    InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [{physics}], [{law}]),
+    NewtonIntegrator(damping=0),
+]
+O.dt = {dt}
+O.run({end}, True)
+v = [b.state.vel for b in O.bodies]
+print("RESULT", v[0][2] / {speed} if {wall} else (v[1][0] - v[0][0]) / {speed})
+"""
+
+
+def yade_lines(case: Case) -> str:
+    """The script of one run."""
+    lines = case.text().splitlines()
+    hertz = case.model.elastic == "hertz"
+    return YADE.format(
+        material=next(line for line in lines if line.startswith("O.materials")),
+        density=DENSITY,
+        radius=RADIUS,
+        gap=case.gap,
+        speed=case.speed,
+        wall=case.pair.wall,
+        physics=next((x for x in lines if x.startswith("Ip2")), "Ip2_ViscElMat_ViscElMat_ViscElPhys()"),
+        law="Law2_ScGeom_MindlinPhys_Mindlin()" if hertz else "Law2_ScGeom_ViscElPhys_Basic()",
+        dt=repr(case.time_step),
+        end=case.end,
+    )
+
+
+def yade(cases: list[Case], folder: Path) -> list[float]:
+    """ε of all runs, in one process, for it starts slowly."""
+    (folder / "two.py").write_text("from yade import *\n" + "".join(map(yade_lines, cases)))
+    return results(["yade", "-n", "-x", "two.py"], folder)
+
+
+EMPTY = "Begin ModelPartData\nEnd ModelPartData\nBegin Properties 0\nEnd Properties\n"
+SPHERES = """Begin Nodes
+1 0.0 0.0 0.0
+2 {apart!r} 0.0 0.0
+End Nodes
+Begin Elements SphericParticle3D
+1 0 1
+2 0 2
+End Elements
+Begin NodalData RADIUS
+1 0 {radius!r}
+2 0 {radius!r}
+End NodalData
+Begin NodalData VELOCITY_X
+1 0 {half!r}
+2 0 -{half!r}
+End NodalData
+Begin SubModelPart Both
+Begin SubModelPartNodes
+1
+2
+End SubModelPartNodes
+Begin SubModelPartElements
+1
+2
+End SubModelPartElements
+End SubModelPart
+"""
+KRATOS = """
+import sys
+import KratosMultiphysics as Kratos
+from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStage
+
+class Stage(DEMAnalysisStage):
+    def Finalize(self):
+        first, second = (n.GetSolutionStepValue(Kratos.VELOCITY_X) for n in self.spheres_model_part.Nodes)
+        print("RESULT", (second - first) / float(sys.argv[1]))
+        super().Finalize()
+
+Stage(Kratos.Model(), Kratos.Parameters(open("parameters.json").read())).Run()
+"""
+
+
+def kratos(case: Case, folder: Path, python: str) -> float:
+    """ε of one run."""
+    spheres = SPHERES.format(apart=2 * RADIUS + case.gap, radius=RADIUS, half=0.5 * case.speed)
+    (folder / "twoDEM.mdpa").write_text(EMPTY + spheres)
+    for part in ("DEM_FEM_boundary", "DEM_Clusters", "DEM_Inlet"):
+        (folder / f"two{part}.mdpa").write_text(EMPTY)
+    none = ("STATIC_FRICTION", "DYNAMIC_FRICTION", "ROLLING_FRICTION", "ROLLING_FRICTION_WITH_WALLS")
+    material = {
+        "PARTICLE_DENSITY": DENSITY,
+        "YOUNG_MODULUS": case.numbers["youngs_modulus"],
+        "POISSON_RATIO": case.numbers["poisson_ratio"],
+    }
+    relation = {
+        **dict.fromkeys(none, 0.0),
+        "FRICTION_DECAY": 500.0,
+        "COEFFICIENT_OF_RESTITUTION": case.numbers["restitution"],
+        "DEM_DISCONTINUUM_CONSTITUTIVE_LAW_NAME": case.model.title,
+    }
+    materials = {
+        "materials": [{"material_name": "m", "material_id": 1, "Variables": material}],
+        "material_relations": [
+            {"material_names_list": ["m", "m"], "material_ids_list": [1, 1], "Variables": relation}
+        ],
+        "material_assignation_table": [["SpheresPart.Both", "m"]],
+    }
+    (folder / "MaterialsDEM.json").write_text(json.dumps(materials))
+    end = case.end * case.time_step
+    parameters = {
+        "Dimension": 3,
+        "problem_name": "two",
+        "MaxTimeStep": case.time_step,
+        "FinalTime": end,
+        "OutputTimeStep": end,
+        **{f"Gravity{axis}": 0.0 for axis in "XYZ"},
+        "BoundingBoxOption": False,
+        "NeighbourSearchFrequency": 1,
+        "TranslationalIntegrationScheme": "Symplectic_Euler",
+        "do_print_results_option": False,
+        "post_vtk_option": False,
+        "RotationOption": False,
+        "solver_settings": {
+            "RemoveBallsInitiallyTouchingWalls": False,
+            "strategy": "sphere_strategy",
+            "material_import_settings": {"materials_filename": "MaterialsDEM.json"},
+        },
+    }
+    (folder / "parameters.json").write_text(json.dumps(parameters))
+    (folder / "two.py").write_text(KRATOS)
+    return result([python, "two.py", repr(case.speed)], folder)
+
+
+def result(command: list[str], folder: Path) -> float:
+    """The one number behind RESULT in what a program says."""
+    (found,) = results(command, folder)
+    return found
+
+
+def results(command: list[str], folder: Path) -> list[float]:
+    """The numbers behind RESULT in what a program says."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
+    found = re.findall(r"^RESULT (\S+)$", done.stdout, re.MULTILINE)
+    if not found:
+        raise RuntimeError(f"{command[0]}: {(done.stdout + done.stderr)[-800:]}")
+    return [float(number) for number in found]
+
+
+Runs = Callable[[list[Case], Path], list[float]]
+
+
+def each(run: Callable[[Case, Path], float]) -> Runs:
+    """A run for each case, in one folder after the other."""
+    return lambda cases, folder: [run(case, folder) for case in cases]
+
+
+def rows(name: str, run: Runs, walls: bool = True) -> Iterator[dict[str, object]]:
+    """One line of the file for each case."""
+    listed = list(cases(name, walls))
+    with tempfile.TemporaryDirectory() as folder:
+        found = run(listed, Path(folder))
+    for case, restitution in zip(listed, found, strict=True):
+        numbers = {key: float(f"{value:.12g}") for key, value in case.numbers.items()}
+        yield {
+            "code": name,
+            "version": case.code.version,
+            "model": case.model.name,
+            "contact": "wall" if case.pair.wall else "pair",
+            "attraction": int(case.model.powers(case.attraction).attracts),
+            "speed": case.speed,
+            "numbers": json.dumps(numbers),
+            "time_step": case.time_step,
+            "restitution": f"{restitution:.9g}",
+        }
+
+
+def write(path: Path, lines: list[dict[str, object]]) -> None:
+    """These lines instead of those of the same code."""
+    kept: list[dict[str, object]] = []
+    if path.exists():
+        with path.open(encoding="utf-8") as file:
+            kept = [dict(row) for row in csv.DictReader(file) if row["code"] != lines[0]["code"]]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        table.writeheader()
+        table.writerows(sorted(kept + lines, key=lambda row: str(row["code"])))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--kratos-python", help="a Python that has the wheel KratosDEMApplication")
+    given = parser.parse_args()
+    runs: dict[str, Iterator[dict[str, object]]] = {}
+    if shutil.which("liggghts"):
+        runs["liggghts"] = rows("liggghts", each(liggghts))
+    if shutil.which("yade"):
+        runs["yade"] = rows("yade", yade)
+    if given.kratos_python:
+        python = given.kratos_python
+        runs["kratos"] = rows("kratos", each(lambda case, folder: kratos(case, folder, python)), walls=False)
+    for name, lines in runs.items():
+        write(given.file, list(lines))
+        print(f"{name}: done", flush=True)
+
+
+if __name__ == "__main__":
+    main()
