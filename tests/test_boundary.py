@@ -135,8 +135,18 @@ def test_a_solution_is_sampled_where_it_is_known(method: Any, time: float) -> No
     assert all((a == b).all() for a, b in zip(once, again, strict=True))
 
 
-@pytest.mark.parametrize("restitution", [0.05, 0.5, 0.9, 1.0])
-@pytest.mark.parametrize("model", [hl.newton, hl.adiabatic, hl.independent])
+LONG = pytest.mark.slow  # elastic balls bounce some thousand times
+
+
+@pytest.mark.parametrize(
+    ("model", "restitution"),
+    [(model, e) for model in (hl.newton, hl.adiabatic, hl.independent) for e in (0.05, 0.5, 0.9)]
+    + [
+        pytest.param(hl.newton, 1.0, marks=LONG),
+        pytest.param(hl.adiabatic, 1.0, marks=LONG),
+        (hl.independent, 1.0),
+    ],
+)
 def test_a_trajectory_far_from_now_ends(model: Any, restitution: float) -> None:
     """At rest, or refused in one line that says how far the solution goes."""
     result = model(hl.Column.paper(restitution=restitution))

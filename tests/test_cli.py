@@ -581,7 +581,7 @@ def process(
     )
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "ascii"])
+@pytest.mark.parametrize("encoding", [pytest.param("latin-1", marks=pytest.mark.slow), "ascii"])
 @pytest.mark.parametrize("args", [["--help"], ["drop", "--help"], ["drop"], ["drop", "--gap", "Δ"]])
 def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
     ended = process(*args, encoding=encoding)
@@ -599,11 +599,11 @@ def test_standard_output_on_a_full_device(args: list[str]) -> None:
     assert re.fullmatch(rb"hardlimit.*: output: cannot be written: No space left on device\n", ended.stderr)
 
 
-@pytest.mark.parametrize("most_bytes", [0, 1000, 20_000])
+@pytest.mark.parametrize("most_bytes", [pytest.param(0, marks=pytest.mark.slow), 1000, 20_000])
 @pytest.mark.parametrize(
     "args",
     [
-        ["drop", "--save", "a.nc"],
+        pytest.param(["drop", "--save", "a.nc"], marks=pytest.mark.slow),
         ["drop", "--toml", "a.toml"],
         ["sweep", "--gap", "1e-6:1e-2:3000:log", "--out", "a.nc"],
     ],

@@ -397,7 +397,7 @@ def uninterrupted():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
-@pytest.mark.parametrize("trial", range(4))
+@pytest.mark.parametrize("trial", [0, 1, *(pytest.param(i, marks=pytest.mark.slow) for i in range(2, 8))])
 def test_killed_at_any_moment(tmp_path, uninterrupted, trial):
     """kill -9 after some checkpoint or while one is written: what is there goes on to the same bits."""
     path = tmp_path / "run.checkpoint"

@@ -150,7 +150,15 @@ def test_a_film(tmp_path: Path, dimension: int, suffix: str) -> None:
     assert hl.ParticleSystem.read(tmp_path / "run.xyz", frame=4).n == 27
 
 
-@pytest.mark.parametrize("which", ["cooling", "elastic", "walls", "disks", "law", "nothing"])
+@pytest.mark.parametrize(
+    "which",
+    [
+        "walls",
+        "disks",
+        "nothing",
+        *(pytest.param(which, marks=pytest.mark.slow) for which in ("cooling", "elastic", "law")),
+    ],
+)
 def test_plots_are_legible(tmp_path: Path, which: str) -> None:
     system = {"walls": lattice(27, boundary="wall"), "disks": lattice(49, 2)}.get(which, lattice(64))
     rule = {"law": {"law": hl.LinearDashpot(stiffness=1e5, restitution=0.8)}, "elastic": {"restitution": 1.0}}

@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import columns, falling, law_of, laws, log_floats
 from hardlimit import _core
+
+UNRESOLVED = hl.OUTCOMES.index("unresolved")
 
 every_law = pytest.mark.parametrize("name", sorted(hl.LAWS))
 
@@ -293,6 +296,78 @@ def test_one_ball_until_it_rests(name):
     assert result.t_end == end[0] and result.energy_error < 1e-10
     _, velocity, force, *_ = result.sample(np.array([5.0]))
     assert abs(velocity[0, 0]) < 1e-6 and force[0, 0] == pytest.approx(0.1 * 9.81, rel=1e-3)
+
+
+@every_law
+@pytest.mark.parametrize("ratio", [1.0, 1e4, 1e6])
+def test_a_stack_that_creeps_takes_few_steps(name, ratio):
+    """What decays at a rate of 1e6/s and more is long over while the rest of the motion takes seconds."""
+    balls = [hl.Ball(0.02, mass=m) for m in (0.1, 0.1 * ratio, 0.1)]
+    column = hl.Column(balls, [0.0, 0.05], 0.12, law_of(name, 1e-4, speed=1.4))
+    result = hl.newton(column, until=0.5)
+    assert result.outcome_code != UNRESOLVED
+    assert result._core.steps < 60_000
+    assert result.energy_error < 1e-11
+
+
+# Two balls of which the general solver finds at any time what the exact one does.
+@given(
+    restitution=log_floats(1e-5, 1e-3),
+    masses=st.tuples(log_floats(1e-3, 10.0), log_floats(1e-3, 1e3)),
+    stiffness=log_floats(1e5, 1e8),
+    gap=st.one_of(st.just(0.0), log_floats(1e-4, 0.1)),
+)
+@settings(max_examples=15)
+def test_two_balls_creep_as_the_exact_solver_says(restitution, masses, stiffness, gap):
+    balls = [hl.Ball(0.02, mass=m) for m in masses]
+    column = hl.Column(balls, [gap], 0.12, hl.LinearDashpot(stiffness=stiffness, restitution=restitution))
+    exact, general = (hl.newton(column, until=0.2, method=m) for m in ("exact", "general"))
+    if UNRESOLVED in (exact.outcome_code, general.outcome_code):
+        return
+    times = np.linspace(0.0, 0.2, 41)
+    found, right = general.trajectory(times), exact.trajectory(times)
+    assert np.abs(found.velocity - right.velocity).max() < 1e-9
+    largest = float(right.force.max())
+    assert np.abs(found.force - right.force).max() < 1e-9 * largest
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6])
+def test_closed_contacts_creep_as_the_matrix_exponential_says(ratio):
+    """From one state of the solver to a later one, with 60 digits."""
+    balls = [hl.Ball(0.02, mass=m) for m in (0.1, 0.1 * ratio, 0.1)]
+    column = hl.Column(balls, [0.0, 0.001], 0.12, hl.LinearDashpot(stiffness=1e6, restitution=1e-5))
+    result = hl.newton(column, until=0.6)
+    begin, end = 0.3, 0.55
+    at = result.trajectory([begin, end])
+    assert (
+        result.contacts.begin.values[-1] < begin
+        and (at.force > 0.0).all()
+        and result.contacts.sizes["contact"] == 3
+    )
+    velocity, force = at.velocity.values, at.force.values
+    laws = [(mpmath.mpf(c.stiffness), mpmath.mpf(c.damping)) for c in column.contacts]
+    with mpmath.workdps(60):
+        matrix = mpmath.zeros(7)  # of three compressions, three velocities, 1
+        for j in range(3):
+            matrix[j, 3 + j] = -1
+            if j > 0:
+                matrix[j, 2 + j] = 1
+        for i, ball in enumerate(balls):
+            matrix[3 + i, 6] = -mpmath.mpf(column.gravity)
+            for j, sign in ((i, 1), (i + 1, -1)):
+                for c in range(6) if j < 3 else ():
+                    pushed = laws[j][0] * (c == j) + laws[j][1] * matrix[j, c]
+                    matrix[3 + i, c] += sign * pushed / mpmath.mpf(ball.mass)
+        closing = [
+            (mpmath.mpf(velocity[0, j - 1]) if j else 0) - mpmath.mpf(velocity[0, j]) for j in range(3)
+        ]
+        compression = [(mpmath.mpf(force[0, j]) - laws[j][1] * closing[j]) / laws[j][0] for j in range(3)]
+        state = mpmath.matrix([*compression, *map(mpmath.mpf, velocity[0]), 1])
+        moved = mpmath.expm(matrix * (mpmath.mpf(end) - mpmath.mpf(begin))) * state
+        closing = [(moved[2 + j] if j else 0) - moved[3 + j] for j in range(3)]
+        pushed = [float(laws[j][0] * moved[j] + laws[j][1] * closing[j]) for j in range(3)]
+    assert velocity[1] == pytest.approx([float(x) for x in moved[3:6]], abs=1e-12)
+    assert force[1] == pytest.approx(pushed, rel=1e-9)
 
 
 @every_law

@@ -368,6 +368,7 @@ def test_density_inference(monkeypatch):
     assert "840 ± 10" in found[1].result
 
 
+@pytest.mark.slow
 def test_run_writes_what_it_says(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(figure4, "POINTS", 24)
     seen: list[float] = []

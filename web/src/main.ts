@@ -149,9 +149,10 @@ class Page {
 
   // ---- what follows from it ---------------------------------------------------------------------------
 
-  private solve(): void {
+  // Whether the controls are others now, which is work enough for one frame.
+  private solve(): boolean {
     const { state } = this;
-    this.controls.set(state.scenario, this.about);
+    const built = this.controls.set(state.scenario, this.about);
     this.progress.begin();
     const ask = { scenario: copyOf(state.scenario) };
     this.desk.put(
@@ -163,6 +164,7 @@ class Page {
         failed: (error) => this.solved({ scenario: ask.scenario, reason: `This setting could not be computed: ${error}` }),
       }),
     );
+    return built;
   }
 
   private solved(result: Solved | Unsolved): void {
@@ -239,7 +241,7 @@ class Page {
     this.lastFrame = now;
     if (state.dirty.solve) {
       state.dirty.solve = false;
-      this.solve();
+      if (this.solve()) return;
     }
     if (state.drop && state.playing) this.film.advance(passed);
     const plots = this.drawPlots(now);

@@ -56,9 +56,9 @@ export const measuredBalls: MeasuredBall[] = [
     bounce: "dropped from 1.8 m (its lowest point), its top comes back to 1.2 to 1.4 m",
     contact: {
       time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
-      how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA rules), k = 2πRp = 42 kN/m",
+      how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section II), k = 2πRp = 42 kN/m",
     },
-    source: "FIBA, Official Basketball Rules, older editions (mass, circumference, rebound); today the range is narrower, 580 g to 620 g and 75 cm to 77 cm around",
+    source: "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound); FIBA’s rules of 2020 for the equipment are narrower, 580 g to 620 g and 75 cm to 77 cm around",
   },
   {
     id: "tennis",

@@ -44,6 +44,7 @@ export interface AxisText {
   ticks: number[];
   name: (tick: number) => string;
   title: string;
+  after?: number; // pixels: names of ticks begin to the right of it
 }
 
 // Ticks, grid and titles around a frame. The vertical title lies on top of the axis, horizontally: it reads without
@@ -67,7 +68,7 @@ export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Sca
   if (xText) {
     g.textBaseline = "top";
     g.textAlign = "center";
-    let right = -Infinity;
+    let right = xText.after ?? -Infinity;
     for (const tick of xText.ticks) {
       const at = Math.round(x.at(tick)) + 0.5;
       g.strokeStyle = theme.muted;

@@ -48,12 +48,15 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   const size = fontSize(w);
   const left = 3.6 * size;
   const lane = p.axis === "gap" ? 4.6 * size : 0; // for gap 0, left of the logarithmic axis
-  const frame: Frame = { left: left + lane, top: 2.1 * size, width: w - left - lane - 1.2 * size, height: h - 5.5 * size };
+  const unit = p.cradle ? "m/s" : "m";
+  const title = p.cradle ? `last ball leaves with (${unit})` : `top ball rises to (${unit})`;
+  const crowded = !namesFit(g, w - left - 1.2 * size, title, p, theme, size);
+  const top = (crowded ? 3.6 : 2.1) * size;
+  const frame: Frame = { left: left + lane, top, width: w - left - lane - 1.2 * size, height: h - 3.4 * size - top };
   const zero = lane > 0 ? left + 0.5 * lane : NaN;
   const [low, high] = extent(p);
   const x = new Scale(p.span.low, p.span.high, frame.left, frame.left + frame.width, p.span.log);
   const y = new Scale(low, high, frame.top + frame.height, frame.top);
-  const unit = p.cradle ? "m/s" : "m";
   const ticks = niceTicks(low, high, Math.max(3, frame.height / (3.2 * size)));
   const places = Math.max(0, -Math.floor(Math.log10(ticks[1] - ticks[0]) + 1e-9));
   const whole: Frame = { ...frame, left, width: frame.width + lane };
@@ -63,8 +66,9 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
       ticks: p.span.log ? logTicks(x.low, x.high) : niceTicks(x.low, x.high, Math.max(3, frame.width / (5 * size))),
       name: (t) => (p.axis === "gap" ? withUnit(t, "m", 4) : String(Number(t.toPrecision(4)))),
       title: axisTitle[p.axis],
+      after: lane > 0 ? zero + size / 3 : undefined, // the name of gap 0
     },
-    { ticks, name: (v) => v.toFixed(places).replace("-", "−"), title: p.cradle ? `last ball leaves with (${unit})` : `top ball rises to (${unit})` },
+    { ticks, name: (v) => v.toFixed(places).replace("-", "−"), title },
     theme, size,
   );
   if (lane > 0) drawLane(g, frame, zero, theme, size);
@@ -79,7 +83,7 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   g.restore();
   drawPinned(g, layout, p, theme, size);
   drawPlace(g, layout, p, theme, size);
-  drawNames(g, whole, p, theme, size);
+  drawNames(g, whole, crowded, p, theme, size);
   return layout;
 }
 
@@ -250,33 +254,50 @@ function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
   halo(g, p.cradle ? withUnit(point[model], "m/s") : metres(point[model]), at + (right ? 0.8 : -0.8) * size, Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
 }
 
-// What the lines mean, on top.
-function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme: Theme, size: number): void {
-  setFont(g, theme, size, 600);
-  g.textBaseline = "bottom";
-  g.textAlign = "right";
-  let at = f.left + f.width;
-  const y = f.top - 5;
-  const names: [string, string, number[] | null][] = [
-    [independent.label, theme.icm, [8, 5]],
+type Name = [text: string, color: string, dash: number[] | null];
+
+// What the lines mean, from the right.
+function namesOf(p: CurvePicture, width: number, theme: Theme, size: number): Name[] {
+  const short = width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
+  const names: Name[] = [
+    [short ? independent.short : independent.label, theme.icm, [8, 5]],
     [newton.short, theme.newton, []],
   ];
   if (p.measured?.axis === p.axis) names.push(["measured", theme.ink, null]);
   if (p.pinned.length > 0) names.push(["thin: A", theme.muted, null]);
-  const short = f.width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
-  for (const [name, color, dash] of names) {
-    const text = short && name === independent.label ? independent.short : name;
+  return names;
+}
+const lineOfName = (name: Name, size: number): number => (name[2] ? 1.7 * size : name[0] === "measured" ? 14 : 0);
+
+// Whether they have room beside the title of the vertical axis.
+function namesFit(g: CanvasRenderingContext2D, width: number, title: string, p: CurvePicture, theme: Theme, size: number): boolean {
+  setFont(g, theme, size);
+  let needed = g.measureText(title).width - 2.6 * size;
+  setFont(g, theme, size, 600);
+  for (const name of namesOf(p, width, theme, size)) needed += g.measureText(name[0]).width + 6 + lineOfName(name, size) + 0.9 * size;
+  return needed < width;
+}
+
+// On top; in a row of their own where it is crowded.
+function drawNames(g: CanvasRenderingContext2D, f: Frame, crowded: boolean, p: CurvePicture, theme: Theme, size: number): void {
+  setFont(g, theme, size, 600);
+  g.textBaseline = "bottom";
+  g.textAlign = "right";
+  let at = f.left + f.width;
+  const y = f.top - 5 - (crowded ? 1.6 * size : 0);
+  for (const name of namesOf(p, f.width, theme, size)) {
+    const [text, color, dash] = name;
     g.fillStyle = color;
     g.fillText(text, at, y);
     at -= g.measureText(text).width + 6;
+    const line = lineOfName(name, size);
     if (dash) {
       g.strokeStyle = color;
       g.lineWidth = 3 * Math.max(1, size / 16);
       g.setLineDash(dash);
-      stroke(g, at - 1.7 * size, y - 0.5 * size, at, y - 0.5 * size);
+      stroke(g, at - line, y - 0.5 * size, at, y - 0.5 * size);
       g.setLineDash([]);
-      at -= 1.7 * size;
-    } else if (name === "measured") {
+    } else if (line > 0) {
       g.beginPath();
       g.moveTo(at - 6, y - 0.5 * size - 6);
       g.lineTo(at, y - 0.5 * size);
@@ -284,8 +305,7 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, p: CurvePicture, theme
       g.lineTo(at - 12, y - 0.5 * size);
       g.closePath();
       g.fill();
-      at -= 14;
     }
-    at -= 0.9 * size;
+    at -= line + 0.9 * size;
   }
 }

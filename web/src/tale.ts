@@ -72,7 +72,12 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
       setFont(g, theme, 1.5 * size, 700);
       g.textAlign = "center";
       g.textBaseline = "bottom";
-      halo(g, metres(z), middle, Math.max(y - 0.3 * size, 1.8 * size), theme[model], theme);
+      const bottom = Math.max(y - 0.3 * size, 1.8 * size);
+      const wide = g.measureText(metres(z)).width + 0.6 * size; // no line of the ruler runs through the number
+      g.fillStyle = theme.ground;
+      g.fillRect(middle - 0.5 * wide, bottom - 1.45 * size, wide, 1.35 * size);
+      g.fillStyle = theme[model];
+      g.fillText(metres(z), middle, bottom);
     }
   });
   if (t.guess === null && !t.falling) {

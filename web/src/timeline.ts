@@ -89,7 +89,7 @@ export class Timeline {
       const [a, b] = [rows[i - 1], rows[i]];
       const distance = b.restitution - a.restitution;
       const changed = !alike(a, b) || (this.exact && !alike(this.adiabatic[i - 1], this.adiabatic[i]));
-      const bent = distance > finestBend * apart && (bends(rows[i - 2], a, b, seen) || bends(a, b, rows[i + 1], seen));
+      const bent = distance > finestBend * apart && bends(rows[i - 2], a, b, rows[i + 1], seen);
       if (distance > finest * apart && (changed || bent)) this.queue.push(0.5 * (a.restitution + b.restitution));
     }
     if (rows.length + this.queue.length > most || this.queue.length * this.perRow > patience) this.queue = [];
@@ -142,7 +142,8 @@ export class Timeline {
   // The regions in which two bodies touch. Between rows with the same contacts each runs on; where the contacts change,
   // one ends.
   private drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, several: boolean, theme: Theme): void {
-    const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : x.high);
+    // A contact that never ends runs on to the edge of the picture, where it has begun before that.
+    const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high));
     for (const group of runsOf(this.rows)) {
       const last = group.length - 1;
       const heights = group.map((row) => y.at(row.restitution));
@@ -222,7 +223,7 @@ export class Timeline {
     d.newton.run.contacts
       .filter((c) => c.pair === 1 && c.begin <= d.newton.run.last)
       .forEach((c, i) => {
-        const end = Number.isFinite(c.end) ? c.end : x.high;
+        const end = Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high);
         const center = x.at((c.begin + end) / 2);
         const name = String(i + 1);
         const half = g.measureText(name).width / 2 + 3;
@@ -257,16 +258,23 @@ export class Timeline {
 const alike = (a: TimelineRow, b: TimelineRow): boolean =>
   a.contacts.length === b.contacts.length && a.contacts.every((c, k) => c.pair === b.contacts[k].pair && Number.isFinite(c.end) === Number.isFinite(b.contacts[k].end));
 
-// Whether lines between three rows with the same contacts miss what is shown of the times between the rows: by a quarter of
-// what one line over all three misses the middle row by.
-function bends(a: TimelineRow | undefined, b: TimelineRow, c: TimelineRow | undefined, shown: number): boolean {
-  if (!a || !c || !alike(a, b) || !alike(b, c)) return false;
-  const u = (b.restitution - a.restitution) / (c.restitution - a.restitution);
-  return b.contacts.some((contact, k) =>
-    (["begin", "end"] as const).some(
-      (edge) => contact.begin < shown && Math.abs(contact[edge] - (1 - u) * a.contacts[k][edge] - u * c.contacts[k][edge]) > 4 * straight * shown,
-    ),
-  );
+// Whether a line between the rows a and b would miss what is shown of the times between them, judged by the curvature
+// that a third row on either side shows. A curve with the second difference quotient q strays q h²/4 from its chord over h.
+function bends(before: TimelineRow | undefined, a: TimelineRow, b: TimelineRow, after: TimelineRow | undefined, shown: number): boolean {
+  if (!alike(a, b)) return false;
+  const h = b.restitution - a.restitution;
+  return [before, after].some((third) => {
+    if (!third || !alike(a, third)) return false;
+    return a.contacts.some((contact, k) => {
+      const last = b.contacts[k];
+      if (Math.min(contact.begin, last.begin) > shown) return false;
+      return (["begin", "end"] as const).some((edge) => {
+        const slope = (last[edge] - contact[edge]) / h;
+        const other = (third.contacts[k][edge] - contact[edge]) / (third.restitution - a.restitution);
+        return Math.abs((other - slope) / (third.restitution - b.restitution)) * h * h > 4 * straight * shown;
+      });
+    });
+  });
 }
 
 function trace(g: CanvasRenderingContext2D, places: [number, number][]): void {

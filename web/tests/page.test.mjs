@@ -144,6 +144,22 @@ test("every control moves the result and is in the link", async (t) => {
   await page.waitForFunction(() => location.search.includes("e=0.82") && location.search.includes("gap=0.00025") && location.search.includes("law=viscoelastic"));
 });
 
+test("a slider follows the mouse to where it is let go, on an example too", async (t) => {
+  const page = await open(t);
+  await page.locator("#restitution").scrollIntoViewIfNeeded();
+  const box = await page.locator("#restitution").boundingBox();
+  const at = (share) => [box.x + 8 + share * (box.width - 16), box.y + box.height / 2];
+  await page.mouse.move(...at(0.69));
+  await page.mouse.down();
+  for (let i = 1; i <= 5; i++) {
+    await page.mouse.move(...at(0.69 - 0.08 * i));
+    await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  }
+  await page.mouse.up();
+  const value = Number(await page.inputValue("#restitution-value"));
+  assert.ok(Math.abs(value - 0.3) < 0.02, `ε = ${value}`);
+});
+
 test("a link reproduces the view", async (t) => {
   const page = await open(t, "?example=basketball");
   await page.selectOption("#map-axis", "ratio");

@@ -39,6 +39,11 @@
 // only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
 // pair gives back of its stored energy is dissipation too.
 //
+// Creep. Where a law damps strongly, or between much heavier neighbours, rates of 1e6/s and more die away and leave
+// a motion of milliseconds or seconds, through which the explicit method would go on in steps of a microsecond.
+// After a long time without events an implicit method (radau.hpp) therefore takes over until the next one, at the
+// same tolerance.
+//
 // Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
 // with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end only if
 // this reaches the least energy without force, min over u of B_j(d(−u)) + m_eff u²/2, the bodies separating at the
@@ -48,6 +53,7 @@
 #include <vector>
 
 #include "../../dormand_prince.hpp"
+#include "../../radau.hpp"
 #include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
@@ -114,7 +120,9 @@ struct Motion {
     Scales scales;
     std::vector<Pair> pair;
     std::vector<unsigned char> rooted;
+    bool implicit = false;  // which method advances the state
     mutable std::vector<double> force, factor, stages;
+    mutable Radau radau;
 
     explicit Motion(const Column<Law>& c)
         : column(&c),
@@ -184,13 +192,15 @@ struct Motion {
         dy[loss()] = g * dissipation;
     }
 
-    // State a time (in τ) after y; k0 = dy/dτ there. Without forces it is the parabola.
-    void advance(const double* y, const double* k0, double length, double* out) const {
+    // State a time (in τ) after y; k0 = dy/dτ there. Without forces it is the parabola. Returns whether it could be
+    // found; only the implicit method may fail.
+    bool advance(const double* y, const double* k0, double length, double* out) const {
         const int n = balls();
         if (!free()) {
+            if (implicit) return advance_implicitly(y, length, out);
             std::copy(k0, k0 + dimension(), stages.begin());
             DormandPrince::step(*this, y, length, dimension(), stages.data(), out);
-            return;
+            return true;
         }
         const double g = column->gravity;
         for (int j = 0; j < n; ++j) {
@@ -199,6 +209,18 @@ struct Motion {
         }
         out[clock()] = y[clock()] + length;
         out[loss()] = y[loss()];
+        return true;
+    }
+
+    // Positions and velocities depend on each other; time and energy lost are integrals beside them.
+    bool advance_implicitly(const double* y, double length, double* out) const {
+        const int n = balls();
+        std::vector<double> unit(clock());
+        for (int j = 0; j < n; ++j) {
+            unit[j] = math::abs(y[j]) + (rooted[j] ? scales.s[j] : scales.depth[j]);
+            unit[n + j] = math::abs(y[n + j]) + scales.speed;
+        }
+        return radau.step(*this, y, length, dimension(), clock(), unit.data(), out);
     }
 
     // The same at a given time within an interval; Newton's method on t(τ), which rises monotonically.
@@ -208,7 +230,10 @@ struct Motion {
             std::copy(y, y + dimension(), out);
             return;
         }
-        if (std::find(rooted.begin(), rooted.end(), 1) == rooted.end()) return advance(y, k0, wanted, out);
+        if (std::find(rooted.begin(), rooted.end(), 1) == rooted.end()) {
+            advance(y, k0, wanted, out);
+            return;
+        }
         std::vector<double> k(dimension());
         double low = 0.0, high = length, at = 0.5 * length;
         for (int i = 0; i < 80; ++i) {

@@ -24,6 +24,7 @@ namespace newton {
 struct Modes {
     std::vector<Pair> pair;
     std::vector<unsigned char> rooted;  // whether the coordinate is s
+    bool implicit;                      // the method
     bool operator==(const Modes&) const = default;
 };
 
@@ -100,6 +101,12 @@ private:
     std::vector<Equilibrium<Law>> equilibrium;  // made when first needed
     bool timed = !math::is_nan(options.until), stopped = false, kept = false;
     double initial_energy = 0.0, h = 0.0;
+    int quiet = 0;                 // explicit steps since the last change of the contacts
+    double explicit_length = 0.0;  // of the last explicit step
+
+    // After how many explicit steps without a change of the contacts the implicit method is tried, how many times
+    // longer its steps must be to stay, and up to how many balls: its cost grows with their cube.
+    static constexpr int patience = 5000, least_gain = 50, most_implicit = 16;
 
     Sequence& sequence() { return result.sequence; }
     double now() const { return y[motion.clock()]; }
@@ -136,7 +143,7 @@ private:
 
     void record(double length) {
         if (!options.record) return;
-        Modes modes{motion.pair, motion.rooted};
+        Modes modes{motion.pair, motion.rooted, motion.implicit};
         if (result.modes.empty() || result.modes.back() != modes) result.modes.push_back(std::move(modes));
         result.intervals.push_back({now(), length, result.modes.size() - 1});
         result.states.insert(result.states.end(), y.begin(), y.end());
@@ -193,16 +200,8 @@ private:
         if (motion.choose_coordinates(y.data())) h = math::min(h, 0.25 * motion.scales.time);
         motion(y.data(), step.k.data());
         if (at_surface() || rests()) return;
-        const int n = motion.dimension();
-        motion.advance(y.data(), step.k.data(), h, step.end.data());
-        set_tolerance();
-        const double error = DormandPrince::error(motion.stages.data(), h, n, tolerance.data());
         const double taken = h;
-        h *= DormandPrince::growth(error);
-        if (!(error <= 1.0)) {
-            if (h < 1e-20 * motion.scales.time) fail();
-            return;
-        }
+        if (!(motion.implicit ? implicit_step() : explicit_step())) return;
         motion(step.end.data(), step.k_end.data());
         double length = taken;
         Event what = Event::none;
@@ -219,6 +218,52 @@ private:
             if (step.fresh[j] && (what == Event::none || which != j)) step.fresh[j] = step.still_fresh(j);
         }
         close_interval(length, what, which);
+        if (what == Event::none) consider_implicit();
+    }
+
+    // A step of length h into `end`; sets h for the next one. Returns whether it was accurate enough.
+    bool explicit_step() {
+        motion.advance(y.data(), step.k.data(), h, step.end.data());
+        set_tolerance();
+        const double error =
+            DormandPrince::error(motion.stages.data(), h, motion.dimension(), tolerance.data());
+        h *= DormandPrince::growth(error);
+        if (error <= 1.0) return true;
+        if (h < 1e-20 * motion.scales.time) fail();
+        return false;
+    }
+
+    // The same, judged by two steps of half the length, whose rounding is no error.
+    bool implicit_step() {
+        set_tolerance();
+        std::vector<double>&middle = step.trial, &halves = step.k_trial;
+        double error = math::infinity;
+        if (motion.advance(y.data(), step.k.data(), h, step.end.data()) &&
+            motion.advance(y.data(), step.k.data(), 0.5 * h, middle.data()) &&
+            motion.advance(middle.data(), step.k.data(), 0.5 * h, halves.data())) {
+            error = 0.0;
+            for (int c = 0; c < motion.dimension(); ++c)
+                error = math::max(error, math::abs(halves[c] - step.end[c]) /
+                                             (tolerance[c] + 8.0 * math::epsilon * math::abs(step.end[c])));
+        }
+        h *= Radau::growth(error);
+        if (error <= 1.0) return true;
+        if (h < least_gain * explicit_length) leave_implicit();
+        return false;
+    }
+
+    void consider_implicit() {
+        if (motion.implicit || ++quiet < patience || column.balls > most_implicit) return;
+        motion.implicit = true;
+        explicit_length = h;
+        h *= 2.0 * least_gain;
+    }
+
+    void leave_implicit() {
+        quiet = 0;
+        if (!motion.implicit) return;
+        motion.implicit = false;
+        h = explicit_length;
     }
 
     void fail() {
@@ -271,6 +316,7 @@ private:
     void settle_pressed() {
         for (int j = 0; j < column.balls; ++j) {
             if (motion.pair[j] != Pair::pressed || !(-y[j] > step.tiny(j))) continue;
+            leave_implicit();
             motion.pair[j] = Pair::closed;
             step.fresh[j] = 1;
         }
@@ -347,6 +393,7 @@ private:
     }
 
     void begin(int j, double t) {
+        leave_implicit();
         motion.pair[j] = Pair::closed;
         if (j == 0 && math::is_nan(sequence().t_first_touch)) start_clock(t);
         if (j == 0) {
@@ -375,6 +422,7 @@ private:
     }
 
     void close_contact(int j, double gap_rate) {
+        leave_implicit();
         result.contacts[contact_of[j]].end = now();
         if (j == 0) {
             sequence().floor_ends(now());
@@ -392,6 +440,7 @@ private:
     }
 
     void open(int j) {
+        leave_implicit();
         motion.pair[j] = Pair::open;
         if (j == 0) sequence().floor_opens();
     }

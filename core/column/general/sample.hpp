@@ -33,6 +33,7 @@ void sample(const Column<Law>& column, const Integration<Law>& run, const double
                 run.states.data() + (after - 1 - run.intervals.begin()) * motion.dimension();
             motion.pair = run.modes[from.modes].pair;
             motion.rooted = run.modes[from.modes].rooted;
+            motion.implicit = run.modes[from.modes].implicit;
             motion(start, k.data());
             if (from.length > 0.0) {
                 motion.reach(start, k.data(), from.length, times[i], y.data());

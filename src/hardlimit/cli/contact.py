@@ -95,7 +95,7 @@ def other_ball(ball: Ball, radius: float | None, density: float | None, mass: fl
 
 
 def depends_on_speed(made: Contact) -> bool:
-    """Whether restitution or duration change with the speed of impact."""
+    """Whether restitution or duration changes with the speed of impact."""
     slow, fast = SPEEDS[0], SPEEDS[-1]
     return not (
         math.isclose(made.restitution(slow), made.restitution(fast), rel_tol=1e-12)

@@ -40,7 +40,7 @@ class Comparison:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether independent collisions do for this column, in one sentence."""
+        """Whether independent collisions suffice for this column, in one sentence."""
         return _verdict(self)
 
     def _repr_html_(self) -> str:

@@ -68,7 +68,7 @@ class Result:
     def t_end(self) -> float:
         """t_f [s]: end of the last ball–ball contact that began before the second floor contact.
 
-        Of one ball, the end of its first bounce: of the last time the floor pushes before their gap opens.
+        For a single ball, the end of its first bounce: the last time the floor's force vanishes before the gap opens.
         """
         return self._core.t_end
 
@@ -124,7 +124,7 @@ class Result:
 
     @property
     def known_until(self) -> float:
-        """Up to when [s] the motion can be told: infinite unless the run was not resolved."""
+        """Time [s] up to which the motion is known: infinite unless the run was not resolved."""
         resolved = _core.outcome_names[self.outcome_code] != "unresolved"
         return math.inf if resolved else self._core.t_last
 
@@ -137,9 +137,9 @@ class Result:
     def rebound_heights(self) -> NDArray[np.float64]:
         """Greatest height of each centre above the floor [m] after the ball's first bounce, bottom first.
 
-        With ``until`` that up to this time. Else that which the ball reaches if nothing follows the second floor
-        contact of the lowest ball but what the others still do to each other (see docs/definitions.md). NaN for a
-        ball that does not bounce, and for a cradle.
+        With ``until``, the greatest up to that time. Without it, the lowest ball is taken away when it meets the floor
+        for the second time, and the contacts still to come between the others count (see docs/definitions.md). NaN for
+        a ball that does not bounce, and for a cradle.
         """
         return _fixed(np.asarray(self._core.rebound_heights()))
 
@@ -265,8 +265,8 @@ class Result:
         Raises
         ------
         ValueError
-            If ``times`` is not a number or a one-dimensional array of them, or one lies before release, after
-            ``known_until`` or is not finite.
+            If ``times`` is not a number or a one-dimensional array of them, or if one of them is not finite or lies
+            before release or after the end of the solution.
         """
         import xarray as xr
 
@@ -310,7 +310,10 @@ class Result:
         return plots.forces(self)
 
     def animate(self, path: str | Path, **options: Any) -> Path:
-        """Write a slow-motion animation of the drop as MP4 or GIF (by the ending of ``path``)."""
+        """Write a slow-motion animation of the drop as MP4 or GIF (by the ending of ``path``).
+
+        Options, return value and errors are those of ``hardlimit.pictures.animation.animate``.
+        """
         from ..pictures import animation
 
         return animation.animate(self, path, **options)

@@ -50,7 +50,7 @@ class Column:
     Raises
     ------
     ValueError
-        If a value is outside its range (none may be larger than 1e100), or nothing would ever move.
+        If a value is outside its range (no length, speed or acceleration may exceed 1e100), or nothing would ever move.
     """
 
     balls: tuple[Ball, ...]
@@ -201,7 +201,7 @@ class Column:
     ) -> Column:
         """The column with other values; what is not given stays.
 
-        With another number of balls, a law, gap or velocity that all share stays that of all.
+        If the number of balls changes, a law, gap or velocity that all of them share is kept for all.
 
         Raises
         ------

@@ -28,7 +28,8 @@ def newton(
         Go on to this time after the first floor touch and record every contact up to it; not before release.
     method : {"auto", "exact", "general"}
         ``"exact"``: piecewise closed form, two balls on a floor under the linear law. ``"general"``: adaptive
-        Runge–Kutta method of order 8. ``"auto"`` takes the exact one where it applies.
+        Runge–Kutta method of order 8, and an implicit one of order 9 (Radau IIA) for up to 16 balls while they creep.
+        ``"auto"`` takes the exact one where it applies.
     tolerance : float
         Local error of the general solver, in units of the impact, 1e-15 to 1e-2.
 

@@ -50,7 +50,7 @@ def run(
     out : path
         Folder, made if it is missing; holds ``fig2.png``, ``fig2.nc``, … and ``report.md``.
     figures : list of int, or text such as "2,3,4", optional
-        All by default. Statements that need a figure left out are left out too.
+        All by default. Statements that need an omitted figure are omitted as well.
     density : float [kg/m³]
         Of both balls; the paper prints none.
     format : {"png", "pdf", "svg"}

@@ -52,9 +52,8 @@ def sweep(
         Defaults to the number of processors, with ``"dask"`` to one for each task. The result does not depend
         on it.
     store : path, optional
-        A Zarr store to fill, chunk by chunk. The same call goes on with one that was left unfinished, and
-        computes anew what of it was damaged (with a warning). The results need not fit in memory: the Dataset
-        reads them from disk.
+        A Zarr store to fill, chunk by chunk. The same call again continues an unfinished store, and computes damaged
+        chunks anew, with a warning. The results need not fit in memory: the Dataset reads them from disk.
     progress : bool or callable(done, total), optional
         Points done and points in all; true shows a bar.
     variables : sequence of str, optional

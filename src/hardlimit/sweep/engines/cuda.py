@@ -40,7 +40,7 @@ POINTS: Final = 1 << 22
 
 
 def check(plan: Any) -> None:
-    """Refuse what is not for the kernel.
+    """Refuse what the kernel does not compute.
 
     Raises
     ------

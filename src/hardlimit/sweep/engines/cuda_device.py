@@ -42,7 +42,7 @@ class Gpu(Protocol):
         """Free memory in bytes."""
 
     def stream(self) -> Any:
-        """A new order of work."""
+        """A new stream: an order of work."""
 
     def memory(self, size: int, stream: Any) -> Memory:
         """New memory of ``size`` bytes, a multiple of eight."""
