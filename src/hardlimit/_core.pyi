@@ -54,6 +54,14 @@ def linear_restitution(damping_ratio: Annotated[NDArray[numpy.float64], dict(sha
 
 def linear_duration(damping_ratio: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
+def power_collision(elastic: int, damping: int, attracts: bool, c: float) -> tuple:
+    """
+    ε, duration, greatest compression and force of X'' + X^(elastic/4) + c X^(damping/4) X' = 0 from speed 1.
+    """
+
+def power_damping(elastic: int, damping: int, attracts: bool, restitution: float) -> float:
+    """The c of power_collision with this ε in (0, 1]."""
+
 def math(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
     """The core's own elementary functions, for their tests."""
 
