@@ -16,8 +16,11 @@
 #pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
 #endif
 
-// Before a loop with a constant number of turns: unroll it, or do not.
-#if defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
+// Before a loop with a constant number of turns: unroll it, or do not. A page is to be small.
+#if defined(__wasm__)
+#define HL_UNROLL
+#define HL_ROLL
+#elif defined(__GNUC__) && !defined(__clang__) && !defined(__CUDACC__)
 #define HL_UNROLL _Pragma("GCC unroll 64")
 #define HL_ROLL _Pragma("GCC unroll 1")
 #else
