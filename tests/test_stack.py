@@ -86,11 +86,11 @@ def test_three_free_balls_against_a_grid() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_no_neighbour_is_better(seed: int) -> None:
     """Random laws, gaps and ends: no small change of the masses makes the top ball faster."""
     rng = np.random.default_rng(seed)
-    n = 3 if seed % 2 else 5
+    n = 3 if seed % 2 else 4
     law = [
         hl.LinearDashpot(stiffness=1e7, restitution=rng.uniform(0.7, 1.0)),
         hl.Tsuji(elastic_prefactor=1e10, restitution=rng.uniform(0.7, 1.0)),
