@@ -50,7 +50,19 @@ def printed(*args: object) -> dict:
 
 # --- help ---------------------------------------------------------------------------------------------------
 
-COMMANDS = ["drop", "contact", "fit", "stack", "paper", "sweep", "gas", "explore", "completion"]
+COMMANDS = [
+    "drop",
+    "contact",
+    "convert",
+    "fit",
+    "stack",
+    "paper",
+    "sweep",
+    "gas",
+    "explore",
+    "cite",
+    "completion",
+]
 
 
 def test_help_lists_the_commands() -> None:
@@ -72,7 +84,8 @@ def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(
         "hardlimit.pictures.plots.save", lambda figure, path, *look: path
     )  # pictures have their own tests
-    example = run(name, "--help").stdout.partition("Example:\n")[2].splitlines()[0]
+    shown = run(name, "--help").stdout.partition("Example:\n")[2]
+    example = shown.replace("\\\n", " ").splitlines()[0]
     words = example.partition(">")[0].split()
     assert words[0] == "hardlimit"
     run(*words[1:])

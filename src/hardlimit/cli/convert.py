@@ -21,10 +21,10 @@ from .printing import console, digits, length, print_json, quantity, show, table
 from .program import Command
 
 EXAMPLES = """\b
-Examples:
+Example:
   hardlimit convert --restitution 0.7 --radius 0.5mm --density 7850 --youngs-modulus 210GPa \\
       --poisson-ratio 0.3 --code lammps
-  hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 --stiffness 100kN/m
+  hardlimit convert --restitution 0.7 --radius 0.5mm --radius 1mm --density 2500 --stiffness 1e5
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
       --input 'hooke 1e5 0.7 damping coeff_restitution limit_damping'"""
 
