@@ -165,7 +165,7 @@ private:
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
     Vector3 velocity(int i, double t) const;
-    void prepare(std::size_t n);
+    void note_radii(std::size_t n);
     double usual_margin(const std::vector<double>& velocity) const;
     void make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels);
     void put_into_cells();
@@ -250,7 +250,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
     const std::size_t n = position.size() / 3;
-    prepare(n);
+    note_radii(n);
     widest_margin_ = usual_margin(velocity);
     make_cells(n, kernels);
     take(position, velocity);

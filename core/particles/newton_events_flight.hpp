@@ -25,7 +25,7 @@ Vector3 NewtonEvents<Law>::velocity(int i, double t) const {
 // ---- the start -------------------------------------------------------------------------------------------------
 
 template <class Law>
-void NewtonEvents<Law>::prepare(std::size_t n) {
+void NewtonEvents<Law>::note_radii(std::size_t n) {
     for (std::size_t i = 0; i < n; ++i) {
         largest_ = math::max(largest_, laws_.radius(i));
         smallest_ = math::min(smallest_, laws_.radius(i));

@@ -52,7 +52,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
       soft_(soft_contacts(laws_, count)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
-    prepare(count);
+    note_radii(count);
     reader(widest_margin_);
     make_cells(count, kernels);
     exchange(reader);

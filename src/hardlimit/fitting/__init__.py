@@ -77,7 +77,7 @@ def fit(
     if not isinstance(data, Measured):
         raise ValueError(f"data: got {validation.shown(data)}, must be Impacts or Rebounds")
     if not scatter and not data.has_errors:
-        raise ValueError("error: missing or 0 for some values, must be > 0 unless scatter is True")
+        raise ValueError("error: missing or 0 for some values, must be > 0, or scatter must be fitted too")
     level = validation.number("confidence", confidence, 0.0, 1.0)
     if ball is not None and not isinstance(ball, Ball):
         raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
