@@ -28,6 +28,43 @@ HL_FN R slope_at(const R* f, R x) {
 
 inline constexpr double never = math::infinity;
 
+// The search of first_crossing: where it is, whether it goes on, and what it has found.
+template <class R>
+struct Search {
+    R theta, found;
+    Mask<R> active;
+
+    // One step to the zero of the parabola above g, where that holds only up to twice θ at most to there.
+    template <int D, bool narrow>
+    HL_FN void step(const R* g, R bound) {
+        const R value = value_at<D>(g, theta), slope = slope_at<D>(g, theta);
+        const Mask<R> there = active & (value >= 0.0);
+        const R speed = slope + math::sqrt<R>(slope * slope - 2.0 * bound * value);
+        const R step = -2.0 * value / speed;
+        R moved = theta + step;
+        if constexpr (narrow) moved = math::min<R>(moved, theta + theta);
+        active = active & negation(there) & (speed > 0.0) & (moved <= 1.0);
+        theta = select<R>(active, moved, theta);
+        const Mask<R> converged = active & (step <= math::epsilon * moved);
+        found = select<R>(there | converged, theta, found);
+        active = active & negation(converged);
+    }
+};
+
+// A polynomial of high order that begins almost at zero keeps far below the parabola over [0, 1], whose steps then are
+// too short. That over [0, 2θ] is closer, and holds up to 2θ.
+template <int D, class R>
+HL_FN_APART Search<R> search_closer(const R* g, Search<R> at) {
+    for (int i = 0; i < 500 && any(at.active); ++i) {
+        const R within = math::min<R>(at.theta + at.theta, broadcast<R>(1.0));
+        R bound = R{}, power = broadcast<R>(1.0);
+        for (int n = 2; n <= D; ++n, power = power * within)
+            bound = bound + (n * (n - 1.0)) * (math::abs<R>(g[n]) * power);
+        at.template step<D, true>(g, bound);
+    }
+    return at;
+}
+
 // First θ in [0, 1] at which sign·f, a polynomial of degree D, rises to zero from below; `never` if it does not. A
 // function that vanishes at θ = 0 because the last event put it there is divided by θ first (`at_zero`). Each step goes
 // to the zero of a parabola above f (|f''| <= bound), so no zero can be passed, and the steps converge quadratically.
@@ -47,21 +84,11 @@ HL_FN R first_crossing(const R* f, R sign, Mask<R> at_zero) {
         highest = highest + math::max<R>(g[n], R{});
         bound = bound + (n * (n - 1.0)) * math::abs<R>(g[n]);
     }
-    Mask<R> active = (g[0] < 0.0) & (highest >= 0.0);
-    R theta = R{}, found = select<R>(g[0] >= 0.0, R{}, broadcast<R>(never));
-    for (int i = 0; i < 500 && any(active); ++i) {
-        const R value = value_at<D>(g, theta), slope = slope_at<D>(g, theta);
-        const Mask<R> there = active & (value >= 0.0);
-        const R speed = slope + math::sqrt<R>(slope * slope - 2.0 * bound * value);
-        const R step = -2.0 * value / speed;
-        const R moved = theta + step;
-        active = active & negation(there) & (speed > 0.0) & (moved <= 1.0);
-        theta = select<R>(active, moved, theta);
-        const Mask<R> converged = active & (step <= math::epsilon * moved);
-        found = select<R>(there | converged, theta, found);
-        active = active & negation(converged);
-    }
-    return select<R>(active, theta, found);
+    const Mask<R> may = (g[0] < 0.0) & (highest >= 0.0);
+    Search<R> at{R{}, select<R>(g[0] >= 0.0, R{}, broadcast<R>(never)), may};
+    for (int i = 0; i < 500 && any(at.active); ++i) at.template step<D, false>(g, bound);
+    if (any(at.active)) at = search_closer<D, R>(g, at);
+    return select<R>(at.active, at.theta, at.found);
 }
 
 // First t >= 0 at which v + s t − g t²/2 falls to zero; v <= 0 means that it lies on zero now.

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_lyapunov
 
 import hardlimit as hl
-from conftest import columns, law_of
+from conftest import columns, falling, law_of
 
 G = 9.81
 
@@ -361,6 +361,28 @@ def test_released_with_velocities(velocities):
     assert exact.n_contacts == general.n_contacts
     assert ball_contacts(exact) == pytest.approx(ball_contacts(general), rel=1e-8, abs=1e-12)
     assert exact.relative_velocity == pytest.approx(general.relative_velocity, rel=1e-8, nan_ok=True)
+
+
+@pytest.mark.parametrize("gap", [1e-15, 1e-13, 1e-11])
+@pytest.mark.parametrize("speed", [1e-5, 2e-4, 1e-2])
+def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
+    """Both balls fall alike, and the pair closes only as the floor stops the lower one; its weight presses it in deep.
+
+    Closed form with 40 digits: the lower ball swings on the floor, the upper one falls freely.
+    """
+    column = falling(
+        [0.3, 2e-3], [gap], hl.LinearDashpot(stiffness=3e4, restitution=1.0), speed=speed, gravity=9.81
+    )
+    with mpmath.workdps(40):
+        m, k, v, g = (mpmath.mpf(x) for x in (column.balls[0].mass, 3e4, speed, 9.81))
+        omega = mpmath.sqrt(k / m)
+
+        def closing(t):
+            swing = -g / omega**2 * (1 - mpmath.cos(omega * t)) - v / omega * mpmath.sin(omega * t)
+            return gap - v * t - g * t**2 / 2 - swing
+
+        touch = mpmath.findroot(closing, (0, 2 * mpmath.cbrt(6 * gap / (omega**2 * v))), solver="anderson")
+    assert ball_contacts(hl.newton(column, method="exact"))[0][0] == pytest.approx(float(touch), rel=1e-10)
 
 
 @pytest.mark.parametrize("method", ["exact", "general"])
