@@ -1,0 +1,217 @@
+"""Put deliberate faults into the physics, one at a time, and insist that the tests named for each notice.
+
+    python tools/faults.py [--only NAME ...] [--work DIRECTORY]
+
+needs what an editable install needs. `tools/faults.toml` has the faults. The package is built once into the working
+directory; for each fault only the files of bindings/ that carry it are compiled again, without optimisation, and linked
+in front of the others, so that of each function its faulty copy is taken. Verdicts are kept in `verdicts.json`
+there, and a fault whose text, headers and tests have not changed is not tried again. The exit status is 1 if a fault
+survives, or could not be tried.
+"""
+
+import argparse
+import hashlib
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+FAULTS = ROOT / "tools" / "faults.toml"
+
+#: What pytest's exit status says of a fault; a crash or a hang has a status of its own, and notices too.
+SURVIVED, NOT_RUN = 0, {2, 3, 4, 5}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One textual change of one header, and the tests that must fail with it."""
+
+    name: str
+    file: str  #: below core/
+    old: str
+    new: str
+    why: str
+    units: list[str]  #: files of bindings/, without suffix
+    tests: list[str]
+
+    def apply(self, core: Path) -> None:
+        """Put the fault into the headers below `core`; ValueError where its text is not there exactly once."""
+        header = core / self.file
+        text = header.read_text(encoding="utf-8")
+        if text.count(self.old) != 1:
+            raise ValueError(
+                f"{self.name}: the old text occurs {text.count(self.old)} times in {self.file}, must be once"
+            )
+        header.write_text(text.replace(self.old, self.new), encoding="utf-8")
+
+
+def read_faults(path: Path = FAULTS) -> list[Fault]:
+    """The faults in the order of the file."""
+    return [Fault(**entry) for entry in tomllib.loads(path.read_text(encoding="utf-8"))["fault"]]
+
+
+def digest(fault: Fault, source: Path) -> str:
+    """Changes with anything that a verdict depends on."""
+    found = hashlib.sha256(repr(fault).encode())
+    for folder in ("core", "bindings"):
+        for path in sorted((source / folder).rglob("*.?pp")):
+            found.update(path.read_bytes())
+    for test in {t.split("::")[0] for t in fault.tests}:
+        found.update((source / test).read_bytes())
+    return found.hexdigest()
+
+
+class Workplace:
+    """A copy of the tree, a build of it, and a package folder in which the extension is replaced."""
+
+    def __init__(self, folder: Path) -> None:
+        self.source, self.site = folder / "source", folder / "site"
+        self.build = self.source / "build" / "sound"
+        self.copy_tree()
+        settings = [f"-Cbuild-dir={self.build}", "-Ccmake.args=-G Ninja;-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
+        subprocess.run(
+            [sys.executable, "-m", "pip", "install", "-q", "--no-deps", "--no-build-isolation", "--upgrade",
+             "--target", str(self.site), *settings, str(self.source)],
+            check=True,
+        )  # fmt: skip
+        (self.extension,) = (self.site / "hardlimit").glob("_core*.so")
+        self.sound = self.extension.read_bytes()
+        commands = json.loads((self.build / "compile_commands.json").read_text(encoding="utf-8"))
+        self.compile = {
+            Path(c["file"]).stem: shlex.split(c["command"]) for c in commands if "_core.dir" in c["output"]
+        }
+
+    def copy_tree(self) -> None:
+        """Files known to git, as they are now; of unchanged ones the times stay, so that the build goes on."""
+        listed = subprocess.run(
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            cwd=ROOT, check=True, capture_output=True, text=True,
+        ).stdout.split("\0")  # fmt: skip
+        for name in filter(None, listed):
+            there, here = self.source / name, ROOT / name
+            if not here.is_file() or (there.is_file() and there.read_bytes() == here.read_bytes()):
+                continue
+            there.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(here, there)
+
+    def link_command(self) -> list[str]:
+        """The command that links the extension."""
+        shown = subprocess.run(
+            ["ninja", "-t", "commands", self.extension.name],
+            cwd=self.build,
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout.splitlines()
+        (link,) = (line for line in shown if f"-o {self.extension.name}" in line and " -shared " in line)
+        return next(shlex.split(part) for part in link.split(" && ") if f"-o {self.extension.name}" in part)
+
+    def make_faulty(self, fault: Fault) -> None:
+        """Compile the units of the fault and link them before everything else."""
+        objects = []
+        for unit in fault.units:
+            command = self.compile[unit]
+            target = self.build / f"faulty-{unit}.o"
+            place = command.index("-o") + 1
+            subprocess.run(
+                [*command[:place], str(target), *command[place + 1 :], "-O0", "-w"],
+                cwd=self.build,
+                check=True,
+            )
+            objects.append(
+                (next(c for c in self.sound_objects() if c.endswith(f"{unit}.cpp.o")), str(target))
+            )
+        link = self.link_command()
+        for sound, faulty in objects:
+            link.remove(sound)
+            link.insert(next(i for i, word in enumerate(link) if word.endswith(".cpp.o")), faulty)
+        link[link.index("-o") + 1] = str(self.extension)
+        subprocess.run(link, cwd=self.build, check=True)
+
+    def sound_objects(self) -> list[str]:
+        """Objects of the extension as the link command names them."""
+        return [word for word in self.link_command() if word.endswith(".cpp.o")]
+
+    def run_tests(self, tests: list[str]) -> int:
+        """Exit status of pytest over these tests, in the copy and with its package."""
+        environment = os.environ | {"PYTHONPATH": str(self.site)}
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-x",
+            "-n",
+            "0",
+            "-p",
+            "no:cacheprovider",
+            "--timeout",
+            "300",
+        ]
+        return subprocess.run(
+            [*command, *tests],
+            cwd=self.source,
+            env=environment,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        ).returncode
+
+    def try_fault(self, fault: Fault) -> str:
+        """The verdict: caught, survived, or why it could not be tried. The headers are sound again afterwards."""
+        header = self.source / "core" / fault.file
+        text, times = header.read_text(encoding="utf-8"), header.stat()
+        try:
+            fault.apply(self.source / "core")
+            if fault.units:
+                self.make_faulty(fault)
+            status = self.run_tests(fault.tests)
+        except subprocess.CalledProcessError:
+            return "does not compile"
+        finally:
+            header.write_text(text, encoding="utf-8")
+            os.utime(header, ns=(times.st_atime_ns, times.st_mtime_ns))
+            self.extension.write_bytes(self.sound)
+        if status in NOT_RUN:
+            return f"tests not run: pytest exits with {status}"
+        return "survived" if status == SURVIVED else "caught"
+
+
+def main() -> int:
+    """Try the faults and print a table of verdicts."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="names of faults; all by default")
+    parser.add_argument("--work", type=Path, default=ROOT / "build" / "faults", help="working directory")
+    options = parser.parse_args()
+    faults = [f for f in read_faults() if not options.only or f.name in options.only]
+    workplace = Workplace(options.work.resolve())
+    tests = sorted({test for fault in faults for test in fault.tests})
+    kept = options.work / "verdicts.json"
+    verdicts = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
+    baseline = hashlib.sha256(repr([digest(f, workplace.source) for f in faults]).encode()).hexdigest()
+    if verdicts.get("sound") != baseline:
+        if workplace.run_tests(tests) != 0:
+            print("The tests do not pass without a fault.")
+            return 1
+        verdicts["sound"] = baseline
+    bad = 0
+    for fault in faults:
+        key = digest(fault, workplace.source)
+        if key not in verdicts:
+            verdicts[key] = workplace.try_fault(fault)
+            kept.write_text(json.dumps(verdicts), encoding="utf-8")
+        bad += verdicts[key] != "caught"
+        print(f"{verdicts[key]:20} {fault.name:22} {fault.file:36} {fault.why}", flush=True)
+    print(f"{len(faults)} faults, {bad} not caught")
+    return int(bad > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
