@@ -1,0 +1,177 @@
+// Whether the exact and the general solver agree on a column of two balls, and if they differ, why.
+//
+// A difference is explained in one of three ways. It is the error of the integration, if a sharper tolerance takes at
+// least half of it away. Or it is the condition of the problem: the general solver's result is that of the exact solver
+// for a column whose numbers differ from the given ones by a small relative amount, the backward error of the two
+// solvers together. Where a contact only just happens such a change makes the counts differ, and everything that depends
+// on them (a tie). Or only the instants differ at which a force ends that creeps through zero: the exact one vanishes at
+// both to rounding.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "column/solve.hpp"
+#include "draw.hpp"
+
+namespace hardlimit::fuzz {
+
+using LinearColumn = column::Column<contact::LinearDashpot>;
+using column::Sequence;
+
+enum class Verdict { equal, truncated, conditioned, tie, flat, invalid, unresolved, unexplained };
+inline constexpr int verdicts = 8;
+
+struct Agreement {
+    Verdict verdict;
+    Sequence exact, general;
+    double difference = 0.0;      // largest of the compared values, in units of the impact (see differences)
+    double backward_error = 0.0;  // relative change of the column that explains it
+};
+
+// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight reaches while it
+// presses the contacts in, and the time of the faster contact.
+struct Measure {
+    double speed, time, fall;
+    explicit Measure(const LinearColumn& c) : fall(column::fall_time(c.gaps[0], c.velocity[0], c.gravity)) {
+        const double reduced = effective(c.mass[0], c.mass[1]), total = c.mass[0] + c.mass[1];
+        const double swing = math::max(total / c.contacts[0].stiffness, c.mass[1] / c.contacts[1].stiffness);
+        speed = math::max(column::impact_speed(c.gaps[0], c.velocity[0], c.gravity),
+                          c.gravity * math::sqrt(swing));
+        time = math::sqrt(math::min(c.mass[0] / c.contacts[0].stiffness, reduced / c.contacts[1].stiffness));
+    }
+};
+
+inline bool same_events(const Sequence& a, const Sequence& b) {
+    return a.outcome == b.outcome && a.n_contacts == b.n_contacts &&
+           math::is_nan(a.t_end) == math::is_nan(b.t_end) &&
+           math::is_nan(a.t_floor_end) == math::is_nan(b.t_floor_end) &&
+           math::is_nan(a.separation_velocity) == math::is_nan(b.separation_velocity) &&
+           math::is_nan(a.relative_velocity) == math::is_nan(b.relative_velocity);
+}
+
+// [4] Both velocities in units of the impact speed; both times in units of the contact's, less what a rounding of
+// the time since release makes.
+struct Differences {
+    double value[4];
+    double largest() const { return *std::max_element(value, value + 4); }
+};
+inline Differences differences(const Sequence& a, const Sequence& b, const Measure& unit) {
+    const auto of = [&](double x, double y, double scale, double relative) {
+        if (math::is_nan(x) || math::is_nan(y)) return 0.0;
+        const double since_release = math::max(math::max(math::abs(x), math::abs(y)), unit.fall);
+        return math::max(math::abs(x - y) - relative * since_release, 0.0) / scale;
+    };
+    return {{of(a.relative_velocity, b.relative_velocity, unit.speed, 0.0),
+             of(a.separation_velocity, b.separation_velocity, unit.speed, 0.0),
+             of(a.t_end, b.t_end, unit.time, 1e-12), of(a.t_floor_end, b.t_floor_end, unit.time, 1e-12)}};
+}
+
+// Every number of the column changed by up to `relative` of itself; what is zero by so much of its natural unit.
+inline LinearColumn nearby(LinearColumn c, double relative, Random& random) {
+    Draw<Random> draw(random);
+    const Measure unit(c);
+    const auto change = [&](double& x) { x *= 1.0 + relative * draw.between(-1.0, 1.0); };
+    change(c.gravity);
+    for (std::size_t j = 0; j < 2; ++j) {
+        change(c.mass[j]);
+        change(c.gaps[j]);
+        change(c.contacts[j].stiffness);
+        change(c.contacts[j].damping);
+        c.velocity[j] += relative * unit.speed * draw.between(-1.0, 1.0);
+        c.gaps[j] = math::max(0.0, c.gaps[j] + relative * unit.speed * unit.time * draw.between(-1.0, 1.0));
+    }
+    return c;
+}
+
+inline constexpr double rounding =
+    1e-10;  // differences up to this, in units of the impact, need no explanation
+inline constexpr double largest_backward_error = 1e-10;
+
+// The exact solution, given up after `most` questions whether to go on, of which there is one for each 64 pieces.
+inline Sequence solve_exactly(const LinearColumn& c, long most) {
+    Stop stop([](void* left) { return --*static_cast<long*>(left) < 0; }, &most);
+    return column::solve_sequence(c, column::Model::newton, {.stop = &stop}, nullptr);
+}
+inline Sequence integrate(const LinearColumn& c, long max_steps, double tolerance) {
+    return column::solve_sequence(c, column::Model::newton,
+                                  {.general = true, .tolerance = tolerance, .max_steps = max_steps}, nullptr);
+}
+
+// Whether changes of the column by `relative` make the exact solution differ from itself as much as the general one
+// does. `a` is filled with how.
+inline bool explained_by_condition(double relative, const LinearColumn& c, Random& random, Agreement& a) {
+    const Measure unit(c);
+    const Differences found = differences(a.exact, a.general, unit);
+    Differences spread{}, closest{{math::infinity, math::infinity, math::infinity, math::infinity}};
+    for (int i = 0; i < 24; ++i) {
+        const Sequence near = solve_exactly(nearby(c, relative, random), 2000);
+        const Differences off = differences(near, a.exact, unit), left = differences(near, a.general, unit);
+        for (int k = 0; k < 4; ++k) spread.value[k] = math::max(spread.value[k], off.value[k]);
+        if (same_events(near, a.general) && left.largest() < closest.largest()) closest = left;
+    }
+    const bool tie = !same_events(a.exact, a.general);
+    for (int k = 0; k < 4; ++k)
+        if ((tie ? closest : found).value[k] > 2.0 * spread.value[k] + rounding) return false;
+    a.verdict = tie ? Verdict::tie : Verdict::conditioned;
+    a.backward_error = relative;
+    return true;
+}
+
+// Whether the general solution comes closer to the exact one at a sharper tolerance.
+inline bool explained_by_tolerance(const LinearColumn& c, long max_steps, Agreement& a) {
+    const Measure unit(c);
+    const Sequence sharp = integrate(c, 4 * max_steps, 2e-15);
+    if (!same_events(a.exact, sharp)) return false;
+    const Differences found = differences(a.exact, a.general, unit), left = differences(a.exact, sharp, unit);
+    for (int k = 0; k < 4; ++k)
+        if (left.value[k] > 0.5 * found.value[k] + rounding) return false;
+    a.verdict = Verdict::truncated;
+    return true;
+}
+
+// Whether the force of the exact solution vanishes where the general one has the ends of its contacts, and nothing but
+// these instants differs.
+inline bool explained_by_flat_force(const LinearColumn& c, Agreement& a) {
+    const Measure unit(c);
+    const Differences found = differences(a.exact, a.general, unit);
+    if (!same_events(a.exact, a.general) || found.value[0] > rounding || found.value[1] > rounding)
+        return false;
+    const column::Drop drop = column::solve_drop(c, column::Coupling::full, math::nan, true, nullptr);
+    const double mass[2] = {c.mass[0], effective(c.mass[0], c.mass[1])},
+                 end[2] = {a.general.t_floor_end, a.general.t_end};
+    const std::vector<double> nothing(drop.nodes.size(), 0.0);
+    for (std::size_t j = 0; j < 2; ++j) {
+        if (math::is_nan(end[j])) continue;
+        const column::DropSample s = column::sample_drop(c, drop, nothing, end[j]);
+        const double rate = j == 0 ? s.velocity[0] : s.velocity[1] - s.velocity[0];
+        const contact::LinearDashpot& k = c.contacts[j];
+        const double largest = (k.damping + math::sqrt(k.stiffness * mass[j])) * unit.speed;
+        if (math::abs(k.force(-s.gap[j], -rate)) > 1e-11 * largest) return false;
+    }
+    a.verdict = Verdict::flat;
+    return true;
+}
+
+inline Agreement compare(const LinearColumn& c, long max_steps, Random random) {
+    Agreement a{Verdict::equal, {}, integrate(c, max_steps, 1e-14)};
+    if (a.general.outcome != Outcome::unresolved) a.exact = solve_exactly(c, 20'000);
+    const auto one_is = [&](Outcome o) { return a.exact.outcome == o || a.general.outcome == o; };
+    if (one_is(Outcome::unresolved)) {
+        a.verdict = Verdict::unresolved;
+        return a;
+    }
+    if (one_is(Outcome::invalid)) {
+        a.verdict = a.exact.outcome == a.general.outcome ? Verdict::invalid : Verdict::unexplained;
+        return a;
+    }
+    a.difference = differences(a.exact, a.general, Measure(c)).largest();
+    if (same_events(a.exact, a.general) && a.difference <= rounding) return a;
+    a.verdict = Verdict::unexplained;
+    if (explained_by_tolerance(c, max_steps, a)) return a;
+    for (double relative = 1e-15; relative <= 1.5 * largest_backward_error; relative *= 10.0)
+        if (explained_by_condition(relative, c, random, a)) return a;
+    explained_by_flat_force(c, a);
+    return a;
+}
+
+}  // namespace hardlimit::fuzz
