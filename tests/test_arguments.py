@@ -178,6 +178,14 @@ ACCEPTED = {
     "velocities": {"two dimensions", "nested list", "DataArray of two dimensions"},
     "positions": set(),
     "optional result": {"None"},
+    "ball or balls": {"Ball"},
+    "optional ball": {"None", "Ball"},
+    "optional body": {"None", "Ball", "FLOOR"},
+    "measurements": set(),
+    "word or class of a law": {"class of a law"},
+    "optional numbers by name": {"None"},
+    "numbers": {"0"},
+    "optional column": {"None"},
 }
 
 
@@ -262,6 +270,9 @@ def arguments() -> list[Argument]:
         *arguments_of_film(),
         *arguments_of_grains(),
         *arguments_of_runs(),
+        *arguments_of_conversions(),
+        *arguments_of_fits(),
+        *arguments_of_practice(),
         *(argument for kind in hl.LAWS for argument in arguments_of_law(kind)),
     ]
 
@@ -421,6 +432,123 @@ def arguments_of_runs() -> list[Argument]:
         Argument("lammps_input", "time_step", "optional number", take_elsewhere, 1e-8, brief),
         Argument("lammps_input", "samples", "whole number", take_elsewhere, 3, brief),
         Argument("lammps_input", "log", "flag", take_elsewhere, True, brief),
+    ]
+
+
+def arguments_of_conversions() -> list[Argument]:
+    n, o, w = "number", "optional number", "optional word"
+    spring = {"balls": BALL, "restitution": 0.7, "stiffness": 1e5}
+    sphere = {"balls": BALL, "restitution": 0.7, "youngs_modulus": 1e8, "poisson_ratio": 0.3}
+    bare = {"balls": BALL, "restitution": 0.7}
+    written = {"text": "hooke 1e5 50 damping velocity", "ball": BALL, "code": "lammps"}
+    return [
+        Argument("convert", "balls", "ball or balls", hl.convert, BALL, spring),
+        Argument("convert", "restitution", n, hl.convert, 0.7, spring),
+        Argument("convert", "speed", n, hl.convert, 1.0, spring),
+        Argument("convert", "stiffness", n, hl.convert, 1e5, bare),
+        Argument("convert", "youngs_modulus", n, hl.convert, 1e8, bare | {"poisson_ratio": 0.3}),
+        Argument("convert", "poisson_ratio", n, hl.convert, 0.3, sphere),
+        Argument("convert", "duration", n, hl.convert, 1e-4, bare),
+        Argument("convert", "compression", n, hl.convert, 1e-4, bare),
+        Argument("convert", "law", w, hl.convert, "linear", spring),
+        Argument("convert", "wall", "flag", hl.convert, True, spring),
+        Argument("convert", "code", w, hl.convert, "lammps", spring),
+        Argument("convert", "model", w, hl.convert, "hooke-restitution", spring | {"code": "lammps"}),
+        Argument("convert", "attraction", "flag", hl.convert, False, spring),
+        Argument("convert", "restitution_error", o, hl.convert, 1e-3, spring),
+        Argument("convert", "time_step", o, hl.convert, 1e-7, spring),
+        Argument("convert_back", "text", "word", hl.convert_back, written["text"], written, "input"),
+        Argument("convert_back", "ball", "ball", hl.convert_back, BALL, written),
+        Argument("convert_back", "other", "optional body", hl.convert_back, BALL, written),
+        Argument("convert_back", "code", "word", hl.convert_back, "lammps", written),
+        Argument("convert_back", "speed", n, hl.convert_back, 1.0, written),
+        Argument("convert_back", "restitution_error", o, hl.convert_back, 1e-3, written),
+        Argument("convert_back", "time_step", o, hl.convert_back, 1e-7, written),
+    ]
+
+
+def arguments_of_fits() -> list[Argument]:
+    speed, measured = np.linspace(0.5, 1.5, 6), np.linspace(0.7, 0.69, 6)
+    data = hl.Impacts.of_restitution(speed, measured, 0.01)
+    quick = {"data": data, "law": "tsuji", "compare": False}
+    found = [
+        Argument("fit", "data", "measurements", hl.fit, data, quick),
+        Argument("fit", "law", "word or class of a law", hl.fit, "tsuji", quick),
+        Argument("fit", "fixed", "optional numbers by name", hl.fit, {}, quick),
+        Argument("fit", "free", "optional words", hl.fit, ["restitution"], quick),
+        Argument("fit", "ball", "optional ball", hl.fit, BALL, quick),
+        Argument("fit", "other", "body", hl.fit, BALL, quick | {"ball": BALL}),
+        Argument("fit", "scatter", "flag", hl.fit, False, quick),
+        Argument("fit", "confidence", "number", hl.fit, 0.9, quick),
+        Argument("fit", "compare", "flag", hl.fit, False, quick),
+        Argument("read_measurements", "path", "word", read_rows, "rows.csv"),
+        Argument("read_measurements", "column", "optional column", read_rows, COLUMN),
+        Argument("read_measurements", "gravity", "number", read_rows, 9.81),
+    ]
+    rows = {"speed": speed, "restitution": measured, "restitution_error": 0.01, "speed_error": 0.01}
+    return found + [
+        Argument("Impacts.of_restitution", name, "numbers", hl.Impacts.of_restitution, value, rows)
+        for name, value in rows.items()
+    ]
+
+
+def read_rows(path: Any = "rows.csv", **options: Any) -> Any:
+    with TemporaryDirectory() as folder, chdir(folder):
+        Path("rows.csv").write_text("speed,restitution,restitution_error\n1.0,0.7,0.01\n2.0,0.69,0.01\n")
+        try:
+            return hl.read_measurements(path, **options)
+        except OSError as error:  # documented, where there is no such file
+            raise ValueError(f"path: {error}") from None
+
+
+def arguments_of_practice() -> list[Argument]:
+    pile = {"n": 2, "law": LAW, "bottom_mass": 1.0, "model": "independent"}
+    oblique = {"column": COLUMN, "offset": 1e-4}
+    system = hl.ParticleSystem(**DISKS)
+    brief = {
+        "system": system,
+        "law": LAW,
+        "until": 1e-4,
+        "models": ["newton", "constant"],
+        "samples": 2,
+        "restitution": 0.9,
+    }
+    n = "number"
+
+    def measure(store: Any = None, **options: Any) -> Any:
+        with TemporaryDirectory() as folder, chdir(folder):
+            return hl.fidelity(store=store, **(brief | options))
+
+    def go_on(path: Any = "run.checkpoint", **options: Any) -> Any:
+        with TemporaryDirectory() as folder, chdir(folder):
+            hl.event_driven(system, restitution=0.9, max_collisions=1, checkpoint="run.checkpoint")
+            return hl.resume(path, **options)
+
+    return [
+        Argument("stack", "n", "whole number", hl.stack, 2, pile),
+        Argument("stack", "law", "law", hl.stack, LAW, pile),
+        Argument("stack", "bottom_mass", n, hl.stack, 1.0, pile),
+        Argument("stack", "top_mass", "optional number", hl.stack, 0.1, pile),
+        Argument("stack", "ratio_limits", "numbers", hl.stack, (0.01, 1.0), pile),
+        Argument("stack", "model", "word", hl.stack, "independent", pile),
+        Argument("stack", "gaps", "one number for each", hl.stack, 1e-3, pile),
+        Argument("stack", "density", "one number for each", hl.stack, 1000.0, pile),
+        Argument("stack", "impact_speed", n, hl.stack, 1.0, pile),
+        Argument("oblique_drop", "column", "column", hl.oblique_drop, COLUMN, oblique),
+        Argument("oblique_drop", "offset", n, hl.oblique_drop, 1e-4, oblique),
+        Argument("fidelity", "system", "system", measure, system),
+        Argument("fidelity", "law", "law", measure, LAW),
+        Argument("fidelity", "until", n, measure, 1e-4),
+        Argument("fidelity", "models", "words", measure, ["newton", "constant"]),
+        Argument("fidelity", "replicas", "whole number", measure, 1),
+        Argument("fidelity", "samples", "whole number", measure, 2),
+        Argument("fidelity", "restitution", "number", measure, 0.9),
+        Argument("fidelity", "contact_duration", "optional number", measure, 1e-6),
+        Argument("fidelity", "engine", "word", measure, "events"),
+        Argument("fidelity", "seed", "whole number", measure, 1),
+        Argument("fidelity", "workers", "whole number", measure, 1),
+        Argument("resume", "until", "optional number", go_on, 1e9, {"max_collisions": 2}),
+        Argument("resume", "max_collisions", "optional count", go_on, 2),
     ]
 
 

@@ -62,7 +62,7 @@ def digest(fault: Fault, source: Path) -> str:
     for folder in ("core", "bindings"):
         for path in sorted((source / folder).rglob("*.?pp")):
             found.update(path.read_bytes())
-    for test in {t.split("::")[0] for t in fault.tests}:
+    for test in sorted({t.split("::")[0] for t in fault.tests}):
         found.update((source / test).read_bytes())
     return found.hexdigest()
 

@@ -285,6 +285,19 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     return str(value)
 
 
+def flag(name: str, value: Any) -> bool:
+    """``value``, if it is True or False.
+
+    Raises
+    ------
+    ValueError
+        If it is something else, numbers and texts included.
+    """
+    if not isinstance(value, bool):
+        raise ValueError(f"{name}: got {shown(value)}, must be True or False")
+    return value
+
+
 def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]:
     """The members of a sequence, each an instance of ``kind``, which ``what`` calls by its name.
 

@@ -155,14 +155,15 @@ def converted(
     time_step: Any,
 ) -> Conversion:
     """As :func:`hardlimit.convert`."""
-    pairs = _pairs(balls, wall)
+    pairs = _pairs(balls, validation.flag("wall", wall))
+    attracts = validation.flag("attraction", attraction)
     stepping = _stepping(restitution_error, time_step)
     forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
     chosen = _chosen(named, model, LAWS[asked.law])
     return Conversion(
         asked,
         tuple(_contact(pair, force, asked, stepping) for pair, force in zip(pairs, forces, strict=True)),
-        tuple(_in_model(*one, pairs, forces, asked, bool(attraction), stepping) for one in chosen),
+        tuple(_in_model(*one, pairs, forces, asked, attracts, stepping) for one in chosen),
     )
 
 

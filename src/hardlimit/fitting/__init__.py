@@ -76,7 +76,8 @@ def fit(
     """
     if not isinstance(data, Measured):
         raise ValueError(f"data: got {validation.shown(data)}, must be Impacts or Rebounds")
-    if not scatter and not data.has_errors:
+    validation.flag("compare", compare)
+    if not validation.flag("scatter", scatter) and not data.has_errors:
         raise ValueError("error: missing or 0 for some values, must be > 0, or scatter must be fitted too")
     level = validation.number("confidence", confidence, 0.0, 1.0)
     if ball is not None and not isinstance(ball, Ball):
@@ -117,6 +118,7 @@ def _mapping(fixed: Any) -> Mapping[str, float]:
 def _listed(free: Any) -> list[str] | None:
     if free is None:
         return None
-    if isinstance(free, str) or not isinstance(free, Sequence):
+    named = isinstance(free, Sequence) and not isinstance(free, str) and all(isinstance(x, str) for x in free)
+    if not named:
         raise ValueError(f"free: got {validation.shown(free)}, must be a list of names")
     return list(free)

@@ -138,7 +138,7 @@ def candidate(
     parameters = _alternative(chosen, names)
     wanted = _free_names(parameters, kind, values, free)
     if not wanted:
-        raise ValueError(f"fixed: got {', '.join(values)}, must leave a parameter of {chosen.__name__} free")
+        raise ValueError(f"fixed | free: got no free parameter, must leave one of {chosen.__name__}")
     held, notes = _held(parameters, kind, wanted, values, reference_speed)
     if kind == "impacts" and ball is None and wanted != [RESTITUTION]:
         raise ValueError(f"ball: missing, must be the Ball that was dropped, to tell {', '.join(wanted)}")

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Final
 
@@ -97,10 +98,15 @@ def read_measurements(
     Raises
     ------
     ValueError
-        If the file is not such a table; names line and column of the fault.
+        If the file is not such a table; names line and column of the fault. If another argument is outside its range.
     OSError
         If the file cannot be read.
     """
+    if not isinstance(path, str | PathLike):
+        raise ValueError(f"path: got {validation.shown(path)}, must be the path of a file")
+    if column is not None and not isinstance(column, Column):
+        raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
+    validation.number("gravity", gravity, 0.0)
     table = _read(path)
     build, names, allowed = _kind(str(path), table)
     for name in table.columns:

@@ -41,11 +41,9 @@ def checked_keeping(samples: Any, log: Any, checkpoint: Any, checkpoint_every: A
     ValueError
         If a value is outside its range.
     """
-    if not isinstance(log, bool):
-        raise ValueError(f"log: got {validation.shown(log)}, must be True or False")
     return Keeping(
         checked_samples(samples),
-        log,
+        validation.flag("log", log),
         None if checkpoint is None else checkpoints.checked_path(checkpoint),
         validation.number("checkpoint_every", checkpoint_every, 0.0),
     )
