@@ -30,6 +30,16 @@ class Ball:
     ValueError
         If a value is not positive and finite, the mass is beyond all reason, or both or neither of the
         alternatives are given.
+
+    Examples
+    --------
+    >>> hl.Ball(0.033, mass=0.058)  # a tennis ball
+    Ball(radius=0.033, mass=0.058)
+    >>> glass = hl.Ball(0.005, density=2500.0)
+    >>> f"{glass.mass * 1e3:.3f} g"
+    '1.309 g'
+    >>> glass.resized(0.01)
+    Ball(radius=0.01, density=2500.0)
     """
 
     radius: float
@@ -61,6 +71,10 @@ class Ball:
 
     def resized(self, radius: float) -> Ball:
         """The ball with another radius and the same density (or mass, if that was given).
+
+        Parameters
+        ----------
+        radius : float [m]
 
         Raises
         ------

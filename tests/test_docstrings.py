@@ -1,0 +1,210 @@
+"""Docstrings of the public interface: what must be in them, and that their examples are true.
+
+Public is what ``docs/api.md`` shows: every name in ``hardlimit.__all__`` and the classes that these return, with all their
+methods and properties but those marked ``:meta private:``. The rules, without exceptions by name:
+
+* everything has a summary, a sentence on the first line or lines;
+* a function, a method or a class that the user makes names every parameter, under Parameters, or, of a method with one
+  parameter, in its text as ``name``; a class without a section Parameters says which function makes it;
+* what takes an argument can be given a wrong one, and says under Raises what it then does; so does a property that raises;
+* what computes, and what states a formula, cites an equation or a publication; a class does so for its members. Files
+  are not physics: a function that begins with a path computes nothing;
+* every function and class has an example, and every method stands in one, its own or its class's.
+"""
+
+import doctest
+import inspect
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hardlimit as hl
+
+API = Path(__file__).resolve().parents[1] / "docs" / "api.md"
+SECTIONS = ["Parameters", "Attributes", "Returns", "Raises", "Notes", "Examples"]
+CITED = re.compile(r"\bEqs?\. ?[A-Z]?\d|\bFigs?\. ?\d|\bAppendix [A-Z]\b|\b(1[89]|20)\d\d\b")
+FORMULA = re.compile(r"\S = \S|[√Σ∝]|\w²/")
+PATHS = {"path", "folder"}
+
+
+@dataclass
+class Documented:
+    """A public object, and the class it belongs to."""
+
+    name: str
+    item: Any
+    owner: Any = None
+
+    @cached_property
+    def text(self) -> str:
+        return inspect.getdoc(self.item) or ""
+
+    @cached_property
+    def sections(self) -> dict[str, str]:
+        """Of the docstring, by title; what comes first has none."""
+        parts = re.split(r"^(\w+)\n-{3,}\n", self.text, flags=re.M)
+        return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
+
+    @property
+    def is_property(self) -> bool:
+        return isinstance(self.item, property | cached_property)
+
+    @property
+    def source(self) -> str:
+        function = self.item.fget if isinstance(self.item, property) else getattr(self.item, "func", self.item)
+        return inspect.getsource(function)
+
+    @property
+    def parameters(self) -> list[str]:
+        """Of a function, a method, or a class that the user makes."""
+        if self.is_property or (isinstance(self.item, type) and "Parameters" not in self.sections):
+            return []
+        return [name for name in inspect.signature(self.item).parameters if name not in ("self", "cls")]
+
+    @property
+    def examples(self) -> list[doctest.Example]:
+        return doctest.DocTestParser().get_examples(self.text)
+
+
+def shown(name: str) -> Any:
+    module, _, last = name.rpartition(".")
+    return getattr(import_module(module), last) if module else getattr(hl, last)
+
+
+def members(name: str, owner: type) -> Iterator[Documented]:
+    """Public methods and properties, the inherited ones too."""
+    found: dict[str, Any] = {}
+    for base in reversed([base for base in owner.__mro__ if base.__module__.startswith("hardlimit")]):
+        found |= vars(base)
+    for member, item in found.items():
+        if member.startswith("_") or not (
+            inspect.isroutine(item) or isinstance(item, property | cached_property)
+        ):
+            continue
+        described = getattr(owner, member) if inspect.isroutine(item) else item
+        documented = Documented(f"{name}.{member}", described, owner)
+        if documented.is_property and not documented.text:
+            inherited = [vars(base)[member] for base in owner.__mro__ if member in vars(base)]
+            documented.text = next(filter(None, map(inspect.getdoc, inherited)), "")
+        if ":meta private:" not in documented.text:
+            yield documented
+
+
+NAMES = re.findall(r"^\.\. auto(?:class|function):: ([\w.]+)", API.read_text(encoding="utf-8"), flags=re.M)
+TOP = [Documented(name, shown(name)) for name in NAMES]
+MEMBERS = [
+    member for one in TOP if isinstance(one.item, type) for member in members(one.name, one.item)
+]
+EVERY = [*TOP, *MEMBERS]
+
+
+def missing(failures: Iterator[str]) -> str:
+    return "\n".join(failures)
+
+
+def test_all_names_are_shown():
+    text = API.read_text(encoding="utf-8")
+    assert [name for name in hl.__all__ if not re.search(rf"^\.\. auto\w+:: {name}$", text, re.M)] == []
+    assert len(set(NAMES)) == len(NAMES) and len(MEMBERS) > 100
+
+
+def test_summary():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            summary = one.text.split("\n\n")[0]
+            if not re.match(r"\S.*[.?:]$", summary, re.S):
+                yield f"{one.name}: {summary!r}"
+            unknown = [title for title in one.sections if title and title not in SECTIONS]
+            order = [SECTIONS.index(title) for title in one.sections if title in SECTIONS]
+            if unknown or order != sorted(order):
+                yield f"{one.name}: sections {list(one.sections)}"
+
+    assert not missing(bad())
+
+
+def test_parameters():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            heads = re.findall(r"^(\S.*?)(?: : |$)", one.sections.get("Parameters", ""), re.M)
+            listed = [name.strip(" *") for head in heads for name in head.split(",")]
+            wanted = one.parameters
+            in_text = one.owner is not None and len(wanted) == 1 and f"``{wanted[0]}``" in one.sections[""]
+            if not in_text and listed != wanted:
+                yield f"{one.name}: takes {wanted}, lists {listed}"
+            if isinstance(one.item, type) and not (wanted or "Parameters" in one.sections):
+                if not re.search(r"\b(made|returned) by|what ", one.text, re.I):
+                    yield f"{one.name}: made by what?"
+
+    assert not missing(bad())
+
+
+def test_fields():
+    """Every field of a class that a function makes is described beside it."""
+
+    def bad() -> Iterator[str]:
+        for one in TOP:
+            if not (is_dataclass(one.item) or hasattr(one.item, "_fields")):
+                continue
+            names = [f.name for f in fields(one.item)] if is_dataclass(one.item) else one.item._fields
+            lines = inspect.getsource(one.item).splitlines()
+            described = one.sections.get("Parameters", "") + one.sections.get("Attributes", "")
+            for name in names:
+                (at,) = [i for i, line in enumerate(lines) if re.match(rf" +{name}: ", line)]
+                near = "\n".join(lines[at - 1 : at + 4])
+                if "#:" not in near and not re.search(rf"^[\w, ]*\b{name}\b", described, re.M):
+                    yield f"{one.name}.{name}"
+
+    assert not missing(bad())
+
+
+def test_raises():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            refuses = bool(one.parameters) or (one.is_property and "raise " in one.source)
+            if refuses and "Raises" not in one.sections:
+                yield one.name
+
+    assert not missing(bad())
+
+
+def test_sources():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            computes = inspect.isfunction(one.item) and not one.owner and one.parameters[0] not in PATHS
+            prose = "\n".join(text for title, text in one.sections.items() if title != "Examples")
+            if (computes or FORMULA.search(prose)) and not CITED.search(prose):
+                if one.owner is None or not CITED.search(inspect.getdoc(one.owner) or ""):
+                    yield one.name
+
+    assert not missing(bad())
+
+
+def test_examples_are_there():
+    def bad() -> Iterator[str]:
+        for one in TOP:
+            if not one.examples:
+                yield one.name
+        for one in MEMBERS:
+            method = one.name.rpartition(".")[2]
+            texts = "".join(e.source for e in [*one.examples, *Documented("", one.owner).examples])
+            if not one.is_property and f".{method}(" not in texts:
+                yield one.name
+
+    assert not missing(bad())
+
+
+@pytest.mark.parametrize("one", [one for one in EVERY if one.examples], ids=lambda one: one.name)
+def test_examples_are_true(one, tmp_path, monkeypatch):
+    """Each by itself, in an empty folder, after ``import hardlimit as hl`` and ``import numpy as np``."""
+    monkeypatch.chdir(tmp_path)
+    said: list[str] = []
+    test = doctest.DocTest(one.examples, {"hl": hl, "np": np}, one.name, one.name, 0, one.text)
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    assert runner.run(test, out=said.append).failed == 0, "".join(said)
