@@ -72,7 +72,25 @@ OUTCOMES: Final = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactResult:
-    """Outcome of one run of a box of grains under Newton's equations. Times in s after its start. It never changes."""
+    """Outcome of one run of a box of grains under Newton's equations; made by :func:`molecular_dynamics`.
+
+    It never changes. Times are in s after the start of the run.
+
+    Notes
+    -----
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008), the pressure that of the virial.
+
+    Examples
+    --------
+    >>> pair = hl.ParticleSystem([[0.02, 0.05], [0.04, 0.05]], [[0.1, 0], [-0.1, 0]], 0.005, density=2500.0, box=0.1)
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.5)
+    >>> run = hl.molecular_dynamics(pair, law=law, until=0.2, log=True)
+    >>> begin, end = run.contacts.begin.values, run.contacts.end.values
+    >>> f"{(end - begin)[0] * 1e3:.2f} ms", run.contacts.separation_speed.values.round(3)
+    ('2.20 ms', array([0.1]))
+    >>> run.energy_error < 1e-9
+    True
+    """
 
     system: ParticleSystem  #: the final state, inside the box; particles in contact overlap
     time: float  #: [s] of the final state
