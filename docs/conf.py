@@ -1,6 +1,8 @@
+import inspect
 import shutil
 from importlib import metadata, resources
 from pathlib import Path
+from typing import Any
 
 from sphinx.application import Sphinx
 
@@ -25,5 +27,12 @@ def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
             shutil.copytree(page, Path(app.outdir) / "explorer-page", dirs_exist_ok=True)
 
 
+def hide_signature(app: Sphinx, what: str, name: str, item: Any, *given: Any) -> tuple[str, str] | None:
+    """No signature for a class that functions make: one without a section Parameters in its docstring."""
+    made = what == "class" and "\nParameters\n---" not in (inspect.getdoc(item) or "")
+    return ("", "") if made else None
+
+
 def setup(app: Sphinx) -> None:
     app.connect("build-finished", copy_explorer)
+    app.connect("autodoc-process-signature", hide_signature)

@@ -42,10 +42,10 @@ class Ball:
     Ball(radius=0.01, density=2500.0)
     """
 
-    radius: float
-    mass: float
-    density: float
-    given: str  #: "density" or "mass": which one stays when the radius is changed
+    radius: float  #: [m]
+    mass: float  #: [kg]
+    density: float  #: [kg/m³]
+    given: str  #: which one stays when the radius is changed, ``"density"`` or ``"mass"``
 
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)

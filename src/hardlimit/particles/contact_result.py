@@ -94,19 +94,19 @@ class ContactResult:
 
     system: ParticleSystem  #: the final state, inside the box; particles in contact overlap
     time: float  #: [s] of the final state
-    law: Law
+    law: Law  #: of all contacts
     engine: str  #: ``"events"``, ``"steps"`` or ``"lammps"``
     outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
-    n_contacts: int | None  #: that began, with walls too; None where nobody counted: by LAMMPS without log
+    n_contacts: int | None  #: that began, with walls too; None where nobody counted (LAMMPS without log)
     n_pairs: int | None  #: of them between two particles
-    n_ended: int | None
-    n_overlapped: int | None  #: of those that ended: shared a particle with another contact while they lasted
+    n_ended: int | None  #: of them that ended
+    n_overlapped: int | None  #: of those that ended, how many shared a particle with another contact in time
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(repr=False)  #: as in ``LOG``; None without log
-    time_step: float | None = None  #: by steps and by LAMMPS: the longest [s]
-    n_steps: int | None = None  #: by steps and by LAMMPS
-    largest_cluster: int | None = None  #: by events: the most particles that were integrated together
-    cluster_share: float | None = None  #: by events: share of all time that particles spent in such clusters
+    time_step: float | None = None  #: of steps and LAMMPS, the longest [s]
+    n_steps: int | None = None  #: of steps and LAMMPS
+    largest_cluster: int | None = None  #: of events, the most particles that were integrated together
+    cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
 
     @property
     def outcome(self) -> str:

@@ -65,7 +65,7 @@ class Collapse(NamedTuple):
     time: float  #: [s]
     position: tuple[float, ...]  #: of the first particle [m]
     first: int  #: a particle
-    second: int  #: a particle, or a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge
+    second: int  #: a particle, or a wall, −1 − 2·axis at 0 and −2 − 2·axis at the edge
 
 
 @dataclass(frozen=True)

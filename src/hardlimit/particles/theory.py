@@ -90,7 +90,7 @@ class Gas:
     def collision_rate(self, temperature: Floats | float) -> Floats:
         """Enskog's rate ν of one particle [1/s]: 4√π n σ² χ √T, of disks 2√π n σ χ √T, σ = 2R.
 
-        Source: Chapman & Cowling, The Mathematical Theory of Non-uniform Gases. Exact but for the error of χ in an
+        Source: Chapman & Cowling, The Mathematical Theory of Non-uniform Gases (1970). Exact but for the error of χ in an
         elastic gas; in a granular one as long as velocities stay close to Maxwell's and places uncorrelated.
 
         Parameters

@@ -40,11 +40,12 @@ class Departure(NamedTuple):
 
     Examples
     --------
-    >>> box = hl.ParticleSystem.random(16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2)
-    >>> law = hl.LinearDashpot(stiffness=100.0, restitution=0.5)
-    >>> found = hl.fidelity(box, law=law, until=0.05, models=["newton", "law"], replicas=4, samples=10)
-    >>> print(found.departure("granular_temperature", "law"))
-    None
+    >>> box = hl.ParticleSystem.random(16, 0.65, 1e-3, 2500.0, rms_speed=0.1, dimension=2)
+    >>> law = hl.LinearDashpot(stiffness=10.0, restitution=0.3)
+    >>> found = hl.fidelity(box, law=law, until=0.04, models=["newton", "law"], replicas=8, samples=8)
+    >>> time, size, error = found.departure("granular_temperature", "law")
+    >>> f"at {time * 1e3:.0f} ms by {100 * size:.0f} ± {100 * error:.0f} %"
+    'at 10 ms by -18 ± 3 %'
     """
 
     time: float  #: [s]
@@ -72,8 +73,10 @@ class Fidelity:
     '-0.1 ± 0.1 %'
     >>> found.difference("pressure", "law").mean.shape  # one for each sample
     (5,)
-    >>> print(found.save("fidelity.nc"))
-    fidelity.nc
+    >>> found.departure("granular_temperature", "law") is None  # it never leaves the bars
+    True
+    >>> print(found.save("fidelity.nc"), found.summary(), sep=": ")
+    fidelity.nc: At t_c ν = 0.014 ...
     """
 
     plan: Plan  #: what is compared, over which samples
@@ -147,7 +150,7 @@ class Fidelity:
     # --- differences ----------------------------------------------------------------------------------------
 
     def difference(self, quantity: str, model: str) -> statistics.Estimate:
-        """(model − Newton) over the magnitude of Newton at every sample, paired by the starts of the replicas.
+        """(model − Newton) over the magnitude of Newton at every sample: mean and standard error over paired replicas.
 
         Parameters
         ----------
@@ -155,11 +158,6 @@ class Fidelity:
             A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
         model : str
             One of ``models``.
-
-        Returns
-        -------
-        Estimate
-            Mean and standard error over replicas, one for each sample.
 
         Raises
         ------
@@ -178,10 +176,6 @@ class Fidelity:
             A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
         model : str
             One of ``models``.
-
-        Returns
-        -------
-        Estimate
 
         Raises
         ------
@@ -217,10 +211,6 @@ class Fidelity:
             A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
         model : str
             One of ``models``.
-
-        Returns
-        -------
-        Departure or None
 
         Raises
         ------

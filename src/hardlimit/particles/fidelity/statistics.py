@@ -28,8 +28,8 @@ class Estimate(NamedTuple):
     '0.091 ± 0.005'
     """
 
-    mean: Floats
-    error: Floats
+    mean: Floats  #: over replicas
+    error: Floats  #: its standard error
 
 
 def mean(values: Floats) -> Estimate:
