@@ -41,7 +41,8 @@ def usual_damping(restitution: float, stiffness: float, effective_mass: float) -
     --------
     >>> ball = hl.Ball(0.01, density=2500.0)
     >>> damping = hl.usual_damping(0.5, stiffness=1e6, effective_mass=ball.mass)
-    >>> round(hl.LinearDashpot(stiffness=1e6, damping=damping).between(ball).restitution(), 4)
+    >>> law = hl.LinearDashpot(stiffness=1e6, damping=damping)
+    >>> round(law.between(ball).restitution(), 4)
     0.5503
     """
     asked = validation.number("restitution", restitution, 0.0, 1.0, highest_allowed=True)
@@ -83,7 +84,7 @@ def restitution_series(x: float | Values, terms: int = 10) -> float | Floats:
 
     Examples
     --------
-    >>> hl.restitution_series([0.1, 0.5, 1.0]).round(4)  # leaves the true values beyond x = 0.6
+    >>> hl.restitution_series([0.1, 0.5, 1.0]).round(4)  # the last is wrong
     array([0.8929, 0.6056, 0.7283])
     >>> hl.restitution_pade([0.1, 0.5, 1.0]).round(4)
     array([0.8929, 0.5953, 0.394 ])
@@ -124,9 +125,12 @@ def restitution_pade(x: float | Values, numerator: int = 3, denominator: int = 6
 
     Examples
     --------
-    >>> law = hl.Viscoelastic(youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0)
+    >>> law = hl.Viscoelastic(
+    ...     youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0
+    ... )
     >>> c = law.between(hl.Ball(0.01, density=2500.0))
-    >>> x = 1.5 * c.dissipative_time * (c.elastic_prefactor / c.effective_mass) ** 0.4 * 10.0**0.2
+    >>> a, rho = c.dissipative_time, c.elastic_prefactor
+    >>> x = 1.5 * a * (rho / c.effective_mass) ** 0.4 * 10.0**0.2  # at 10 m/s
     >>> round(hl.restitution_pade(x), 4), round(c.restitution(10.0), 4)
     (0.7086, 0.7085)
     """

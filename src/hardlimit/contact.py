@@ -99,8 +99,11 @@ class Contact:
 
         Examples
         --------
-        >>> law = hl.Viscoelastic(youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0)
-        >>> law.between(hl.Ball(0.01, density=2500.0)).restitution([0.01, 1.0, 10.0]).round(3)
+        >>> law = hl.Viscoelastic(
+        ...     youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0
+        ... )
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> contact.restitution([0.01, 1.0, 10.0]).round(3)
         array([0.913, 0.8  , 0.709])
         """
         return _over_speeds(self.core.restitution, speed)
@@ -129,8 +132,9 @@ class Contact:
 
         Examples
         --------
-        >>> law = hl.Tsuji(elastic_prefactor=1e9, restitution=0.8)  # Hertz: shorter for faster impacts
-        >>> (law.between(hl.Ball(0.01, density=2500.0)).duration([0.1, 1.0]) * 1e6).round(1)
+        >>> law = hl.Tsuji(elastic_prefactor=1e9, restitution=0.8)
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> (contact.duration([0.1, 1.0]) * 1e6).round(1)  # [µs]
         array([196.2, 123.8])
         """
         return _over_speeds(self.core.duration, speed)
@@ -165,7 +169,8 @@ class Contact:
         Examples
         --------
         >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
-        >>> law.between(hl.Ball(0.01, density=2500.0)).force(1e-5, [1.0, 0.0, -1.0]).round(1)  # never attracts
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> contact.force(1e-5, [1.0, 0.0, -1.0]).round(1)  # never attracts
         array([62.2, 10. ,  0. ])
         """
         depth, closing = _numbers("compression", compression), _numbers("rate", rate)
@@ -222,10 +227,10 @@ def _over_speeds(function: Callable[[Floats], Floats], speed: float | Values) ->
 
 
 class Law:
-    """A contact law with the user's parameters: the base of the classes in :data:`LAWS`, which the core describes.
+    """A contact law with its parameters, the base of the classes in :data:`LAWS`.
 
-    The classes are made by the core's records. A law never changes, and laws of the same class and parameters are
-    equal. Its parameters are attributes.
+    Each class is made by the package from what the compiled core says of the law. A law never changes, and laws of the
+    same class and parameters are equal. Its parameters are attributes.
 
     Examples
     --------
@@ -358,8 +363,10 @@ class Law:
         --------
         >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
         >>> big, small = hl.Ball(0.02, density=2500.0), hl.Ball(0.01, density=2500.0)
-        >>> round(law.between(small, big).damping, 2), round(law.between(small, hl.FLOOR).damping, 2)
-        (49.26, 52.25)
+        >>> round(law.between(small, big).damping, 2)
+        49.26
+        >>> round(law.between(small, hl.FLOOR).damping, 2)
+        52.25
         """
         if not isinstance(ball, Ball):
             raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
@@ -415,13 +422,22 @@ def _documentation(record: dict[str, Any], example: Sequence[str]) -> str:
     choices = record["alternatives"]
     every = {p["name"]: p for group in (record["common"], *choices) for p in group}
     lines = [record["summary"], ""]
-    lines += ["Give exactly one of these sets" + (" besides the rest:" if record["common"] else ":"), ""]
+    besides = ", ".join(f"``{p['name']}``" for p in record["common"])
+    lines += [
+        f"Besides {besides}, give exactly one of these sets:"
+        if besides
+        else "Give exactly one of these sets:",
+        "",
+    ]
     lines += ["* " + ", ".join(f"``{p['name']}``" for p in choice) for choice in choices]
-    lines += ["", "A contact has the attributes", ""]
-    lines += [f"* ``{c['name']}`` : float [{c['unit']}], {c['meaning']}" for c in record["constants"]]
+    lines += ["", "A contact has the attributes:", ""]
+    lines += [f"* ``{c['name']}``, {c['meaning']}{_unit(c)}" for c in record["constants"]]
     lines += ["", "Parameters", "----------"]
     for name, p in every.items():
-        lines += [f"{name} : float{_unit(p)}", f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}."]
+        lines += [
+            f"{name} : float{_unit(p)}",
+            f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}.",
+        ]
     lines += ["", "Raises", "------", "ValueError"]
     lines += ["    If a value is outside its range or not exactly one of the sets is given."]
     lines += ["", "Notes", "-----", f"Source: {record['source']}."]
@@ -438,11 +454,15 @@ def _example(law: type[Law]) -> list[str]:
     values = {p["name"]: _typical(p) for p in given}
     contact = law(**values).between(Ball(0.01, density=2500.0))
     return [
-        f">>> law = hl.{law.__name__}({', '.join(f'{name}={value:g}' for name, value in values.items())})",
+        f">>> law = hl.{law.__name__}({', '.join(f'{name}={_short(value)}' for name, value in values.items())})",
         ">>> contact = law.between(hl.Ball(0.01, density=2500.0))  # with the floor",
         '>>> f"ε {contact.restitution(1.0):.3f}, {contact.duration(1.0) * 1e6:.1f} µs"',
         repr(f"ε {contact.restitution(1.0):.3f}, {contact.duration(1.0) * 1e6:.1f} µs"),
     ]
+
+
+def _short(value: float) -> str:
+    return f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-")
 
 
 def _typical(parameter: dict[str, Any]) -> float:

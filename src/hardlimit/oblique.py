@@ -42,9 +42,9 @@ class ObliqueDrop:
 
     Examples
     --------
-    >>> drop = hl.oblique_drop(hl.Column.paper(gap=0.01), offset=1e-4)  # 1 % of the radius of the upper ball
-    >>> f"{drop.sideways_velocity * 1e3:.2f} mm/s, to leading order {drop.estimate * 1e3:.2f} mm/s"
-    '8.24 mm/s, to leading order 8.21 mm/s'
+    >>> drop = hl.oblique_drop(hl.Column.paper(gap=0.01), offset=1e-4)
+    >>> f"{drop.sideways_velocity * 1e3:.2f} mm/s, estimate {drop.estimate * 1e3:.2f}"
+    '8.24 mm/s, estimate 8.21'
     """
 
     column: Column  #: the same drop without offset

@@ -91,8 +91,11 @@ class Stack:
         --------
         >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
         >>> two = hl.stack(2, law, bottom_mass=0.6)
-        >>> round(two.speed_under("newton", gaps=0.01), 3), round(two.speed_under("independent"), 3)
-        (1.375, 1.375)
+        >>> [
+        ...     round(two.speed_under(model, gaps=0.01), 3)
+        ...     for model in ("newton", "independent")
+        ... ]
+        [1.375, 1.375]
         """
         validation.one_of("model", model, MODELS)
         return _top(self.column if gaps is None else self.column.replace(gaps=gaps), model)
@@ -228,9 +231,10 @@ def stack(
     Examples
     --------
     >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
-    >>> hl.stack(2, law, bottom_mass=0.6)  # touching balls under Newton's equations
+    >>> hl.stack(2, law, bottom_mass=0.6)
     <Stack of 2, best under newton: 0.6, 0.3119 kg, top 1.20979 V>
-    >>> hl.stack(3, law, bottom_mass=1.0, top_mass=0.01, model="independent").masses.round(3)  # geometric
+    >>> rigid = hl.stack(3, law, bottom_mass=1.0, top_mass=0.01, model="independent")
+    >>> rigid.masses.round(3)  # geometric
     array([1.  , 0.1 , 0.01])
     """
     count = validation.whole("n", n, 2, MOST_BALLS)

@@ -27,7 +27,8 @@ class Verdict(NamedTuple):
     >>> answer
     'yes'
     >>> print(sentence)
-    Yes: one contact follows the other, and event-driven gets the separation velocity right to 0.2 %.
+    Yes: one contact follows the other, and event-driven gets the separation velocity
+    right to 0.2 %.
     """
 
     answer: Literal["yes", "by luck", "no", "undecided"]  #: in a word
@@ -86,7 +87,8 @@ def compare(column: Column) -> Comparison:
     Examples
     --------
     >>> print(hl.compare(hl.Column.paper()).verdict.sentence)
-    No: all 4 contacts of the balls happen while another contact lasts; for the separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
+    No: all 4 contacts of the balls happen while another contact lasts; for the
+    separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
     """
     fast, hard = newton(column), independent(column)
     return Comparison(fast, hard, adiabatic(column) if ADIABATIC.applies(column) else None)

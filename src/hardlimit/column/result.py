@@ -30,7 +30,7 @@ class Result:
 
     Those of a cradle are times after its release. A result never changes, and its arrays are read-only. A copy, or a
     result that was sent to another process, is solved again when it is first asked for a value, and has the same bits.
-    The page of definitions says exactly what each number means.
+    :doc:`/definitions` says exactly what each number means.
 
     Notes
     -----
@@ -153,7 +153,7 @@ class Result:
         """Greatest height of each centre above the floor [m] after the ball's first bounce, bottom first.
 
         With ``until``, the greatest up to that time. Without it, the lowest ball is taken away when it meets the floor
-        for the second time, and the contacts still to come between the others count (see docs/definitions.md). NaN for
+        for the second time, and the contacts still to come between the others count (see :doc:`/definitions`). NaN for
         a ball that does not bounce, and for a cradle.
         """
         return _fixed(np.asarray(self._core.rebound_heights()))
@@ -301,7 +301,7 @@ class Result:
         Examples
         --------
         >>> path = hl.newton(hl.Column.paper()).trajectory(np.linspace(0, 1e-3, 101))
-        >>> (path.force.max("time") / 1e3).values.round(1)  # at the floor and between the balls [kN]
+        >>> (path.force.max("time") / 1e3).values.round(1)  # floor, pair [kN]
         array([35.9,  0.4])
         """
         import xarray as xr
@@ -381,8 +381,9 @@ class Result:
 
         Examples
         --------
-        >>> hl.newton(hl.Column.paper()).animate("drop.gif", width=160, frames_per_second=1).name
-        'drop.gif'
+        >>> drop = hl.newton(hl.Column.paper())
+        >>> print(drop.animate("drop.gif", width=160, frames_per_second=1))
+        drop.gif
         """
         from ..pictures import animation
 

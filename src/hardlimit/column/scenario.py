@@ -61,8 +61,9 @@ class Column:
     >>> basketball, tennis_ball = hl.Ball(0.12, mass=0.62), hl.Ball(0.033, mass=0.058)
     >>> law = hl.LinearDashpot(stiffness=2e4, restitution=0.8)
     >>> drop = hl.Column([basketball, tennis_ball], gaps=0.01, height=1.12, law=law)
-    >>> f"{drop.impact_speed:.2f} m/s on Earth, {drop.replace(gravity=1.62).impact_speed:.2f} m/s on the Moon"
-    '4.43 m/s on Earth, 1.80 m/s on the Moon'
+    >>> moon = drop.replace(gravity=1.62)
+    >>> f"{drop.impact_speed:.2f} m/s, on the Moon {moon.impact_speed:.2f} m/s"
+    '4.43 m/s, on the Moon 1.80 m/s'
     """
 
     balls: tuple[Ball, ...]  #: bottom first
@@ -200,10 +201,11 @@ class Column:
         Examples
         --------
         >>> balls = [hl.Ball(0.02, mass=0.1)] * 3
-        >>> cradle = hl.Column.cradle(balls, [1, 0, 0], hl.LinearDashpot(stiffness=1e6, restitution=1.0))
+        >>> steel = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+        >>> cradle = hl.Column.cradle(balls, [1, 0, 0], steel)
         >>> hl.independent(cradle).final_velocities.round(3) + 0.0
         array([0., 0., 1.])
-        >>> hl.newton(cradle).final_velocities.round(3)  # touching balls under Newton's equations
+        >>> hl.newton(cradle).final_velocities.round(3)  # they touch
         array([-0.13,  0.15,  0.98])
         """
         self = cls.__new__(cls)
@@ -323,7 +325,10 @@ class Column:
 
     @cached_property
     def core(self) -> _core.Column:
-        """The column as the core sees it."""
+        """The column as the core sees it.
+
+        :meta private:
+        """
         contacts = [c.core for c in self.contacts]
         if not self.floor:
             contacts.insert(0, contacts[0])  # pair 0 exists in the core and never closes

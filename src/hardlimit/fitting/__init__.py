@@ -76,12 +76,15 @@ def fit(
 
     Examples
     --------
-    >>> steel = hl.Impacts.of_restitution([0.05, 0.5, 5.0], [0.965, 0.944, 0.912], restitution_error=0.003)
+    >>> steel = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
     >>> found = hl.fit(steel, "viscoelastic")
     >>> print(found.parameters["restitution"], found.notes[-1], sep=", ")
     0.943666 ± 0.0016, restitution is that at 0.5 m/s (impact_speed)
     >>> print(found.verdict)
-    viscoelastic describes the data: χ² = 0.1818 for 2 degrees of freedom, p = 0.91; one ε (linear, tsuji) does worse by 158 or more in AIC
+    viscoelastic describes the data: χ² = 0.1818 for 2 degrees of freedom, p = 0.91; one
+    ε (linear, tsuji) does worse by 158 or more in AIC
     """
     if not isinstance(data, Measured):
         raise ValueError(f"data: got {validation.shown(data)}, must be Impacts or Rebounds")

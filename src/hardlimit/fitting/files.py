@@ -104,7 +104,7 @@ def read_measurements(
     Examples
     --------
     >>> with open("bounces.csv", "w") as file:
-    ...     file.writelines(f"{row}\n" for row in ["height [cm], height_error [mm]", "100, 5", "64, 5", "42, 5"])
+    ...     _ = file.write("height [cm], height_error [mm]\n100, 5\n64, 5\n42, 5\n")
     >>> hl.read_measurements("bounces.csv").restitution.round(3)
     array([0.8 , 0.81])
     """

@@ -34,7 +34,9 @@ class Estimate:
 
     Examples
     --------
-    >>> impacts = hl.Impacts.of_restitution([0.05, 0.5, 5.0], [0.965, 0.944, 0.912], restitution_error=0.003)
+    >>> impacts = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
     >>> epsilon = hl.fit(impacts, "linear", compare=False).parameters["restitution"]
     >>> print(epsilon, f"in [{epsilon.lower:.4f}, {epsilon.upper:.4f}]")
     0.940333 ± 0.0017 in [0.9386, 0.9421]

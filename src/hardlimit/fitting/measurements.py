@@ -141,8 +141,8 @@ class Impacts(Measured):
 
         Examples
         --------
-        >>> hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], restitution_error=0.01).restitution_error
-        array([0.01, 0.01, 0.01])
+        >>> hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
+        <Impacts: 3 from 0.1 to 10 m/s>
         """
         count = _count("speed", speed)
         v = validation.each("speed", speed, count, lowest=0.0)
@@ -192,9 +192,13 @@ class Impacts(Measured):
 
         Examples
         --------
-        >>> impacts = hl.Impacts.of_rebound_heights([1.0, 0.5], [0.64, 0.33], rebound_height_error=0.01)
-        >>> impacts.speed.round(2), impacts.restitution.round(3), impacts.restitution_error.round(3)
-        (array([4.43, 3.13]), array([0.8  , 0.812]), array([0.006, 0.012]))
+        >>> impacts = hl.Impacts.of_rebound_heights(
+        ...     [1.0, 0.5], [0.64, 0.33], rebound_height_error=0.01
+        ... )
+        >>> impacts.speed.round(2), impacts.restitution.round(3)
+        (array([4.43, 3.13]), array([0.8  , 0.812]))
+        >>> impacts.restitution_error.round(3)
+        array([0.006, 0.012])
         """
         count = _count("drop_height", drop_height)
         g = validation.number("gravity", gravity, 0.0)
@@ -242,7 +246,8 @@ class Impacts(Measured):
 
         Examples
         --------
-        >>> hl.Impacts.of_heights([[1.0, 0.64, 0.42]], height_error=0.005).restitution.round(3)
+        >>> bounces = hl.Impacts.of_heights([[1.0, 0.64, 0.42]], height_error=0.005)
+        >>> bounces.restitution.round(3)
         array([0.8 , 0.81])
         """
         g = validation.number("gravity", gravity, 0.0)
@@ -286,7 +291,8 @@ class Impacts(Measured):
 
         Examples
         --------
-        >>> hl.Impacts.of_times([[0.0, 0.5, 0.9, 1.22]], time_error=0.001).restitution.round(3)
+        >>> heard = hl.Impacts.of_times([[0.0, 0.5, 0.9, 1.22]], time_error=0.001)
+        >>> heard.restitution.round(3)
         array([0.8, 0.8])
         """
         g = validation.number("gravity", gravity, 0.0)
@@ -369,7 +375,9 @@ class Rebounds(Measured):
 
     Examples
     --------
-    >>> rebounds = hl.Rebounds.of_column(hl.Column.paper(), "top_height", [0.8, 0.9], error=0.02, gap=[1e-3, 1e-2])
+    >>> rebounds = hl.Rebounds.of_column(
+    ...     hl.Column.paper(), "top_height", [0.8, 0.9], error=0.02, gap=[1e-3, 1e-2]
+    ... )
     >>> rebounds.n, rebounds.has_errors
     (2, True)
     """
@@ -422,7 +430,9 @@ class Rebounds(Measured):
         --------
         >>> drop, gaps = hl.Column.paper(restitution=0.8), [1e-3, 3e-3, 1e-2]
         >>> seen = [hl.newton(drop.replace(gaps=gap)).separation_velocity for gap in gaps]
-        >>> rebounds = hl.Rebounds.of_column(drop, "separation_velocity", seen, error=0.05, gap=gaps)
+        >>> rebounds = hl.Rebounds.of_column(
+        ...     drop, "separation_velocity", seen, error=0.05, gap=gaps
+        ... )
         >>> found = hl.fit(rebounds, "linear", fixed={"stiffness": 5e7}, compare=False)
         >>> round(found.law.restitution, 3)
         0.8

@@ -37,7 +37,9 @@ class Trial:
 
     Examples
     --------
-    >>> impacts = hl.Impacts.of_restitution([0.05, 0.5, 5.0], [0.965, 0.944, 0.912], restitution_error=0.003)
+    >>> impacts = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
     >>> for trial in hl.fit(impacts, "viscoelastic").trials:
     ...     print(f"{trial.name}: χ² {trial.chi_square:.1f}, AIC {trial.aic:.1f}")
     viscoelastic: χ² 0.2, AIC -27.2
@@ -99,10 +101,12 @@ class Fit:
 
     Examples
     --------
-    >>> impacts = hl.Impacts.of_restitution([0.05, 0.5, 5.0], [0.965, 0.944, 0.912], restitution_error=0.003)
+    >>> impacts = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
     >>> found = hl.fit(impacts, "viscoelastic")
-    >>> f"χ² = {found.chi_square:.2f} for {found.degrees} degrees of freedom, p = {found.probability:.2f}"
-    'χ² = 0.18 for 2 degrees of freedom, p = 0.91'
+    >>> f"χ² = {found.chi_square:.2f}, p = {found.probability:.2f}"
+    'χ² = 0.18, p = 0.91'
     >>> [trial.name for trial in found.trials]  # the best first
     ['viscoelastic', 'one ε (linear, tsuji)']
     >>> found.contact.restitution([0.01, 50.0]).round(3)
@@ -209,7 +213,9 @@ class Fit:
 
         Examples
         --------
-        >>> impacts = hl.Impacts.of_restitution([0.05, 0.5, 5.0], [0.965, 0.944, 0.912], restitution_error=0.003)
+        >>> impacts = hl.Impacts.of_restitution(
+        ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+        ... )
         >>> hl.fit(impacts, "viscoelastic").plot().savefig("fit.svg")
         """
         from ..pictures import plots

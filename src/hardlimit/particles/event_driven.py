@@ -87,11 +87,14 @@ def event_driven(
 
     Examples
     --------
-    >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
     >>> run = hl.event_driven(gas, restitution=0.9, max_collisions=1000)
     >>> run
-    <ParticleResult of 100 particles (constant, restitution 0.9): 1000 collisions in 0.547465 s, ok>
-    >>> round(run.system.granular_temperature / gas.granular_temperature, 3)  # what is left of it
+    <ParticleResult of 100 particles (constant, restitution 0.9): 1000 collisions in
+    0.547465 s, ok>
+    >>> round(run.system.granular_temperature / gas.granular_temperature, 3)
     0.296
     """
     if not isinstance(system, ParticleSystem):

@@ -56,7 +56,15 @@ class Collapse(NamedTuple):
 
     Examples
     --------
-    >>> bed = hl.ParticleSystem([[0.05, 0.05]], [[0, 0]], 0.01, density=2500.0, box=0.1, boundary="wall", gravity=9.81)
+    >>> bed = hl.ParticleSystem(
+    ...     [[0.05, 0.05]],
+    ...     [[0, 0]],
+    ...     0.01,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ...     boundary="wall",
+    ...     gravity=9.81,
+    ... )
     >>> run = hl.event_driven(bed, restitution=0.5, until=1.0)
     >>> run.outcome_name, f"{run.collapse.time:.4f} s"
     ('collapse', '0.2709 s')
@@ -74,8 +82,17 @@ class Settings:
 
     Examples
     --------
-    >>> pair = hl.ParticleSystem([[0.02, 0.05], [0.04, 0.05]], [[0.1, 0], [-0.1, 0]], 0.005, density=2500.0, box=0.1)
-    >>> hl.event_driven(pair, restitution=0.8, rule="tc", contact_duration=1e-5, until=0.1).settings.words()
+    >>> pair = hl.ParticleSystem(
+    ...     [[0.02, 0.05], [0.04, 0.05]],
+    ...     [[0.1, 0], [-0.1, 0]],
+    ...     0.005,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ... )
+    >>> run = hl.event_driven(
+    ...     pair, restitution=0.8, rule="tc", contact_duration=1e-5, until=0.1
+    ... )
+    >>> run.settings.words()
     'tc, restitution 0.8, contact duration 1e-05 s'
     """
 
@@ -114,7 +131,13 @@ class ParticleResult:
 
     Examples
     --------
-    >>> pair = hl.ParticleSystem([[0.02, 0.05], [0.04, 0.05]], [[0.1, 0], [-0.1, 0]], 0.005, density=2500.0, box=0.1)
+    >>> pair = hl.ParticleSystem(
+    ...     [[0.02, 0.05], [0.04, 0.05]],
+    ...     [[0.1, 0], [-0.1, 0]],
+    ...     0.005,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ... )
     >>> run = hl.event_driven(pair, restitution=0.5, until=0.2, log=True)
     >>> run.collisions.time.values.round(4), run.collisions.impact_speed.values
     (array([0.05]), array([0.2]))
@@ -245,8 +268,11 @@ class ParticleResult:
 
         Examples
         --------
-        >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
-        >>> hl.event_driven(gas, restitution=0.9, max_collisions=1000).plot().savefig("cooling.svg")
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> run = hl.event_driven(gas, restitution=0.9, max_collisions=1000)
+        >>> run.plot().savefig("cooling.svg")
         """
         from ..pictures import plots
 

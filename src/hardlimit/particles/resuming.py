@@ -44,8 +44,12 @@ def resume(
 
     Examples
     --------
-    >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
-    >>> first = hl.event_driven(gas, restitution=0.9, max_collisions=500, checkpoint="run.checkpoint")
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> first = hl.event_driven(
+    ...     gas, restitution=0.9, max_collisions=500, checkpoint="run.checkpoint"
+    ... )
     >>> hl.resume("run.checkpoint", max_collisions=1000).n_collisions
     1000
     """

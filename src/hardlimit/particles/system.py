@@ -199,9 +199,11 @@ class ParticleSystem:
 
         Examples
         --------
-        >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
-        >>> gas, round(gas.granular_temperature, 6)  # 0.1²/3
-        (<ParticleSystem of 100 spheres, packing fraction 0.1, box 0.0161199 × 0.0161199 × 0.0161199 m, periodic>, 0.003333)
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> round(gas.granular_temperature, 6)  # a third of 0.1², for each axis
+        0.003333
         """
         count = random_start.count(n)
         d = validation.whole("dimension", dimension, 2, 3)
@@ -256,7 +258,9 @@ class ParticleSystem:
 
         Examples
         --------
-        >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
         >>> hl.ParticleSystem.read(gas.write("gas.xyz")) == gas
         True
         """
@@ -292,7 +296,9 @@ class ParticleSystem:
 
         Examples
         --------
-        >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
         >>> print(gas.write("gas.data"))  # for read_data of LAMMPS
         gas.data
         """
@@ -341,7 +347,9 @@ class ParticleSystem:
 
         Examples
         --------
-        >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
         >>> hot = gas.replace(velocities=2.0 * gas.velocities)
         >>> round(hot.granular_temperature / gas.granular_temperature, 9)
         4.0

@@ -53,7 +53,8 @@ class Gas:
     >>> air = Gas(n=1000, radius=1e-3, mass=1e-5, volume=4e-5, dimension=3)
     >>> round(air.packing_fraction, 4), round(air.contact_value, 3)
     (0.1047, 1.321)
-    >>> float(air.cooling(1.0, temperature=0.01, restitution=0.9).round(5))  # after a second
+    >>> cooled = air.cooling(1.0, temperature=0.01, restitution=0.9)  # in 1 s
+    >>> round(float(cooled), 5)
     0.00064
     """
 
@@ -90,8 +91,8 @@ class Gas:
     def collision_rate(self, temperature: Floats | float) -> Floats:
         """Enskog's rate ν of one particle [1/s]: 4√π n σ² χ √T, of disks 2√π n σ χ √T, σ = 2R.
 
-        Source: Chapman & Cowling, The Mathematical Theory of Non-uniform Gases (1970). Exact but for the error of χ in an
-        elastic gas; in a granular one as long as velocities stay close to Maxwell's and places uncorrelated.
+        Source: Chapman & Cowling, The Mathematical Theory of Non-uniform Gases (1970). Exact but for the error of χ in
+        an elastic gas; in a granular one as long as velocities stay close to Maxwell's and places uncorrelated.
 
         Parameters
         ----------
@@ -222,7 +223,9 @@ def gas(system: ParticleSystem) -> Gas:
     Examples
     --------
     >>> from hardlimit.particles.theory import gas
-    >>> box = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+    >>> box = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
     >>> f"{gas(box).mean_free_path * 1e3:.2f} mm"
     '1.81 mm'
     """

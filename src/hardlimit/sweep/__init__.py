@@ -100,12 +100,18 @@ def sweep(
 
     Examples
     --------
-    >>> grid = hl.sweep(hl.Column.paper(), restitution=[0.5, 0.7, 0.9], gap=np.geomspace(1e-6, 1e-3, 4))
+    >>> grid = hl.sweep(
+    ...     hl.Column.paper(),
+    ...     restitution=[0.5, 0.7, 0.9],
+    ...     gap=np.geomspace(1e-6, 1e-3, 4),
+    ... )
     >>> grid.n_contacts.values
     array([[ 1,  2,  4,  1],
            [ 2,  3,  4,  1],
            [ 2, 12,  3,  1]], dtype=uint8)
-    >>> one = hl.sweep(hl.Column.paper(), restitution=[0.5, 0.9], variables=["separation_velocity"])
+    >>> one = hl.sweep(
+    ...     hl.Column.paper(), restitution=[0.5, 0.9], variables=["separation_velocity"]
+    ... )
     >>> one.separation_velocity.values.round(3)
     array([0.002, 0.527])
     """

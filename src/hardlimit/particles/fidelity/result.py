@@ -40,9 +40,13 @@ class Departure(NamedTuple):
 
     Examples
     --------
-    >>> box = hl.ParticleSystem.random(16, 0.65, 1e-3, 2500.0, rms_speed=0.1, dimension=2)
+    >>> box = hl.ParticleSystem.random(
+    ...     16, 0.65, 1e-3, 2500.0, rms_speed=0.1, dimension=2
+    ... )
     >>> law = hl.LinearDashpot(stiffness=10.0, restitution=0.3)
-    >>> found = hl.fidelity(box, law=law, until=0.04, models=["newton", "law"], replicas=8, samples=8)
+    >>> found = hl.fidelity(
+    ...     box, law=law, until=0.04, models=["newton", "law"], replicas=8, samples=8
+    ... )
     >>> time, size, error = found.departure("granular_temperature", "law")
     >>> f"at {time * 1e3:.0f} ms by {100 * size:.0f} ± {100 * error:.0f} %"
     'at 10 ms by -18 ± 3 %'
@@ -61,9 +65,13 @@ class Fidelity:
 
     Examples
     --------
-    >>> box = hl.ParticleSystem.random(16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2)
+    >>> box = hl.ParticleSystem.random(
+    ...     16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2
+    ... )
     >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.8)
-    >>> found = hl.fidelity(box, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4)
+    >>> found = hl.fidelity(
+    ...     box, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
+    ... )
     >>> found.outcomes("law"), f"{found.tc_nu:.4f}"
     (['ok', 'ok', 'ok', 'ok'], '0.0139')
     >>> found.told_apart("granular_temperature", "law")
@@ -73,7 +81,7 @@ class Fidelity:
     '-0.1 ± 0.1 %'
     >>> found.difference("pressure", "law").mean.shape  # one for each sample
     (5,)
-    >>> found.departure("granular_temperature", "law") is None  # it never leaves the bars
+    >>> found.departure("granular_temperature", "law") is None
     True
     >>> print(found.save("fidelity.nc"), found.summary(), sep=": ")
     fidelity.nc: At t_c ν = 0.014 ...
@@ -363,9 +371,13 @@ class Fidelity:
 
         Examples
         --------
-        >>> box = hl.ParticleSystem.random(16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2)
+        >>> box = hl.ParticleSystem.random(
+        ...     16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2
+        ... )
         >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.8)
-        >>> found = hl.fidelity(box, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4)
+        >>> found = hl.fidelity(
+        ...     box, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
+        ... )
         >>> found.plot().savefig("fidelity.svg")
         """
         from ...pictures import plots

@@ -22,7 +22,7 @@ class Estimate(NamedTuple):
     Examples
     --------
     >>> from hardlimit.particles.fidelity.statistics import relative_difference
-    >>> law, newton = np.array([1.1, 1.3, 1.2]), np.array([1.0, 1.2, 1.1])  # three replicas
+    >>> law, newton = np.array([1.1, 1.3, 1.2]), np.array([1.0, 1.2, 1.1])
     >>> found = relative_difference(law, newton)
     >>> f"{found.mean:.3f} ± {found.error:.3f}"
     '0.091 ± 0.005'

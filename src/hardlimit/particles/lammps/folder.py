@@ -65,9 +65,11 @@ def lammps_input(
 
     Examples
     --------
-    >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
     >>> law = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
-    >>> path = hl.lammps_input(gas, "cluster", law=law, until=0.01)  # then: mpiexec -n 64 lmp -in in.hardlimit
+    >>> path = hl.lammps_input(gas, "cluster", law=law, until=0.01)
     >>> sorted(file.name for file in path.parent.iterdir())
     ['hardlimit.json', 'in.hardlimit', 'start.data']
     """
@@ -105,8 +107,11 @@ def lammps_result(folder: str | Path) -> ContactResult:
 
     Examples
     --------
-    >>> gas = hl.ParticleSystem.random(100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1)
-    >>> path = hl.lammps_input(gas, "cluster", law=hl.LinearDashpot(stiffness=1e4, restitution=0.8), until=0.01)
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+    >>> path = hl.lammps_input(gas, "cluster", law=law, until=0.01)
     >>> hl.lammps_result("cluster")  # before LAMMPS has run there
     Traceback (most recent call last):
     ValueError: cluster/pairs.dump: cannot be read: No such file or directory
