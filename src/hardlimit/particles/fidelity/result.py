@@ -94,12 +94,12 @@ class Fidelity:
 
     @property
     def models(self) -> tuple[str, ...]:
-        """Newton's equations first."""
+        """Names of the models, Newton's equations first."""
         return self.plan.models
 
     @property
     def n_replicas(self) -> int:
-        """How many there are; one gives no error bars and no verdict."""
+        """Number of replicas; one gives no error bars and no verdict."""
         return len(self.arrays)
 
     @property
@@ -117,7 +117,7 @@ class Fidelity:
 
     @property
     def bars(self) -> str:
-        """How long they are, in words."""
+        """How long the error bars are, in words."""
         if self.n_replicas < 2:
             return "none: one replica"
         return (
