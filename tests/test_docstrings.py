@@ -193,7 +193,8 @@ def test_fields():
 def test_raises():
     def bad() -> Iterator[str]:
         for one in EVERY:
-            refuses = bool(one.parameters) or (one.is_property and "raise " in one.source)
+            raises = one.is_property and re.search(r"raise (?!NotImplementedError)", one.source)
+            refuses = bool(one.parameters) or raises
             if refuses and "Raises" not in one.sections:
                 yield one.name
 
