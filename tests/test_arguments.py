@@ -577,7 +577,7 @@ def arguments_of_practice() -> list[Argument]:
         Argument("fidelity", "models", "words", measure, ["newton", "constant"]),
         Argument("fidelity", "replicas", "whole number", measure, 1),
         Argument("fidelity", "samples", "whole number", measure, 2),
-        Argument("fidelity", "restitution", "number", measure, 0.9),
+        Argument("fidelity", "restitution", "optional number", measure, 0.9),
         Argument("fidelity", "contact_duration", "optional number", measure, 1e-6),
         Argument("fidelity", "engine", "word", measure, "events"),
         Argument("fidelity", "seed", "whole number", measure, 1),
