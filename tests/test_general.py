@@ -487,6 +487,25 @@ def test_column_on_a_floor_stops_when_the_floor_is_met_again():
     assert result.t_end <= np.nanmax(longer.contacts.end.values)
 
 
+def test_contacts_count_that_begin_before_the_floor_is_met_again():
+    """Elastic balls, soft pairs on a stiff floor: later contacts do not count, even while an earlier one is open."""
+    late = 0
+    for seed in range(40):
+        r = np.random.default_rng(seed)
+        stiffness = (1e8, 10 ** r.uniform(3, 5), 10 ** r.uniform(3, 6))
+        laws = [hl.LinearDashpot(stiffness=k, restitution=1.0) for k in stiffness]
+        balls = [hl.Ball(0.02, mass=10 ** r.uniform(-2, 0)) for _ in range(3)]
+        column = hl.Column(balls, [1e-4, 10 ** r.uniform(-5, -2)], 0.02, laws, velocities=-1.0, gravity=0.0)
+        found = hl.newton(column, until=0.2).contacts
+        pair, begin, end = (found[name].values for name in ("pair", "begin", "end"))
+        again = [*begin[pair == 0], math.inf, math.inf][1]
+        counted = (pair > 0) & (begin < again)
+        assert hl.newton(column).n_contacts == counted.sum()
+        followed = end[counted].max()
+        late += ((pair > 0) & (begin > again) & (begin < followed)).any()
+    assert late > 10
+
+
 def test_cradle_has_no_floor():
     law = law_of("linear", 1.0)
     result = hl.newton(hl.Column.cradle([hl.Ball(0.01, mass=0.1)] * 3, [1.0, 0.0, 0.0], law))

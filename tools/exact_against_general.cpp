@@ -4,11 +4,11 @@
 //       tools/exact_against_general.cpp -o exact_against_general
 //   ./exact_against_general 10000000 columns.txt
 //
-// The columns are numbered, and each follows from its number. The file has one line for each block of 10000; started
-// again, the program goes on after the last one. Columns that remain unexplained are written with all their numbers,
-// and make the exit status 1. tests/fuzz/draw.hpp says over what the columns run, tests/fuzz/agreement.hpp what explains
-// a difference. One that the general solver has not solved within 1000 steps, or 50000 for one column in a
-// thousand, is counted as unresolved: nothing is known of it.
+// The columns are numbered, and each follows from its number. The file has one line for each block of 10000;
+// started again, the program goes on after the last one. Columns that remain unexplained are written with all
+// their numbers, and make the exit status 1. tests/fuzz/draw.hpp says over what the columns run,
+// tests/fuzz/agreement.hpp what explains a difference. One that the general solver has not solved within 1000
+// steps, or 50000 for one column in a thousand, is counted as unresolved: nothing is known of it.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>

@@ -1,11 +1,11 @@
 // Whether the exact and the general solver agree on a column of two balls, and if they differ, why.
 //
-// A difference is explained in one of three ways. It is the error of the integration, if a sharper tolerance takes at
-// least half of it away. Or it is the condition of the problem: the general solver's result is that of the exact solver
-// for a column whose numbers differ from the given ones by a small relative amount, the backward error of the two
-// solvers together. Where a contact only just happens such a change makes the counts differ, and everything that depends
-// on them (a tie). Or only the instants differ at which a force ends that creeps through zero: the exact one vanishes at
-// both to rounding.
+// A difference is explained in one of three ways. It is the error of the integration, if a sharper tolerance
+// takes at least half of it away. Or it is the condition of the problem: the general solver's result is that
+// of the exact solver for a column whose numbers differ from the given ones by a small relative amount, the
+// backward error of the two solvers together. Where a contact only just happens such a change makes the
+// counts differ, and everything that depends on them (a tie). Or only the instants differ at which a force
+// ends that creeps through zero: the exact one vanishes at both to rounding.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -28,8 +28,8 @@ struct Agreement {
     double backward_error = 0.0;  // relative change of the column that explains it
 };
 
-// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight reaches while it
-// presses the contacts in, and the time of the faster contact.
+// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight
+// reaches while it presses the contacts in, and the time of the faster contact.
 struct Measure {
     double speed, time, fall;
     explicit Measure(const LinearColumn& c) : fall(column::fall_time(c.gaps[0], c.velocity[0], c.gravity)) {
@@ -49,8 +49,8 @@ inline bool same_events(const Sequence& a, const Sequence& b) {
            math::is_nan(a.relative_velocity) == math::is_nan(b.relative_velocity);
 }
 
-// [4] Both velocities in units of the impact speed; both times in units of the contact's, less what a rounding of
-// the time since release makes.
+// [4] Both velocities in units of the impact speed; both times in units of the contact's, less what a
+// rounding of the time since release makes.
 struct Differences {
     double value[4];
     double largest() const { return *std::max_element(value, value + 4); }
@@ -66,7 +66,8 @@ inline Differences differences(const Sequence& a, const Sequence& b, const Measu
              of(a.t_end, b.t_end, unit.time, 1e-12), of(a.t_floor_end, b.t_floor_end, unit.time, 1e-12)}};
 }
 
-// Every number of the column changed by up to `relative` of itself; what is zero by so much of its natural unit.
+// Every number of the column changed by up to `relative` of itself; what is zero by so much of its natural
+// unit.
 inline LinearColumn nearby(LinearColumn c, double relative, Random& random) {
     Draw<Random> draw(random);
     const Measure unit(c);
@@ -87,7 +88,8 @@ inline constexpr double rounding =
     1e-10;  // differences up to this, in units of the impact, need no explanation
 inline constexpr double largest_backward_error = 1e-10;
 
-// The exact solution, given up after `most` questions whether to go on, of which there is one for each 64 pieces.
+// The exact solution, given up after `most` questions whether to go on, of which there is one for each 64
+// pieces.
 inline Sequence solve_exactly(const LinearColumn& c, long most) {
     Stop stop([](void* left) { return --*static_cast<long*>(left) < 0; }, &most);
     return column::solve_sequence(c, column::Model::newton, {.stop = &stop}, nullptr);
@@ -97,8 +99,8 @@ inline Sequence integrate(const LinearColumn& c, long max_steps, double toleranc
                                   {.general = true, .tolerance = tolerance, .max_steps = max_steps}, nullptr);
 }
 
-// Whether changes of the column by `relative` make the exact solution differ from itself as much as the general one
-// does. `a` is filled with how.
+// Whether changes of the column by `relative` make the exact solution differ from itself as much as the
+// general one does. `a` is filled with how.
 inline bool explained_by_condition(double relative, const LinearColumn& c, Random& random, Agreement& a) {
     const Measure unit(c);
     const Differences found = differences(a.exact, a.general, unit);
@@ -129,8 +131,8 @@ inline bool explained_by_tolerance(const LinearColumn& c, long max_steps, Agreem
     return true;
 }
 
-// Whether the force of the exact solution vanishes where the general one has the ends of its contacts, and nothing but
-// these instants differs.
+// Whether the force of the exact solution vanishes where the general one has the ends of its contacts, and
+// nothing but these instants differs.
 inline bool explained_by_flat_force(const LinearColumn& c, Agreement& a) {
     const Measure unit(c);
     const Differences found = differences(a.exact, a.general, unit);

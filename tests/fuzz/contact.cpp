@@ -1,4 +1,5 @@
-// Fuzz target: one contact under any law, its parameters over many decades or any numbers that the law's record allows.
+// Fuzz target: one contact under any law, its parameters over many decades or any numbers that the law's
+// record allows.
 #include "check.hpp"
 
 namespace {

@@ -1,5 +1,6 @@
-// Columns from numbers that know nothing of physics: random ones, or the bytes of a fuzzer. Every parameter runs over
-// many decades, and what is special (a gap of zero, equal balls, critical damping, ε = 1, no gravity) comes up often.
+// Columns from numbers that know nothing of physics: random ones, or the bytes of a fuzzer. Every parameter
+// runs over many decades, and what is special (a gap of zero, equal balls, critical damping, ε = 1, no
+// gravity) comes up often.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -127,7 +128,8 @@ void draw_balls(Draw<Source>& draw, column::Column<Law>& c) {
     }
 }
 
-// Velocities at release: all at rest, all the same, only one that moves, or each its own. Something moves or falls.
+// Velocities at release: all at rest, all the same, only one that moves, or each its own. Something moves or
+// falls.
 template <class Law, class Source>
 void draw_motion(Draw<Source>& draw, column::Column<Law>& c) {
     c.gravity = draw.often({0.0, 9.81, 1.62}, [&] { return draw.decades(1e-3, 1e3); });

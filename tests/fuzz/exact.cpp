@@ -1,4 +1,5 @@
-// Fuzz target: two balls under the linear law through the exact solver, on its own and against the general one.
+// Fuzz target: two balls under the linear law through the exact solver, on its own and against the general
+// one.
 #include "agreement.hpp"
 #include "check.hpp"
 

@@ -1,5 +1,5 @@
-// Fuzz target: one to five balls, on a floor or not, under any law, through the general solver and the model of
-// independent collisions.
+// Fuzz target: one to five balls, on a floor or not, under any law, through the general solver and the model
+// of independent collisions.
 #include "check.hpp"
 #include "column/rebound.hpp"
 
