@@ -28,16 +28,17 @@ struct Agreement {
     double backward_error = 0.0;  // relative change of the column that explains it
 };
 
-// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight
-// reaches while it presses the contacts in, and the time of the faster contact.
+// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight reaches
+// while it presses the contacts in; the time of the faster contact, and that of the floor's own.
 struct Measure {
-    double speed, time, fall;
+    double speed, time, floor_time, fall;
     explicit Measure(const LinearColumn& c) : fall(column::fall_time(c.gaps[0], c.velocity[0], c.gravity)) {
         const double reduced = effective(c.mass[0], c.mass[1]), total = c.mass[0] + c.mass[1];
         const double swing = math::max(total / c.contacts[0].stiffness, c.mass[1] / c.contacts[1].stiffness);
         speed = math::max(column::impact_speed(c.gaps[0], c.velocity[0], c.gravity),
                           c.gravity * math::sqrt(swing));
-        time = math::sqrt(math::min(c.mass[0] / c.contacts[0].stiffness, reduced / c.contacts[1].stiffness));
+        floor_time = math::sqrt(c.mass[0] / c.contacts[0].stiffness);
+        time = math::min(floor_time, math::sqrt(reduced / c.contacts[1].stiffness));
     }
 };
 
@@ -63,7 +64,8 @@ inline Differences differences(const Sequence& a, const Sequence& b, const Measu
     };
     return {{of(a.relative_velocity, b.relative_velocity, unit.speed, 0.0),
              of(a.separation_velocity, b.separation_velocity, unit.speed, 0.0),
-             of(a.t_end, b.t_end, unit.time, 1e-12), of(a.t_floor_end, b.t_floor_end, unit.time, 1e-12)}};
+             of(a.t_end, b.t_end, unit.time, 1e-12),
+             of(a.t_floor_end, b.t_floor_end, unit.floor_time, 1e-12)}};
 }
 
 // Every number of the column changed by up to `relative` of itself; what is zero by so much of its natural
