@@ -9,13 +9,25 @@ author = "The hardlimit authors"
 project_copyright = author
 release = metadata.version("hardlimit")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
-myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
-exclude_patterns = ["_build", "generated"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",  # MathJax and its fonts go into the site: no formula waits for another host
+    "sphinx.ext.napoleon",
+    "sphinx_click",
+]
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence", "attrs_block"]
+myst_heading_anchors = 3
+mathjax3_config = {"options": {"enableMenu": False}}  # the menu would load more
+exclude_patterns = ["_build", "generated", "findings"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 html_theme = "furo"
 html_title = f"hardlimit {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
 
 
 def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
