@@ -1,7 +1,10 @@
+import inspect
+import re
 import shutil
 from importlib import metadata, resources
 from pathlib import Path
 
+import click
 from sphinx.application import Sphinx
 
 project = "hardlimit"
@@ -37,5 +40,23 @@ def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
             shutil.copytree(page, Path(app.outdir) / "explorer-page", dirs_exist_ok=True)
 
 
+def show_example(app: Sphinx, context: click.Context, lines: list[str]) -> None:
+    """The example at the foot of a command's help, as code instead of text."""
+    title, _, example = inspect.cleandoc((context.command.epilog or "").replace("\b", "")).partition(":\n")
+    if example:
+        code = inspect.cleandoc("\n" + example).splitlines()
+        lines[:] = [f"**{title}**", "", ".. code-block:: sh", "", *(f"   {line}" for line in code), ""]
+
+
+def mark_options(app: Sphinx, context: click.Context, lines: list[str]) -> None:
+    """Names of options in running text as code, in which two dashes stay two."""
+    for i, line in enumerate(lines):
+        if not line.lstrip().startswith(".. "):
+            lines[i] = re.sub(r"(?<![\w`-])--[a-z][a-z-]*", r"``\g<0>``", line)
+
+
 def setup(app: Sphinx) -> None:
+    for part in ("description", "options"):
+        app.connect(f"sphinx-click-process-{part}", mark_options)
+    app.connect("sphinx-click-process-epilog", show_example)
     app.connect("build-finished", copy_explorer)

@@ -1,6 +1,7 @@
 // The built documentation in Chromium, without a network: node check_docs.mjs FOLDER
-// Every page asks for nothing outside itself, sets all of its formulas, complains of nothing and fits a phone. Prints a
-// line for each fault. CHROMIUM: the browser. SHOTS: a folder for a picture of each page, light and dark, wide and on a phone.
+// Every page asks for nothing outside itself, sets all of its formulas, complains of nothing and fits a phone; the search
+// works. Prints a line for each fault. Pages named after FOLDER are looked at instead of all. CHROMIUM: the browser. SHOTS:
+// a folder for a picture of each page, light and dark, wide and on a phone.
 import { createServer } from "node:http";
 import { mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { extname, join, normalize } from "node:path";
@@ -100,9 +101,13 @@ for (const name of pages) {
   await picture(page, name, "phone");
   await page.close();
 }
+// The search finds what is on every page, without a server behind it.
+const search = await watched(context, (text) => faults.push("search.html: " + text));
+await search.goto(base + "search.html?q=restitution");
+await search.waitForSelector("ul.search li", { timeout: 20_000 }).catch(() => faults.push("the search finds nothing"));
 await browser.close();
 server.close();
-if (!formulas) faults.push(`no formula on ${pages.length} pages`);
+if (!formulas && !only.length) faults.push(`no formula on ${pages.length} pages`);
 faults.forEach((fault) => console.log(fault));
 console.log(`${pages.length} pages, ${formulas} formulas, ${faults.length} faults`);
 process.exit(faults.length ? 1 : 0);
