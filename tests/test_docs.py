@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from conftest import TWO_BALL_TABLES, columns_json, table
+
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
@@ -80,3 +82,16 @@ def test_sessions(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         for command, output in commands(session):
             found = difference(output, obtained(command, tmp_path))
             assert not found, f"{command}\n{found}"
+
+
+def test_validation_names_tests_and_counts_rows_that_exist() -> None:
+    text = (DOCS / "validation.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`(test_\w+\.py)`", text))
+    assert len(named) > 20 and [name for name in named if not (DOCS.parent / "tests" / name).exists()] == []
+    rows = {name: len(table(name)) for name in (*TWO_BALL_TABLES, "two_ball_viscoelastic", "cradle")}
+    stacks = len(table("stack_two_ball_touching")) + len(table("stack_full_stop"))
+    assert f"{sum(rows[name] for name in TWO_BALL_TABLES)} reference columns" in text
+    assert f"{rows['two_ball_viscoelastic']} reference columns" in text
+    assert f"{len(columns_json())} reference columns" in text
+    assert f"{rows['cradle']} reference rows" in text and f"{stacks} reference rows" in text
+    assert f"{len(table('code_restitution'))} runs are data" in text
