@@ -1,11 +1,13 @@
 import inspect
 import re
 import shutil
+import sys
 from importlib import metadata, resources
 from pathlib import Path
 
 import click
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
 
 project = "hardlimit"
 author = "The hardlimit authors"
@@ -13,17 +15,18 @@ project_copyright = author
 release = metadata.version("hardlimit")
 
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "sphinx-mathjax-offline",  # MathJax and its fonts go into the site: no formula waits for another host
     "sphinx.ext.napoleon",
     "sphinx_click",
+    "sphinx_gallery.gen_gallery",
 ]
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence", "attrs_block"]
 myst_heading_anchors = 3
 mathjax3_config = {"options": {"enableMenu": False}}  # the menu would load more
-exclude_patterns = ["_build", "generated", "findings"]
+exclude_patterns = ["_build", "generated", "findings", "gallery", "auto_gallery/**/*.ipynb"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 html_theme = "furo"
@@ -31,6 +34,25 @@ html_title = f"hardlimit {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
+
+# Lessons and gallery are executed; an error ends the build. Neither asks for anything from another site.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120  # seconds for a cell
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
+sys.path.insert(0, str(Path(__file__).parent))  # gallery_figures
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "subsection_order": [f"gallery/{section}" for section in ("two_balls", "contacts", "rows", "grains")],
+    "within_subsection_order": "gallery_figures.Place",
+    "image_scrapers": ("gallery_figures.scrape",),
+    "capture_repr": (),
+    "first_notebook_cell": "%matplotlib inline",
+    "show_signature": False,
+    "write_computation_times": False,  # its page loads scripts from elsewhere
+    "min_reported_time": 1e6,
+}
 
 
 def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
@@ -55,8 +77,14 @@ def mark_options(app: Sphinx, context: click.Context, lines: list[str]) -> None:
             lines[i] = re.sub(r"(?<![\w`-])--[a-z][a-z-]*", r"``\g<0>``", line)
 
 
+def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> None:
+    """The list of lessons offers notebooks for download, which are written when the lessons are read."""
+    names.sort(key=lambda name: name == "notebooks/index")
+
+
 def setup(app: Sphinx) -> None:
     for part in ("description", "options"):
         app.connect(f"sphinx-click-process-{part}", mark_options)
     app.connect("sphinx-click-process-epilog", show_example)
+    app.connect("env-before-read-docs", read_lessons_first)
     app.connect("build-finished", copy_explorer)
