@@ -4,6 +4,7 @@ import shutil
 import sys
 from importlib import metadata, resources
 from pathlib import Path
+from typing import Any
 
 import click
 from sphinx.application import Sphinx
@@ -29,6 +30,8 @@ mathjax3_config = {"options": {"enableMenu": False}}  # the menu would load more
 exclude_patterns = ["_build", "generated", "findings", "gallery", "auto_gallery/**/*.ipynb"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"
+autodoc_type_aliases = {name: name for name in ("NDArray", "Floats", "Values", "Vector", "ArrayLike")}
 html_theme = "furo"
 html_title = f"hardlimit {release}"
 html_static_path = ["_static"]
@@ -53,6 +56,8 @@ sphinx_gallery_conf = {
     "write_computation_times": False,  # its page loads scripts from elsewhere
     "min_reported_time": 1e6,
 }
+
+COLON = "\ue000"  # stands for a colon while Napoleon reads
 
 
 def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
@@ -82,9 +87,28 @@ def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> 
     names.sort(key=lambda name: name == "notebooks/index")
 
 
+def hide_signature(app: Sphinx, what: str, name: str, item: Any, *given: Any) -> tuple[str, str] | None:
+    """No signature for a class that functions make: one without a section Parameters in its docstring."""
+    made = what == "class" and "\nParameters\n---" not in (inspect.getdoc(item) or "")
+    return ("", "") if made else None
+
+
+def hide_colons(app: Sphinx, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
+    """Napoleon takes what stands before a colon in the first line of a property or a field for its type."""
+    if what in ("attribute", "data", "property"):
+        lines[:1] = [line.replace(":", COLON) for line in lines[:1]]
+
+
+def show_colons(app: Sphinx, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
+    lines[:] = [line.replace(COLON, ":") for line in lines]
+
+
 def setup(app: Sphinx) -> None:
     for part in ("description", "options"):
         app.connect(f"sphinx-click-process-{part}", mark_options)
     app.connect("sphinx-click-process-epilog", show_example)
     app.connect("env-before-read-docs", read_lessons_first)
     app.connect("build-finished", copy_explorer)
+    app.connect("autodoc-process-signature", hide_signature)
+    app.connect("autodoc-process-docstring", hide_colons, priority=400)  # Napoleon's is 500
+    app.connect("autodoc-process-docstring", show_colons, priority=600)

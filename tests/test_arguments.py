@@ -23,6 +23,7 @@ import xarray as xr
 import hardlimit as hl
 from conftest import law_of, typical
 from hardlimit import validation
+from hardlimit.particles.theory import Gas
 
 
 class Refuses:
@@ -261,6 +262,8 @@ def arguments() -> list[Argument]:
         *arguments_of_approximations(),
         *arguments_of_film(),
         *arguments_of_grains(),
+        *arguments_of_theory(),
+        *arguments_of_fidelity(),
         *arguments_of_runs(),
         *(argument for kind in hl.LAWS for argument in arguments_of_law(kind)),
     ]
@@ -309,6 +312,38 @@ def arguments_of_approximations() -> list[Argument]:
         Argument("restitution_pade", "x", shape, hl.restitution_pade, 0.1),
         Argument("restitution_pade", "numerator", "whole number", hl.restitution_pade, 1, {"x": 0.1}),
         Argument("restitution_pade", "denominator", "whole number", hl.restitution_pade, 4, {"x": 0.1}),
+    ]
+
+
+def arguments_of_theory() -> list[Argument]:
+    sizes = {"n": 100, "radius": 1e-3, "mass": 1e-5, "volume": 1e-5, "dimension": 3}
+    kinds = dict.fromkeys(sizes, "number") | {"n": "whole number", "dimension": "whole number"}
+    one, shape = Gas(**sizes), "numbers of any shape"
+    start = {"time": 1.0, "temperature": 0.01, "restitution": 0.9}
+    return [
+        *(Argument("Gas", name, kinds[name], Gas, value, sizes) for name, value in sizes.items()),
+        Argument("Gas.collision_rate", "temperature", shape, one.collision_rate, 0.01),
+        Argument("Gas.pressure", "temperature", shape, one.pressure, 0.01),
+        Argument("Gas.pressure", "restitution", "number", one.pressure, 0.9, {"temperature": 0.01}),
+        *(
+            Argument("Gas.cooling", name, shape if name == "time" else "number", one.cooling, value, start)
+            for name, value in start.items()
+        ),
+    ]
+
+
+def arguments_of_fidelity() -> list[Argument]:
+    disks = hl.ParticleSystem.random(9, 0.2, 1e-3, 2500.0, 0.1, dimension=2)
+    found = hl.fidelity(disks, law=LAW, until=1e-3, models=["newton", "law"], samples=1)
+    asked = {"quantity": "pressure", "model": "law"}
+    methods = [found.difference, found.final_difference, found.told_apart]
+    return [
+        Argument("Fidelity.outcomes", "model", "word", found.outcomes, "law"),
+        *(
+            Argument(f"Fidelity.{method.__name__}", name, "word", method, value, asked)
+            for method in methods
+            for name, value in asked.items()
+        ),
     ]
 
 

@@ -10,8 +10,10 @@ import socket
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 import xarray as xr
@@ -22,6 +24,7 @@ from conftest import law_of
 from hardlimit import _core
 from hardlimit.cli import main
 from hardlimit.cli.axes import axis
+from hardlimit.cli.gas import compare
 from hardlimit.column import files
 from hardlimit.contact import law_parameters
 
@@ -69,6 +72,29 @@ def test_help_lists_the_commands() -> None:
     for text in (run("--help").stdout, run().stdout):
         for name in COMMANDS:
             assert f"  {name} " in text
+
+
+def test_the_list_of_commands_says_what_each_does() -> None:
+    """In a whole sentence each, on a terminal of 80 columns."""
+    context = click.Context(main, info_name="hardlimit", terminal_width=80, **main.context_settings)
+    listed = main.get_help(context).partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    assert [line.split()[0] for line in listed] == sorted(COMMANDS)
+    assert all(line.endswith(".") and not line.endswith("...") for line in listed), listed
+
+
+def every_option() -> Iterator[tuple[str, click.Option]]:
+    for name, command in [*main.commands.items(), ("gas compare", compare)]:
+        yield from ((name, option) for option in command.params if isinstance(option, click.Option))
+
+
+def test_every_option_is_explained() -> None:
+    """What it is, in words before its unit, with the unit, as a sentence."""
+    for name, option in every_option():
+        where, text = f"{name} {option.opts[0]}: {option.help}", option.help or ""
+        assert re.match(r"[A-Z\u0391-\u03a9]\w|R[12]", text), where
+        assert re.search(r"[.](  \[default: .*\])?$", text), where
+        if getattr(option.type, "unit", "1") != "1":
+            assert re.search(r"\[\S.*?\]", text.partition("  [default")[0]), where
 
 
 @pytest.mark.parametrize("name", COMMANDS)

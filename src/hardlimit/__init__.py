@@ -1,4 +1,18 @@
-"""How far can you trust an event-driven simulation? Collisions and Newton's equations, side by side."""
+"""How far can you trust an event-driven simulation? Collisions and Newton's equations, side by side.
+
+All quantities are in SI units. Equations, figures and appendices without another source are those of Müller & Pöschel,
+Phys. Rev. E 83, 041304 (2011), "the paper".
+
+Examples
+--------
+>>> import hardlimit as hl
+>>> drop = hl.Column.paper(restitution=0.7, gap=1e-4)  # two balls above a floor
+>>> hl.newton(drop).n_contacts, hl.independent(drop).n_contacts
+(4, 1)
+>>> print(hl.compare(drop).verdict.sentence)
+No: all 4 contacts of the balls happen while another contact lasts; for the
+separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
+"""
 
 from . import _core
 from .approximations import restitution_pade, restitution_series, usual_damping

@@ -36,6 +36,14 @@ def usual_damping(restitution: float, stiffness: float, effective_mass: float) -
     -----
     Source: for instance Schäfer, Dippel & Wolf, J. Phys. I France 6, 5 (1996); why it fails for a force that is
     never attractive: Schwager & Pöschel, Granular Matter 9, 465 (2007).
+
+    Examples
+    --------
+    >>> ball = hl.Ball(0.01, density=2500.0)
+    >>> damping = hl.usual_damping(0.5, stiffness=1e6, effective_mass=ball.mass)
+    >>> law = hl.LinearDashpot(stiffness=1e6, damping=damping)
+    >>> round(law.between(ball).restitution(), 4)
+    0.5503
     """
     asked = validation.number("restitution", restitution, 0.0, 1.0, highest_allowed=True)
     k = validation.number("stiffness", stiffness, 0.0)
@@ -73,6 +81,13 @@ def restitution_series(x: float | Values, terms: int = 10) -> float | Floats:
     Notes
     -----
     Source: Schwager & Pöschel, Phys. Rev. E 78, 051304 (2008), coefficients to more digits.
+
+    Examples
+    --------
+    >>> hl.restitution_series([0.1, 0.5, 1.0]).round(4)  # the last is wrong
+    array([0.8929, 0.6056, 0.7283])
+    >>> hl.restitution_pade([0.1, 0.5, 1.0]).round(4)
+    array([0.8929, 0.5953, 0.394 ])
     """
     count = validation.whole("terms", terms, 1, _core.series_terms)
     at = _argument(x)
@@ -107,6 +122,17 @@ def restitution_pade(x: float | Values, numerator: int = 3, denominator: int = 6
     Notes
     -----
     Source: Müller & Pöschel, Phys. Rev. E 84, 021302 (2011). The form is computed from the series.
+
+    Examples
+    --------
+    >>> law = hl.Viscoelastic(
+    ...     youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0
+    ... )
+    >>> c = law.between(hl.Ball(0.01, density=2500.0))
+    >>> a, rho = c.dissipative_time, c.elastic_prefactor
+    >>> x = 1.5 * a * (rho / c.effective_mass) ** 0.4 * 10.0**0.2  # at 10 m/s
+    >>> round(hl.restitution_pade(x), 4), round(c.restitution(10.0), 4)
+    (0.7086, 0.7085)
     """
     most = _core.series_terms - 1
     above = validation.whole("numerator", numerator, 0, most)

@@ -30,12 +30,22 @@ class Ball:
     ValueError
         If a value is not positive and finite, the mass is beyond all reason, or both or neither of the
         alternatives are given.
+
+    Examples
+    --------
+    >>> hl.Ball(0.033, mass=0.058)  # a tennis ball
+    Ball(radius=0.033, mass=0.058)
+    >>> glass = hl.Ball(0.005, density=2500.0)
+    >>> f"{glass.mass * 1e3:.3f} g"
+    '1.309 g'
+    >>> glass.resized(0.01)
+    Ball(radius=0.01, density=2500.0)
     """
 
-    radius: float
-    mass: float
-    density: float
-    given: str  #: "density" or "mass": which one stays when the radius is changed
+    radius: float  #: [m]
+    mass: float  #: [kg]
+    density: float  #: [kg/m³]
+    given: str  #: which one stays when the radius is changed, ``"density"`` or ``"mass"``
 
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)
@@ -61,6 +71,10 @@ class Ball:
 
     def resized(self, radius: float) -> Ball:
         """The ball with another radius and the same density (or mass, if that was given).
+
+        Parameters
+        ----------
+        radius : float [m]
 
         Raises
         ------

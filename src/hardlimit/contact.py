@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from inspect import Parameter, Signature
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self, overload
 
@@ -19,16 +20,28 @@ from .bodies import FLOOR, Ball, Floor
 
 RESTITUTION: Final = "restitution"
 
+#: Values in the examples of laws, by unit: those of a stiff grain.
+TYPICAL: Final = {"N/m": 1e6, "N/m^1.5": 1e9, "Pa": 7e10, "s": 1e-6}
+
 #: Numbers that give an array of the same shape; a single float gives a float.
 Values = NDArray[Any] | Sequence[float] | Sequence[Sequence[float]]
 Floats = NDArray[np.float64]
 
 
 class Contact:
-    """One contact of two bodies under a law.
+    """One contact of two bodies under a law; made by :meth:`Law.between`.
 
-    The law's own constants are attributes, such as ``stiffness`` and ``damping`` under ``LinearDashpot``; the law's
-    documentation names them. ``law.between(ball, other)`` makes a contact.
+    The law's own constants are attributes, such as ``stiffness`` and ``damping`` under :class:`LinearDashpot`; the
+    documentation of the law names them. ``law`` is the law.
+
+    Examples
+    --------
+    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+    >>> contact = law.between(hl.Ball(0.01, density=2500.0))  # with the floor
+    >>> contact
+    Contact(stiffness=1e+06, damping=52.2461, effective_mass=0.010472)
+    >>> f"{contact.duration() * 1e3:.3f} ms"
+    '0.278 ms'
     """
 
     def __init__(self, law: Law, core: _core.Contact) -> None:
@@ -67,12 +80,31 @@ class Contact:
     @overload
     def restitution(self, speed: Values) -> Floats: ...
     def restitution(self, speed: float | Values = 1.0) -> float | Floats:
-        """Coefficient of restitution of an isolated collision at ``speed`` [m/s], same shape (Eqs. 13, B3).
+        """Coefficient of restitution of an isolated collision (Eqs. 13, B3).
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array
+            ε, of the same shape.
 
         Raises
         ------
         ValueError
             If a speed is not positive and finite.
+
+        Examples
+        --------
+        >>> law = hl.Viscoelastic(
+        ...     youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0
+        ... )
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> contact.restitution([0.01, 1.0, 10.0]).round(3)
+        array([0.913, 0.8  , 0.709])
         """
         return _over_speeds(self.core.restitution, speed)
 
@@ -81,12 +113,29 @@ class Contact:
     @overload
     def duration(self, speed: Values) -> Floats: ...
     def duration(self, speed: float | Values = 1.0) -> float | Floats:
-        """Time from first touch to zero force [s] of one isolated collision at ``speed`` [m/s] (Eq. 11).
+        """Time from first touch to zero force of one isolated collision (Eq. 11).
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array [s]
+            Of the same shape.
 
         Raises
         ------
         ValueError
             If a speed is not positive and finite.
+
+        Examples
+        --------
+        >>> law = hl.Tsuji(elastic_prefactor=1e9, restitution=0.8)
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> (contact.duration([0.1, 1.0]) * 1e6).round(1)  # [µs]
+        array([196.2, 123.8])
         """
         return _over_speeds(self.core.duration, speed)
 
@@ -97,14 +146,32 @@ class Contact:
     @overload
     def force(self, compression: float, rate: Values) -> Floats: ...
     def force(self, compression: float | Values, rate: float | Values = 0.0) -> float | Floats:
-        """Repulsive force [N], never below zero, at ``compression`` ξ [m] and ``rate`` dξ/dt [m/s] (Eqs. 7, B1).
+        """Repulsive force, never below zero (Eqs. 7, B1).
 
         Arrays are broadcast against each other.
+
+        Parameters
+        ----------
+        compression : number or array [m]
+            ξ; without compression there is no force.
+        rate : number or array [m/s]
+            dξ/dt, positive while the bodies approach.
+
+        Returns
+        -------
+        float or array [N]
 
         Raises
         ------
         ValueError
             If a value is not finite, or the shapes do not go together.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> contact.force(1e-5, [1.0, 0.0, -1.0]).round(1)  # never attracts
+        array([62.2, 10. ,  0. ])
         """
         depth, closing = _numbers("compression", compression), _numbers("rate", rate)
         try:
@@ -120,12 +187,27 @@ class Contact:
     @overload
     def energy(self, compression: Values) -> Floats: ...
     def energy(self, compression: float | Values) -> float | Floats:
-        """Energy [J] stored at ``compression`` ξ [m], zero without compression.
+        """Elastic energy, zero without compression.
+
+        Parameters
+        ----------
+        compression : number or array [m]
+            ξ.
+
+        Returns
+        -------
+        float or array [J]
 
         Raises
         ------
         ValueError
             If a value is not finite.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+        >>> f"{law.between(hl.Ball(0.01, density=2500.0)).energy(1e-5):.2g} J"
+        '5e-05 J'
         """
         depth = _numbers("compression", compression)
         return _as_given(self.core.energy(depth.ravel()), depth.shape)
@@ -145,7 +227,17 @@ def _over_speeds(function: Callable[[Floats], Floats], speed: float | Values) ->
 
 
 class Law:
-    """A contact law with the user's parameters. ``laws`` makes one subclass for each record of the core."""
+    """A contact law with its parameters, the base of the classes in :data:`LAWS`.
+
+    Each class is made by the package from what the compiled core says of the law. A law never changes, and laws of the
+    same class and parameters are equal. Its parameters are attributes.
+
+    Examples
+    --------
+    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+    >>> law.stiffness, law == hl.LAWS["linear"](stiffness=1e6, restitution=0.5)
+    (1000000.0, True)
+    """
 
     record: ClassVar[dict[str, Any]]
     parameters: Mapping[str, float]  #: as given, in the record's order
@@ -211,13 +303,22 @@ class Law:
     def replace(self, **changes: float) -> Self:
         """The law with some parameters changed.
 
-        A parameter of another alternative selects that one, and what it does not share with the present one is
-        dropped: ``LinearDashpot(stiffness=1e6, restitution=0.5).replace(damping=3.0)`` keeps the stiffness.
+        A parameter of another alternative selects that one, and what it does not share with the present one is dropped.
+
+        Parameters
+        ----------
+        **changes : float
+            Parameters of the law by name, with their new values.
 
         Raises
         ------
         ValueError
             As for the law itself.
+
+        Examples
+        --------
+        >>> hl.LinearDashpot(stiffness=1e6, restitution=0.5).replace(damping=3.0)
+        LinearDashpot(stiffness=1000000.0, damping=3.0)
         """
         chosen = self._alternative_for(set(changes))
         names = {p["name"] for group in (self.record["common"], chosen) for p in group}
@@ -242,7 +343,31 @@ class Law:
         return self.parameters.get(RESTITUTION, math.nan)
 
     def between(self, ball: Ball, other: Ball | Floor = FLOOR) -> Contact:
-        """The contact of two bodies; ``other`` is a Ball or FLOOR."""
+        """The contact of two bodies.
+
+        Parameters
+        ----------
+        ball : Ball
+        other : Ball or FLOOR
+
+        Returns
+        -------
+        Contact
+
+        Raises
+        ------
+        ValueError
+            If ``ball`` is no Ball or ``other`` neither a Ball nor FLOOR.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+        >>> big, small = hl.Ball(0.02, density=2500.0), hl.Ball(0.01, density=2500.0)
+        >>> round(law.between(small, big).damping, 2)
+        49.26
+        >>> round(law.between(small, hl.FLOOR).damping, 2)
+        52.25
+        """
         if not isinstance(ball, Ball):
             raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
         if not isinstance(other, Ball | Floor):
@@ -276,20 +401,72 @@ def _range_of(parameter: dict[str, Any]) -> str:
 
 def make_law(record: dict[str, Any]) -> type[Law]:
     """The Python class of one registered law."""
+    made = type(record["class_name"], (Law,), {"record": record, "__module__": "hardlimit"})
+    made.__signature__ = _signature(record)  # type: ignore[attr-defined]
+    made.__doc__ = _documentation(record, _example(made))
+    return made
+
+
+def _signature(record: dict[str, Any]) -> Signature:
+    """Keywords only: what every contact needs, then the parameters of the alternatives, which may be left out."""
+    common = [p["name"] for p in record["common"]]
+    chosen = dict.fromkeys(p["name"] for choice in record["alternatives"] for p in choice)
+    needed = [Parameter(name, Parameter.KEYWORD_ONLY, annotation=float) for name in common]
+    optional = [
+        Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=float | None) for name in chosen
+    ]
+    return Signature([*needed, *optional])
+
+
+def _documentation(record: dict[str, Any], example: Sequence[str]) -> str:
     choices = record["alternatives"]
     every = {p["name"]: p for group in (record["common"], *choices) for p in group}
-    lines = [record["summary"], "", "Parameters", "----------"]
-    for name, p in every.items():
-        lines += [f"{name} : float [{p['unit']}]", f"    {p['meaning']}; {_range_of(p)}."]
-    lines += ["", "Give exactly one of these sets" + (" besides:" if record["common"] else ":"), ""]
+    lines = [record["summary"], ""]
+    besides = ", ".join(f"``{p['name']}``" for p in record["common"])
+    lines += [
+        f"Besides {besides}, give exactly one of these sets:"
+        if besides
+        else "Give exactly one of these sets:",
+        "",
+    ]
     lines += ["* " + ", ".join(f"``{p['name']}``" for p in choice) for choice in choices]
-    lines += ["", "A contact has the attributes", ""]
-    lines += [f"* ``{c['name']}`` : float [{c['unit']}], {c['meaning']}" for c in record["constants"]]
+    lines += ["", "A contact has the attributes:", ""]
+    lines += [f"* ``{c['name']}``, {c['meaning']}{_unit(c)}" for c in record["constants"]]
+    lines += ["", "Parameters", "----------"]
+    for name, p in every.items():
+        lines += [
+            f"{name} : float{_unit(p)}",
+            f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}.",
+        ]
     lines += ["", "Raises", "------", "ValueError"]
     lines += ["    If a value is outside its range or not exactly one of the sets is given."]
     lines += ["", "Notes", "-----", f"Source: {record['source']}."]
-    return type(
-        record["class_name"],
-        (Law,),
-        {"record": record, "__doc__": "\n".join(lines), "__module__": "hardlimit"},
-    )
+    return "\n".join([*lines, "", "Examples", "--------", *example])
+
+
+def _unit(parameter: dict[str, Any]) -> str:
+    return "" if parameter["unit"] == "1" else f" [{parameter['unit']}]"
+
+
+def _example(law: type[Law]) -> list[str]:
+    """A ball that falls on the floor under this law, with a value for each parameter of the first alternative."""
+    given = [*law.record["common"], *law.record["alternatives"][0]]
+    values = {p["name"]: _typical(p) for p in given}
+    contact = law(**values).between(Ball(0.01, density=2500.0))
+    return [
+        f">>> law = hl.{law.__name__}({', '.join(f'{name}={_short(value)}' for name, value in values.items())})",
+        ">>> contact = law.between(hl.Ball(0.01, density=2500.0))  # with the floor",
+        '>>> f"ε {contact.restitution(1.0):.3f}, {contact.duration(1.0) * 1e6:.1f} µs"',
+        repr(f"ε {contact.restitution(1.0):.3f}, {contact.duration(1.0) * 1e6:.1f} µs"),
+    ]
+
+
+def _short(value: float) -> str:
+    return f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-")
+
+
+def _typical(parameter: dict[str, Any]) -> float:
+    """Half the largest value of what is bounded, else that of a stiff grain."""
+    if math.isfinite(parameter["highest"]):
+        return float(0.5 * parameter["highest"])
+    return TYPICAL.get(parameter["unit"], 1.0)

@@ -43,7 +43,19 @@ CALLS: Final = 40  #: at most, for each variable, of each search
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Balls whose masses make the top one as fast as it can be; made by :func:`hardlimit.stack`."""
+    """Balls whose masses make the top one as fast as it can be; made by :func:`hardlimit.stack`.
+
+    Notes
+    -----
+    Collisions one after the other and contacts at once: Eqs. 1–6 and Eq. 14 of the paper.
+
+    Examples
+    --------
+    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    >>> two = hl.stack(2, law, bottom_mass=0.6)
+    >>> two.ratios.round(4), round(two.speed, 3)
+    (array([0.5199]), 1.21)
+    """
 
     column: Column  #: on the floor, at the instant of its impact
     model: str  #: ``"newton"`` or ``"independent"``, under which the masses are best
@@ -60,14 +72,30 @@ class Stack:
         return self.masses[1:] / self.masses[:-1]
 
     def speed_under(self, model: str, gaps: float | Sequence[float] | None = None) -> float:
-        """Speed of the top ball over that of the impact, for the same masses under a model and with other gaps [m].
+        """Speed of the top ball over that of the impact, for the same masses under a model and with other gaps.
 
         NaN where no last contact was found; ``hardlimit.newton(stack.column)`` says why.
+
+        Parameters
+        ----------
+        model : {"newton", "independent"}
+        gaps : float or sequence of float [m], optional
+            Between neighbours; those of the stack by default.
 
         Raises
         ------
         ValueError
             If the model or a gap is outside its range.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+        >>> two = hl.stack(2, law, bottom_mass=0.6)
+        >>> [
+        ...     round(two.speed_under(model, gaps=0.01), 3)
+        ...     for model in ("newton", "independent")
+        ... ]
+        [1.375, 1.375]
         """
         validation.one_of("model", model, MODELS)
         return _top(self.column if gaps is None else self.column.replace(gaps=gaps), model)
@@ -98,6 +126,13 @@ class Stack:
         ------
         ValueError
             If a gap is negative or not finite.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+        >>> two = hl.stack(2, law, bottom_mass=0.6)
+        >>> two.over_gaps([0.0, 1e-4, 1e-2]).newton.values.round(3)
+        array([1.21 , 1.226, 1.375])
         """
         import xarray as xr
 
@@ -116,7 +151,18 @@ class Stack:
         return xr.Dataset(found, coords={"gap": gap}, attrs=attrs)
 
     def plot(self) -> Figure:
-        """Masses, and the speed of the top ball over the gap."""
+        """Masses, and the speed of the top ball over the gap.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+        >>> two = hl.stack(2, law, bottom_mass=0.6)
+        >>> two.plot().savefig("stack.svg")
+        """
         from .pictures import plots
 
         return plots.stack(self)
@@ -181,6 +227,15 @@ def stack(
     v/V = (1 + ε)^n/(1 + r)^(n−1) − 1. Where ε depends on the speed, and under Newton's equations, the masses are
     searched, by the simplex of Nelder and Mead and by MINUIT (James & Roos, Comput. Phys. Commun. 10, 343 (1975)) from
     several starts; the search ends in a best one among its neighbours.
+
+    Examples
+    --------
+    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    >>> hl.stack(2, law, bottom_mass=0.6)
+    <Stack of 2, best under newton: 0.6, 0.3119 kg, top 1.20979 V>
+    >>> rigid = hl.stack(3, law, bottom_mass=1.0, top_mass=0.01, model="independent")
+    >>> rigid.masses.round(3)  # geometric
+    array([1.  , 0.1 , 0.01])
     """
     count = validation.whole("n", n, 2, MOST_BALLS)
     search = _Search(

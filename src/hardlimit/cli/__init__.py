@@ -31,7 +31,8 @@ def main(context: click.Context, version: bool, verbose: bool) -> None:
     """How far can you trust an event-driven simulation?
 
     Columns of balls as instantaneous collisions and under Newton's equations, side by side; boxes of grains as
-    hard spheres. Quantities are in SI units, or bear their unit: 1e-3 or 1mm.
+    hard spheres. Quantities are in SI units, or bear their unit: 1e-3 or 1mm. Each command explains its options
+    and shows an example: hardlimit COMMAND --help.
     """
     if verbose and not version:
         raise click.UsageError("--verbose: only with --version", context)

@@ -97,6 +97,6 @@ def geometry_options(function: F) -> F:
     """One option for each parameter of the column that can be swept."""
     made = []
     for name, p in geometry(2).items():
-        text = f"{p.meaning}{'' if p.unit == '1' else f' [{p.unit}]'}"
+        text = f"{p.meaning[0].upper()}{p.meaning[1:]}{'' if p.unit == '1' else f' [{p.unit}]'}."
         made.append(click.option(f"--{name.replace('_', '-')}", name, type=Axis(p.unit), help=text))
     return options(*made)(function)

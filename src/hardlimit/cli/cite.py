@@ -12,9 +12,10 @@ from .program import Command
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit cite newton viscoelastic > references.bib")
 @click.argument("topics", nargs=-1, metavar="[TOPIC]...")
 def cite(topics: tuple[str, ...]) -> None:
-    """Print BibTeX of the package and of what the topics rest on: models, laws, rules, engines, figures.
+    """Print BibTeX of the package and of what its results rest on.
 
-    Without a topic: a table of topics.
+    A topic is a model, a law, a rule of collision, an engine, a box or a figure. Without one, a table of all topics is
+    printed.
     """
     if topics:
         return click.echo(citations.bibtex(*topics), nl=False)

@@ -18,7 +18,7 @@ INSTALL = {
 @click.command(cls=Command, epilog="\b\nExample:\n  " + "\n  ".join(INSTALL.values()))
 @click.argument("shell", type=click.Choice(list(INSTALL)))
 def completion(shell: str) -> None:
-    """Print the script that completes commands and options in a shell.
+    """Print the script that completes commands in a shell.
 
     Write it to where the shell reads it, as in the example, and open a new shell.
     """

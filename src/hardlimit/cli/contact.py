@@ -23,14 +23,16 @@ SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 
 body_options = options(
-    quantity_option("--radius", unit="m", help="Of the ball [m].  [default: 0.01]"),
-    quantity_option("--density", unit="kg/m3", help="[kg/m³].  [default: 840]"),
-    quantity_option("--mass", unit="kg", help="[kg], instead of the density."),
+    quantity_option("--radius", unit="m", help="Radius of the ball [m].  [default: 0.01]"),
+    quantity_option("--density", unit="kg/m3", help="Its density [kg/m³].  [default: 840]"),
+    quantity_option("--mass", unit="kg", help="Its mass [kg], instead of the density."),
     quantity_option(
-        "--other-radius", unit="m", help="Of a second ball [m]; without it, the ball meets the floor."
+        "--other-radius", unit="m", help="Radius of a second ball [m]; without it, the ball meets the floor."
     ),
-    quantity_option("--other-density", unit="kg/m3", help="[kg/m³].  [default: as the ball's]"),
-    quantity_option("--other-mass", unit="kg", help="[kg], instead of the density."),
+    quantity_option(
+        "--other-density", unit="kg/m3", help="Density of the second ball [kg/m³].  [default: as the first]"
+    ),
+    quantity_option("--other-mass", unit="kg", help="Mass of the second ball [kg], instead of the density."),
 )
 
 
@@ -39,16 +41,19 @@ body_options = options(
 )
 @body_options
 @law_options()
-@quantity_option("--speed", "speeds", unit="m/s", multiple=True, help="Of impact [m/s]; repeat for a table.")
+@quantity_option(
+    "--speed", "speeds", unit="m/s", multiple=True, help="Speed of impact [m/s]; repeat for a table."
+)
 @output_option("--plot", "Restitution as a picture (png, pdf, svg, …).")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def contact(
     law: str | None, speeds: tuple[float, ...], plot: str | None, as_json: bool, **given: Any
 ) -> None:
-    """One contact: duration, restitution, damping, and what the usual damping formula would give.
+    """One contact: its duration, restitution and damping.
 
-    Without options: a ball of radius 1 cm and density 840 kg/m³ meets the floor, linear law with stiffness
-    5e7 N/m and restitution 0.7. A number may bear a unit, such as 1cm.
+    Beside them stands what the usual formula for the damping would give. Without options, a ball of radius 1 cm and
+    density 840 kg/m³ meets the floor under the linear law with stiffness 5e7 N/m and restitution 0.7. A number may
+    bear a unit, such as 1cm.
     """
     picture = writable("plot", plot)
     rule = chosen_law(law, given_law_parameters(given))

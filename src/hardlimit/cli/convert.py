@@ -42,26 +42,36 @@ STIFFNESS_UNITS = {"linear": "N/m", "tsuji": "N/m^1.5", "viscoelastic": "N/m^1.5
 
 bed = options(
     quantity_option(
-        "--radius", "radii", unit="m", multiple=True, help="Of a ball [m]; repeat for each size of a bed."
+        "--radius",
+        "radii",
+        unit="m",
+        multiple=True,
+        help="Radius of a ball [m]; repeat for each size of a bed.",
     ),
     quantity_option(
-        "--density", "densities", unit="kg/m3", multiple=True, help="[kg/m³], of all balls; or repeated."
+        "--density",
+        "densities",
+        unit="kg/m3",
+        multiple=True,
+        help="Density [kg/m³], of all balls; or repeated.",
     ),
-    quantity_option("--mass", "masses", unit="kg", multiple=True, help="[kg], instead of the density."),
+    quantity_option("--mass", "masses", unit="kg", multiple=True, help="Mass [kg], instead of the density."),
     click.option("--wall/--no-wall", default=None, help="Contacts with a wall as well.  [default: yes]"),
 )
 contact_options = options(
-    quantity_option("--restitution", unit="1", help="ε that is wanted."),
-    quantity_option("--speed", unit="m/s", help="Of impact [m/s].  [default: 1]"),
-    quantity_option("--stiffness", unit="N/m", help="Of a linear spring [N/m]."),
-    quantity_option("--youngs-modulus", unit="Pa", help="Instead: of the material [Pa]."),
-    quantity_option("--poisson-ratio", unit="1", help="Of the material."),
-    quantity_option("--duration", unit="s", help="Instead: of a contact [s]."),
-    quantity_option("--compression", unit="m", help="Instead: the greatest in a contact [m]."),
+    quantity_option("--restitution", unit="1", help="Restitution ε that is wanted."),
+    quantity_option("--speed", unit="m/s", help="Speed of impact at which it is wanted [m/s].  [default: 1]"),
+    quantity_option("--stiffness", unit="N/m", help="Stiffness of a linear spring [N/m]."),
+    quantity_option(
+        "--youngs-modulus", unit="Pa", help="Instead of it, Young's modulus of the material [Pa]."
+    ),
+    quantity_option("--poisson-ratio", unit="1", help="Poisson's ratio of the material, beside the modulus."),
+    quantity_option("--duration", unit="s", help="Or the duration of each contact [s]."),
+    quantity_option("--compression", unit="m", help="Or the greatest compression in each contact [m]."),
     click.option(
         "--law",
         type=click.Choice(list(LAWS)),
-        help="Linear, or Hertz with one of two dampings.  [default: tsuji with a modulus, else linear]",
+        help="Contact law: linear, or Hertz with one of two dampings.  [default: tsuji with a modulus, else linear]",
     ),
 )
 
@@ -73,19 +83,27 @@ def models_of_code(context: click.Context, _: click.Parameter, begun: str) -> li
 
 
 code_options = options(
-    click.option("--code", type=click.Choice(names()), help="Whose input.  [default: a table of all]"),
-    click.option("--model", shell_complete=models_of_code, help="Of the code.  [default: all of the law]"),
     click.option(
-        "--attraction", is_flag=True, help="Where a code leaves the choice: a force that attracts at its end."
+        "--code", type=click.Choice(names()), help="Code whose input is wanted.  [default: a table of all]"
+    ),
+    click.option(
+        "--model", shell_complete=models_of_code, help="Model of the code.  [default: all of the law]"
+    ),
+    click.option(
+        "--attraction",
+        is_flag=True,
+        help="Where a code leaves the choice, a force that attracts at the end of a contact.",
     ),
     click.option(
         "--input", "text", help="Lines of the code's input: what they really give. '-' reads standard input."
     ),
     click.option("--read", metavar="FILE", help="The same from a file."),
     quantity_option(
-        "--restitution-error", unit="1", help="Of ε, that the time step may make.  [default: 0.001]"
+        "--restitution-error", unit="1", help="Error of ε that the time step may make.  [default: 0.001]"
     ),
-    quantity_option("--time-step", unit="s", help="Instead: a time step [s] whose error is wanted."),
+    quantity_option(
+        "--time-step", unit="s", help="Instead of that error, a time step [s] whose error is wanted."
+    ),
 )
 
 
@@ -104,12 +122,12 @@ def convert_command(
     as_json: bool,
     **given: Any,
 ) -> None:
-    """A restitution as the damping, time step and input of particle codes; and back.
+    """A restitution as the input of particle codes, and back.
 
     Every code turns a restitution into a force in a way of its own, and some let the force attract where others cut it
     off, so that the same number gives another ε in each. This gives each code the number with which ε is the one that
     is wanted, says what the usual number would give, and how long a time step may be. With --input, it says what lines
-    of input really give.
+    of input really give. Numbers may bear a unit, such as 0.5mm or 210GPa.
     """
     balls = bed_of(radii, densities, masses)
     if text is not None or read is not None:

@@ -48,7 +48,7 @@ output_options = options(
 )
 @output_options
 def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **given: Any) -> None:
-    """Drop a column of balls: contacts, and Newton beside event-driven.
+    """Drop a column of balls: Newton beside event-driven.
 
     Without a file, the column is that of Fig. 2 of the paper: radii 10 cm and 1 cm, density 840 kg/m³, gap
     0.1 mm, height 0.6 m, linear law with stiffness 5e7 N/m and restitution 0.7. Options override the file.

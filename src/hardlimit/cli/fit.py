@@ -36,12 +36,16 @@ EXAMPLE = {"youngs_modulus": 1e9, "poisson_ratio": 0.3, "restitution": 0.8, "imp
 EXAMPLE_ERROR = 0.005
 
 body_options = options(
-    quantity_option("--radius", unit="m", help="Of the ball [m]; only where more than ε is fitted."),
-    quantity_option("--density", unit="kg/m3", help="Of the ball [kg/m³]."),
-    quantity_option("--mass", unit="kg", help="[kg], instead of the density."),
-    quantity_option("--other-radius", unit="m", help="Of a second ball [m]; without it, the floor."),
-    quantity_option("--other-density", unit="kg/m3", help="[kg/m³].  [default: as the ball's]"),
-    quantity_option("--other-mass", unit="kg", help="[kg], instead of the density."),
+    quantity_option("--radius", unit="m", help="Radius of the ball [m]; only where more than ε is fitted."),
+    quantity_option("--density", unit="kg/m3", help="Its density [kg/m³]."),
+    quantity_option("--mass", unit="kg", help="Its mass [kg], instead of the density."),
+    quantity_option(
+        "--other-radius", unit="m", help="Radius of a second ball [m]; without it, the ball meets the floor."
+    ),
+    quantity_option(
+        "--other-density", unit="kg/m3", help="Density of the second ball [kg/m³].  [default: as the first]"
+    ),
+    quantity_option("--other-mass", unit="kg", help="Mass of the second ball [kg], instead of the density."),
 )
 
 
@@ -50,25 +54,30 @@ body_options = options(
     epilog="\b\nExample:\n  hardlimit fit --example > impacts.csv\n  hardlimit fit impacts.csv --plot fit.png",
 )
 @click.argument("file", required=False, metavar="[FILE.csv]")
-@law_options()
+@law_options(law="Law to fit.  [default: viscoelastic for impacts, linear for a column]")
 @click.option("--free", multiple=True, metavar="NAME", help="Parameter to fit; repeat for more.")
 @click.option("--scatter", is_flag=True, help="Fit how much ε varies beyond the errors of the measurement.")
-@quantity_option("--confidence", unit="1", help="Of the intervals.  [default: 0.68]")
+@quantity_option(
+    "--confidence", unit="1", help="Confidence of the intervals, between 0 and 1.  [default: 0.68]"
+)
 @click.option("--compare/--no-compare", default=True, help="Try the other laws too.")
 @body_options
-@quantity_option("--gravity", unit="m/s2", help="Of heights and times [m/s²].  [default: 9.81]")
+@quantity_option(
+    "--gravity", unit="m/s2", help="Acceleration of gravity, for heights and times [m/s²].  [default: 9.81]"
+)
 @click.option("--column", metavar="FILE.toml", help="The column whose rebounds were measured.")
 @output_option("--plot", "Data, laws and deviations as a picture (png, pdf, svg, …).")
 @dpi_option
 @click.option("--example", is_flag=True, help="Print a file of impacts, computed from a law with noise.")
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given: Any) -> None:
-    """Fit a contact law to measurements: parameters with intervals, χ², and whether it describes them.
+    """Fit a contact law to measurements, and say whether it holds.
 
     The header of the file tells what was measured: speed and restitution; drop_height and rebound_height;
     height (peaks of a ball that bounces on, the release first); time (its impacts); or separation_velocity,
     top_velocity or top_height of a column. Each may have a column of errors, such as height_error, and a unit,
-    such as height [cm]. Parameters of the law that are given are held.
+    such as height [cm]. Parameters of the law that are given are held. Printed are the fitted ones with their
+    intervals, χ² with its probability, and a verdict. Numbers of options may bear a unit, such as 5mm.
     """
     if example:
         if file is not None:

@@ -26,36 +26,56 @@ from .printing import print_json
 from .program import Command
 
 start_options = options(
-    click.option("--n", type=int, help="Particles.  [default: 1000]"),
-    quantity_option("--packing-fraction", unit="1", help="Share of the box they fill.  [default: 0.3]"),
+    click.option("--n", type=int, help="Number of particles.  [default: 1000]"),
+    quantity_option("--packing-fraction", unit="1", help="Share of the box that they fill.  [default: 0.3]"),
     quantity_option(
-        "--radius", unit="m", multiple=True, help="[m]; twice: smallest and largest.  [default: 0.001]"
+        "--radius", unit="m", multiple=True, help="Radius [m]; twice: smallest and largest.  [default: 0.001]"
     ),
-    quantity_option("--density", unit="kg/m3", help="[kg/m³].  [default: 2500]"),
-    quantity_option("--rms-speed", unit="m/s", help="Of the start [m/s].  [default: 1]"),
-    click.option("--dimension", type=int, help="3: spheres, 2: disks.  [default: 3]"),
-    click.option("--seed", type=int, help="Of the random start.  [default: 0]"),
-    click.option("--boundary", multiple=True, help=f"{' | '.join(BOUNDARIES)}, one or one for each axis."),
+    quantity_option("--density", unit="kg/m3", help="Density [kg/m³].  [default: 2500]"),
     quantity_option(
-        "--gravity", unit="m/s2", multiple=True, help="[m/s²], down the last axis, or one for each axis."
+        "--rms-speed", unit="m/s", help="Root mean square of the speeds at the start [m/s].  [default: 1]"
+    ),
+    click.option("--dimension", type=int, help="Dimension, 3 for spheres and 2 for disks.  [default: 3]"),
+    click.option(
+        "--seed", type=int, help="Seed of the random start; the same one gives the same start.  [default: 0]"
+    ),
+    click.option(
+        "--boundary",
+        multiple=True,
+        help=f"Sides of the box: {' | '.join(BOUNDARIES)}; repeat it for each axis.  [default: periodic]",
+    ),
+    quantity_option(
+        "--gravity",
+        unit="m/s2",
+        multiple=True,
+        help="Gravity [m/s²], down the last axis; or repeated, one for each axis.  [default: 0]",
     ),
 )
 run_options = options(
-    click.option("--rule", help=f"{' | '.join(sorted({r for rules in RULES.values() for r in rules}))}"),
-    quantity_option("--contact-duration", unit="s", help="Of the rule tc [s]."),
-    quantity_option("--until", unit="s", help="End [s].  [default: some 20 collisions per particle]"),
-    click.option("--max-collisions", type=int, help="End at this collision."),
-    click.option("--samples", type=int, help="Spacings of series and frames.  [default: 100]"),
-    output_option("--checkpoint", "Written every minute and at Ctrl-C."),
-    quantity_option("--checkpoint-every", unit="s", help="[s]  [default: 60]"),
-    output_option("--resume", "Go on from a checkpoint."),
+    click.option(
+        "--rule",
+        help=f"Rule of collision: {' | '.join(sorted({r for rules in RULES.values() for r in rules}))}.",
+    ),
+    quantity_option("--contact-duration", unit="s", help="Contact duration of the rule tc [s]."),
+    quantity_option(
+        "--until", unit="s", help="End of the run [s].  [default: some 20 collisions per particle]"
+    ),
+    click.option("--max-collisions", type=int, help="End of the run, at this collision."),
+    click.option(
+        "--samples", type=int, help="Equal spacings in time of series, trajectory and film.  [default: 100]"
+    ),
+    output_option("--checkpoint", "File from which --resume goes on, written every minute and at Ctrl-C."),
+    quantity_option(
+        "--checkpoint-every", unit="s", help="Time between checkpoints, by the clock [s].  [default: 60]"
+    ),
+    output_option("--resume", "Checkpoint to go on from."),
 )
 file_options = options(
-    output_option("--out", "Trajectory: gsd (hardlimit[files]) or extended xyz."),
+    output_option("--out", "Trajectory (xyz; gsd with the extra hardlimit[files])."),
     output_option("--save", "Series, collisions and final state as NetCDF.", "FILE.nc"),
     output_option("--plot", "Temperature, rate and pressure over time, with theory (png, pdf, …)."),
     dpi_option,
-    output_option("--animate", "Film (gif; mp4 with hardlimit[film]); spheres: a slice."),
+    output_option("--animate", "Film (gif; mp4 with the extra hardlimit[film]), of spheres in a slice."),
     click.option("--json", "as_json", is_flag=True, help="Print JSON."),
 )
 
@@ -91,12 +111,13 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
 @engine_options
 @file_options
 def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **given: Any) -> None:
-    """Let a box of grains collide as hard spheres, and compare with theory.
+    """Let grains collide in a box as hard spheres, beside theory.
 
     FILE is a job (.toml), or particles to start from (.xyz, .gsd, .data). Without one: 1000 spheres of radius
     1 mm and density 2500 kg/m³ in a periodic box, filled to 0.3, with restitution 0.9. A restitution alone is that
     of all collisions; with other parameters of a law it depends on pair and speed. Numbers may bear a unit.
-    With --engine the contacts of that law last. hardlimit gas compare sets the rules beside Newton's equations.
+    With --engine the contacts of that law last. Another command, hardlimit gas compare, sets the rules for hard
+    spheres beside Newton's equations.
     """
     if given["engine"] is not None:
         return run_contacts(file, resume, as_json, given)

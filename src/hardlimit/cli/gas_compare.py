@@ -39,16 +39,28 @@ compare_options = options(
     click.option(
         "--models",
         multiple=True,
-        help=f"{' | '.join(MODELS)}, repeated; newton is there always.  [default: all]",
+        help=f"Model, repeated: {' | '.join(MODELS)}; newton is there always.  [default: all]",
     ),
-    quantity_option("--contact-duration", unit="s", help="Of the rule tc [s].  [default: the law’s]"),
-    quantity_option("--until", unit="s", help="End [s].  [default: some 20 collisions per particle]"),
-    click.option("--samples", type=int, help="Spacings in time.  [default: 100]"),
-    click.option("--engine", help="events | steps, of Newton’s equations.  [default: events]"),
-    click.option("--replicas", type=int, help=f"Starts.  [default: {USUAL_REPLICAS}]"),
-    click.option("--workers", type=int, help="Processes.  [default: one for each processor]"),
-    click.option("--scheduler", help="Address of a scheduler of dask.distributed, instead."),
-    output_option("--store", "Keeps finished replicas; the same call goes on."),
+    quantity_option(
+        "--contact-duration",
+        unit="s",
+        help="Contact duration of the rule tc [s].  [default: that of the law]",
+    ),
+    quantity_option(
+        "--until", unit="s", help="End of each run [s].  [default: some 20 collisions per particle]"
+    ),
+    click.option("--samples", type=int, help="Equal spacings in time.  [default: 100]"),
+    click.option("--engine", help="How Newton’s equations are solved: events | steps.  [default: events]"),
+    click.option(
+        "--replicas",
+        type=int,
+        help=f"Number of starts; error bars come from them.  [default: {USUAL_REPLICAS}]",
+    ),
+    click.option("--workers", type=int, help="Number of processes.  [default: one for each processor]"),
+    click.option(
+        "--scheduler", help="Address of a scheduler of dask.distributed, instead of processes here."
+    ),
+    output_option("--store", "File that keeps finished replicas; the same call goes on."),
     output_option("--out", "Means and replicas as NetCDF.", "FILE.nc"),
     output_option("--plot", "Differences over time (png, pdf, …)."),
     dpi_option,

@@ -17,11 +17,19 @@ from .options import options, output_option, quantity_option
 from .printing import console, digits, print_json, show, table
 
 engine_options = options(
-    click.option("--engine", type=click.Choice(list(UNITS)), help="Newton's equations; takes a --law."),
-    quantity_option("--restitution-error", unit="1", help="Made by steps (steps, lammps).  [default: 0.001]"),
-    quantity_option("--time-step", unit="s", help="Instead: the longest step [s] (steps, lammps)."),
-    click.option("--threads", type=int, help="(steps)  [default: all processors]"),
-    click.option("--ranks", type=int, help="MPI processes (lammps).  [default: 1]"),
+    click.option(
+        "--engine", type=click.Choice(list(UNITS)), help="Solve Newton's equations instead, with a --law."
+    ),
+    quantity_option(
+        "--restitution-error",
+        unit="1",
+        help="Error of ε that the time step may make (steps, lammps).  [default: 0.001]",
+    ),
+    quantity_option(
+        "--time-step", unit="s", help="Instead of that error, the longest step [s] (steps, lammps)."
+    ),
+    click.option("--threads", type=int, help="Threads (steps).  [default: all processors]"),
+    click.option("--ranks", type=int, help="Number of MPI processes (lammps).  [default: 1]"),
     output_option("--write-input", "Write the input of LAMMPS there, run nothing (lammps).", "FOLDER"),
 )
 OWN: Final = ("restitution_error", "time_step", "threads", "ranks")

@@ -75,12 +75,14 @@ def all_law_parameters() -> dict[str, list[tuple[type[Law], dict[str, Any]]]]:
     return found
 
 
-def law_options(kind: Callable[[str], click.ParamType[Any]] = Quantity) -> Callable[[F], F]:
+def law_options(
+    kind: Callable[[str], click.ParamType[Any]] = Quantity, law: str = "Law of every contact."
+) -> Callable[[F], F]:
     """``--law`` and one option for each parameter of a registered law; ``kind`` makes its type from the unit."""
-    made = [click.option("--law", type=click.Choice(list(LAWS)), help="Law of every contact.")]
+    made = [click.option("--law", type=click.Choice(list(LAWS)), help=law)]
     for name, uses in all_law_parameters().items():
         record = uses[0][1]
-        laws = ", ".join(law.record["name"] for law, _ in uses)
+        laws = ", ".join(known.record["name"] for known, _ in uses)
         unit = f" [{record['unit']}]" if record["unit"] != "1" else ""
         meaning = record["meaning"].split(";")[0].split(",")[0]
         made.append(
@@ -88,7 +90,7 @@ def law_options(kind: Callable[[str], click.ParamType[Any]] = Quantity) -> Calla
                 f"--{name.replace('_', '-')}",
                 name,
                 type=kind(record["unit"]),
-                help=f"{meaning}{unit} ({laws})",
+                help=f"{meaning[0].upper()}{meaning[1:]}{unit} ({laws}).",
             )
         )
     return options(*made)
@@ -111,37 +113,43 @@ def column_options(function: F) -> F:
             "gaps",
             unit="m",
             multiple=True,
-            help="Δh [m], of all; or repeated, one for each gap, the lowest first.",
+            help="Gap Δh between neighbours [m], of all; or repeated, the lowest first.",
         ),
-        quantity_option("--radius-ratio", unit="1", help="R1/R2; changes the lower radius."),
-        quantity_option("--radius-1", unit="m", help="R1 [m], of the lowest ball."),
-        quantity_option("--radius-2", unit="m", help="R2 [m], of the next one."),
+        quantity_option("--radius-ratio", unit="1", help="R1/R2 of two balls; changes the lower radius."),
+        quantity_option("--radius-1", unit="m", help="Radius R1 of the lowest ball [m]."),
+        quantity_option("--radius-2", unit="m", help="Radius R2 of the next one [m]."),
         quantity_option(
             "--radius",
             "radii",
             unit="m",
             multiple=True,
-            help="[m], repeated for each ball of a column of any number, the lowest first.",
+            help="Radius [m], repeated for each ball of a column of any number, the lowest first.",
         ),
         quantity_option(
-            "--density", "densities", unit="kg/m3", multiple=True, help="[kg/m³], of all balls; or repeated."
+            "--density",
+            "densities",
+            unit="kg/m3",
+            multiple=True,
+            help="Density [kg/m³], of all balls; or repeated.",
         ),
         quantity_option(
             "--mass",
             "masses",
             unit="kg",
             multiple=True,
-            help="[kg], instead of the density; repeated for each ball.",
+            help="Mass [kg], instead of the density; repeated for each ball.",
         ),
-        quantity_option("--height", unit="m", help="z1(0) [m], centre of the lowest ball at release."),
+        quantity_option(
+            "--height", unit="m", help="Height of the centre of the lowest ball at release, z1(0) [m]."
+        ),
         quantity_option(
             "--velocity",
             "velocities",
             unit="m/s",
             multiple=True,
-            help="[m/s], upwards, of all balls; or repeated.",
+            help="Velocity at release, upwards [m/s], of all balls; or repeated.",
         ),
-        quantity_option("--gravity", unit="m/s2", help="g [m/s²]."),
+        quantity_option("--gravity", unit="m/s2", help="Acceleration of gravity g [m/s²]."),
         law_options(),
     )
     return decorate(function)
@@ -185,7 +193,9 @@ def writable(option: str, path: str | None) -> Path | None:
 
 def dpi_option(function: F) -> F:
     """``--dpi`` of the pictures a command writes; None takes the usual resolution."""
-    option = click.option("--dpi", type=Quantity(), help="Resolution of the pictures.  [default: 200]")
+    option = click.option(
+        "--dpi", type=Quantity(), help="Resolution of the pictures, dots per inch.  [default: 200]"
+    )
     return option(function)
 
 

@@ -25,12 +25,24 @@ MARKS = {
 
 
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit paper --figures 2,3 --out figures --format pdf")
-@click.option("--figures", metavar="LIST", help="Such as 2,3,4.  [default: all]")
-@click.option("--out", metavar="FOLDER", default="hardlimit-paper", show_default=True)
-@quantity_option(
-    "--density", unit="kg/m3", default=PAPER_DENSITY, show_default=True, help="[kg/m³], inferred."
+@click.option("--figures", metavar="LIST", help="Which figures, such as 2,3,4.  [default: all]")
+@click.option(
+    "--out",
+    metavar="FOLDER",
+    default="hardlimit-paper",
+    show_default=True,
+    help="Where pictures, data and report go.",
 )
-@click.option("--format", "picture", default="png", show_default=True, help="png, pdf or svg.")
+@quantity_option(
+    "--density",
+    unit="kg/m3",
+    default=PAPER_DENSITY,
+    show_default=True,
+    help="Density of the balls [kg/m³]; inferred, for the paper prints none.",
+)
+@click.option(
+    "--format", "picture", default="png", show_default=True, help="Format of the pictures: png, pdf or svg."
+)
 @dpi_option
 @click.option("--infer-density", is_flag=True, help="Repeat the inference of the density.")
 @click.option("--all", "everything", is_flag=True, help="Print every statement, also those that agree.")
@@ -45,7 +57,7 @@ def paper(
     everything: bool,
     as_json: bool,
 ) -> None:
-    """Compute Figures 2–8 of the paper and check what its text states.
+    """Compute Figures 2–8 of the paper, and check its statements.
 
     Müller and Pöschel, Phys. Rev. E 83, 041304 (2011). Writes every figure as a picture and as data (NetCDF),
     and report.md with every statement and what comes out; prints those that agree only in part, or not.

@@ -25,23 +25,28 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
     cls=Command,
     epilog="\b\nExample:\n  hardlimit stack --balls 3 --bottom-mass 1kg --top-mass 10g --restitution 1",
 )
-@click.option("--balls", type=int, default=3, show_default=True, help=f"2 to {MOST_BALLS}.")
-@quantity_option("--bottom-mass", unit="kg", help="[kg].  [default: 1]")
-@quantity_option("--top-mass", unit="kg", help="[kg]; without it, free as well.")
-@quantity_option("--least-ratio", unit="1", help="Least mass over that of the ball below.  [default: 0.001]")
-@quantity_option("--largest-ratio", unit="1", help="Largest one.  [default: 1]")
-@quantity_option("--gap", unit="m", help="Between neighbours [m].  [default: 0]")
-@quantity_option("--density", unit="kg/m3", help="[kg/m³].  [default: 1000]")
-@quantity_option("--speed", unit="m/s", help="Of impact [m/s].  [default: 1]")
+@click.option("--balls", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MOST_BALLS}.")
+@quantity_option("--bottom-mass", unit="kg", help="Mass of the lowest ball [kg].  [default: 1]")
+@quantity_option("--top-mass", unit="kg", help="Mass of the top ball [kg]; without it, free as well.")
+@quantity_option(
+    "--least-ratio", unit="1", help="Least mass of a ball over that of the one below.  [default: 0.001]"
+)
+@quantity_option(
+    "--largest-ratio", unit="1", help="Largest mass of a ball over that of the one below.  [default: 1]"
+)
+@quantity_option("--gap", unit="m", help="Gap between neighbours at the impact [m].  [default: 0]")
+@quantity_option("--density", unit="kg/m3", help="Density of the balls [kg/m³].  [default: 1000]")
+@quantity_option("--speed", unit="m/s", help="Speed of impact [m/s].  [default: 1]")
 @law_options()
 @output_option("--plot", "Masses and speed over the gap as a picture (png, pdf, svg, …).")
 @dpi_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def stack(law: str | None, balls: int, as_json: bool, plot: str | None, **given: Any) -> None:
-    """Masses with which a falling stack throws its top ball fastest, by collisions and by Newton's equations.
+    """Masses with which a stack throws its top ball fastest.
 
-    Balls that touch or nearly touch push each other at the same time; then the masses that are best for
-    collisions one at a time are poor, and so is what they promise. A number may bear a unit, such as 10g.
+    They are found under Newton's equations and, beside them, for collisions one at a time. Balls that touch or nearly
+    touch push each other at the same time; then the masses that are best for collisions are poor, and so is what they
+    promise. A number may bear a unit, such as 10g.
     """
     picture = writable("plot", plot)
     rule = chosen_law(law, given_law_parameters(given))

@@ -22,22 +22,30 @@ if TYPE_CHECKING:
     import xarray as xr
 
 settings_options = options(
-    click.option("--model", help=f"{' | '.join(MODELS)}  [default: newton]"),
-    click.option("--engine", help=f"{' | '.join(ENGINES)}  [default: cpu]"),
-    click.option("--threads", type=int, help="[default: all processors]"),
+    click.option("--model", help=f"Model: {' | '.join(MODELS)}.  [default: newton]"),
+    click.option("--engine", help=f"Where it is computed: {' | '.join(ENGINES)}.  [default: cpu]"),
+    click.option("--threads", type=int, help="Threads.  [default: all processors]"),
     click.option(
         "--scheduler", help="Address of the scheduler for the engine dask.  [default: this machine]"
     ),
     click.option(
-        "--tolerance", type=float, help="Of a step, where points are integrated.  [default: 2.3e-10 or 1e-14]"
+        "--tolerance",
+        type=float,
+        help="Local error of a step in units of the impact, where points are integrated.  "
+        "[default: 2.3e-10 or 1e-14]",
     ),
     click.option(
-        "--variable", "variables", multiple=True, help=f"To keep, repeated: {', '.join(VARIABLES)}."
+        "--variable",
+        "variables",
+        multiple=True,
+        help=f"Variable to keep; repeat for more: {', '.join(VARIABLES)}.",
     ),
     output_option("--out", "NetCDF file (.nc) or Zarr store (.zarr, written chunk by chunk)."),
     click.option("--resume", is_flag=True, help="Go on with the Zarr store of an interrupted sweep."),
     output_option("--plot", "Map of the first variable, contacts by default (png, pdf, …)."),
-    output_option("--difference", "Map of v'r, Newton − independent collisions."),
+    output_option(
+        "--difference", "Map of the difference in v'r, Newton − independent collisions (png, pdf, …)."
+    ),
     dpi_option,
     click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON."),
 )
@@ -52,12 +60,12 @@ settings_options = options(
 @law_options(Axis)
 @settings_options
 def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **given: Any) -> None:
-    """Compute a map over any parameters of two balls, or of the column of a job file.
+    """Compute a map over any parameters of a column of balls.
 
-    A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count, with :log for equal factors; numbers may
-    bear a unit, such as 1um. What is not given is that of FILE.toml or of Fig. 2 of the paper. A job file is
-    that of `hardlimit drop` with a table [sweep] (model, engine, threads, scheduler, tolerance, variables, out,
-    plot, difference) and [sweep.axes].
+    The column is that of JOB.toml, or two balls. A parameter is a number, a list 0.5,0.7,0.9, or start:stop:count,
+    with :log for equal factors; numbers may bear a unit, such as 1um. What is not given is that of JOB.toml or of
+    Fig. 2 of the paper. A job file is that of `hardlimit drop` with a table [sweep] (model, engine, threads,
+    scheduler, tolerance, variables, out, plot, difference) and [sweep.axes].
     """
     job = make_job(file, resume, given)
     import xarray  # noqa: F401  # here, so that loading it does not count as time of the sweep

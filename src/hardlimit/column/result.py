@@ -26,13 +26,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """Outcome of one drop under one model. Times in s after the first floor touch (cradle: after release).
+    """Outcome of one drop under one model, returned by its solver. Times in s after the first floor touch.
 
-    It never changes, and its arrays are read-only. A copy, or a result that was sent to another process, is solved
-    again when it is first asked for a value, and has the same bits.
+    Those of a cradle are times after its release. A result never changes, and its arrays are read-only. A copy, or a
+    result that was sent to another process, is solved again when it is first asked for a value, and has the same bits.
+    :doc:`/definitions` says exactly what each number means.
+
+    Notes
+    -----
+    Symbols are those of the paper, Müller & Pöschel, Phys. Rev. E 83, 041304 (2011).
+
+    Examples
+    --------
+    >>> drop = hl.newton(hl.Column.paper(gap=1e-4))
+    >>> drop.n_contacts, f"{drop.t_end * 1e3:.3f} ms", drop.outcome
+    (4, '0.721 ms', 'ok')
+    >>> drop.final_velocities.round(2)  # lower and upper ball [m/s]
+    array([2.19, 2.32])
+    >>> drop.contacts.begin.values.round(6)  # the floor's first
+    array([0.      , 0.000194, 0.000388, 0.00054 , 0.000695])
     """
 
-    column: Column
+    column: Column  #: what was solved
     model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
     method: str  #: how it was solved, in words
     until: float | None  #: the time asked for [s], if any
@@ -138,7 +153,7 @@ class Result:
         """Greatest height of each centre above the floor [m] after the ball's first bounce, bottom first.
 
         With ``until``, the greatest up to that time. Without it, the lowest ball is taken away when it meets the floor
-        for the second time, and the contacts still to come between the others count (see docs/definitions.md). NaN for
+        for the second time, and the contacts still to come between the others count (see :doc:`/definitions`). NaN for
         a ball that does not bounce, and for a cradle.
         """
         return _fixed(np.asarray(self._core.rebound_heights()))
@@ -234,7 +249,18 @@ class Result:
         return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
-        """Times that show the contacts well: evenly spaced over the sequence, and every begin and end."""
+        """Times that show the contacts well: evenly spaced over the sequence, and every begin and end.
+
+        Returns
+        -------
+        N numbers [s]
+
+        Examples
+        --------
+        >>> times = hl.newton(hl.Column.paper()).default_times()
+        >>> f"{times.min() * 1e3:.2f} to {times.max() * 1e3:.2f} ms"
+        '-0.04 to 0.81 ms'
+        """
         _, begin, end = self._core.contacts()
         marks = np.concatenate([begin, end])
         marks = marks[np.isfinite(marks)]
@@ -250,10 +276,14 @@ class Result:
         return np.unique(np.concatenate([np.linspace(start, stop, 1001), inside]))
 
     def trajectory(self, times: ArrayLike | None = None) -> xr.Dataset:
-        """Positions, velocities, contact forces and energies at ``times`` [s], any time from release on.
+        """Positions, velocities, contact forces and energies over time.
 
-        By default at times that show the contacts, as far as the motion is known: the attribute ``known_until`` is
-        there if the run was not resolved.
+        The attribute ``known_until`` is there if the run was not resolved.
+
+        Parameters
+        ----------
+        times : number or N numbers [s], optional
+            Any time from release on. By default times that show the contacts, as far as the motion is known.
 
         Returns
         -------
@@ -267,6 +297,12 @@ class Result:
         ValueError
             If ``times`` is not a number or a one-dimensional array of them, or if one of them is not finite or lies
             before release or after the end of the solution.
+
+        Examples
+        --------
+        >>> path = hl.newton(hl.Column.paper()).trajectory(np.linspace(0, 1e-3, 101))
+        >>> (path.force.max("time") / 1e3).values.round(1)  # floor, pair [kN]
+        array([35.9,  0.4])
         """
         import xarray as xr
 
@@ -304,15 +340,50 @@ class Result:
         return at
 
     def plot(self) -> Figure:
-        """Contact forces over time, as in Fig. 2 of the paper."""
+        """Contact forces over time, as in Fig. 2 of the paper.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> figure = hl.newton(hl.Column.paper()).plot()
+        >>> figure.savefig("forces.svg")
+        """
         from ..pictures import plots
 
         return plots.forces(self)
 
     def animate(self, path: str | Path, **options: Any) -> Path:
-        """Write a slow-motion animation of the drop as MP4 or GIF (by the ending of ``path``).
+        """Write a slow-motion film of the drop as MP4 or GIF, by the ending of ``path``.
 
-        Options, return value and errors are those of ``hardlimit.pictures.animation.animate``.
+        Parameters
+        ----------
+        path : path
+            A file is only there when it is complete.
+        **options
+            ``ghost``: a second Result of the same column, shown beside; independent collisions by default. ``width`` in
+            pixels, 160 to 3840. ``frames_per_second``, 1 to 120. ``progress``, a callable(done, total).
+
+        Returns
+        -------
+        Path
+            Of the film.
+
+        Raises
+        ------
+        ValueError
+            If the ending is unknown, an option is outside its range, ``ghost`` is of another column, or MP4 is asked
+            for without ``pip install 'hardlimit[film]'``; GIF needs nothing more.
+        OSError
+            If the file cannot be written; names it.
+
+        Examples
+        --------
+        >>> drop = hl.newton(hl.Column.paper())
+        >>> print(drop.animate("drop.gif", width=160, frames_per_second=1))
+        drop.gif
         """
         from ..pictures import animation
 

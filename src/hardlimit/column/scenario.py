@@ -51,14 +51,27 @@ class Column:
     ------
     ValueError
         If a value is outside its range (no length, speed or acceleration may exceed 1e100), or nothing would ever move.
+
+    Notes
+    -----
+    Symbols, and what is computed of a column: Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), the paper.
+
+    Examples
+    --------
+    >>> basketball, tennis_ball = hl.Ball(0.12, mass=0.62), hl.Ball(0.033, mass=0.058)
+    >>> law = hl.LinearDashpot(stiffness=2e4, restitution=0.8)
+    >>> drop = hl.Column([basketball, tennis_ball], gaps=0.01, height=1.12, law=law)
+    >>> moon = drop.replace(gravity=1.62)
+    >>> f"{drop.impact_speed:.2f} m/s, on the Moon {moon.impact_speed:.2f} m/s"
+    '4.43 m/s, on the Moon 1.80 m/s'
     """
 
-    balls: tuple[Ball, ...]
-    gaps: tuple[float, ...]
-    height: float
+    balls: tuple[Ball, ...]  #: bottom first
+    gaps: tuple[float, ...]  #: between neighbours, bottom first [m]
+    height: float  #: of the centre of the lowest ball at release [m]
     laws: tuple[Law, ...]  #: one for each contact, the floor's first (a cradle has none with a floor)
-    velocities: tuple[float, ...]
-    gravity: float
+    velocities: tuple[float, ...]  #: at release, upwards, bottom first [m/s]
+    gravity: float  #: [m/s²]
     floor: bool  #: False for a cradle
 
     def __init__(
@@ -137,6 +150,12 @@ class Column:
         ------
         ValueError
             If a value is outside its range, or a radius or the law is given twice.
+
+        Examples
+        --------
+        >>> drop = hl.Column.paper(restitution=0.9, gap=1e-3)
+        >>> drop.balls[1], drop.laws[0].restitution
+        (Ball(radius=0.01, density=840.0), 0.9)
         """
         if radius_1 is not None and radius_ratio is not None:
             raise ValueError("radius_ratio | radius_1: got both, must be at most one of them")
@@ -178,6 +197,16 @@ class Column:
         ------
         ValueError
             If a value is outside its range, or no two neighbours approach each other.
+
+        Examples
+        --------
+        >>> balls = [hl.Ball(0.02, mass=0.1)] * 3
+        >>> steel = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+        >>> cradle = hl.Column.cradle(balls, [1, 0, 0], steel)
+        >>> hl.independent(cradle).final_velocities.round(3) + 0.0
+        array([0., 0., 1.])
+        >>> hl.newton(cradle).final_velocities.round(3)  # they touch
+        array([-0.13,  0.15,  0.98])
         """
         self = cls.__new__(cls)
         self._set(floor=False, **_checked_balls(balls, gaps, velocities, least=2))
@@ -203,11 +232,27 @@ class Column:
 
         If the number of balls changes, a law, gap or velocity that all of them share is kept for all.
 
+        Parameters
+        ----------
+        balls : sequence of Ball, bottom first, optional
+        gaps : float or sequence of float [m], optional
+        height : float [m], optional
+        law : Law, or one Law for each contact, optional
+        velocities : float or sequence of float [m/s], optional
+        gravity : float [m/s²], optional
+
         Raises
         ------
         ValueError
             If a value is outside its range, or what stays does not fit the number of balls. A cradle takes
             neither height nor gravity.
+
+        Examples
+        --------
+        >>> drop = hl.Column.paper()
+        >>> softer = drop.replace(law=drop.laws[0].replace(stiffness=1e6), height=0.3)
+        >>> hl.newton(softer).n_contacts
+        4
         """
         kept = self.balls if balls is None else balls
         law = _shared(self.laws) if law is None else law
@@ -280,7 +325,10 @@ class Column:
 
     @cached_property
     def core(self) -> _core.Column:
-        """The column as the core sees it."""
+        """The column as the core sees it.
+
+        :meta private:
+        """
         contacts = [c.core for c in self.contacts]
         if not self.floor:
             contacts.insert(0, contacts[0])  # pair 0 exists in the core and never closes

@@ -80,7 +80,28 @@ def convert(
 
     Notes
     -----
+    Why the usual damping gives another ε where a force never attracts: Schwager & Pöschel, Granular Matter 9, 465
+    (2007).
     Source of each code's formulas: the files in ``hardlimit/convert/codes``.
+
+    Examples
+    --------
+    >>> ball = hl.Ball(1e-3, density=2500.0)
+    >>> found = hl.convert(
+    ...     ball, restitution=0.7, stiffness=1e4, code="chrono", wall=False
+    ... )
+    >>> one = found.models[0].contacts[0]
+    >>> f"0.7 would give {one.usual_restitution:.3f}, for 0.7 ask {one.numbers['restitution']:.3f}"
+    '0.7 would give 0.718, for 0.7 ask 0.679'
+    >>> print(found.models[0].text)
+    // Chrono 9 (ChDefaultContactForceTorqueSMC): ChSystemSMC::Hooke with material properties
+    sys.SetContactForceModel(ChSystemSMC::Hooke);
+    // 1 – 1
+    sys.SetCharacteristicImpactVelocity(1);
+    mat->SetYoungModulus(159517379.523);
+    mat->SetPoissonRatio(0.3);
+    mat->SetRestitution(0.679193715508);
+    sys.DoStepDynamics(2.252e-07);
     """
     from .conversion import converted
     from .wanted import wanted
@@ -106,19 +127,38 @@ def convert_back(
     ----------
     text : str
         Lines of input, such as ``convert(…).text`` holds.
-    ball, other : Ball, Ball or FLOOR
-        The bodies; by default two of the same size.
-    code, model : str
-        Of which code the input is; the model is found in it unless it is given.
+    ball : Ball
+    other : Ball or FLOOR, optional
+        The other body; by default one like ``ball``.
+    code : str
+        Of which code the input is.
+    model : str, optional
+        Found in the input unless it is given.
     speed : float [m/s]
         Of impact.
-    restitution_error, time_step : float
-        As for ``convert``.
+    restitution_error, time_step : float, float [s]
+        As for :func:`convert`.
+
+    Returns
+    -------
+    Obtained
 
     Raises
     ------
     ValueError
         If a value is outside its range, or the input has no model of the code or several.
+
+    Notes
+    -----
+    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of
+    each code's formulas: as for :func:`convert`.
+
+    Examples
+    --------
+    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
+    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
+    >>> round(found.restitution, 4)
+    0.7182
     """
     from .conversion import obtained
 

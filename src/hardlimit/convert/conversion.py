@@ -22,47 +22,88 @@ MOST_BODIES: Final = 30
 
 @dataclass(frozen=True)
 class ContactNumbers:
-    """One contact under our own law, which is never attractive."""
+    """One contact under our own law, which is never attractive; made by :func:`hardlimit.convert`.
 
-    pair: str
+    Examples
+    --------
+    >>> found = hl.convert(
+    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
+    ... )
+    >>> for contact in found.contacts:
+    ...     print(
+    ...         f"{contact.pair}: {contact.damping:.4f} N s/m, {contact.time_step:.2g} s"
+    ...     )
+    1 – 1: 0.0559 N s/m, 2.3e-07 s
+    1 – wall: 0.0791 N s/m, 3.2e-07 s
+    """
+
+    pair: str  #: which bodies, such as ``1 – 2`` or ``1 – wall``
     effective_mass: float  #: [kg]
     effective_radius: float  #: [m]
     stiffness: float  #: k [N/m], or K of K ξ^(3/2) [N/m^1.5]
-    damping: float  #: the factor of ξ^q dξ/dt: γ [N s/m] of the linear law, else [N s/m^(1 + q)]
+    damping: float  #: the factor of ξ^q dξ/dt, of the linear law γ [N s/m], else [N s/m^(1 + q)]
     duration: float  #: [s]
     compression: float  #: the greatest [m]
     force: float  #: the greatest [N]
     time_step: float  #: [s], with which ε errs by ``restitution_error``; NaN where the bodies stay together
-    restitution_error: float
+    restitution_error: float  #: that the time step makes
 
 
 @dataclass(frozen=True)
 class ModelNumbers:
-    """One contact in a model of a code."""
+    """One contact in a model of a code; made by :func:`hardlimit.convert`.
 
-    pair: str
+    Examples
+    --------
+    >>> found = hl.convert(
+    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
+    ... )
+    >>> one = found.models[0].contacts[0]
+    >>> {name: round(value, 4) for name, value in one.numbers.items()}
+    {'stiffness': 20000.0, 'damping': 0.1119}
+    >>> round(one.restitution, 4)
+    0.7
+    """
+
+    pair: str  #: which bodies, such as ``1 – 2`` or ``1 – wall``
     numbers: Numbers | None  #: that the code is to be given; None if it cannot have this restitution
     restitution: float  #: that they really give; NaN without them
     usual: Numbers | None  #: what one would take who does not know the code
     usual_restitution: float  #: what that gives; NaN without
     time_step: float  #: [s], with which ε errs by ``restitution_error``
-    restitution_error: float
+    restitution_error: float  #: that the time step makes
 
 
 @dataclass(frozen=True)
 class ModelConversion:
-    """All contacts in a model of a code, and its input."""
+    """All contacts in a model of a code, and its input; made by :func:`hardlimit.convert`.
 
-    code: Code
-    model: Model
+    Examples
+    --------
+    >>> found = hl.convert(
+    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
+    ... )
+    >>> for one in found.models:
+    ...     print(one.code.title, one.model.name, len(one.contacts))
+    YADE viscel 2
+    YADE viscel-tc-en 2
+    YADE viscel-young-en 2
+    """
+
+    code: Code  #: its name, title, version and sources
+    model: Model  #: its name, title and formulas
     attraction: bool  #: whether the force attracts at the end of a contact
-    contacts: tuple[ModelNumbers, ...]
+    contacts: tuple[ModelNumbers, ...]  #: each pair of sizes, and each size with a wall
     text: str  #: ready to paste
+
+    def __repr__(self) -> str:
+        pairs = ", ".join(contact.pair for contact in self.contacts)
+        return f"<ModelConversion to {self.code.name} {self.model.name}: {pairs}>"
 
 
 @dataclass(frozen=True)
 class Conversion:
-    """What ``hl.convert`` finds.
+    """A restitution in the numbers of particle codes; made by :func:`hardlimit.convert`.
 
     Attributes
     ----------
@@ -72,6 +113,16 @@ class Conversion:
         Each pair of sizes, and each size with a wall.
     models : tuple of ModelConversion
         Of the code that was named, or of all.
+
+    Examples
+    --------
+    >>> found = hl.convert(
+    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
+    ... )
+    >>> print(found.text.splitlines()[0])
+    # YADE 2023.02a (Debian): ViscElMat(kn, cn)
+    >>> sorted(found.to_dict())
+    ['contacts', 'models', 'wanted']
     """
 
     wanted: Wanted
@@ -84,7 +135,12 @@ class Conversion:
         return "\n\n".join(model.text for model in self.models)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as plain dictionaries, in SI units."""
+        """Everything as plain dictionaries, in SI units.
+
+        Returns
+        -------
+        dict
+        """
         return {
             "wanted": asdict(self.wanted),
             "contacts": [asdict(contact) for contact in self.contacts],
@@ -111,10 +167,20 @@ class Conversion:
 
 @dataclass(frozen=True)
 class Obtained:
-    """What an input of a code really gives in one contact."""
+    """What an input of a code really gives in one contact; made by :func:`hardlimit.convert_back`.
 
-    code: Code
-    model: Model
+    Examples
+    --------
+    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
+    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
+    >>> found
+    <Obtained from lammps hooke-restitution: restitution 0.718201>
+    >>> f"{found.to_dict()['compression'] * 1e6:.1f} µm"
+    '19.4 µm'
+    """
+
+    code: Code  #: its name, title, version and sources
+    model: Model  #: its name, title and formulas
     attraction: bool  #: whether the force attracts at the end of a contact
     numbers: Numbers  #: as read
     restitution: float  #: 0 where the bodies stay together
@@ -122,10 +188,18 @@ class Obtained:
     compression: float  #: the greatest [m]
     force: float  #: the greatest [N]
     time_step: float  #: [s]; NaN where the bodies stay together
-    restitution_error: float
+    restitution_error: float  #: that the time step makes
+
+    def __repr__(self) -> str:
+        return f"<Obtained from {self.code.name} {self.model.name}: restitution {self.restitution:.6g}>"
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything as a plain dictionary, in SI units."""
+        """Everything as a plain dictionary, in SI units.
+
+        Returns
+        -------
+        dict
+        """
         plain = asdict(replace(self, code=None, model=None))  # type: ignore[arg-type]
         return {**plain, "code": self.code.name, "version": self.code.version, "model": self.model.name}
 

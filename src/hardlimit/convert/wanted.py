@@ -17,18 +17,28 @@ LOWEST: Final = 1e-3  #: restitution
 
 @dataclass(frozen=True)
 class Wanted:
-    """A restitution at a speed, under a law, with a stiffness given by one of ``stiffness`` [N/m], ``youngs_modulus``
-    [Pa], ``duration`` [s] and ``compression`` [m]."""
+    """What was asked for; made by :func:`hardlimit.convert`.
 
-    restitution: float
-    speed: float  #: [m/s]
-    law: str
-    given: str  #: which of them
-    value: float
-    poisson_ratio: float
+    Examples
+    --------
+    >>> ball = hl.Ball(1e-3, density=2500.0)
+    >>> hl.convert(ball, restitution=0.7, duration=1e-4, code="yade").wanted
+    Wanted(restitution=0.7, speed=1.0, law='linear', given='duration', value=0.0001,
+    poisson_ratio=0.3)
+    """
+
+    restitution: float  #: ε
+    speed: float  #: of impact [m/s]
+    law: str  #: "linear", "tsuji" or "viscoelastic"
+    given: str  #: how the stiffness was given, by ``stiffness``, ``youngs_modulus``, ``duration`` or ``compression``
+    value: float  #: of it [N/m], [Pa], [s] or [m]
+    poisson_ratio: float  #: ν
 
     def force(self, mass: float, radius: float) -> Force:
-        """Our own law in a contact of this effective mass [kg] and radius [m]."""
+        """Our own law in a contact of this effective mass [kg] and radius [m].
+
+        :meta private:
+        """
         powers = LAWS[self.law]
         return Force.with_restitution(
             powers, self._stiffness(powers, mass, radius), mass, self.restitution, self.speed

@@ -67,7 +67,7 @@ class Table:
 def read_measurements(
     path: str | Path, *, column: Column | None = None, gravity: float = STANDARD_GRAVITY
 ) -> Measured:
-    """Measurements from a CSV file; what they are is told from the names in its header.
+    r"""Measurements from a CSV file; what they are is told from the names in its header.
 
     ======================================  =========================================================
     header                                  one row is
@@ -100,6 +100,13 @@ def read_measurements(
         If the file is not such a table; names line and column of the fault.
     OSError
         If the file cannot be read.
+
+    Examples
+    --------
+    >>> with open("bounces.csv", "w") as file:
+    ...     _ = file.write("height [cm], height_error [mm]\n100, 5\n64, 5\n42, 5\n")
+    >>> hl.read_measurements("bounces.csv").restitution.round(3)
+    array([0.8 , 0.81])
     """
     table = _read(path)
     build, names, allowed = _kind(str(path), table)

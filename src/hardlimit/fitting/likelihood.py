@@ -30,12 +30,22 @@ STARTS: Final = 3
 
 @dataclass(frozen=True)
 class Estimate:
-    """A fitted value and its uncertainty."""
+    """A fitted value and its uncertainty; made by :func:`hardlimit.fit`.
 
-    value: float
+    Examples
+    --------
+    >>> impacts = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
+    >>> epsilon = hl.fit(impacts, "linear", compare=False).parameters["restitution"]
+    >>> print(epsilon, f"in [{epsilon.lower:.4f}, {epsilon.upper:.4f}]")
+    0.940333 ± 0.0017 in [0.9386, 0.9421]
+    """
+
+    value: float  #: the most likely one
     error: float  #: standard error, from the curvature of the likelihood
-    lower: float  #: ends of the interval of the confidence asked for, from the profile of the likelihood
-    upper: float
+    lower: float  #: lower end of the interval of the confidence asked for, from the profile of the likelihood
+    upper: float  #: its upper end
 
     def __str__(self) -> str:
         return f"{self.value:.6g} ± {self.error:.2g}"

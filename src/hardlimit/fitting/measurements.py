@@ -56,7 +56,7 @@ class Block:
 
 
 class Measured:
-    """What was measured; the classes that follow make one."""
+    """What was measured; made by the class methods of :class:`Impacts` and :class:`Rebounds`."""
 
     what: ClassVar[str]  #: in words
     kind: ClassVar[str]
@@ -77,22 +77,40 @@ class Measured:
         raise NotImplementedError
 
     def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
-        """Deviations from the law in units of their errors, made independent, and ln det of their covariance."""
+        """Deviations from the law in units of their errors, made independent, and ln det of their covariance.
+
+        :meta private:
+        """
         raise NotImplementedError
 
     def spread(self) -> float:
-        """A first guess at how much values scatter."""
+        """A first guess at how much values scatter.
+
+        :meta private:
+        """
         raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)
 class Impacts(Measured):
-    """Impacts of one ball on a floor or on another ball; made by one of its class methods."""
+    """Impacts of one ball on a floor or on another ball; made by one of its class methods.
 
-    kind: ClassVar[str] = "impacts"
-    what: ClassVar[str] = "ε over the speed of impact"
+    Notes
+    -----
+    Free fall alone connects heights, times and speeds: Bernstein, Am. J. Phys. 45, 41 (1977). Errors are carried along
+    to first order, with the covariances of what shares a reading.
 
-    blocks: tuple[Block, ...]
+    Examples
+    --------
+    >>> impacts = hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
+    >>> impacts.n, impacts.speeds, impacts.reference_speed
+    (3, (0.1, 10.0), 1.0)
+    """
+
+    kind: ClassVar[str] = "impacts"  #: a word for what was measured
+    what: ClassVar[str] = "ε over the speed of impact"  #: the same as a phrase
+
+    blocks: tuple[Block, ...]  #: impacts whose errors belong together
     origin: str  #: what was read off the instruments, in words
 
     @classmethod
@@ -120,6 +138,11 @@ class Impacts(Measured):
         ------
         ValueError
             If a value is outside its range or there are not as many of one as of the other; names its place.
+
+        Examples
+        --------
+        >>> hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
+        <Impacts: 3 from 0.1 to 10 m/s>
         """
         count = _count("speed", speed)
         v = validation.each("speed", speed, count, lowest=0.0)
@@ -148,6 +171,16 @@ class Impacts(Measured):
 
         Only gravity acts in flight: the drag of the air is not modelled.
 
+        Parameters
+        ----------
+        drop_height : N numbers [m]
+            Of the lowest point of the ball at release.
+        rebound_height : N numbers [m]
+            The greatest that it reaches.
+        rebound_height_error, drop_height_error : number or N numbers [m]
+            Standard errors.
+        gravity : float [m/s²]
+
         Returns
         -------
         Impacts
@@ -156,6 +189,16 @@ class Impacts(Measured):
         ------
         ValueError
             If a value is outside its range or there are not as many of one as of the other; names its place.
+
+        Examples
+        --------
+        >>> impacts = hl.Impacts.of_rebound_heights(
+        ...     [1.0, 0.5], [0.64, 0.33], rebound_height_error=0.01
+        ... )
+        >>> impacts.speed.round(2), impacts.restitution.round(3)
+        (array([4.43, 3.13]), array([0.8  , 0.812]))
+        >>> impacts.restitution_error.round(3)
+        array([0.006, 0.012])
         """
         count = _count("drop_height", drop_height)
         g = validation.number("gravity", gravity, 0.0)
@@ -200,6 +243,12 @@ class Impacts(Measured):
         ------
         ValueError
             If a value is outside its range, or a drop has fewer than two heights; names its place.
+
+        Examples
+        --------
+        >>> bounces = hl.Impacts.of_heights([[1.0, 0.64, 0.42]], height_error=0.005)
+        >>> bounces.restitution.round(3)
+        array([0.8 , 0.81])
         """
         g = validation.number("gravity", gravity, 0.0)
         drops = _drops("heights", heights, 2, lowest=0.0)
@@ -239,6 +288,12 @@ class Impacts(Measured):
         ValueError
             If the times of a drop do not grow, are fewer than three, or a bounce between them is missing; names the
             place.
+
+        Examples
+        --------
+        >>> heard = hl.Impacts.of_times([[0.0, 0.5, 0.9, 1.22]], time_error=0.001)
+        >>> heard.restitution.round(3)
+        array([0.8, 0.8])
         """
         g = validation.number("gravity", gravity, 0.0)
         drops = _drops("times", times, 3)
@@ -250,8 +305,13 @@ class Impacts(Measured):
             blocks.append(_from_times(t, sigma, g))
         return cls(tuple(blocks), "instants of the impacts")
 
+    def __repr__(self) -> str:
+        slowest, fastest = self.speeds
+        return f"<Impacts: {self.n} from {slowest:.4g} to {fastest:.4g} m/s>"
+
     @property
     def speed(self) -> Floats:
+        """Of each impact (N,) [m/s]."""
         return np.concatenate([block.speed for block in self.blocks])
 
     @cached_property
@@ -261,11 +321,12 @@ class Impacts(Measured):
 
     @property
     def restitution(self) -> Floats:
+        """ε of each impact (N,)."""
         return np.concatenate([block.restitution for block in self.blocks])
 
     @property
     def restitution_error(self) -> Floats:
-        """Standard error of each ε by itself, for pictures; fits take the covariances."""
+        """Standard error of each ε by itself (N,), for pictures; fits take the covariances."""
         return np.concatenate([np.sqrt(_own_variance(block)) for block in self.blocks])
 
     @property
@@ -310,15 +371,24 @@ def _block_deviations(block: Block, curve: Chebyshev, scatter: float) -> tuple[F
 
 @dataclass(frozen=True, eq=False)
 class Rebounds(Measured):
-    """Drops of a column, of which one number was measured each; made by :meth:`of_column`."""
+    """Drops of a column, of which one number was measured each; made by :meth:`of_column`.
 
-    kind: ClassVar[str] = "rebounds"
-    what: ClassVar[str] = "rebounds of a column"
+    Examples
+    --------
+    >>> rebounds = hl.Rebounds.of_column(
+    ...     hl.Column.paper(), "top_height", [0.8, 0.9], error=0.02, gap=[1e-3, 1e-2]
+    ... )
+    >>> rebounds.n, rebounds.has_errors
+    (2, True)
+    """
+
+    kind: ClassVar[str] = "rebounds"  #: a word for what was measured
+    what: ClassVar[str] = "rebounds of a column"  #: the same as a phrase
 
     columns: tuple[Column, ...]  #: their law is replaced by the one that is tried
     observable: str  #: a key of ``OBSERVED``
-    values: Floats
-    error: Floats
+    values: Floats  #: what was measured (N,) [m/s] or [m]
+    error: Floats  #: its standard errors
     varied: dict[str, Floats]  #: what differs from drop to drop
 
     @classmethod
@@ -355,6 +425,17 @@ class Rebounds(Measured):
         ------
         ValueError
             If a value is outside its range, or there are not as many of one as of the other; names its place.
+
+        Examples
+        --------
+        >>> drop, gaps = hl.Column.paper(restitution=0.8), [1e-3, 3e-3, 1e-2]
+        >>> seen = [hl.newton(drop.replace(gaps=gap)).separation_velocity for gap in gaps]
+        >>> rebounds = hl.Rebounds.of_column(
+        ...     drop, "separation_velocity", seen, error=0.05, gap=gaps
+        ... )
+        >>> found = hl.fit(rebounds, "linear", fixed={"stiffness": 5e7}, compare=False)
+        >>> round(found.law.restitution, 3)
+        0.8
         """
         if not isinstance(column, Column) or not column.floor or len(column.balls) < 2:
             raise ValueError(
@@ -378,6 +459,9 @@ class Rebounds(Measured):
             except ValueError as error_of_row:
                 raise ValueError(f"column[{i}]: {error_of_row}") from None
         return cls(tuple(columns), observable, measured, sigma, varied)
+
+    def __repr__(self) -> str:
+        return f"<Rebounds: {self.n} of {OBSERVED[self.observable][0]}>"
 
     @property
     def n(self) -> int:
@@ -403,7 +487,10 @@ class Rebounds(Measured):
         return white, float(np.log(variance).sum())
 
     def predicted(self, candidate: Candidate, law: Law) -> Floats:
-        """What the law gives for each drop; NaN where the balls do not part."""
+        """What the law gives for each drop; NaN where the balls do not part.
+
+        :meta private:
+        """
         solve = newton if candidate.model == "newton" else independent
         return np.array([_observed(solve(c.replace(law=law)), self.observable) for c in self.columns])
 

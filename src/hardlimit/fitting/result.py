@@ -29,10 +29,28 @@ WORSE: Final = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One law tried on the data."""
+    """One law tried on the data; made by :func:`hardlimit.fit`.
 
-    candidate: Candidate
-    minimum: Minimum
+    Notes
+    -----
+    Akaike's criterion: IEEE Trans. Autom. Control 19, 716 (1974).
+
+    Examples
+    --------
+    >>> impacts = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
+    >>> for trial in hl.fit(impacts, "viscoelastic").trials:
+    ...     print(f"{trial.name}: χ² {trial.chi_square:.1f}, AIC {trial.aic:.1f}")
+    viscoelastic: χ² 0.2, AIC -27.2
+    one ε (linear, tsuji): χ² 158.3, AIC 131.0
+    """
+
+    candidate: Candidate  #: the law, what is free in it and what is held
+    minimum: Minimum  #: where its likelihood is largest
+
+    def __repr__(self) -> str:
+        return f"<Trial of {self.name}: χ² {self.chi_square:.4g}, AIC {self.aic:.4g}>"
 
     @property
     def name(self) -> str:
@@ -75,10 +93,28 @@ class Trial:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit:
-    """A law fitted to data; made by :func:`hardlimit.fit`."""
+    """A law fitted to data; made by :func:`hardlimit.fit`.
 
-    data: Measured
-    chosen: Trial
+    Notes
+    -----
+    χ² and the covariance are those of normal errors; Akaike's criterion: IEEE Trans. Autom. Control 19, 716 (1974).
+
+    Examples
+    --------
+    >>> impacts = hl.Impacts.of_restitution(
+    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+    ... )
+    >>> found = hl.fit(impacts, "viscoelastic")
+    >>> f"χ² = {found.chi_square:.2f}, p = {found.probability:.2f}"
+    'χ² = 0.18, p = 0.91'
+    >>> [trial.name for trial in found.trials]  # the best first
+    ['viscoelastic', 'one ε (linear, tsuji)']
+    >>> found.contact.restitution([0.01, 50.0]).round(3)
+    array([0.974, 0.866])
+    """
+
+    data: Measured  #: what was measured
+    chosen: Trial  #: the law that was asked for
     others: tuple[Trial, ...]  #: the other laws, for comparison
     confidence: float  #: of the intervals
 
@@ -169,7 +205,19 @@ class Fit:
         return verdict(self.chosen, self.others, self.data.n)
 
     def plot(self) -> Figure:
-        """Data and laws, and the deviations in units of their errors."""
+        """Data and laws, and the deviations in units of their errors.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> impacts = hl.Impacts.of_restitution(
+        ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
+        ... )
+        >>> hl.fit(impacts, "viscoelastic").plot().savefig("fit.svg")
+        """
         from ..pictures import plots
 
         return plots.fit(self)

@@ -84,6 +84,18 @@ def event_driven(
     Notes
     -----
     Sources: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301 (2013).
+
+    Examples
+    --------
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> run = hl.event_driven(gas, restitution=0.9, max_collisions=1000)
+    >>> run
+    <ParticleResult of 100 particles (constant, restitution 0.9): 1000 collisions in
+    0.547465 s, ok>
+    >>> round(run.system.granular_temperature / gas.granular_temperature, 3)
+    0.296
     """
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")

@@ -96,6 +96,21 @@ def molecular_dynamics(
         If the engine is LAMMPS and there is none, or one too old; says how to get it.
     RuntimeError
         If LAMMPS fails; says why.
+
+    Notes
+    -----
+    Equal steps are those of velocity Verlet: Swope et al., J. Chem. Phys. 76, 637 (1982). LAMMPS: Thompson et al.,
+    Comput. Phys. Commun. 271, 108171 (2022).
+
+    Examples
+    --------
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.3, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
+    >>> run = hl.molecular_dynamics(gas, law=law, until=0.02)
+    >>> run.n_contacts, f"{run.overlapped_share:.2f} of them overlap in time"
+    (293, '0.18 of them overlap in time')
     """
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")

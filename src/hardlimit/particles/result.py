@@ -52,25 +52,62 @@ OUTCOMES: Final = {
 
 
 class Collapse(NamedTuple):
-    """Where collisions accumulate in a finite time."""
+    """Where collisions accumulate in a finite time; made by :func:`hardlimit.event_driven`.
+
+    Examples
+    --------
+    >>> bed = hl.ParticleSystem(
+    ...     [[0.05, 0.05]],
+    ...     [[0, 0]],
+    ...     0.01,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ...     boundary="wall",
+    ...     gravity=9.81,
+    ... )
+    >>> run = hl.event_driven(bed, restitution=0.5, until=1.0)
+    >>> run.outcome_name, f"{run.collapse.time:.4f} s"
+    ('collapse', '0.2709 s')
+    """
 
     time: float  #: [s]
     position: tuple[float, ...]  #: of the first particle [m]
-    first: int
-    second: int  #: a particle, or a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge
+    first: int  #: a particle
+    second: int  #: a particle, or a wall, −1 − 2·axis at 0 and −2 − 2·axis at the edge
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What the collisions of a run obey."""
+    """What the collisions of a run obey; made by :func:`hardlimit.event_driven`.
+
+    Examples
+    --------
+    >>> pair = hl.ParticleSystem(
+    ...     [[0.02, 0.05], [0.04, 0.05]],
+    ...     [[0.1, 0], [-0.1, 0]],
+    ...     0.005,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ... )
+    >>> run = hl.event_driven(
+    ...     pair, restitution=0.8, rule="tc", contact_duration=1e-5, until=0.1
+    ... )
+    >>> run.settings.words()
+    'tc, restitution 0.8, contact duration 1e-05 s'
+    """
 
     rule: str  #: "constant", "law", "tc" or "soft"
     restitution: float | None  #: of rules that take a constant one
-    law: Law | None
+    law: Law | None  #: of the other rules
     contact_duration: float | None  #: of the rule tc [s]
 
     def words(self) -> str:
-        """For a table or an attribute."""
+        """In words, for a table or an attribute.
+
+        Returns
+        -------
+        str
+        """
         parts = [self.rule]
         parts += [f"restitution {self.restitution:g}"] if self.restitution is not None else []
         parts += [repr(self.law)] if self.law is not None else []
@@ -82,22 +119,42 @@ class Settings:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ParticleResult:
-    """Outcome of one run of a box of grains. Times in s after its start. It never changes.
+    """Outcome of one run of a box of grains; made by :func:`event_driven`. It never changes.
 
-    Where a rule may be wrong is counted: ``n_elastic_by_tc`` collisions that the rule tc made elastic, and among
-    ``n_soft`` contacts of the rule soft ``n_soft_third_body`` during which a third body was in reach.
+    Times are in s after the start of the run. Where a rule may be wrong is counted: ``n_elastic_by_tc`` collisions that
+    the rule tc made elastic, and among ``n_soft`` contacts of the rule soft ``n_soft_third_body`` during which a third
+    body was in reach.
+
+    Notes
+    -----
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008), the pressure that of the virial.
+
+    Examples
+    --------
+    >>> pair = hl.ParticleSystem(
+    ...     [[0.02, 0.05], [0.04, 0.05]],
+    ...     [[0.1, 0], [-0.1, 0]],
+    ...     0.005,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ... )
+    >>> run = hl.event_driven(pair, restitution=0.5, until=0.2, log=True)
+    >>> run.collisions.time.values.round(4), run.collisions.impact_speed.values
+    (array([0.05]), array([0.2]))
+    >>> (run.series.dissipated_energy[-1] / run.series.kinetic_energy[0]).item()
+    0.75
     """
 
     system: ParticleSystem  #: the final state, inside the box
     time: float  #: [s] of the final state
-    settings: Settings
+    settings: Settings  #: what the collisions obey
     outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
     n_collisions: int  #: of pairs and with walls
-    n_pairs: int
-    n_walls: int
-    n_elastic_by_tc: int
-    n_soft: int
-    n_soft_third_body: int
+    n_pairs: int  #: collisions of two particles
+    n_walls: int  #: collisions with walls
+    n_elastic_by_tc: int  #: collisions that the rule tc made elastic
+    n_soft: int  #: contacts of the rule soft
+    n_soft_third_body: int  #: of them with a third body in reach
     collapse: Collapse | None  #: where the outcome is one
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(
@@ -203,7 +260,20 @@ class ParticleResult:
         }
 
     def plot(self) -> Figure:
-        """Temperature, collision rate and pressure over time, with theory beside them where it applies."""
+        """Temperature, collision rate and pressure over time, with theory beside them where it applies.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> run = hl.event_driven(gas, restitution=0.9, max_collisions=1000)
+        >>> run.plot().savefig("cooling.svg")
+        """
         from ..pictures import plots
 
         return plots.gas(self)

@@ -27,8 +27,13 @@ def resume(
     max_collisions : int, optional
         Of hard spheres; counted from the start of the run. Without both, the end that the run was given. The samples
         keep their spacing.
-    progress
+    progress : bool or callable(done, total), optional
         As for the function that began the run.
+
+    Returns
+    -------
+    ParticleResult or ContactResult
+        As of the function that began the run.
 
     Raises
     ------
@@ -36,6 +41,17 @@ def resume(
         If the file is no checkpoint, is damaged or of another version, or the new end lies before its state.
     OSError
         If a checkpoint cannot be written; names it.
+
+    Examples
+    --------
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> first = hl.event_driven(
+    ...     gas, restitution=0.9, max_collisions=500, checkpoint="run.checkpoint"
+    ... )
+    >>> hl.resume("run.checkpoint", max_collisions=1000).n_collisions
+    1000
     """
     header, _ = checkpoint.read(path)
     if header.get("kind") == contact_course.KIND:

@@ -65,6 +65,19 @@ class ParticleSystem:
     ValueError
         If a value is outside its range or of another shape, a particle lies outside the box, or two overlap; names
         them.
+
+    Notes
+    -----
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008).
+
+    Examples
+    --------
+    >>> at, moving = [[0.02, 0.05], [0.04, 0.05]], [[0.1, 0.0], [-0.1, 0.0]]
+    >>> hl.ParticleSystem(at, moving, radius=0.005, density=2500.0, box=0.1)
+    <ParticleSystem of 2 disks, packing fraction 0.015708, box 0.1 × 0.1 m, periodic>
+    >>> hl.ParticleSystem(at, moving, radius=0.015, density=2500.0, box=0.1)
+    Traceback (most recent call last):
+    ValueError: positions: particles 0 and 1 overlap, gap -0.01 m, ...
     """
 
     positions: Floats  #: (N, d) [m]
@@ -175,10 +188,22 @@ class ParticleSystem:
         progress : bool or callable(done, total), optional
             True shows a bar. A function is told how far the particles have grown, in thousandths.
 
+        Returns
+        -------
+        ParticleSystem
+
         Raises
         ------
         ValueError
             If a value is outside its range, or so few particles are asked for that the box would be too small.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> round(gas.granular_temperature, 6)  # a third of 0.1², for each axis
+        0.003333
         """
         count = random_start.count(n)
         d = validation.whole("dimension", dimension, 2, 3)
@@ -222,10 +247,22 @@ class ParticleSystem:
         allowed_overlap : float, optional
             As for the system; by default rounding, which is coarser in a GSD file of single precision.
 
+        Returns
+        -------
+        ParticleSystem
+
         Raises
         ------
         ValueError
             If the file cannot be read, is damaged, or holds no system that is accepted; names it.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> hl.ParticleSystem.read(gas.write("gas.xyz")) == gas
+        True
         """
         found, rounding = files.read(path, frame)
         allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
@@ -240,17 +277,38 @@ class ParticleSystem:
         Every number comes back to the last bit, except that LAMMPS data hold densities, from which a mass comes back
         to rounding. A file of that name is replaced once the new one is whole.
 
+        Parameters
+        ----------
+        path : path
+            Ends in .xyz, .extxyz, .gsd, .data or .lmp.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
         Raises
         ------
         ValueError
             If the ending is unknown, or the format is not installed.
         OSError
             If the file cannot be written; names it.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> print(gas.write("gas.data"))  # for read_data of LAMMPS
+        gas.data
         """
         return files.write(path, [self.as_frame()])
 
     def as_frame(self, time: float = 0.0) -> Frame:
-        """What a file holds of the system at ``time`` [s]."""
+        """What a file holds of the system at ``time`` [s].
+
+        :meta private:
+        """
         return Frame(**{field.name: getattr(self, field.name) for field in fields(self)}, time=time)
 
     def replace(
@@ -267,10 +325,34 @@ class ParticleSystem:
     ) -> ParticleSystem:
         """The system with other values; what is not given stays, the masses included.
 
+        Parameters
+        ----------
+        positions, velocities : (N, d) numbers [m], [m/s], optional
+        radius : number or N numbers [m], optional
+        density : number or N numbers [kg/m³], optional
+        mass : number or N numbers [kg], optional
+            At most one of ``density`` and ``mass``.
+        box : number or d numbers [m], optional
+        boundary : "periodic", "wall", or one of them for each axis, optional
+        gravity : number or d numbers [m/s²], optional
+
+        Returns
+        -------
+        ParticleSystem
+
         Raises
         ------
         ValueError
             As for the system itself. Overlaps that the system has already are no error while nothing moves.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> hot = gas.replace(velocities=2.0 * gas.velocities)
+        >>> round(hot.granular_temperature / gas.granular_temperature, 9)
+        4.0
         """
         if density is not None and mass is not None:
             raise ValueError("density | mass: got both, must be at most one of them")

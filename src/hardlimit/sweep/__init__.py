@@ -92,6 +92,28 @@ def sweep(
         If the scheduler of ``"dask"`` goes away, or its workers die at the same chunk again and again.
     OSError
         If the store cannot be read or written. It stays valid and keeps what is finished.
+
+    Notes
+    -----
+    Every point is solved as by :func:`newton`, :func:`adiabatic` or :func:`independent`, two balls by vector kernels.
+    Figs. 4 to 8 of the paper are such maps.
+
+    Examples
+    --------
+    >>> grid = hl.sweep(
+    ...     hl.Column.paper(),
+    ...     restitution=[0.5, 0.7, 0.9],
+    ...     gap=np.geomspace(1e-6, 1e-3, 4),
+    ... )
+    >>> grid.n_contacts.values
+    array([[ 1,  2,  4,  1],
+           [ 2,  3,  4,  1],
+           [ 2, 12,  3,  1]], dtype=uint8)
+    >>> one = hl.sweep(
+    ...     hl.Column.paper(), restitution=[0.5, 0.9], variables=["separation_velocity"]
+    ... )
+    >>> one.separation_velocity.values.round(3)
+    array([0.002, 0.527])
     """
     plan = make_plan(column, model, variables, swept, tolerance)
     chosen = _engine(engine, scheduler)

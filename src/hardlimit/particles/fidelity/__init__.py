@@ -100,6 +100,24 @@ def fidelity(
         If ``scheduler`` is given without dask.distributed.
     RuntimeError
         If a process dies or the scheduler goes away.
+
+    Notes
+    -----
+    Sources of the rules: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301
+    (2013).
+
+    Examples
+    --------
+    >>> disks = hl.ParticleSystem.random(
+    ...     16, 0.3, radius=1e-3, density=2500.0, rms_speed=0.1, dimension=2
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.8)
+    >>> found = hl.fidelity(
+    ...     disks, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
+    ... )
+    >>> print(found)
+    At t_c ν = 0.014 the rule law (1 ± 1 %) is not told apart from Newton’s equations by
+    their cooling (± standard error of 4 replicas).
     """
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")

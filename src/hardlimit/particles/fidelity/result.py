@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
-from ... import _core, html
+from ... import _core, html, validation
 from ..system import Floats
 from . import statistics, words
 from .encounters import EDGES
@@ -36,7 +36,21 @@ STATISTICS: Final = ("mean", "standard_error")
 
 
 class Departure(NamedTuple):
-    """Where a rule first leaves the error bars of its difference from Newton's equations."""
+    """Where a rule leaves the error bars of its difference from Newton's equations; made by ``Fidelity.departure``.
+
+    Examples
+    --------
+    >>> box = hl.ParticleSystem.random(
+    ...     16, 0.65, 1e-3, 2500.0, rms_speed=0.1, dimension=2
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=10.0, restitution=0.3)
+    >>> found = hl.fidelity(
+    ...     box, law=law, until=0.04, models=["newton", "law"], replicas=8, samples=8
+    ... )
+    >>> time, size, error = found.departure("granular_temperature", "law")
+    >>> f"at {time * 1e3:.0f} ms by {100 * size:.0f} ± {100 * error:.0f} %"
+    'at 10 ms by -18 ± 3 %'
+    """
 
     time: float  #: [s]
     size: float  #: relative difference there
@@ -45,24 +59,47 @@ class Departure(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fidelity:
-    """One initial state under Newton's equations and under rules for hard spheres, over replicas. It never changes.
+    """One initial state under Newton's equations and rules for hard spheres, over replicas; made by :func:`fidelity`.
 
-    ``print(f)`` gives one sentence, ``f.dataset`` everything, ``f.plot()`` a figure.
+    ``print(f)`` gives one sentence, ``f.dataset`` everything, ``f.plot()`` a figure. It never changes.
+
+    Examples
+    --------
+    >>> box = hl.ParticleSystem.random(
+    ...     16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.8)
+    >>> found = hl.fidelity(
+    ...     box, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
+    ... )
+    >>> found.outcomes("law"), f"{found.tc_nu:.4f}"
+    (['ok', 'ok', 'ok', 'ok'], '0.0139')
+    >>> found.told_apart("granular_temperature", "law")
+    False
+    >>> estimate = found.final_difference("granular_temperature", "law")
+    >>> f"{100 * estimate.mean:.1f} ± {100 * estimate.error:.1f} %"
+    '-0.1 ± 0.1 %'
+    >>> found.difference("pressure", "law").mean.shape  # one for each sample
+    (5,)
+    >>> found.departure("granular_temperature", "law") is None
+    True
+    >>> print(found.save("fidelity.nc"), found.summary(), sep=": ")
+    fidelity.nc: At t_c ν = 0.014 ...
     """
 
-    plan: Plan
+    plan: Plan  #: what is compared, over which samples
     system: str  #: the start of replica 0 in words
-    dimension: int
+    dimension: int  #: 2 or 3
     arrays: tuple[Arrays, ...] = field(repr=False)  #: of each replica
 
     @property
     def models(self) -> tuple[str, ...]:
-        """Newton's equations first."""
+        """Names of the models, Newton's equations first."""
         return self.plan.models
 
     @property
     def n_replicas(self) -> int:
-        """How many there are; one gives no error bars and no verdict."""
+        """Number of replicas; one gives no error bars and no verdict."""
         return len(self.arrays)
 
     @property
@@ -80,7 +117,7 @@ class Fidelity:
 
     @property
     def bars(self) -> str:
-        """How long they are, in words."""
+        """How long the error bars are, in words."""
         if self.n_replicas < 2:
             return "none: one replica"
         return (
@@ -92,34 +129,102 @@ class Fidelity:
         return np.array([found[name] for found in self.arrays])
 
     def last_common(self, model: int) -> int:
-        """The last sample that this model and Newton's equations reached in every replica."""
+        """The last sample that this model and Newton's equations reached in every replica.
+
+        :meta private:
+        """
         there = np.isfinite(self._all("granular_temperature")[:, [0, model]]).all(axis=(0, 1))
         return int(np.flatnonzero(there)[-1])
 
+    def _number_of(self, model: str) -> int:
+        return self.models.index(validation.one_of("model", model, self.models))
+
     def outcomes(self, model: str) -> list[str]:
-        """How the run of each replica ended, as a name among ``hardlimit.OUTCOMES``."""
-        i = self.models.index(model)
+        """How the run of each replica ended, as a name among ``hardlimit.OUTCOMES``.
+
+        Parameters
+        ----------
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such model.
+        """
+        i = self._number_of(model)
         return [_core.outcome_names[int(found["outcome"][i])] for found in self.arrays]
 
     # --- differences ----------------------------------------------------------------------------------------
 
     def difference(self, quantity: str, model: str) -> statistics.Estimate:
-        """(model − Newton) over the magnitude of Newton at every sample, with its standard error over replicas, paired
-        by their starts."""
-        values = self._all(quantity)
-        return statistics.relative_difference(values[:, self.models.index(model)], values[:, 0])
+        """(model − Newton) over the magnitude of Newton at every sample: mean and standard error over paired replicas.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
+        values = self._all(validation.one_of("quantity", quantity, tuple(QUANTITIES)))
+        return statistics.relative_difference(values[:, self._number_of(model)], values[:, 0])
 
     def final_difference(self, quantity: str, model: str) -> statistics.Estimate:
-        """The same at the last sample that both reached in every replica."""
-        found, last = self.difference(quantity, model), self.last_common(self.models.index(model))
+        """The difference at the last sample that both reached in every replica.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
+        found, last = self.difference(quantity, model), self.last_common(self._number_of(model))
         return statistics.Estimate(found.mean[last], found.error[last])
 
     def told_apart(self, quantity: str, model: str) -> bool:
-        """Whether the final difference is outside its bars: 99 % of Student's distribution."""
+        """Whether the final difference is outside its bars: 99 % of Student's distribution.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
         return bool(statistics.outside(self.final_difference(quantity, model), self.n_replicas))
 
     def departure(self, quantity: str, model: str) -> Departure | None:
-        """When and with which size the model first leaves the bars for two samples in a row; None if it stays."""
+        """When and with which size the model first leaves the bars for two samples in a row; None if it stays.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
         found = self.difference(quantity, model)
         at = statistics.departure(found, self.n_replicas)
         if at is None:
@@ -222,6 +327,16 @@ class Fidelity:
     def save(self, path: str | Path) -> Path:
         """Write means and replicas as the groups ``means`` and ``replicas`` of one NetCDF file.
 
+        Parameters
+        ----------
+        path : path
+            Ends in .nc.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
         Raises
         ------
         OSError
@@ -239,11 +354,32 @@ class Fidelity:
     # --- in words and pictures ------------------------------------------------------------------------------
 
     def summary(self) -> str:
-        """One sentence: how far each rule is from Newton's equations at the end, with standard errors."""
+        """One sentence: how far each rule is from Newton's equations at the end, with standard errors.
+
+        Returns
+        -------
+        str
+        """
         return words.sentence(self)
 
     def plot(self) -> Figure:
-        """Differences of each rule from Newton's equations over time with their bars, contacts and paths."""
+        """Differences of each rule from Newton's equations over time with their bars, contacts and paths.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Examples
+        --------
+        >>> box = hl.ParticleSystem.random(
+        ...     16, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2
+        ... )
+        >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.8)
+        >>> found = hl.fidelity(
+        ...     box, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
+        ... )
+        >>> found.plot().savefig("fidelity.svg")
+        """
         from ...pictures import plots
 
         return plots.fidelity(self)

@@ -42,9 +42,14 @@ def lammps_input(
     system : ParticleSystem
     folder : path
         Made if it does not exist; files of the same names in it are replaced.
-    law, until, restitution_error, time_step, samples, log
-        As for :func:`molecular_dynamics`. With ``log`` LAMMPS writes everything that overlaps at every step: some 70
-        bytes for each, and 200 for each step.
+    law : Law
+    until : float [s]
+    restitution_error : float, optional
+    time_step : float [s], optional
+    samples : int
+    log : bool
+        All as for :func:`molecular_dynamics`. With ``log`` LAMMPS writes everything that overlaps at every step: some
+        70 bytes for each, and 200 for each step.
 
     Returns
     -------
@@ -57,6 +62,16 @@ def lammps_input(
         As for :func:`molecular_dynamics`.
     OSError
         If a file cannot be written; names it.
+
+    Examples
+    --------
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+    >>> path = hl.lammps_input(gas, "cluster", law=law, until=0.01)
+    >>> sorted(file.name for file in path.parent.iterdir())
+    ['hardlimit.json', 'in.hardlimit', 'start.data']
     """
     target = _checked_folder(folder)
     if not isinstance(system, ParticleSystem):
@@ -77,10 +92,29 @@ def lammps_result(folder: str | Path) -> ContactResult:
 
     Masses are those of the file, which holds densities: the given ones to rounding.
 
+    Parameters
+    ----------
+    folder : path
+
+    Returns
+    -------
+    ContactResult
+
     Raises
     ------
     ValueError
         If the folder holds no such run, or it has not ended; names the file.
+
+    Examples
+    --------
+    >>> gas = hl.ParticleSystem.random(
+    ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+    >>> path = hl.lammps_input(gas, "cluster", law=law, until=0.01)
+    >>> hl.lammps_result("cluster")  # before LAMMPS has run there
+    Traceback (most recent call last):
+    ValueError: cluster/pairs.dump: cannot be read: No such file or directory
     """
     target = _checked_folder(folder)
     job = jobs.read(target)
