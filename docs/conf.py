@@ -31,6 +31,7 @@ html_title = f"hardlimit {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_favicon = "../web/src/icon.svg"
 
 
 def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
