@@ -37,6 +37,7 @@ html_title = f"hardlimit {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_favicon = "../web/src/icon.svg"
 
 # Lessons and gallery are executed; an error ends the build. Neither asks for anything from another site.
 nb_execution_mode = "force"
