@@ -11,13 +11,7 @@ author = "The hardlimit authors"
 project_copyright = author
 release = metadata.version("hardlimit")
 
-extensions = [
-    "myst_nb",
-    "sphinx.ext.autodoc",
-    "sphinx.ext.mathjax",
-    "sphinx.ext.napoleon",
-    "sphinx_gallery.gen_gallery",
-]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
 exclude_patterns = ["_build", "generated", "gallery", "auto_gallery/**/*.ipynb"]
 autodoc_member_order = "bysource"
@@ -25,7 +19,10 @@ autodoc_typehints = "description"
 html_theme = "furo"
 html_title = f"hardlimit {release}"
 
-# Lessons and gallery are executed; an error ends the build. Neither asks for anything from another site.
+# Lessons (MyST-NB) and gallery are executed; an error ends the build. Neither asks for anything from another site.
+extensions.append("sphinx_gallery.gen_gallery")
+html_static_path = ["_static"]
+html_css_files = ["gallery.css"]
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120  # seconds for a cell
