@@ -22,47 +22,37 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from harness import publish, table
 
+import hardlimit as hl
 from hardlimit import _core
+from hardlimit.particles.engines import scene
 
 LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")
 
 
-def start(n: int, fraction: float) -> tuple[np.ndarray, float]:
-    """Positions of spheres of diameter 1, and the edge of their box."""
-    edge = (n * math.pi / 6.0 / fraction) ** (1.0 / 3.0)
-    return _core.grow_packing(n, 3, np.full(n, 0.5), [edge] * 3, [True] * 3, 1), edge
+def start(n: int, fraction: float, **other: Any) -> hl.ParticleSystem:
+    """Spheres of diameter 1 and mass 1, unless said otherwise, at random."""
+    given = {"radius": 0.5, "density": 6.0 / math.pi, "rms_speed": math.sqrt(3.0), "seed": 1} | other
+    return hl.ParticleSystem.random(n, fraction, **given)
 
 
 class Ours:
     """A run that goes on from one repetition to the next."""
 
-    def __init__(self, position: np.ndarray, edge: float, rule: str = "constant") -> None:
-        n = len(position)
-        velocity = np.random.default_rng(1).standard_normal(position.shape)
+    def __init__(self, system: hl.ParticleSystem, rule: str = "constant", restitution: float = 1.0) -> None:
         law = ("viscoelastic", 0, [1e7, 0.3, 1e-5]) if rule in ("law", "soft") else None
-        restitution = math.nan if law else (1.0 if rule == "constant" else 0.999)
+        if law:
+            restitution = math.nan
         duration = 1e-4 if rule == "tc" else math.nan
-        velocity -= velocity.mean(axis=0)
-        radius, mass = np.full(n, 0.5), np.ones(n)
-        self.run = _core.HardSpheres(
-            position,
-            velocity,
-            radius,
-            mass,
-            [edge] * 3,
-            [True] * 3,
-            [0.0] * 3,
-            rule,
-            restitution,
-            law,
-            duration,
-            False,
-        )
-        self.run.advance(math.inf, 5 * n)
+        self.run = _core.HardSpheres(*scene(system), rule, restitution, law, duration, False)
+
+    def warm_up(self) -> Ours:
+        self.run.advance(math.inf, 5 * len(self.run.state()[0]))
+        return self
 
     def rate(self, seconds: float) -> float:
         """Collisions per second of CPU time, over about so many of them."""
@@ -106,12 +96,12 @@ def write_start(directory: Path, position: np.ndarray, edge: float) -> None:
 
 
 def compare(n: int, fraction: float, peers: dict[str, str], repetitions: int, seconds: float) -> list[str]:
-    position, edge = start(n, fraction)
+    system = start(n, fraction)
     rates: dict[str, list[float]] = {name: [] for name in ("ours", *peers)}
-    ours = Ours(position, edge)
+    ours = Ours(system).warm_up()
     with tempfile.TemporaryDirectory() as name:
         directory = Path(name)
-        write_start(directory, position, edge)
+        write_start(directory, system.positions, float(system.box[0]))
         for _ in range(repetitions):
             rates["ours"].append(ours.rate(seconds))
             for peer, program in peers.items():
@@ -122,14 +112,49 @@ def compare(n: int, fraction: float, peers: dict[str, str], repetitions: int, se
     return [*row, best, f"{np.median(rates[best]):.3g}", f"{ratio:.2f}"]
 
 
-def rules(n: int, fraction: float, repetitions: int, seconds: float) -> list[list[str]]:
-    """Each rule beside the constant one."""
-    position, edge = start(n, fraction)
-    runs = {rule: Ours(position, edge, rule) for rule in ("constant", "tc", "law", "soft")}
-    rates = {rule: np.array([run.rate(seconds) for _ in range(repetitions)]) for rule, run in runs.items()}
+def kinds(n: int, fraction: float, repetitions: int, seconds: float) -> list[list[str]]:
+    """Each rule, unequal spheres and a box with a floor beside the elastic run of equal ones."""
+    equal = start(n, fraction)
+    unequal = start(n, fraction, radius=np.random.default_rng(2).uniform(0.25, 0.75, n))
+    height = (n * math.pi / 6.0 / fraction) ** (1.0 / 3.0)
+    heavy = start(n, fraction, boundary=("periodic", "periodic", "wall"), gravity=(0.0, 0.0, -1.0 / height))
+    runs = {
+        "constant": Ours(equal),
+        "tc": Ours(equal, "tc", 0.999),
+        "law": Ours(equal, "law"),
+        "soft": Ours(equal, "soft"),
+        "sizes 1 to 3": Ours(unequal),
+        "walls and gravity": Ours(heavy),
+    }
+    for run in runs.values():
+        run.warm_up()
+    measured = [[run.rate(seconds) for run in runs.values()] for _ in range(repetitions)]
+    rates = dict(zip(runs, np.array(measured).T, strict=True))
     return [
-        [f"{n:g}", f"{fraction:g}", rule, f"{np.median(r):.3g}", f"{np.median(r / rates['constant']):.2f}"]
-        for rule, r in rates.items()
+        [f"{n:g}", f"{fraction:g}", kind, f"{np.median(r):.3g}", f"{np.median(r / rates['constant']):.2f}"]
+        for kind, r in rates.items()
+    ]
+
+
+def cooling(n: int, restitution: float) -> list[str]:
+    """CPU time for a collision while a dilute gas cools to 1e-8 of its temperature: at its end and at its start."""
+    run = Ours(start(n, 0.1), restitution=restitution).run
+
+    def temperature() -> float:
+        return float(np.mean(np.asarray(run.state()[1]) ** 2))
+
+    begin, costs = temperature(), []
+    while temperature() > 1e-8 * begin:
+        rows, before = run.n_rows, time.process_time()
+        run.advance(math.inf, rows + 10 * n)
+        costs.append((time.process_time() - before) / (run.n_rows - rows))
+    first, last = np.median(costs[:5]), np.median(costs[-5:])
+    return [
+        f"{n:g}",
+        f"{restitution:g}",
+        f"{run.n_rows / n:.0f}",
+        f"{1e6 * first:.2f}",
+        f"{last / first:.2f}",
     ]
 
 
@@ -148,9 +173,11 @@ def main() -> None:
     rows = [compare(n, fraction, peers, given.repetitions, given.seconds) for n, fraction in cases]
     head = ["spheres", "φ", "ours [1/s]", "bytes/sphere", "best peer", "peer [1/s]", "ours faster by"]
     publish("hard_spheres", table(head, rows), write=False)
-    kinds = rules(int(given.n[0]), 0.3, given.repetitions, given.seconds)
-    head = ["spheres", "φ", "rule", "collisions/s", "share of constant"]
-    publish("hard_spheres_rules", table(head, kinds), write=False)
+    n = int(given.n[0])
+    head = ["spheres", "φ", "kind", "collisions/s", "share of constant"]
+    publish("hard_spheres_kinds", table(head, kinds(n, 0.3, given.repetitions, given.seconds)), write=False)
+    head = ["spheres", "ε", "collisions/sphere", "at first [µs]", "at the end, beside it"]
+    publish("hard_spheres_cooling", table(head, [cooling(n, e) for e in (0.9, 0.95)]), write=False)
 
 
 if __name__ == "__main__":

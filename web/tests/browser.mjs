@@ -1,5 +1,7 @@
 // hardlimit's own server and Chromium, for tests of the page.
 // PYTHON: an interpreter that has hardlimit installed. CHROMIUM: the browser. SHOTS: a folder for screenshots.
+// LATE: up to so many milliseconds are added to each answer of a worker, in order, as a slow machine would: what relies
+// on quick answers, in the page or in a test, then fails.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync } from "node:fs";
@@ -7,6 +9,18 @@ import { join } from "node:path";
 import { chromium } from "playwright-core";
 
 const axe = readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+
+function answerLate(most) {
+  window.Worker = class extends Worker {
+    last = 0;
+    set onmessage(receive) {
+      super.onmessage = (event) => {
+        this.last = Math.max(this.last, performance.now() + Math.random() * most);
+        setTimeout(() => receive.call(this, event), this.last - performance.now());
+      };
+    }
+  };
+}
 
 export class Site {
   static async begin() {
@@ -36,6 +50,7 @@ export class Site {
   // A page that fails the test on any complaint of the console and on any request to elsewhere.
   async open(t, query = "", options = {}) {
     const context = await this.browser.newContext({ viewport: { width: 1440, height: 900 }, reducedMotion: "reduce", acceptDownloads: true, ...options });
+    if (process.env.LATE) await context.addInitScript(answerLate, Number(process.env.LATE));
     const page = await context.newPage();
     const faults = [];
     page.on("console", (m) => ["error", "warning"].includes(m.type()) && faults.push(m.text()));

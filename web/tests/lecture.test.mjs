@@ -310,7 +310,7 @@ test("A beside B, in one link", async (t) => {
   await page.keyboard.press("Tab");
   const rows = () => page.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent)));
   const told = [["ε", "0.7600", "0.8000"], ["Gap between neighbouring balls Δh", "touching", "5 cm"]];
-  await page.waitForFunction(() => document.getElementById("compare").dataset.ready === "true" && document.getElementById("compare-table").textContent.includes("5 cm"));
+  await page.waitForFunction((all) => document.getElementById("compare").dataset.ready === "true" && all.every((text) => document.getElementById("compare-table").textContent.includes(text)), [told[0][2], told[1][2]]);
   const before = await rows();
   assert.deepEqual(before.slice(0, 2).map((r) => r[0]), told.map((r) => r[0]));
   assert.deepEqual(before[1], told[1]);
