@@ -51,7 +51,7 @@ def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
 
 def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> None:
     """The list of lessons offers notebooks for download, which are written when the lessons are read."""
-    names.sort(key=lambda name: name == "notebooks/index")
+    names.sort(key=lambda name: name == "notebooks/index")  # a stable sort
 
 
 def setup(app: Sphinx) -> None:
