@@ -35,11 +35,11 @@ autodoc_type_aliases = {name: name for name in ("NDArray", "Floats", "Values", "
 html_theme = "furo"
 html_title = f"hardlimit {release}"
 html_static_path = ["_static"]
-html_css_files = ["site.css"]
+html_css_files = ["site.css", "gallery.css"]
 html_copy_source = False
 html_favicon = "../web/src/icon.svg"
 
-# Lessons and gallery are executed; an error ends the build. Neither asks for anything from another site.
+# Lessons (MyST-NB) and gallery are executed; an error ends the build. Neither asks for anything from another site.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120  # seconds for a cell
@@ -85,7 +85,7 @@ def mark_options(app: Sphinx, context: click.Context, lines: list[str]) -> None:
 
 def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> None:
     """The list of lessons offers notebooks for download, which are written when the lessons are read."""
-    names.sort(key=lambda name: name == "notebooks/index")
+    names.sort(key=lambda name: name == "notebooks/index")  # a stable sort
 
 
 def hide_signature(app: Sphinx, what: str, name: str, item: Any, *given: Any) -> tuple[str, str] | None:
