@@ -32,6 +32,9 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented_params"
 autodoc_type_aliases = {name: name for name in ("NDArray", "Floats", "Values", "Vector", "ArrayLike")}
+# Roles such as :func: must lead somewhere, classes if they are ours: the types of parameters are in words.
+nitpicky = True
+nitpick_ignore_regex = [("py:class", r"(?!hardlimit\.).*"), (r"(?!py:).*", ".*")]
 html_theme = "furo"
 html_title = f"hardlimit {release}"
 html_static_path = ["_static"]

@@ -46,9 +46,11 @@ def convert(
         Of the impact at which it is wanted.
     stiffness : float [N/m]
         Of a linear spring. Exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and ``compression`` is given.
-    youngs_modulus, poisson_ratio : float [Pa], float
+    youngs_modulus : float [Pa]
         Of the material of balls and wall. Under the linear law, the spring is one that an undamped impact at ``speed``
         compresses as far as the Hertz contact.
+    poisson_ratio : float
+        Of that material, beside ``youngs_modulus``; in (-1, 0.5].
     duration : float [s]
         Of each contact.
     compression : float [m]
@@ -58,8 +60,10 @@ def convert(
         "tsuji" with a modulus, else "linear".
     wall : bool
         Whether contacts with a wall are wanted.
-    code, model : str
-        A code, and one of its models; by default all codes, and of each the models of this law.
+    code : str
+        A code; by default all.
+    model : str
+        One of its models; by default all of this law.
     attraction : bool
         For codes that leave the choice: whether the force attracts at the end of a contact.
     restitution_error : float
@@ -91,8 +95,8 @@ def convert(
     ...     ball, restitution=0.7, stiffness=1e4, code="chrono", wall=False
     ... )
     >>> one = found.models[0].contacts[0]
-    >>> f"0.7 would give {one.usual_restitution:.3f}, for 0.7 ask {one.numbers['restitution']:.3f}"
-    '0.7 would give 0.718, for 0.7 ask 0.679'
+    >>> round(one.usual_restitution, 3)  # what 0.7 in the input would give
+    0.718
     >>> print(found.models[0].text)
     // Chrono 9 (ChDefaultContactForceTorqueSMC): ChSystemSMC::Hooke with material properties
     sys.SetContactForceModel(ChSystemSMC::Hooke);
@@ -136,7 +140,9 @@ def convert_back(
         Found in the input unless it is given.
     speed : float [m/s]
         Of impact.
-    restitution_error, time_step : float, float [s]
+    restitution_error : float
+        As for :func:`convert`.
+    time_step : float [s]
         As for :func:`convert`.
 
     Returns

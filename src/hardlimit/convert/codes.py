@@ -76,43 +76,75 @@ class Input:
 
 @dataclass(frozen=True)
 class Model:
-    """One contact model of a code."""
+    """One contact model of a code; made by :func:`hardlimit.convert`.
 
-    name: str
-    title: str
-    elastic: Literal["hooke", "hertz"]
-    attracts: Literal["always", "never", "unless"]
-    spring: Spring
-    damping: Damping
-    input: Input
+    Examples
+    --------
+    >>> found = hl.convert(
+    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
+    ... )
+    >>> [one.model.name for one in found.models]
+    ['viscel', 'viscel-tc-en', 'viscel-young-en']
+    >>> found.models[0].model.elastic, found.models[0].model.attracts
+    ('hooke', 'never')
+    """
+
+    name: str  #: as in ``hardlimit.convert(model=…)``
+    title: str  #: as the code's users know it
+    elastic: Literal["hooke", "hertz"]  #: the elastic force, linear or Hertz
+    attracts: Literal["always", "never", "unless"]  #: at the end of a contact
+    spring: Spring  #: how the elastic force follows from the input
+    damping: Damping  #: how the damping follows from it
+    input: Input  #: how it is written and read
     keyword: str = ""  #: which keeps the force from attracting, where ``attracts`` is "unless"
-    mass: Mass = Mass()
-    note: str = ""
+    mass: Mass = Mass()  #: that enters the formulas, where it is not the effective one
+    note: str = ""  #: what to know of it
 
     def powers(self, attraction: bool) -> Powers:
-        """p, q, and whether the force attracts: as the code is, or, where it leaves the choice, as wanted."""
+        """p, q, and whether the force attracts: as the code is, or, where it leaves the choice, as wanted.
+
+        :meta private:
+        """
         free = {"always": True, "never": False, "unless": attraction}[self.attracts]
         return Powers(ELASTIC[self.elastic], round(4.0 * self.damping.power), free)
 
 
 @dataclass(frozen=True)
 class Code:
-    """A particle code."""
+    """A particle code, as its file in ``hardlimit/convert/codes`` describes it; made by :func:`hardlimit.convert`.
 
-    name: str
-    title: str
-    version: str
-    sources: list[str]
+    Examples
+    --------
+    >>> found = hl.convert(
+    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
+    ... )
+    >>> code = found.models[0].code
+    >>> code.title, code.version, code.checked
+    ('YADE', '2023.02a (Debian)', 'run')
+    >>> code.model("viscel").title
+    'ViscElMat(kn, cn)'
+    """
+
+    name: str  #: as in ``hardlimit.convert(code=…)``
+    title: str  #: its name
+    version: str  #: that was looked at
+    sources: list[str]  #: of the formulas
     checked: Literal["run", "source"]  #: whether its numbers were compared with runs, or only with its source
     walls: str  #: the effective mass at a wall, in words
-    scheme: Literal[
-        "half step"
-    ]  #: damping at the velocity of half a step before; see ``particles.lammps.half_steps``
-    models: list[Model]
-    comment: str = "#"
+    scheme: Literal["half step"]  #: damping at the velocity of half a step before
+    models: list[Model]  #: its contact models
+    comment: str = "#"  #: begins a comment of its input
 
     def model(self, name: str) -> Model:
         """The model of this name.
+
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        Model
 
         Raises
         ------

@@ -105,15 +105,6 @@ class ModelConversion:
 class Conversion:
     """A restitution in the numbers of particle codes; made by :func:`hardlimit.convert`.
 
-    Attributes
-    ----------
-    wanted : Wanted
-        What was asked for.
-    contacts : tuple of ContactNumbers
-        Each pair of sizes, and each size with a wall.
-    models : tuple of ModelConversion
-        Of the code that was named, or of all.
-
     Examples
     --------
     >>> found = hl.convert(
@@ -125,9 +116,9 @@ class Conversion:
     ['contacts', 'models', 'wanted']
     """
 
-    wanted: Wanted
-    contacts: tuple[ContactNumbers, ...]
-    models: tuple[ModelConversion, ...]
+    wanted: Wanted  #: what was asked for
+    contacts: tuple[ContactNumbers, ...]  #: each pair of sizes, and each size with a wall
+    models: tuple[ModelConversion, ...]  #: of the code that was named, or of all
 
     @property
     def text(self) -> str:

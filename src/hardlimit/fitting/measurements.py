@@ -56,10 +56,17 @@ class Block:
 
 
 class Measured:
-    """What was measured; made by the class methods of :class:`Impacts` and :class:`Rebounds`."""
+    """What was measured; made by the class methods of :class:`Impacts` and :class:`Rebounds`.
 
-    what: ClassVar[str]  #: in words
-    kind: ClassVar[str]
+    Examples
+    --------
+    >>> data = hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
+    >>> data.n, data.has_errors, data.reference_speed
+    (3, True, 1.0)
+    """
+
+    what: ClassVar[str]  #: what was measured, as a phrase
+    kind: ClassVar[str]  #: the same in a word
 
     @property
     def n(self) -> int:

@@ -43,8 +43,9 @@ class ParticleSystem:
 
     Parameters
     ----------
-    positions, velocities : (N, d) numbers [m], [m/s]
-        d = 2 or 3. Periodic positions lie in [0, edge]; at a wall the whole particle lies inside.
+    positions : (N, d) numbers [m]
+        Of the centres, d = 2 or 3. Periodic ones lie in [0, edge]; at a wall the whole particle lies inside.
+    velocities : (N, d) numbers [m/s]
     radius : number or N numbers [m]
     density : number or N numbers [kg/m³]
         The mass is then that of a sphere, also for disks: a monolayer.
@@ -172,6 +173,7 @@ class ParticleSystem:
         Parameters
         ----------
         n : int
+            Number of particles.
         packing_fraction : float
             Share of the box that particles fill; at most 0.62 (3-D) and 0.82 (2-D).
         radius : float, N numbers, or (smallest, largest) [m]
@@ -183,7 +185,9 @@ class ParticleSystem:
             2 or 3.
         seed : int
             The same seed gives the same bits.
-        boundary, gravity
+        boundary : "periodic", "wall", or one of them for each axis
+            As for the system itself.
+        gravity : number or d numbers [m/s²]
             As for the system itself.
         progress : bool or callable(done, total), optional
             True shows a bar. A function is told how far the particles have grown, in thousandths.
@@ -327,7 +331,8 @@ class ParticleSystem:
 
         Parameters
         ----------
-        positions, velocities : (N, d) numbers [m], [m/s], optional
+        positions : (N, d) numbers [m], optional
+        velocities : (N, d) numbers [m/s], optional
         radius : number or N numbers [m], optional
         density : number or N numbers [kg/m³], optional
         mass : number or N numbers [kg], optional

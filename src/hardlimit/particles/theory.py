@@ -35,6 +35,7 @@ class Gas:
     Parameters
     ----------
     n : int
+        Number of particles.
     radius : float [m]
     mass : float [kg]
     volume : float [m³]

@@ -63,6 +63,7 @@ def fidelity(
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
         ``"newton"`` must be among them; see :func:`event_driven` for the rules.
     replicas : int
+        How many starts are followed.
     samples : int
         Spacings in time.
     restitution : float, optional
@@ -74,6 +75,7 @@ def fidelity(
         How Newton's equations are solved: see :func:`molecular_dynamics`. ``"steps"`` is for long contacts (t_c ν of
         0.1 and more, where large groups hang together) and heaps; its steps change ε by at most 1e-4.
     seed : int
+        The same seed gives the same starts.
     workers : int
         Processes. With 1, all is computed in this one. The result does not depend on it.
     scheduler : str, distributed.Client or cluster object, optional

@@ -44,11 +44,13 @@ def lammps_input(
         Made if it does not exist; files of the same names in it are replaced.
     law : Law
     until : float [s]
+        This and what follows as for :func:`molecular_dynamics`.
     restitution_error : float, optional
     time_step : float [s], optional
     samples : int
+        Spacings of the series.
     log : bool
-        All as for :func:`molecular_dynamics`. With ``log`` LAMMPS writes everything that overlaps at every step: some
+        Keep every contact. LAMMPS writes everything that overlaps at every step: some
         70 bytes for each, and 200 for each step.
 
     Returns
