@@ -1,19 +1,33 @@
 import inspect
+import re
 import shutil
+import sys
 from importlib import metadata, resources
 from pathlib import Path
 from typing import Any
 
+import click
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
 
 project = "hardlimit"
 author = "The hardlimit authors"
 project_copyright = author
 release = metadata.version("hardlimit")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "sphinx.ext.napoleon"]
-myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
-exclude_patterns = ["_build", "generated"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",  # MathJax and its fonts go into the site: no formula waits for another host
+    "sphinx.ext.napoleon",
+    "sphinx_click",
+    "sphinx_gallery.gen_gallery",
+]
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence", "attrs_block"]
+myst_heading_anchors = 3
+mathjax3_config = {"options": {"enableMenu": False}}  # the menu would load more
+exclude_patterns = ["_build", "generated", "findings", "gallery", "auto_gallery/**/*.ipynb"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented_params"
@@ -23,6 +37,29 @@ nitpicky = True
 nitpick_ignore_regex = [("py:class", r"(?!hardlimit\.).*"), (r"(?!py:).*", ".*")]
 html_theme = "furo"
 html_title = f"hardlimit {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css", "gallery.css"]
+html_copy_source = False
+html_favicon = "../web/src/icon.svg"
+
+# Lessons (MyST-NB) and gallery are executed; an error ends the build. Neither asks for anything from another site.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120  # seconds for a cell
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
+sys.path.insert(0, str(Path(__file__).parent))  # gallery_figures
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "subsection_order": [f"gallery/{section}" for section in ("two_balls", "contacts", "rows", "grains")],
+    "within_subsection_order": "gallery_figures.Place",
+    "image_scrapers": ("gallery_figures.scrape",),
+    "capture_repr": (),
+    "first_notebook_cell": "%matplotlib inline",
+    "show_signature": False,
+    "write_computation_times": False,  # its page loads scripts from elsewhere
+    "min_reported_time": 1e6,
+}
 
 COLON = "\ue000"  # stands for a colon while Napoleon reads
 
@@ -32,6 +69,26 @@ def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
     if failed is None and app.builder.format == "html":
         with resources.as_file(resources.files("hardlimit.explorer") / "page") as page:
             shutil.copytree(page, Path(app.outdir) / "explorer-page", dirs_exist_ok=True)
+
+
+def show_example(app: Sphinx, context: click.Context, lines: list[str]) -> None:
+    """The example at the foot of a command's help, as code instead of text."""
+    title, _, example = inspect.cleandoc((context.command.epilog or "").replace("\b", "")).partition(":\n")
+    if example:
+        code = inspect.cleandoc("\n" + example).splitlines()
+        lines[:] = [f"**{title}**", "", ".. code-block:: sh", "", *(f"   {line}" for line in code), ""]
+
+
+def mark_options(app: Sphinx, context: click.Context, lines: list[str]) -> None:
+    """Names of options in running text as code, in which two dashes stay two."""
+    for i, line in enumerate(lines):
+        if not line.lstrip().startswith(".. "):
+            lines[i] = re.sub(r"(?<![\w`-])--[a-z][a-z-]*", r"``\g<0>``", line)
+
+
+def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> None:
+    """The list of lessons offers notebooks for download, which are written when the lessons are read."""
+    names.sort(key=lambda name: name == "notebooks/index")  # a stable sort
 
 
 def hide_signature(app: Sphinx, what: str, name: str, item: Any, *given: Any) -> tuple[str, str] | None:
@@ -51,6 +108,10 @@ def show_colons(app: Sphinx, what: str, name: str, item: Any, options: Any, line
 
 
 def setup(app: Sphinx) -> None:
+    for part in ("description", "options"):
+        app.connect(f"sphinx-click-process-{part}", mark_options)
+    app.connect("sphinx-click-process-epilog", show_example)
+    app.connect("env-before-read-docs", read_lessons_first)
     app.connect("build-finished", copy_explorer)
     app.connect("autodoc-process-signature", hide_signature)
     app.connect("autodoc-process-docstring", hide_colons, priority=400)  # Napoleon's is 500

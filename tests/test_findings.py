@@ -92,3 +92,16 @@ def test_the_fit_of_computed_bounces_finds_their_law() -> None:
     fitted = script("fits").impacts()
     assert fitted.trials[0].name == "viscoelastic" and fitted.probability > 0.01
     assert_legible(fitted.plot())
+
+
+@pytest.mark.slow
+def test_the_figures_of_the_validation_are_drawn(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of fewer rows and spheres; contacts are counted as in the tables, deviations are printed."""
+    found = script("validation")
+    for figure in (found.columns(40), found.contacts(20), found.grains(200)):
+        assert_legible(figure)
+    said = capsys.readouterr().out
+    worst = {
+        line.partition(":")[0]: float(line.split()[-2]) for line in said.splitlines() if line.endswith(" V")
+    }
+    assert len(worst) == 3 and max(worst.values()) < 1e-10

@@ -70,6 +70,7 @@ private:
         bool free = true;
         cells_.for_neighbourhoods(level, cell, [&](int at, const Place<d>& from, const Place<d>& to) {
             cells_.for_block(box_, at, from, to, [&](u32 other, const double (&shift)[d]) {
+                if (!free) return;
                 const std::size_t n = cells_.collect(other, list_, 0);
                 for (std::size_t c = 0; c < n; ++c) {
                     const u32 j = list_[c];

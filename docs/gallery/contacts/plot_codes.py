@@ -1,0 +1,53 @@
+r"""
+What do other codes make of 0.7?
+================================
+
+The number 0.7 in the input of a particle code, and the restitution that comes out of its force, between two
+grains and at a wall. LAMMPS has a keyword that decides whether the force may attract at the end of a contact;
+YADE halves the mass at a wall. :func:`hardlimit.convert` gives the number with which each of them has 0.7
+(:doc:`/convert`, which also says which of these codes were run and which were compared with their sources
+only).
+"""
+
+import matplotlib.pyplot as plt
+
+import hardlimit as hl
+from hardlimit.pictures import plots
+
+grain = hl.Ball(radius=5e-4, density=2500)
+wanted = {"restitution": 0.7, "speed": 1.0, "youngs_modulus": 1e8, "poisson_ratio": 0.3}
+models = [  # code, model, law
+    ("chrono", "hooke", "linear"),
+    ("kratos", "linear", "linear"),
+    ("kratos", "hertz", "tsuji"),
+    ("lammps", "hooke-restitution", "linear"),
+    ("lammps", "hertz-restitution", "tsuji"),
+    ("lammps", "hertz-tsuji", "tsuji"),
+    ("liggghts", "hertz", "tsuji"),
+    ("mercurydpm", "hertz", "tsuji"),
+    ("mfix", "lsd", "linear"),
+    ("mfix", "hertzian", "tsuji"),
+    ("yade", "viscel-tc-en", "linear"),
+    ("yade", "viscel-young-en", "linear"),
+    ("yade", "hertz-en", "tsuji"),
+]
+found = {}
+for code, model, law in models:
+    for attraction in (False, True):
+        conversion = hl.convert(grain, **wanted, law=law, code=code, model=model, attraction=attraction)
+        (one,) = conversion.models
+        name = f"{one.code.title} {model}{', attracts' if one.attraction else ''}"
+        found[name] = [contact.usual_restitution for contact in one.contacts]
+
+with plots.style(ytick__minor__visible=False):
+    figure, ax = plt.subplots(figsize=(7.0, 0.8 + 0.2 * len(found)))
+    rows = range(len(found))
+    pair, wall = zip(*found.values(), strict=True)
+    ax.axvline(0.7, color="black", lw=0.8)
+    ax.plot(wall, rows, "s", mfc="none", color="C1", label="at a wall")
+    ax.plot(pair, rows, ".", color="C0", label="between two grains")
+    ax.set_yticks(rows, found)
+    ax.invert_yaxis()
+    ax.set(xlabel=r"$\varepsilon$ obtained where the input says 0.7")
+    ax.legend(loc="upper right")
+plt.show()

@@ -1,0 +1,31 @@
+r"""
+Which law did I measure?
+========================
+
+A ball of unknown material is dropped three times, and a microphone hears eleven impacts of each drop to 0.2
+ms. The times of two flights give :math:`\varepsilon = T'/T` at the speed :math:`gT/2` (Bernstein, Am. J. Phys.
+45, 41 (1977)). The fit says which law describes the data, with an interval for its parameter, and whether it
+can be told from the others; below, the deviations in units of their errors. The data are computed from
+viscoelastic spheres with noise: the law is found again. What measured data look like and why they are harder
+is on :doc:`/fit`.
+"""
+
+import numpy as np
+
+import hardlimit as hl
+
+law = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.85, impact_speed=1.0)
+contact, noise = law.between(hl.Ball(0.01, density=1000.0)), np.random.default_rng(2)
+drops = []
+for height in (0.9, 0.5, 0.2):  # m
+    speed, times = np.sqrt(2.0 * 9.81 * height), [0.0]
+    for _ in range(10):
+        speed *= contact.restitution(speed)
+        times.append(times[-1] + 2.0 * speed / 9.81)
+    drops.append(np.array(times) + noise.normal(0.0, 2e-4, len(times)))
+
+found = hl.fit(hl.Impacts.of_times(drops, 2e-4))
+print(found.verdict)
+print(f"ε at {found.law.impact_speed:g} m/s: {found.parameters['restitution']}")
+
+found.plot()

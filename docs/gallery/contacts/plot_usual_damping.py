@@ -1,0 +1,41 @@
+r"""
+Why do I get more restitution than I asked for?
+===============================================
+
+Most particle codes turn a coefficient of restitution into damping by
+:math:`\zeta = -\ln\varepsilon/\sqrt{\pi^2 + \ln^2\varepsilon}`. That is right for a contact that ends when the
+bodies part, after a phase in which the dashpot pulls them together. If the code cuts this attraction off, the
+contact ends earlier and returns more: 0.7 becomes 0.718, 0.3 becomes 0.397. The exact relation,
+:math:`\varepsilon = \exp[-(\pi - 2\varphi)\tan\varphi]` with :math:`\sin\varphi = \beta/\omega_0` (Schwager &
+Pöschel, Granular Matter 9, 465 (2007)), has a solution for every :math:`\varepsilon`; the laws here use it.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hardlimit as hl
+from hardlimit.pictures import plots
+
+ball, stiffness = hl.Ball(radius=0.01, density=2500), 1e5
+asked = np.linspace(0.02, 1.0, 99)
+usual = [
+    hl.LinearDashpot(stiffness=stiffness, damping=hl.usual_damping(e, stiffness, ball.mass))
+    .between(ball)
+    .restitution()
+    for e in asked
+]
+exact = [hl.LinearDashpot(stiffness=stiffness, restitution=e).between(ball).restitution() for e in asked]
+
+with plots.style():
+    figure, ax = plt.subplots(figsize=(4.6, 4.2))
+    ax.plot(asked, usual, label="usual formula, force never attractive")
+    ax.plot(asked, exact, color="black", ls=(0, (5, 2)), label="exact damping")
+    for e in (0.3, 0.7):
+        found = float(np.interp(e, asked, usual))
+        ax.plot(e, found, "o", ms=4, color="C0")
+        ax.annotate(
+            f"{e:g} → {found:.3f}", (e, found), xytext=(-6, 5), textcoords="offset points", ha="right"
+        )
+    ax.set(xlabel=r"$\varepsilon$ asked for", ylabel=r"$\varepsilon$ obtained", xlim=(0, 1), ylim=(0, 1.02))
+    ax.legend(loc="lower right")
+plt.show()

@@ -1,0 +1,41 @@
+r"""
+How high does the Astro-Blaster go?
+===================================
+
+The toy: four rubber balls on a stick, the largest below, dropped from half a metre. By collisions one at a
+time from below,
+
+.. math:: v_{k+1} + V = (v_k + V)\,\frac{1+\varepsilon}{1 + m_{k+1}/m_k},
+
+the top ball would go eight metres up. Balls that touch, as they do in the toy, push each other while the
+lowest one is still on the floor, and throw it three metres high. Gaps of a few millimetres restore the
+collisions; where the contacts of neighbours just overlap in time, the top ball goes even a little higher.
+Radii and stiffness are a guess at rubber, :math:`\varepsilon = 0.9` at 3 m/s, and there is no air.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hardlimit as hl
+from hardlimit.pictures import plots
+
+balls = [hl.Ball(radius=radius, density=1100) for radius in (0.032, 0.022, 0.016, 0.011)]
+rubber = hl.Viscoelastic(youngs_modulus=5e6, poisson_ratio=0.49, restitution=0.9, impact_speed=3.0)
+gaps = np.geomspace(1e-5, 2e-2, 60)
+
+
+def top(model, gap):
+    """Height [m] that the top ball gains over where it was released."""
+    column = hl.Column(balls, gap, height=0.5 + balls[0].radius, law=rubber)
+    return model(column).rebound_heights[-1] - column.initial_positions[-1]
+
+
+with plots.style():
+    figure, ax = plt.subplots(figsize=(7.0, 3.6))
+    ax.semilogx(1e3 * gaps, [top(hl.newton, gap) for gap in gaps], label="Newton’s equations")
+    ax.semilogx(1e3 * gaps, [top(hl.independent, gap) for gap in gaps], ls=(0, (5, 2)), label="collisions")
+    ax.axhline(top(hl.newton, 0.0), color="black", ls=":", label="touching")
+    ax.set(xlabel="gap between neighbours [mm]", ylabel="top ball above its release [m]", xlim=(1e-2, 20))
+    ax.set_ylim(0, None)
+    ax.legend(loc="center left")
+plt.show()

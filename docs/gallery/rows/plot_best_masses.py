@@ -1,0 +1,22 @@
+r"""
+Which masses throw the top ball highest?
+========================================
+
+Four balls, the lowest of 1 kg and the top one of 10 g: which two between them? For collisions the best masses
+are in geometric progression. For balls that touch they are not: heavy ones below, a light one on top, and
+between them balls that hardly differ. On the right both stacks over the gap between neighbours, in units of
+the way :math:`V t_c` that a ball falls during a contact: each set is the better one where it was made for
+(:doc:`/stacks`). Contacts are linear and elastic.
+"""
+
+import hardlimit as hl
+from hardlimit.pictures import plots
+
+springs = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
+ends = {"bottom_mass": 1.0, "top_mass": 0.01}
+touching = hl.stack(4, springs, **ends)
+progression = hl.stack(4, springs, **ends, model="independent")
+for found in (touching, progression):
+    print(found)
+
+plots.stack(touching, progression)
