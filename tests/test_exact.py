@@ -381,7 +381,9 @@ def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
             swing = -g / omega**2 * (1 - mpmath.cos(omega * t)) - v / omega * mpmath.sin(omega * t)
             return gap - v * t - g * t**2 / 2 - swing
 
-        touch = mpmath.findroot(closing, (0, 2 * mpmath.cbrt(6 * gap / (omega**2 * v))), solver="anderson")
+        late = 2 * mpmath.cbrt(6 * gap / (omega**2 * v))
+        assert closing(late) < 0.0 < closing(0)
+        touch = mpmath.findroot(closing, (0, late), solver="bisect", maxsteps=150, verify=False)
     assert ball_contacts(hl.newton(column, method="exact"))[0][0] == pytest.approx(float(touch), rel=1e-10)
 
 

@@ -28,8 +28,8 @@ struct Agreement {
     double backward_error = 0.0;  // relative change of the column that explains it
 };
 
-// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight reaches
-// while it presses the contacts in; the time of the faster contact, and that of the floor's own.
+// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight
+// reaches while it presses the contacts in; the time of the faster contact, and that of the floor's own.
 struct Measure {
     double speed, time, floor_time, fall;
     explicit Measure(const LinearColumn& c) : fall(column::fall_time(c.gaps[0], c.velocity[0], c.gravity)) {

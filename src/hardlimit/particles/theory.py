@@ -66,10 +66,14 @@ class Gas:
     dimension: int
 
     def __post_init__(self) -> None:
-        validation.whole("n", self.n, 1, MOST)
-        validation.whole("dimension", self.dimension, 2, 3)
+        kept: dict[str, float] = {
+            "n": validation.whole("n", self.n, 1, MOST),
+            "dimension": validation.whole("dimension", self.dimension, 2, 3),
+        }
         for name in ("radius", "mass", "volume"):
-            validation.number(name, getattr(self, name), 0.0)
+            kept[name] = validation.number(name, getattr(self, name), 0.0)
+        for name, value in kept.items():
+            object.__setattr__(self, name, value)
 
     @property
     def packing_fraction(self) -> float:
