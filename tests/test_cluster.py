@@ -190,6 +190,7 @@ def test_a_worker_of_another_version_is_refused() -> None:
 # --- processes ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_worker_is_killed(processes: Processes, tmp_path: Path) -> None:
     """In mid-sweep, with chunks done, under way and waiting: nothing is lost, nothing comes twice."""
     workers = two_workers(processes)

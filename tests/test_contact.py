@@ -69,6 +69,7 @@ def test_linear_table():
         assert _core.linear_restitution(b) == pytest.approx(restitution, rel=1e-15, abs=0.0), b
 
 
+@pytest.mark.slow
 def test_linear_collision_in_high_precision():
     ratios = damping_ratios()
     found = zip(ratios, _core.linear_duration(ratios), _core.linear_restitution(ratios), strict=True)
@@ -351,6 +352,7 @@ def test_tsuji_collision_in_high_precision(alpha):
         assert abs(contact.duration(speed) / (duration * unit) - 1) < 3e-15
 
 
+@pytest.mark.slow
 def test_tsuji_duration_over_all_damping():
     """From nearly elastic to so strong that the bodies creep apart, by adaptive quadrature of the linear solution."""
     for ratio in (1e-12, 1e-8, 1e-4, 0.3, 0.999, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.001, 4.0, 1e3, 1e6):

@@ -145,7 +145,12 @@ def emulated(library: Path, plan: Plan, room: int = 1 << 40) -> dict[str, Any]:
         return cuda.compute_on(Emulated(library, room), plan, 1, pool, lambda _: None)
 
 
-@pytest.mark.parametrize("name", MAPS)
+LONG = {"list", "by damping"}
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in MAPS]
+)
 def test_a_warp_returns_the_bits_of_the_processor(library: Path, name: str) -> None:
     plan = plan_of(**MAPS[name])
     assert same_chunks(emulated(library, plan), plan.compute(0, plan.size, 1))

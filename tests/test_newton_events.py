@@ -325,6 +325,7 @@ def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
         assert virial == pytest.approx(work, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_heap_is_told_to_take_steps() -> None:
     """Contacts that last hang together; beyond some size this is an outcome, not hours of work."""
     x, y = np.meshgrid(np.arange(30) * 2.00002e-3 + 1.1e-3, np.arange(11) * 2.00002e-3 + 1.00002e-3)

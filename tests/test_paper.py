@@ -271,6 +271,7 @@ class Crowded(Data):
         return figure
 
 
+@pytest.mark.slow
 def test_shares_of_all_statements_stay_when_points_are_added_elsewhere(data, rows):
     crowded = Crowded(data)
     compared = 0
@@ -401,6 +402,7 @@ def test_run_writes_pdf_and_any_resolution(tmp_path: Path):
         assert picture.info["dpi"][0] == pytest.approx(300, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_run_with_some_figures(tmp_path: Path):
     report = paper.run(tmp_path, figures="3, 2", format="svg", density=1000)
     names = {path.name for path in report.files}

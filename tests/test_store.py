@@ -216,9 +216,8 @@ KILLED_AT_EVERY_STEP = """
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
-@pytest.mark.parametrize(
-    "events", ["os.rename", pytest.param("", marks=pytest.mark.slow)], ids=["renames", "all"]
-)
+@pytest.mark.parametrize("events", ["os.rename", ""], ids=["renames", "all"])
+@pytest.mark.slow
 def test_killed_at_every_step_it_ends_with_the_same_bytes(tmp_path: Path, events: str) -> None:
     """SIGKILL before each access to the file system in turn, again while going on, then a run to the end."""
     script = KILLED_AT_EVERY_STEP.format(
