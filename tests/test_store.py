@@ -625,6 +625,16 @@ def can_mount() -> bool:
     return shutil.which("unshare") is not None and subprocess.run(probe, capture_output=True).returncode == 0
 
 
+def test_without_zarr_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(
+        ValueError, match=r"store: got '.*map', must have Zarr: pip install 'hardlimit\[store\]'"
+    ):
+        hl.sweep(PAPER, store=tmp_path / "map", **GRID)
+    assert not (tmp_path / "map").exists()
+    assert hl.sweep(PAPER, **GRID).sizes["restitution"] == 9
+
+
 @pytest.mark.skipif(not can_mount(), reason="may not mount")
 def test_a_full_disk(tmp_path: Path) -> None:
     """A real one, too small; then a larger one with what was kept."""

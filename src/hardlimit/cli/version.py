@@ -26,7 +26,7 @@ def verbose() -> str:
         f"compiled by:      {_core.compiler()}",
         f"instruction set:  {widest} (also available: {', '.join(others) or 'none'})",
         f"Python:           {platform.python_version()}, {platform.system()} {platform.machine()}",
-        *_aligned(("numpy", "xarray", "zarr", "matplotlib")),
+        *_aligned(("numpy", "xarray", "matplotlib")),
         "extras:",
     ]
     for extra, packages in extras().items():

@@ -47,6 +47,7 @@ class Store:
 
     def __init__(self, path: str | Path, computation: Computation, chunks: Chunks) -> None:
         self.path = _local(path)
+        _require_zarr(self.path)
         self.computation, self.chunks = computation, chunks
         self._missing: list[int] = []
         self._arrays: dict[str, zarr.Array[Any]] = {}
@@ -164,6 +165,15 @@ class Store:
 
 
 # --- what is in a store -------------------------------------------------------------------------------------
+
+
+def _require_zarr(path: Path) -> None:
+    try:
+        import zarr  # noqa: F401
+    except ImportError:
+        raise ValueError(
+            f"store: got {str(path)!r}, must have Zarr: pip install 'hardlimit[store]'"
+        ) from None
 
 
 def _attributes(computation: Computation, chunks: Chunks) -> dict[str, Any]:
