@@ -141,11 +141,11 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
     interrupted(tmp_path / "map.zarr", after=20)
     told: list[int] = []
     hl.sweep(PAPER, store=tmp_path / "map.zarr", progress=lambda done, _: told.append(done), **GRID)
-    assert told == [20, 30, 40, 45]
+    assert sorted(set(told)) == [20, 30, 40, 45]  # what is done may be told again while a chunk is under way
     assert files(tmp_path / "map.zarr") == files(tmp_path / "whole.zarr")
     told.clear()
     hl.sweep(PAPER, store=tmp_path / "map.zarr", progress=lambda done, _: told.append(done), **GRID)
-    assert told == [45]
+    assert set(told) == {45}
 
 
 @pytest.mark.parametrize("name", ["n_contacts", "t_end", "outcome"])
