@@ -39,11 +39,13 @@ struct Search {
     HL_FN void step(const R* g, R bound) {
         const R value = value_at<D>(g, theta), slope = slope_at<D>(g, theta);
         const Mask<R> there = active & (value >= 0.0);
-        const R speed = slope + math::sqrt<R>(slope * slope - 2.0 * bound * value);
-        const R step = -2.0 * value / speed;
+        const R root = math::sqrt<R>(slope * slope - 2.0 * bound * value), speed = slope + root;
+        // Where a function first falls away from a value close to zero, the sum has lost digits, and a step too far
+        // would pass the zero.
+        const R step = select<R>(speed > -1e-6 * slope, -2.0 * value / speed, (root - slope) / bound);
         R moved = theta + step;
         if constexpr (narrow) moved = math::min<R>(moved, theta + theta);
-        active = active & negation(there) & (speed > 0.0) & (moved <= 1.0);
+        active = active & negation(there) & (moved <= 1.0);
         theta = select<R>(active, moved, theta);
         const Mask<R> converged = active & (step <= math::epsilon * moved);
         found = select<R>(there | converged, theta, found);

@@ -387,6 +387,26 @@ def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
     assert ball_contacts(hl.newton(column, method="exact"))[0][0] == pytest.approx(float(touch), rel=1e-10)
 
 
+@pytest.mark.parametrize("gap", [1e-15, 1e-12, 1e-9])
+@pytest.mark.parametrize("mass_ratio", [10.0, 1e5])
+def test_a_ball_thrown_up_from_close_to_the_floor_falls_back_in_time(gap, mass_ratio):
+    """The upper ball pushes it down meanwhile: energy tells whether the floor is met when it is."""
+    column = hl.Column(
+        [hl.Ball(1e-3, mass=0.7 * mass_ratio), hl.Ball(1e-4, mass=0.7)],
+        gaps=0.0,
+        height=1e-3 + gap,
+        law=hl.LinearDashpot(stiffness=100.0, restitution=1.0),
+        velocities=[30.0, -30.0],
+        gravity=1000.0,
+    )
+    found = {method: hl.newton(column, method=method, until=0.01) for method in ("exact", "general")}
+    begin = {method: float(result.contacts.begin.min()) for method, result in found.items()}
+    assert begin["exact"] == pytest.approx(begin["general"], rel=1e-12)
+    t = found["exact"].trajectory(np.array([begin["exact"], 0.0, 0.01]))
+    total = t.kinetic_energy + t.potential_energy + t.contact_energy + t.dissipated_energy
+    assert total.values == pytest.approx(np.full(3, total.values[0]), rel=1e-12)
+
+
 @pytest.mark.parametrize("method", ["exact", "general"])
 def test_until_goes_on_and_changes_nothing_before(method):
     column = hl.Column.paper(0.7)

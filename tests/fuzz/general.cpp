@@ -15,8 +15,13 @@ double speed_of(const column::Column<Law>& c) {
     return speed;
 }
 
+// Of a course [J].
+struct Sizes {
+    double initial, largest;
+};
+
 // At the knots of the run and between them: numbers are finite, energy never rises and no force pulls.
-void check_course(const column::Solution& s, int balls, double rounding) {
+Sizes check_course(const column::Solution& s, int balls, double rounding) {
     std::vector<double> times = s.knots();
     std::erase_if(times, [&](double t) { return !(t >= s.first && t <= s.last); });
     if (times.size() > 400) times.resize(400);
@@ -24,16 +29,18 @@ void check_course(const column::Solution& s, int balls, double rounding) {
     std::sort(times.begin(), times.end());
     column::States at(times.size(), balls);
     s.sample(times.data(), at);
-    double before = math::infinity, scale = 0.0;
+    double before = math::infinity, initial = 0.0, scale = 0.0;
     for (std::size_t i = 0; i < at.n; ++i) {
         const column::Energies& e = at.total[i];
         const double sum = e.kinetic + e.potential + e.contact;
         require(math::is_finite(sum), "finite energies");
+        if (i == 0) initial = sum;
         scale = math::max(scale, e.kinetic + math::abs(e.potential) + e.contact);
         require(sum <= before + rounding * scale, "energy never rises");
         before = sum;
     }
     for (const double f : at.force) require(!(f < 0.0), "no force pulls");
+    return {initial, scale};
 }
 
 template <class Law>
@@ -57,9 +64,10 @@ void check(fuzz::Draw<fuzz::Bytes>& draw) {
         const std::unique_ptr<column::Solution> s = column::solve_column(c, model, options);
         require(s != nullptr, "a solution");
         if (s->sequence.outcome == Outcome::invalid || math::is_nan(s->first)) continue;
+        const Sizes energy = check_course(*s, balls, 1e-10);
+        // A heavy ball on a soft floor stores a million times what it had.
         if (model == column::Model::newton && s->sequence.outcome != Outcome::unresolved)
-            require(s->energy_error < 1e-9, "the energy balance");
-        check_course(*s, balls, 1e-10);
+            require(s->energy_error * energy.initial <= 1e-9 * energy.largest, "the energy balance");
         check_end(*c, *s);
     }
 }
