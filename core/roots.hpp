@@ -45,7 +45,7 @@ struct Search {
         const R step = select<R>(speed > -1e-6 * slope, -2.0 * value / speed, (root - slope) / bound);
         R moved = theta + step;
         if constexpr (narrow) moved = math::min<R>(moved, theta + theta);
-        active = active & negation(there) & (moved <= 1.0);
+        active = active & negation(there) & ((speed > 0.0) | (slope < 0.0)) & (moved <= 1.0);
         theta = select<R>(active, moved, theta);
         const Mask<R> converged = active & (step <= math::epsilon * moved);
         found = select<R>(there | converged, theta, found);

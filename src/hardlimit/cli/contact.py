@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import click
@@ -15,31 +16,39 @@ from ..column import files
 from ..column.scenario import Column
 from ..contact import Contact, Law, law_parameters
 from .drop_report import law_text
-from .options import given_law_parameters, law_options, options, output_option, quantity_option, writable
+from .options import F, given_law_parameters, law_options, options, output_option, quantity_option, writable
 from .printing import console, digits, length, print_json, quantity, show, table
 from .program import Command
 
 SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 
-body_options = options(
-    quantity_option("--radius", unit="m", help="Radius of the ball [m].  [default: 0.01]"),
-    quantity_option("--density", unit="kg/m3", help="Its density [kg/m³].  [default: 840]"),
-    quantity_option("--mass", unit="kg", help="Its mass [kg], instead of the density."),
-    quantity_option(
-        "--other-radius", unit="m", help="Radius of a second ball [m]; without it, the ball meets the floor."
-    ),
-    quantity_option(
-        "--other-density", unit="kg/m3", help="Density of the second ball [kg/m³].  [default: as the first]"
-    ),
-    quantity_option("--other-mass", unit="kg", help="Mass of the second ball [kg], instead of the density."),
-)
+def body_options(radius: str, density: str) -> Callable[[F], F]:
+    """The options of two bodies in contact, with what the help of radius and density says besides."""
+    return options(
+        quantity_option("--radius", unit="m", help=f"Radius of the ball [m]{radius}"),
+        quantity_option("--density", unit="kg/m3", help=f"Its density [kg/m³]{density}"),
+        quantity_option("--mass", unit="kg", help="Its mass [kg], instead of the density."),
+        quantity_option(
+            "--other-radius",
+            unit="m",
+            help="Radius of a second ball [m]; without it, the ball meets the floor.",
+        ),
+        quantity_option(
+            "--other-density",
+            unit="kg/m3",
+            help="Density of the second ball [kg/m³].  [default: as the first]",
+        ),
+        quantity_option(
+            "--other-mass", unit="kg", help="Mass of the second ball [kg], instead of the density."
+        ),
+    )
 
 
 @click.command(
     cls=Command, epilog="\b\nExample:\n  hardlimit contact --restitution 0.5 --radius 1cm --density 2500"
 )
-@body_options
+@body_options(".  [default: 0.01]", ".  [default: 840]")
 @law_options()
 @quantity_option(
     "--speed", "speeds", unit="m/s", multiple=True, help="Speed of impact [m/s]; repeat for a table."

@@ -18,12 +18,11 @@ from ..fitting.likelihood import Estimate
 from ..fitting.measurements import Measured
 from ..fitting.result import Fit, as_mapping
 from ..laws import LAWS
-from .contact import make_ball, other_ball
+from .contact import body_options, make_ball, other_ball
 from .options import (
     dpi_option,
     given_law_parameters,
     law_options,
-    options,
     output_option,
     quantity_option,
     writable,
@@ -34,19 +33,6 @@ from .program import Command
 #: The law of the example, and the error of its values.
 EXAMPLE = {"youngs_modulus": 1e9, "poisson_ratio": 0.3, "restitution": 0.8, "impact_speed": 1.0}
 EXAMPLE_ERROR = 0.005
-
-body_options = options(
-    quantity_option("--radius", unit="m", help="Radius of the ball [m]; only where more than ε is fitted."),
-    quantity_option("--density", unit="kg/m3", help="Its density [kg/m³]."),
-    quantity_option("--mass", unit="kg", help="Its mass [kg], instead of the density."),
-    quantity_option(
-        "--other-radius", unit="m", help="Radius of a second ball [m]; without it, the ball meets the floor."
-    ),
-    quantity_option(
-        "--other-density", unit="kg/m3", help="Density of the second ball [kg/m³].  [default: as the first]"
-    ),
-    quantity_option("--other-mass", unit="kg", help="Mass of the second ball [kg], instead of the density."),
-)
 
 
 @click.command(
@@ -61,7 +47,7 @@ body_options = options(
     "--confidence", unit="1", help="Confidence of the intervals, between 0 and 1.  [default: 0.68]"
 )
 @click.option("--compare/--no-compare", default=True, help="Try the other laws too.")
-@body_options
+@body_options("; only where more than ε is fitted.", ".")
 @quantity_option(
     "--gravity", unit="m/s2", help="Acceleration of gravity, for heights and times [m/s²].  [default: 9.81]"
 )
