@@ -367,6 +367,9 @@ HL_FN int bit_count(unsigned bits) {
 #endif
 }
 HL_FN int first_bit(unsigned bits) { return bit_count((bits & -bits) - 1); }
+#if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
+HL_FN int first_bit(u64 bits) { return __builtin_ctzll(bits); }
+#endif
 template <class M>
 HL_FN bool any(const M& m) {
     if constexpr (is_pair<M>)

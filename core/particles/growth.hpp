@@ -24,6 +24,7 @@ public:
         std::sort(order_.begin(), order_.end(), [&](u32 a, u32 b) {
             return s.radius[a] != s.radius[b] ? s.radius[a] > s.radius[b] : a < b;
         });
+        alike_ = s.radius[order_.front()] == s.radius[order_.back()];
     }
 
     // Places for radii `share` of the final ones; whether there was one for each.
@@ -31,6 +32,9 @@ public:
         const double smallest = 2.0 * share * s_.radius[order_.back()];
         const double largest = 2.0 * share * s_.radius[order_.front()];
         cells_ = Cells<d>(box_, s_.n, smallest, largest);
+        cells_ahead_ = neighbours_ahead_ = random_;
+        for (int draw = 0; draw < 2 * draws_ahead * d; ++draw) (void)cells_ahead_.uniform();
+        for (int draw = 0; draw < draws_ahead * d; ++draw) (void)neighbours_ahead_.uniform();
         for (const u32 i : order_) {
             if (stop()) return true;
             if (!throw_in(i, share, position)) return false;
@@ -39,12 +43,15 @@ public:
     }
 
 private:
-    static constexpr int most_throws = 2'000;
+    static constexpr int most_throws = 2'000, draws_ahead = 8;
 
     const Setting& s_;
     const Box<d>& box_;
     Random& random_;
+    // Go ahead of it, to fetch what later throws will read: a large system is otherwise a chain of waits for memory.
+    Random cells_ahead_{0}, neighbours_ahead_{0};
     std::vector<u32> order_;
+    bool alike_ = false;
     Cells<d> cells_;
     std::vector<u32> list_ = std::vector<u32>(256);
 
@@ -52,18 +59,29 @@ private:
         const double radius = share * s_.radius[i];
         const int level = cells_.level_for(2.0 * radius);
         for (int attempt = 0; attempt < most_throws; ++attempt) {
+            fetch(level, radius, position);
             double x[d];
-            for (int k = 0; k < d; ++k) {
-                const double room = box_.periodic[k] ? 0.0 : radius;
-                x[k] = room + (box_.edge[k] - 2.0 * room) * random_.uniform();
-            }
-            const u32 cell = cells_.number(level, cells_.place_of(level, x));
+            const u32 cell = draw(random_, level, radius, x);
             if (!is_free(x, radius, share, level, cell, position)) continue;
             cells_.insert(cell, i);
             for (int k = 0; k < d; ++k) position[std::size_t{i} * d + static_cast<std::size_t>(k)] = x[k];
             return true;
         }
         return false;
+    }
+    // A place at random; returns its cell.
+    u32 draw(Random& random, int level, double radius, double (&x)[d]) const {
+        for (int k = 0; k < d; ++k) {
+            const double room = box_.periodic[k] ? 0.0 : radius;
+            x[k] = room + (box_.edge[k] - 2.0 * room) * random.uniform();
+        }
+        return cells_.number(level, cells_.place_of(level, x));
+    }
+    void fetch(int level, double radius, const std::vector<double>& position) {
+        double x[d];
+        cells_.fetch(level, draw(cells_ahead_, level, radius, x), {});
+        cells_.for_inline(level, draw(neighbours_ahead_, level, radius, x), {},
+                          [&](u32 j) { prefetch(&position[std::size_t{j} * d]); });
     }
     bool is_free(const double (&x)[d], double radius, double share, int level, u32 cell,
                  const std::vector<double>& position) {
@@ -75,7 +93,7 @@ private:
                     const std::size_t n = cells_.collect(other, list_, 0);
                     for (std::size_t c = 0; c < n; ++c) {
                         const u32 j = list_[c];
-                        const double touch = radius + share * s_.radius[j];
+                        const double touch = radius + (alike_ ? radius : share * s_.radius[j]);
                         double square = 0.0;
                         for (int k = 0; k < d; ++k) {
                             const double r =

@@ -18,7 +18,8 @@ void HardSpheres<d, motion, mixed>::happen(u32 i) {
     if (own == Own::rescan) return predict(i, last_met(i));
     const int axis = axis_of(own), level_i = level(i);
     const Place<d> at = cells_.place(level_i, e.cell);
-    const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_i)].cells[axis] - 1 : 0;
+    const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level_i)];
+    const int last = is_high(own) ? g.cells[axis] - 1 : 0;
     if (at[axis] == last && !box_.periodic[axis])
         meet_wall(i);
     else

@@ -159,7 +159,7 @@ HL_FN hardlimit_abi::Touched touched_first(const Real& least, const unsigned* id
             same |= static_cast<u64>(lane_bits(load_lanes<Real>(times + k) == time)) << (k - begin);
         if (same == 0) continue;
         touched.several |= touched.id != particles::nobody || (same & (same - 1)) != 0;
-        touched.id = ids[begin + static_cast<std::size_t>(__builtin_ctzll(same))];
+        touched.id = ids[begin + static_cast<std::size_t>(first_bit(same))];
     }
     return touched;
 }
