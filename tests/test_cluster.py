@@ -148,6 +148,7 @@ def test_an_error_here_ends_the_work_there() -> None:
         wait_until(lambda: not any(client.processing().values()))
 
 
+@pytest.mark.slow
 def test_a_chunk_with_much_to_send_is_no_cause_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of points brings its parameters along; from 10 MiB on distributed takes that for a mistake."""
     monkeypatch.setattr(chunking, "POINTS", 1 << 20)

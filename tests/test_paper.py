@@ -394,6 +394,7 @@ def test_run_writes_what_it_says(tmp_path: Path, monkeypatch):
     assert json.loads(json.dumps(report.to_dict()))["density"] == 840.0
 
 
+@pytest.mark.slow
 def test_run_writes_pdf_and_any_resolution(tmp_path: Path):
     report = paper.run(tmp_path, figures="2", format="pdf", dpi=300)
     assert (report.out / "fig2.pdf").read_bytes().startswith(b"%PDF")
