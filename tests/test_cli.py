@@ -622,7 +622,7 @@ def process(
 
 @pytest.mark.parametrize("encoding", [slow("latin-1"), "ascii"])
 @pytest.mark.parametrize(
-    "args", [slow(["--help"]), slow(["drop", "--help"]), ["drop"], ["drop", "--gap", "Δ"]]
+    "args", [slow(["--help"]), slow(["drop", "--help"]), slow(["drop"]), ["drop", "--gap", "Δ"]]
 )
 def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
     ended = process(*args, encoding=encoding)
@@ -632,7 +632,7 @@ def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
 
 @pytest.mark.parametrize(
     "args",
-    [slow(["--help"]), ["drop", "--help"], ["drop"], slow(["drop", "--json"]), slow(["--version"])],
+    [slow(["--help"]), slow(["drop", "--help"]), ["drop"], slow(["drop", "--json"]), slow(["--version"])],
 )
 def test_standard_output_on_a_full_device(args: list[str]) -> None:
     with open("/dev/full", "wb") as full:

@@ -135,7 +135,7 @@ def test_it_saves_series_collisions_and_the_end(start: Path, tmp_path: Path) -> 
         assert np.array_equal(tree["final"]["position"].values, result.system.positions)
 
 
-@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+@pytest.mark.parametrize("suffix", [".gif", slow(".mp4")])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_film(tmp_path: Path, dimension: int, suffix: str) -> None:
     start = lattice(27, dimension, boundary=["periodic", *["wall"] * (dimension - 1)]).write(

@@ -274,6 +274,7 @@ def under_way(run: subprocess.Popen) -> int:
     raise AssertionError(run.stderr.read())
 
 
+@pytest.mark.slow
 def test_interrupted_it_stops_within_the_chunk(tmp_path: Path) -> None:
     """The one chunk would take minutes."""
     points = 3_000_000
@@ -766,6 +767,7 @@ def test_anything_that_keeps_the_protocol_can_be_stored(tmp_path: Path, engine: 
     xr.testing.assert_allclose(ds.powers, (ds.x**ds.power).broadcast_like(ds.powers))
 
 
+@pytest.mark.slow
 def test_the_command_line_says_what_it_mends(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "hardlimit", "sweep", "--restitution", "0.5:1:20", "--out", "map.zarr"]
     assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0

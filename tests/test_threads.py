@@ -32,7 +32,7 @@ ds = hl.sweep(column, restitution=restitution, threads=1)
 """
 
 
-@pytest.mark.parametrize("spare", [2, 60])
+@pytest.mark.parametrize("spare", [2, slow(60)])
 def test_threads_that_cannot_be_started_are_done_without(spare: int) -> None:
     """A thread needs 8 MB of addresses for its stack: with 2 MB left none can be started, with 60 MB a few."""
     done = run(
@@ -59,9 +59,7 @@ SOLVES = {
 }
 
 
-@pytest.mark.parametrize(
-    "which", [which if which in ("exact", "trajectory") else slow(which) for which in SOLVES]
-)
+@pytest.mark.parametrize("which", [which if which == "exact" else slow(which) for which in SOLVES])
 def test_signals_are_handled_while_a_solver_works(which: str) -> None:
     """A timer rings every 10 ms: were it only heard once the solver returns, its handler would run once."""
     done = run(
