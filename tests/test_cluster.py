@@ -231,10 +231,10 @@ def test_workers_come_and_go(processes: Processes) -> None:
         engine="dask",
         scheduler=processes.address,
         progress=replace_one,
-        gap=np.geomspace(1e-6, 1e-2, 40_000),
+        gap=np.geomspace(1e-6, 1e-2, 16_000),
     )
     assert killed == 5
-    assert same_bits(there, hl.sweep(SOFT, gap=np.geomspace(1e-6, 1e-2, 40_000)))
+    assert same_bits(there, hl.sweep(SOFT, gap=np.geomspace(1e-6, 1e-2, 16_000)))
 
 
 @pytest.mark.slow
