@@ -27,7 +27,7 @@ settings.load_profile("hardlimit")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 #: Examples of a property with the fast tests, where it has more.
-FEW = 10
+FEW = 20
 
 _few = True
 
