@@ -7,6 +7,7 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,6 +26,11 @@ settings.load_profile("hardlimit")
 # tests that interrupt one.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+#: Examples of a property with the fast tests, where it has more.
+FEW = 20
+
+_few = True
+
 TWO_BALL_TABLES = ["two_ball_paper", "two_ball_ratio", "two_ball_wide"]
 
 #: Constants of common solids, by name of the parameter; of others the middle of the accepted range.
@@ -38,6 +44,27 @@ TYPICAL = {
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--rows", type=int, default=None, help="of each table in test_reference.py, at random")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    global _few
+    _few = "not slow" in config.option.markexpr
+
+
+def draws(most: int, **others: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Settings of a property: a few examples with the fast tests, ``most`` of them with the slow ones."""
+
+    def decorate(test: Callable[..., None]) -> Callable[..., None]:
+        if _few:
+            return settings(max_examples=min(most, FEW), **others)(test)
+        return pytest.mark.slow(settings(max_examples=most, **others)(test))
+
+    return decorate
+
+
+def slow(*values: object) -> Any:
+    """Parameters with which a test is one of the slow ones."""
+    return pytest.param(*values, marks=pytest.mark.slow)
 
 
 def wait_until(condition: Callable[[], object], timeout: float = 30.0) -> None:

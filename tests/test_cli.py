@@ -20,7 +20,7 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import hardlimit as hl
-from conftest import law_of
+from conftest import law_of, slow
 from hardlimit import _core
 from hardlimit.cli import main
 from hardlimit.cli.axes import axis
@@ -104,7 +104,7 @@ def test_each_help_shows_an_example(name: str) -> None:
     assert max(map(len, text.splitlines())) <= 100
 
 
-@pytest.mark.parametrize("name", sorted(set(COMMANDS) - {"explore"}))
+@pytest.mark.parametrize("name", [*sorted(set(COMMANDS) - {"explore", "paper"}), slow("paper")])
 def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
@@ -620,8 +620,10 @@ def process(
     )
 
 
-@pytest.mark.parametrize("encoding", [pytest.param("latin-1", marks=pytest.mark.slow), "ascii"])
-@pytest.mark.parametrize("args", [["--help"], ["drop", "--help"], ["drop"], ["drop", "--gap", "Δ"]])
+@pytest.mark.parametrize("encoding", [slow("latin-1"), "ascii"])
+@pytest.mark.parametrize(
+    "args", [slow(["--help"]), slow(["drop", "--help"]), slow(["drop"]), ["drop", "--gap", "Δ"]]
+)
 def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
     ended = process(*args, encoding=encoding)
     assert ended.returncode == (2 if "Δ" in args else 0)
@@ -629,7 +631,8 @@ def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "args", [["--help"], ["drop", "--help"], ["drop"], ["drop", "--json"], ["--version"]]
+    "args",
+    [slow(["--help"]), slow(["drop", "--help"]), ["drop"], slow(["drop", "--json"]), slow(["--version"])],
 )
 def test_standard_output_on_a_full_device(args: list[str]) -> None:
     with open("/dev/full", "wb") as full:
@@ -638,13 +641,13 @@ def test_standard_output_on_a_full_device(args: list[str]) -> None:
     assert re.fullmatch(rb"hardlimit.*: output: cannot be written: No space left on device\n", ended.stderr)
 
 
-@pytest.mark.parametrize("most_bytes", [pytest.param(0, marks=pytest.mark.slow), 1000, 20_000])
+@pytest.mark.parametrize("most_bytes", [0, slow(1000), slow(20_000)])
 @pytest.mark.parametrize(
     "args",
     [
-        pytest.param(["drop", "--save", "a.nc"], marks=pytest.mark.slow),
+        slow(["drop", "--save", "a.nc"]),
         ["drop", "--toml", "a.toml"],
-        ["sweep", "--gap", "1e-6:1e-2:3000:log", "--out", "a.nc"],
+        slow(["sweep", "--gap", "1e-6:1e-2:3000:log", "--out", "a.nc"]),
     ],
 )
 def test_a_full_disk_leaves_nothing(args: list[str], most_bytes: int, tmp_path: Path) -> None:
@@ -658,10 +661,11 @@ def test_a_full_disk_leaves_nothing(args: list[str], most_bytes: int, tmp_path: 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_was_there_survives_a_full_disk(tmp_path: Path) -> None:
-    target = tmp_path / "a.nc"
+@pytest.mark.parametrize(("option", "most_bytes"), [("--toml", 0), slow("--save", 20_000)])
+def test_what_was_there_survives_a_full_disk(tmp_path: Path, option: str, most_bytes: int) -> None:
+    target = tmp_path / ("a.toml" if option == "--toml" else "a.nc")
     target.write_bytes(b"precious")
-    assert process("drop", "--save", target, most_bytes=20_000).returncode == 1
+    assert process("drop", option, target, most_bytes=most_bytes).returncode == 1
     assert target.read_bytes() == b"precious" and list(tmp_path.iterdir()) == [target]
 
 
@@ -684,7 +688,7 @@ def test_drop_loads_only_what_it_needs() -> None:
     assert loaded & slow == set()
 
 
-@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize("shell", ["bash", slow("zsh"), slow("fish")])
 def test_completion(shell: str) -> None:
     script = run("completion", shell).stdout
     assert script.startswith("# Install with: hardlimit completion ") and f"{shell}_complete" in script
@@ -758,7 +762,9 @@ def test_example_files_run(path: Path) -> None:
         assert printed("drop", path)["models"]["newton"]["outcome"] == "ok"
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize(
+    "path", [slow(p) if p.stem == "map" else p for p in sorted(EXAMPLES.glob("*.py"))], ids=lambda p: p.stem
+)
 def test_example_scripts_run(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

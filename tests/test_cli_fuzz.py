@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, free_columns
+from conftest import columns, draws, free_columns
 from hardlimit.cli import main
 from hardlimit.column import files
 
@@ -163,17 +163,17 @@ def check_tables(examples: int, tables: st.SearchStrategy[dict[str, Any]]) -> No
         check()
 
 
-@of_examples(100, 400)
+@of_examples(25, 400)
 def test_spoiled_tables(examples: int) -> None:
     check_tables(examples, spoiled())
 
 
-@of_examples(50, 150)
+@of_examples(25, 150)
 def test_arbitrary_tables(examples: int) -> None:
     check_tables(examples, st.dictionaries(keys, anything, max_size=6))
 
 
-@of_examples(100, 300)
+@of_examples(30, 300)
 def test_spoiled_text(tmp_path: Path, examples: int) -> None:
     """Bytes of an example removed, repeated or replaced."""
 
@@ -196,7 +196,7 @@ def test_spoiled_text(tmp_path: Path, examples: int) -> None:
         check()
 
 
-@settings(max_examples=50)
+@draws(50)
 @given(st.one_of(columns(), free_columns()))
 def test_columns_are_accepted(tmp_path_factory: pytest.TempPathFactory, column: hl.Column) -> None:
     path = tmp_path_factory.getbasetemp() / "column.toml"
@@ -289,7 +289,7 @@ def command_lines(draw: st.DrawFn) -> list[str]:
     return line
 
 
-@of_examples(200, 600)
+@of_examples(60, 600)
 def test_command_lines(tmp_path: Path, examples: int) -> None:
     @settings(max_examples=examples)
     @given(command_lines())
@@ -306,7 +306,7 @@ def parsed(text: str) -> Any:
     return json.loads(text, parse_constant=pytest.fail)
 
 
-@settings(max_examples=30)
+@draws(30)
 @given(st.one_of(columns(most=4), free_columns(most=4)))
 def test_json_of_any_column(tmp_path_factory: pytest.TempPathFactory, column: hl.Column) -> None:
     path = tmp_path_factory.getbasetemp() / "column.toml"

@@ -148,6 +148,7 @@ def test_an_error_here_ends_the_work_there() -> None:
         wait_until(lambda: not any(client.processing().values()))
 
 
+@pytest.mark.slow
 def test_a_chunk_with_much_to_send_is_no_cause_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     """A list of points brings its parameters along; from 10 MiB on distributed takes that for a mistake."""
     monkeypatch.setattr(chunking, "POINTS", 1 << 20)
@@ -230,10 +231,10 @@ def test_workers_come_and_go(processes: Processes) -> None:
         engine="dask",
         scheduler=processes.address,
         progress=replace_one,
-        gap=np.geomspace(1e-6, 1e-2, 40_000),
+        gap=np.geomspace(1e-6, 1e-2, 16_000),
     )
     assert killed == 5
-    assert same_bits(there, hl.sweep(SOFT, gap=np.geomspace(1e-6, 1e-2, 40_000)))
+    assert same_bits(there, hl.sweep(SOFT, gap=np.geomspace(1e-6, 1e-2, 16_000)))
 
 
 @pytest.mark.slow

@@ -5,11 +5,11 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import event, given, settings
+from hypothesis import event, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, falling, free_columns, law_of, laws
+from conftest import columns, draws, falling, free_columns, law_of, laws
 
 BALL = hl.Ball(0.02, mass=0.1)
 
@@ -109,7 +109,7 @@ def check_course(sentence: str, overlap: int, n: int) -> None:
         assert overlap == 0 and n > 0
 
 
-@settings(max_examples=150)
+@draws(150)
 @given(scenarios)
 def test_the_sentence_agrees_with_the_numbers(column):
     found = hl.compare(column)

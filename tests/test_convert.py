@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, log_floats
+from conftest import DATA, draws, log_floats, slow
 from hardlimit import _core
 from hardlimit.cli import main
 from hardlimit.convert import formulas, texts
@@ -42,8 +42,8 @@ restitutions = st.one_of(
 # --- one collision ------------------------------------------------------------------------------------------
 
 
+@draws(25)
 @given(restitution=st.floats(1e-3, 1.0), speed=log_floats(1e-3, 1e2), mass=log_floats(1e-9, 1e3))
-@settings(max_examples=25)
 def test_powers_agree_with_the_laws_of_the_core(restitution, speed, mass):
     """The numbers of ``Contact``, which come from closed forms and from a Taylor series."""
     ball = hl.Ball(radius=1e-3, mass=mass)
@@ -249,8 +249,8 @@ def test_numbers_that_hold_for_all_contacts_are_given_for_one(name, model):
 # --- ways to give the stiffness -----------------------------------------------------------------------------
 
 
+@draws(15)
 @given(restitution=st.floats(0.01, 1.0), law=st.sampled_from(sorted(LAWS)), wanted=log_floats(1e-8, 1e-3))
-@settings(max_examples=15)
 def test_duration_and_compression_are_met(restitution, law, wanted):
     """Of every contact; a coarse step, of which nothing is asked here."""
     options = {"restitution": restitution, "law": law, "code": "lammps", "speed": 0.3}
@@ -350,13 +350,13 @@ def test_any_text_is_read_or_refused(text):
             hl.convert_back(text, BALL, code=name)
 
 
+@draws(15)
 @given(
     words=st.sampled_from(["velocity", "velocity limit_damping", "viscoelastic limit_damping"]),
     stiffness=log_floats(1e-8, 1e14),
     damping=st.one_of(st.just(0.0), log_floats(1e-12, 1e16)),
     speed=log_floats(1e-6, 1e3),
 )
-@settings(max_examples=15, deadline=None)
 def test_any_numbers_give_a_collision(words, stiffness, damping, speed):
     text = f"hertz/material {stiffness!r} {damping!r} 0.3 damping {words}"
     found = hl.convert_back(text, BALL, code="lammps", speed=speed, time_step=1e-6)
@@ -367,7 +367,7 @@ def test_any_numbers_give_a_collision(words, stiffness, damping, speed):
 # --- by running the codes -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("every", [16, slow(1)])
 def test_what_the_codes_made_of_their_numbers(every):
     """LIGGGHTS, YADE and Kratos, run by tools/verify_codes.py, within the error of their step."""
     assert {row["code"] for row in RUNS} == {"liggghts", "yade", "kratos"} and len(RUNS) > 120
@@ -476,7 +476,7 @@ def test_the_command_line_says_what_the_function_says():
     assert said == json.loads(json.dumps(made.to_dict()))
 
 
-@pytest.mark.parametrize("width", ["80", "120"])
+@pytest.mark.parametrize("width", ["80", slow("120")])
 def test_the_tables_fit(width, monkeypatch):
     monkeypatch.setenv("COLUMNS", width)
     for more in ((), ("--code", "yade")):

@@ -3,9 +3,12 @@
 import subprocess
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[1]
 
 
+@pytest.mark.slow
 def test_the_search_finds_what_the_closed_form_gives(tmp_path):
     """Differences up to 1e-8 are the condition of the problem: two zeros that nearly meet."""
     program = tmp_path / "engagement"

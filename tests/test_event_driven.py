@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
-from conftest import lattice, wait_until
+from conftest import lattice, slow, wait_until
 from hardlimit.particles import theory
 from hardlimit.particles.result import COLUMNS, Collapse, wall_name
 
@@ -397,7 +397,7 @@ def uninterrupted():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
-@pytest.mark.parametrize("trial", [0, 1, *(pytest.param(i, marks=pytest.mark.slow) for i in range(2, 8))])
+@pytest.mark.parametrize("trial", [0, *map(slow, range(1, 8))])
 def test_killed_at_any_moment(tmp_path, uninterrupted, trial):
     """kill -9 after some checkpoint or while one is written: what is there goes on to the same bits."""
     path = tmp_path / "run.checkpoint"

@@ -7,12 +7,12 @@ import mpmath
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_lyapunov
 
 import hardlimit as hl
-from conftest import columns, falling, law_of
+from conftest import columns, draws, falling, law_of, slow
 
 G = 9.81
 
@@ -200,7 +200,7 @@ def test_lower_ball_alone_bounces_with_the_given_restitution():
         assert velocity == pytest.approx(2.0 * restitution, rel=1e-13)
 
 
-@settings(max_examples=150)
+@draws(150)
 @given(columns(law=st.floats(0.03, 1.0).map(lambda e: law_of("linear", e)), most=2))
 def test_exact_and_general_solver_agree(column):
     exact = hl.newton(column, method="exact")
@@ -363,8 +363,8 @@ def test_released_with_velocities(velocities):
     assert exact.relative_velocity == pytest.approx(general.relative_velocity, rel=1e-8, nan_ok=True)
 
 
-@pytest.mark.parametrize("gap", [1e-15, 1e-13, 1e-11])
-@pytest.mark.parametrize("speed", [1e-5, 2e-4, 1e-2])
+@pytest.mark.parametrize("gap", [1e-15, slow(1e-13), 1e-11])
+@pytest.mark.parametrize("speed", [1e-5, slow(2e-4), slow(1e-2)])
 def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
     """Both balls fall alike, and the pair closes only as the floor stops the lower one; its weight presses it in deep.
 
@@ -548,7 +548,7 @@ def test_creep_ends_at_rest(ratio, restitution, gap, model):
     assert result.n_contacts == 1
 
 
-@pytest.mark.parametrize("n", [300, pytest.param(1500, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [150, slow(1500)])
 def test_strongly_damped_random_columns_are_resolved(n):
     rng = np.random.default_rng(4)
     swept = {

@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 from scipy import stats
 
 import hardlimit as hl
+from conftest import slow
 from hardlimit.cli import main
 from hardlimit.fitting.candidates import candidate
 from hardlimit.fitting.likelihood import chi_square_probability
@@ -68,7 +69,7 @@ def test_probability_of_chi_square(degrees: int) -> None:
     assert math.isnan(chi_square_probability(1.0, 0))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["restitution", "times", slow("rebound heights"), slow("heights")])
 def test_deviations_are_independent_with_unit_variance(kind: str) -> None:
     """From the true law, whatever was read off the instruments: the covariance of shared readings is right."""
     law, rng = viscoelastic(), np.random.default_rng(3)

@@ -11,7 +11,7 @@ import xarray as xr
 from PIL import Image
 
 import hardlimit as hl
-from conftest import lattice, wait_until
+from conftest import lattice, slow, wait_until
 from hardlimit.cli.gas_job import USUAL
 from hardlimit.particles.result import COLUMNS
 from hardlimit.pictures import plots
@@ -135,7 +135,7 @@ def test_it_saves_series_collisions_and_the_end(start: Path, tmp_path: Path) -> 
         assert np.array_equal(tree["final"]["position"].values, result.system.positions)
 
 
-@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+@pytest.mark.parametrize("suffix", [".gif", slow(".mp4")])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_film(tmp_path: Path, dimension: int, suffix: str) -> None:
     start = lattice(27, dimension, boundary=["periodic", *["wall"] * (dimension - 1)]).write(
@@ -153,10 +153,8 @@ def test_a_film(tmp_path: Path, dimension: int, suffix: str) -> None:
 @pytest.mark.parametrize(
     "which",
     [
-        "walls",
         "disks",
-        "nothing",
-        *(pytest.param(which, marks=pytest.mark.slow) for which in ("cooling", "elastic", "law")),
+        *(slow(which) for which in ("walls", "nothing", "cooling", "elastic", "law")),
     ],
 )
 def test_plots_are_legible(tmp_path: Path, which: str) -> None:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, falling, law_of, laws, log_floats
+from conftest import columns, draws, falling, law_of, laws, log_floats
 from hardlimit import _core
 
 UNRESOLVED = hl.OUTCOMES.index("unresolved")
@@ -87,7 +87,7 @@ def test_tolerance_is_what_it_says(name):
         assert result._core.steps < best._core.steps
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(columns())
 def test_energy_is_accounted_for(column):
     """Kinetic + potential + contact energy + dissipated = initial, to 1e-10, for every law and any column."""
@@ -212,7 +212,7 @@ def ties(draw):
     return column
 
 
-@settings(max_examples=200)
+@draws(200)
 @given(ties())
 def test_any_tie_is_the_limit_of_vanishing_gaps(column):
     """Counts of every pair and velocities, where the limit itself has been reached."""

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, law_of
+from conftest import columns, draws, law_of
 from hardlimit import _core
 
 G = 9.81
@@ -291,7 +291,7 @@ def test_three_hundred_collapsing_balls_need_little_memory():
     assert float(megabytes) < 60.0
 
 
-@settings(max_examples=40)
+@draws(40)
 @given(columns(law=st.floats(0.3, 0.95).map(lambda e: law_of("linear", e)), most=4), st.randoms())
 def test_states_are_the_same_in_any_order(column, random):
     result = hl.independent(column, until=0.5)
@@ -318,7 +318,7 @@ def piles(draw) -> hl.Column:
     return hl.Column(balls, gaps, height, law, velocities=velocities, gravity=gravity)
 
 
-@settings(max_examples=150)
+@draws(150)
 @given(piles(), st.sampled_from([0.02, 0.5, 3.0]))
 def test_no_ball_is_ever_inside_another_and_energy_never_rises(column, until):
     result = hl.independent(column, until=until)

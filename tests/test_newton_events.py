@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA
+from conftest import DATA, draws
 
 REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
 CASES = [(kind, k) for kind in ("newton", "dilute") for k in range(len(REFERENCE[kind]))]
@@ -105,7 +105,7 @@ def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int)
         assert row[1:] == pytest.approx(one[1:], abs=1e-8 * 0.03, nan_ok=True)
 
 
-@settings(max_examples=40)
+@draws(40)
 @given(
     seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), d=st.sampled_from([2, 3]), mixed=st.booleans(),
     boundary=st.sampled_from(["periodic", "wall"]), phi=st.floats(0.05, 0.45),
@@ -245,7 +245,7 @@ def test_simultaneous_contacts(law: hl.Law) -> None:
     assert outward == pytest.approx([outward[0]] * 4, rel=1e-10) and outward[0] > 0.0
 
 
-@settings(max_examples=25)
+@draws(25)
 @given(
     seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), heavy=st.floats(0.0, 6.0), slow=st.floats(-6.0, 0.0),
 )  # fmt: skip

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import DATA, damped, lattice, law_of, laws, log_floats, restitutions
+from conftest import DATA, damped, draws, lattice, law_of, laws, log_floats, restitutions
 from hardlimit import _core
 from hardlimit.particles import engines, time_step
 
@@ -253,8 +253,8 @@ def overlaps(system):
     return found
 
 
+@draws(25)
 @given(system=boxes(), name=st.sampled_from(sorted(hl.LAWS)), stiff=st.sampled_from([1.0, 30.0]))
-@settings(max_examples=25)
 def test_no_contact_is_missed(system, name, stiff):
     """Without damping two grains push each other exactly while they overlap."""
     elastic = damped(name, 0.0)
@@ -270,8 +270,8 @@ def test_no_contact_is_missed(system, name, stiff):
         assert engine.observe()["n_in_contact"] == len(listed)
 
 
+@draws(25)
 @given(system=boxes(), law=laws(restitutions))
-@settings(max_examples=25)
 def test_energy_is_balanced_and_momentum_kept(system, law):
     step = time_step.chosen(system, law, 1e-4, None)
     run = molecular_dynamics(system, law=law, until=400 * step, time_step=step, samples=4)
@@ -286,8 +286,8 @@ def test_energy_is_balanced_and_momentum_kept(system, law):
             )
 
 
+@draws(15)
 @given(system=boxes(), law=laws(), data=st.data())
-@settings(max_examples=15)
 def test_pauses_threads_and_saving_do_not_change_a_bit(system, law, data):
     step = time_step.chosen(system, law, 1e-2, None)
     whole, broken = engine_of(system, law, step), engine_of(system, law, step)

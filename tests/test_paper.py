@@ -13,6 +13,7 @@ import xarray as xr
 from PIL import Image
 
 import hardlimit as hl
+from conftest import slow
 from hardlimit import paper
 from hardlimit.paper import density, drawings, figure4, figure5, figure6, misprints, sampling, statements
 from hardlimit.paper.data import Data
@@ -289,6 +290,7 @@ def test_shares_of_all_statements_stay_when_points_are_added_elsewhere(data, row
     )
 
 
+@pytest.mark.slow
 def test_late_sequences_are_counted_as_on_a_uniform_grid(rows):
     epsilon = np.linspace(0.1, 1.0, 1801)
     found = sampling.sequences("x", epsilon, Setup().linear)
@@ -306,7 +308,7 @@ def test_middles_are_a_fair_sample():
 # --- pictures and report ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("number", paper.FIGURES)
+@pytest.mark.parametrize("number", [n if n in (2, 5) else slow(n) for n in paper.FIGURES])
 def test_figures_can_be_read(data, number):
     assert_legible(drawings.draw(number, data.figure(number)))
 
@@ -394,6 +396,7 @@ def test_run_writes_what_it_says(tmp_path: Path, monkeypatch):
     assert json.loads(json.dumps(report.to_dict()))["density"] == 840.0
 
 
+@pytest.mark.slow
 def test_run_writes_pdf_and_any_resolution(tmp_path: Path):
     report = paper.run(tmp_path, figures="2", format="pdf", dpi=300)
     assert (report.out / "fig2.pdf").read_bytes().startswith(b"%PDF")

@@ -10,11 +10,11 @@ import gsd.fl
 import gsd.hoomd
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import lattice
+from conftest import draws, lattice
 from hardlimit.particles import files
 
 SUFFIXES = (".xyz", ".extxyz", ".gsd", ".data", ".lmp")
@@ -40,7 +40,7 @@ def systems(draw):
     )
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@draws(60, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(systems(), st.sampled_from(SUFFIXES))
 def test_every_bit_comes_back(tmp_path, system, suffix):
     path = tmp_path / f"box{suffix}"
@@ -276,7 +276,7 @@ def test_bad_lammps_data(tmp_path, which):
     assert message in refused(edited(tmp_path, ".data", old, new))
 
 
-@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@draws(200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data(), st.sampled_from([".xyz", ".gsd", ".data"]))
 def test_damaged_files_are_read_right_or_refused(tmp_path, data, suffix):
     """Cut short, or bytes replaced: a system that passes every check, or one line that names the file."""

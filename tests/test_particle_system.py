@@ -7,11 +7,11 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import lattice
+from conftest import draws, lattice
 from hardlimit import _core
 
 
@@ -201,7 +201,7 @@ def slowest(at, radius, box, periodic):
     return best[:3]
 
 
-@settings(max_examples=150)
+@draws(150)
 @given(st.data())
 def test_overlaps_are_those_of_all_pairs(data):
     """Random boxes of any size ratio, dense and dilute, cells of one and of many."""

@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, dimension, free_columns, law_of, laws, log_floats
+from conftest import columns, dimension, draws, free_columns, law_of, laws, log_floats
 
 elastic = laws(restitution=st.just(1.0))
 
@@ -30,7 +30,7 @@ def dense_times(result: hl.Result, until: float) -> np.ndarray:
     return np.unique(np.concatenate([np.linspace(0.0, until, 400), marks]))
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(columns())
 def test_never_attractive_and_energy_never_rises(column):
     until = until_of(column)
@@ -50,7 +50,7 @@ def test_never_attractive_and_energy_never_rises(column):
     assert (t.force.values[gap > 1e-12] == 0.0).all()
 
 
-@settings(max_examples=25)
+@draws(25)
 @given(columns())
 def test_momentum_changes_by_the_impulse_of_the_floor_and_the_weight(column):
     """Of each ball: m dv = ∫ (F below − F above − m g) dt, by Gauss' rule between switches."""
@@ -71,7 +71,7 @@ def test_momentum_changes_by_the_impulse_of_the_floor_and_the_weight(column):
     assert change == pytest.approx(impulse - np.append(impulse[1:], 0.0), abs=1e-8 * scale)
 
 
-@settings(max_examples=80)
+@draws(80)
 @given(free_columns())
 def test_free_column_keeps_momentum(column):
     until = until_of(column)
@@ -84,7 +84,7 @@ def test_free_column_keeps_momentum(column):
     )
 
 
-@settings(max_examples=80)
+@draws(80)
 @given(free_columns())
 def test_mirror_image_of_a_free_column(column):
     """Order and signs reversed: the mirrored motion, contact by contact."""
@@ -103,7 +103,7 @@ def test_mirror_image_of_a_free_column(column):
     assert counts[0] == counts[1][::-1]
 
 
-@settings(max_examples=80)
+@draws(80)
 @given(free_columns(law=elastic))
 def test_time_reversal_when_elastic(column):
     """Run, turn all velocities round, run as long again: back at the start."""
@@ -143,7 +143,7 @@ def in_other_units(column: hl.Column, mass: float, length: float, time: float) -
     )
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(columns(), log_floats(0.01, 100.0), log_floats(0.1, 10.0), log_floats(0.1, 10.0))
 def test_scaling(column, mass, length, time):
     """The same dimensionless groups give the same dimensionless result."""

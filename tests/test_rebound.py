@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import hardlimit as hl
+from conftest import draws
 
 G = 9.81
 MODELS: dict[str, Callable[..., hl.Result]] = {
@@ -94,7 +95,7 @@ def bounces(result: hl.Result) -> NDArray[np.float64]:
     return np.array([max(e[0], 0.0) if e.size and not math.isnan(e[0]) else math.inf for e in first])
 
 
-@settings(max_examples=40)
+@draws(40)
 @given(columns(), st.sampled_from(sorted(MODELS)))
 def test_up_to_a_time_it_is_the_highest_point_of_the_trajectory(column: hl.Column, model: str) -> None:
     until = 2.5 * column.impact_speed / G

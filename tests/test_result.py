@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, law_of, laws
+from conftest import columns, draws, law_of, laws
 from hardlimit import html
 
 PAPER = hl.Column.paper(0.7)
@@ -532,7 +532,7 @@ def test_rebound_of_two_balls_that_part(kind):
     assert v.min() > 0.0 and result.rebound_heights == pytest.approx(z + v**2 / (2.0 * 9.81), rel=1e-9)
 
 
-@settings(max_examples=25)
+@draws(25)
 @given(columns(law=laws(st.floats(0.3, 1.0)), least=1, most=4))
 def test_rebound_until_is_the_greatest_height(column):
     """With `until`, what a fine grid of times shows, from the end of the first bounce on."""

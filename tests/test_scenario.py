@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, free_columns, law_of
+from conftest import columns, draws, free_columns, law_of
 
 PAPER = hl.Column.paper()
 CRADLE = hl.Column.cradle([hl.Ball(0.01, mass=0.1)] * 3, [1.0, 0.0, 0.0], law_of("linear", 0.9), 1e-4)
@@ -74,7 +74,7 @@ def test_lists_that_made_a_column_are_not_kept():
 # ---- equality ----------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(st.one_of(columns(least=1), free_columns()))
 def test_equal_columns_hash_pickle_and_copy(column):
     for other in (
@@ -89,7 +89,7 @@ def test_equal_columns_hash_pickle_and_copy(column):
     assert len({column, column.replace()}) == 1
 
 
-@settings(max_examples=60)
+@draws(60)
 @given(st.one_of(columns(least=1), free_columns()), st.data())
 def test_columns_that_differ_in_one_value_are_not_equal(column, data):
     what = data.draw(st.sampled_from(["balls", "gaps", "law", "velocities", "height", "gravity"]))

@@ -19,6 +19,7 @@ import pytest
 import xarray as xr
 
 import hardlimit as hl
+from conftest import slow
 from hardlimit import locking
 from hardlimit.sweep import chunks as chunking
 from hardlimit.sweep import store as storing
@@ -273,6 +274,7 @@ def under_way(run: subprocess.Popen) -> int:
     raise AssertionError(run.stderr.read())
 
 
+@pytest.mark.slow
 def test_interrupted_it_stops_within_the_chunk(tmp_path: Path) -> None:
     """The one chunk would take minutes."""
     points = 3_000_000
@@ -327,8 +329,13 @@ def every_file(folder: Path) -> list[Path]:
     return sorted(f.relative_to(folder) for f in folder.rglob("*") if f.is_file())
 
 
-def test_a_flipped_byte_anywhere_is_found(tmp_path: Path, finished: Path) -> None:
-    for number, file in enumerate(every_file(finished)):
+#: Of the files of a store every so many-th; the slow tests take each.
+some_or_all = pytest.mark.parametrize("step", [5, slow(1)])
+
+
+@some_or_all
+def test_a_flipped_byte_anywhere_is_found(tmp_path: Path, finished: Path, step: int) -> None:
+    for number, file in enumerate(every_file(finished)[::step]):
         length = (finished / file).stat().st_size
         for at in {*range(0, length, 1 + length // 3), length - 2}:
             path = tmp_path / f"{number}-{at}"
@@ -339,8 +346,9 @@ def test_a_flipped_byte_anywhere_is_found(tmp_path: Path, finished: Path) -> Non
             damaged(path, finished, said=file.name != "zarr.json")  # there, the layout does not matter
 
 
-def test_a_file_cut_short_or_replaced_is_found(tmp_path: Path, finished: Path) -> None:
-    for number, file in enumerate(every_file(finished)):
+@some_or_all
+def test_a_file_cut_short_or_replaced_is_found(tmp_path: Path, finished: Path, step: int) -> None:
+    for number, file in enumerate(every_file(finished)[::step]):
         content = (finished / file).read_bytes()
         for name, other in {
             "short": content[:-1],
@@ -354,10 +362,11 @@ def test_a_file_cut_short_or_replaced_is_found(tmp_path: Path, finished: Path) -
             damaged(path, finished, said=True)
 
 
-def test_what_is_gone_is_made_anew(tmp_path: Path, finished: Path) -> None:
+@some_or_all
+def test_what_is_gone_is_made_anew(tmp_path: Path, finished: Path, step: int) -> None:
     """Each file and each folder in turn; of a chunk that is not there nobody knows whether it ever was."""
     everything = sorted(f.relative_to(finished) for f in finished.rglob("*"))
-    for number, gone in enumerate(everything):
+    for number, gone in enumerate(everything[::step]):
         path = tmp_path / str(number)
         shutil.copytree(finished, path)
         shutil.rmtree(path / gone) if (path / gone).is_dir() else (path / gone).unlink()
@@ -556,7 +565,7 @@ def test_two_may_make_a_store_at_once(tmp_path: Path) -> None:
 # --- full disks and read-only folders -----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EDQUOT, errno.EIO])
+@pytest.mark.parametrize("code", [errno.ENOSPC, slow(errno.EDQUOT), slow(errno.EIO)])
 @pytest.mark.parametrize("name", ["n_contacts", "t_end", "outcome"])
 def test_a_write_that_fails_is_one_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, code: int, name: str
@@ -635,6 +644,7 @@ def test_without_zarr_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.Mon
     assert hl.sweep(PAPER, **GRID).sizes["restitution"] == 9
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not can_mount(), reason="may not mount")
 def test_a_full_disk(tmp_path: Path) -> None:
     """A real one, too small; then a larger one with what was kept."""
@@ -656,6 +666,7 @@ def test_a_full_disk(tmp_path: Path) -> None:
     xr.testing.assert_equal(xr.open_zarr(kept / "map.zarr"), expected)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not can_mount(), reason="may not mount")
 def test_a_read_only_folder(tmp_path: Path) -> None:
     path = tmp_path / "map.zarr"
@@ -756,6 +767,7 @@ def test_anything_that_keeps_the_protocol_can_be_stored(tmp_path: Path, engine: 
     xr.testing.assert_allclose(ds.powers, (ds.x**ds.power).broadcast_like(ds.powers))
 
 
+@pytest.mark.slow
 def test_the_command_line_says_what_it_mends(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "hardlimit", "sweep", "--restitution", "0.5:1:20", "--out", "map.zarr"]
     assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import hardlimit as hl
+from conftest import slow
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -31,7 +32,7 @@ ds = hl.sweep(column, restitution=restitution, threads=1)
 """
 
 
-@pytest.mark.parametrize("spare", [2, 60])
+@pytest.mark.parametrize("spare", [2, slow(60)])
 def test_threads_that_cannot_be_started_are_done_without(spare: int) -> None:
     """A thread needs 8 MB of addresses for its stack: with 2 MB left none can be started, with 60 MB a few."""
     done = run(
@@ -58,7 +59,7 @@ SOLVES = {
 }
 
 
-@pytest.mark.parametrize("which", SOLVES)
+@pytest.mark.parametrize("which", [which if which == "exact" else slow(which) for which in SOLVES])
 def test_signals_are_handled_while_a_solver_works(which: str) -> None:
     """A timer rings every 10 ms: were it only heard once the solver returns, its handler would run once."""
     done = run(
@@ -146,6 +147,7 @@ def test_threads_may_share_a_fresh_result() -> None:
                 np.testing.assert_array_equal(found, expected)
 
 
+@pytest.mark.slow
 def test_a_point_of_a_map_and_the_first_sum_of_energies_can_be_given_up(tmp_path: Path) -> None:
     """Counted in questions rather than in time: told to give up at the third, each asks no fourth."""
     program, source = tmp_path / "stop", ROOT / "tests" / "stop.cpp"

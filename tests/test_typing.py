@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import hardlimit as hl
 
 USER = """
@@ -59,6 +61,7 @@ follow_imports = skip
 """
 
 
+@pytest.mark.slow
 def test_a_type_checker_accepts_what_is_right_and_sees_what_is_wrong(tmp_path):
     """mypy --strict on files of a user, away from this repository."""
     laws = ", ".join(law.__name__ for law in hl.LAWS.values())

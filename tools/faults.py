@@ -149,6 +149,8 @@ class Workplace:
             "-x",
             "-n",
             "0",
+            "-m",
+            "",  # the slow tests, too, and every draw of a property
             "-p",
             "no:cacheprovider",
             "--timeout",
