@@ -26,8 +26,8 @@ void HardSpheres<d, motion, mixed>::happen(u32 i) {
         leave_cell(i, at);
 }
 
-// Moves on from the cell at this place to the next one and looks into the cells that have become neighbours, in its own grid and where the border
-// is one of a coarser grid too.
+// Moves on from the cell at this place to the next one and looks into the cells that have become neighbours, in its own
+// grid and where the border is one of a coarser grid too.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     Pending& e = pending_[i];
