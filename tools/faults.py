@@ -71,7 +71,7 @@ class Workplace:
     """A copy of the tree, a build of it, and a package folder in which the extension is replaced."""
 
     def __init__(self, folder: Path) -> None:
-        self.source, self.site = folder / "source", folder / "site"
+        self.source, self.site, self.log = folder / "source", folder / "site", folder / "pytest.log"
         self.build = self.source / "build" / "sound"
         self.copy_tree()
         settings = [f"-Cbuild-dir={self.build}", "-Ccmake.args=-G Ninja;-DCMAKE_EXPORT_COMPILE_COMMANDS=ON"]
@@ -139,7 +139,7 @@ class Workplace:
         return [word for word in self.link_command() if word.endswith(".cpp.o")]
 
     def run_tests(self, tests: list[str]) -> int:
-        """Exit status of pytest over these tests, in the copy and with its package."""
+        """Exit status of pytest over these tests, in the copy and with its package; `self.log` has what it prints."""
         environment = os.environ | {"PYTHONPATH": str(self.site)}
         command = [
             sys.executable,
@@ -156,13 +156,10 @@ class Workplace:
             "--timeout",
             "300",
         ]
-        return subprocess.run(
-            [*command, *tests],
-            cwd=self.source,
-            env=environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        ).returncode
+        with self.log.open("w", encoding="utf-8") as log:
+            return subprocess.run(
+                [*command, *tests], cwd=self.source, env=environment, stdout=log, stderr=subprocess.STDOUT
+            ).returncode
 
     def try_fault(self, fault: Fault) -> str:
         """The verdict: caught, survived, or why it could not be tried. The headers are sound again afterwards."""
@@ -200,7 +197,9 @@ def main() -> int:
     baseline = hashlib.sha256(repr([digest(f, workplace.source) for f in faults]).encode()).hexdigest()
     if verdicts.get("sound") != baseline:
         if workplace.run_tests(tests) != 0:
-            print("The tests do not pass without a fault.")
+            print(
+                "The tests do not pass without a fault:", workplace.log.read_text(encoding="utf-8"), sep="\n"
+            )
             return 1
         verdicts["sound"] = baseline
     bad = 0
