@@ -19,6 +19,7 @@ const workerUrl = new URL("worker.js", import.meta.url).href;
 
 // One worker, one piece at a time.
 class Hand {
+  lost = false; // its worker could not be loaded: the network is gone, or the server
   private readonly worker: Worker;
   private at: Piece | null = null;
   private id = 0;
@@ -30,7 +31,7 @@ class Hand {
     this.worker = new Worker(workerUrl, { type: "module" });
     this.worker.postMessage(module);
     this.worker.onmessage = (event: MessageEvent<Reply>) => this.receive(event.data);
-    this.worker.onerror = (event) => this.receive({ id: this.id, ms: 0, error: event.message });
+    this.worker.onerror = (event) => this.fail(event.message);
   }
 
   get idle(): boolean {
@@ -43,6 +44,12 @@ class Hand {
   }
   end(): void {
     this.worker.terminate();
+  }
+
+  // Without a message: the worker could not be loaded.
+  private fail(message: string | undefined): void {
+    this.lost ||= message === undefined;
+    this.receive({ id: this.id, ms: 0, error: message ?? "worker.js could not be loaded. Is the server still running?" });
   }
 
   private receive(reply: Reply): void {
@@ -84,7 +91,7 @@ export class Pool {
 
   wake(): void {
     for (const hand of this.hands) {
-      if (!hand.idle) continue;
+      if (!hand.idle || hand.lost) continue;
       const work = this.next();
       if (!work) return;
       hand.take(work);
@@ -115,7 +122,7 @@ export class Desk {
   // In place of what waits; what has been computed for long is given up for it.
   put(work: Piece): void {
     this.waiting = work;
-    if (!this.hand.idle && performance.now() - this.since > 150) this.replace();
+    if (this.hand.lost || (!this.hand.idle && performance.now() - this.since > 150)) this.replace();
     this.go();
   }
 
