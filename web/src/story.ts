@@ -1,5 +1,5 @@
 // The story in six steps: what each shows, how one goes from one to the next, and its picture of the drop.
-import { find, type Sheet } from "./dom";
+import { find, tell, type Sheet } from "./dom";
 import type { Film } from "./film";
 import type { Frames } from "./frames";
 import { sameScenario, steps, type LectureView, type PanelName, type Step } from "./lecture_view";
@@ -129,7 +129,7 @@ export class Story {
     if (text === this.said) return;
     this.said = text;
     this.refreshOther();
-    find("story-text").textContent = text;
+    tell(find("story-text"), text);
   }
 
   private draw(): void {
