@@ -64,7 +64,8 @@ class Hand {
   }
 }
 
-// As many workers as the machine has cores; sources take turns.
+// As many workers as the machine has cores, hired when there is work for them: as the page begins, they would keep the
+// drop itself waiting. Sources take turns.
 export class Pool {
   readonly size = Math.min(Math.max(navigator.hardwareConcurrency || 2, 1), 8);
   private readonly hands: Hand[] = [];
@@ -72,9 +73,7 @@ export class Pool {
   private readonly urgent: Piece[] = [];
   private turn = 0;
 
-  constructor(module: WebAssembly.Module) {
-    for (let i = 0; i < this.size; i++) this.hands.push(new Hand(module, () => this.wake()));
-  }
+  constructor(private readonly module: WebAssembly.Module) {}
 
   // What a source computes is for a picture: nothing is asked of it while that is not shown.
   add(source: Source, shown: () => boolean): void {
@@ -90,12 +89,19 @@ export class Pool {
   }
 
   wake(): void {
-    for (const hand of this.hands) {
-      if (!hand.idle || hand.lost) continue;
+    for (let i = 0; i < this.size; i++) {
+      const hand: Hand | undefined = this.hands[i];
+      if (hand && (!hand.idle || hand.lost)) continue;
       const work = this.next();
       if (!work) return;
-      hand.take(work);
+      (hand ?? this.hire()).take(work);
     }
+  }
+
+  private hire(): Hand {
+    const hand = new Hand(this.module, () => this.wake());
+    this.hands.push(hand);
+    return hand;
   }
 
   private next(): Piece | null {
