@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -179,3 +179,18 @@ def test_no_bounce_no_height() -> None:
         assert math.isnan(upper)
     early = heights(hl.newton(far, until=-0.01))
     assert np.isnan(early).all()
+
+
+@given(
+    masses=st.lists(st.floats(1e-3, 1.0), min_size=3, max_size=5),
+    gaps=st.lists(st.floats(0.0, 0.1), min_size=4, max_size=4),
+    restitution=st.floats(0.3, 1.0),
+)
+@example(masses=[1e-3, 0.1, 0.1], gaps=[0.0, 0.05, 0.0, 0.0], restitution=0.7)
+def test_no_ball_bounces_below_the_floor(masses: list[float], gaps: list[float], restitution: float) -> None:
+    """Heavy balls whose first collision would come when the light one below them is long on the floor again."""
+    balls = [hl.Ball(0.1, mass=mass) for mass in masses]
+    column = hl.Column(balls, gaps[: len(balls) - 1], 0.7, linear(restitution))
+    for solve in (hl.newton, hl.independent):
+        z = heights(solve(column))[1:]
+        assert np.all(np.isnan(z) | (z >= 0.1))

@@ -6,7 +6,8 @@
 //   * without: the one it reaches if the lowest ball is taken away when it meets the floor for the second time. What
 //     the others still do to each other counts, as does the flight to the top: the upper balls are usually on their way
 //     up then, and what the lowest ball does from there on is no part of this rebound.
-// A ball that gravity holds closed for good has the height of the static equilibrium. NaN: no bounce, or no floor.
+// A ball that gravity holds closed for good has the height of the static equilibrium. NaN: no bounce above the floor,
+// or no floor.
 #pragma once
 #include "solve.hpp"
 
@@ -172,8 +173,11 @@ void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, con
     s->sample(&s->last, end);
     fly_to_top(end, 0, c.gravity, rest);
     const bool resolved = s->sequence.outcome != Outcome::unresolved;
-    for (std::size_t j = 1; j < at.balls; ++j)
-        if (rest.from[j - 1] < math::infinity) found.reach(j, resolved ? rest.greatest[j - 1] : math::nan);
+    for (std::size_t j = 1; j < at.balls; ++j) {
+        if (rest.from[j - 1] == math::infinity) continue;
+        const double height = resolved ? rest.greatest[j - 1] : math::nan;
+        if (!(height < c.radius[j])) found.reach(j, height);  // else it would bounce where the floor is
+    }
 }
 
 // The state at the end of the sequence, or a little later if upper balls still overlap then.

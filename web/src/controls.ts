@@ -38,6 +38,7 @@ export class Controls {
 
   // Whether the panel now has other controls than before.
   set(scenario: Scenario, about: string): boolean {
+    if (scenario !== this.scenario) this.said.textContent = "";
     this.scenario = scenario;
     if (this.about.textContent !== about) this.about.textContent = about;
     const shape = `${scenario.law} ${scenario.balls.length} ${scenario.cradle}`;
@@ -52,9 +53,13 @@ export class Controls {
   private edit(change: (s: Scenario) => void, at: HTMLElement | null = null, notes: string[] = []): void {
     change(this.scenario);
     settle(this.scenario, notes);
+    this.say(notes, at);
+    this.changed();
+  }
+
+  private say(notes: string[], at: HTMLElement | null): void {
     this.said.textContent = notes.join("; ");
     if (notes.length > 0) (at ?? this.box.firstElementChild)?.after(this.said);
-    this.changed();
   }
 
   private build(): void {
@@ -153,7 +158,10 @@ export class Controls {
     field.addEventListener("change", () => {
       const x = /^\s*touching\s*$/i.test(field.value) && r.zero ? 0 : parse(field.value, r.unit);
       field.setAttribute("aria-invalid", String(!Number.isFinite(x)));
-      if (!Number.isFinite(x)) return;
+      if (!Number.isFinite(x)) {
+        this.say([`${label}: “${field.value.slice(0, 20)}” is not a ${r.unit ? `value in ${r.unit}` : "number"}; ${say(get(this.scenario))} stays`], element);
+        return;
+      }
       const kept = clampTo(r, x);
       const range = `${r.zero ? 0 : withUnit(r.low, r.unit, 4)} … ${withUnit(r.high, r.unit, 4)}`;
       this.edit((s) => put(s, kept), element, kept === x ? [] : [`${label}: ${withUnit(x, r.unit, 4)} is outside ${range}: ${say(kept)} used`]);

@@ -2,6 +2,16 @@
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
+// A number and its unit, "1.28 m": at the end of a line they go on together.
+const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
+
+// Puts a text into an element so that no number parts from its unit.
+export function tell(element: HTMLElement, text: string): void {
+  element.replaceChildren(
+    ...text.split(quantity).map((part, i) => (i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }))),
+  );
+}
+
 // A canvas that fills its box at the screen's resolution.
 export class Sheet {
   readonly canvas: HTMLCanvasElement;

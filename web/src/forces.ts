@@ -1,7 +1,7 @@
 // Forces over time (Fig. 2): between the balls above, on the floor below.
 import type { Drop } from "./drop";
 import { digits, forceName, niceTicks, withUnit } from "./format";
-import { drawAxes, fontSize, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
+import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
 import { independent } from "./tables";
 import type { Theme } from "./theme";
 
@@ -107,7 +107,7 @@ function shadeContacts(g: CanvasRenderingContext2D, d: Drop, x: Scale, upper: Fr
     if (lower) g.fillRect(from, lower.top, Math.max(to - from, 1), lower.height);
     const name = String(i + 1);
     const half = g.measureText(name).width / 2;
-    const middle = (from + to) / 2;
+    const middle = Math.min((from + to) / 2, from + size); // in a long contact beside the line of the film, which rests in its middle
     if (middle - half < right + 4) return;
     right = middle + half;
     g.fillStyle = theme.muted;
@@ -119,8 +119,8 @@ function markIndependent(g: CanvasRenderingContext2D, d: Drop, x: Scale, frames:
   const times = d.icm.run.contacts.filter((c) => c.pair > 0).map((c) => c.begin).filter((t) => t >= x.low && t <= x.high);
   if (times.length === 0) return 0;
   g.strokeStyle = theme.icm;
-  g.lineWidth = 2;
-  g.setLineDash([5, 4]);
+  g.lineWidth = 2 * grown(size);
+  g.setLineDash([5 * grown(size), 4 * grown(size)]);
   for (const t of times.slice(0, 12)) for (const f of frames) stroke(g, x.at(t), f.top, x.at(t), f.top + f.height);
   g.setLineDash([]);
   setFont(g, theme, size, 600);

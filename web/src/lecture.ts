@@ -1,6 +1,6 @@
 // The lecture around the page: the sentence that says why, the story, single panels, setting A, the curves.
 import { Compare } from "./compare";
-import { find, Sheet } from "./dom";
+import { find, Sheet, tell } from "./dom";
 import type { Film } from "./film";
 import { Frames, SinglePanel } from "./frames";
 import type { Step } from "./lecture_view";
@@ -69,8 +69,8 @@ export class Lecture {
   solved(): void {
     const drop = this.state.drop!;
     const text = why(factsOf(drop));
-    if (find("why").textContent !== text) find("why").textContent = text;
-    find("mini-verdict").textContent = find("verdict").textContent;
+    if (find("why").textContent !== text) tell(find("why"), text);
+    tell(find("mini-verdict"), find("verdict").textContent);
     this.settingsChanged();
     this.single.refreshLink();
     if (this.entered) this.enter(this.entered.step, this.entered.placed);

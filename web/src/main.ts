@@ -1,6 +1,6 @@
 // The page: puts its parts together, and says what follows from a change of the scenario.
 import { Controls } from "./controls";
-import { Sheet, find } from "./dom";
+import { find, Sheet, tell } from "./dom";
 import { dropOf, type Solved, type Unsolved } from "./drop";
 import { save } from "./exporting";
 import { Film } from "./film";
@@ -220,8 +220,8 @@ class Page {
     const [a, b] = [document.createElement("span"), document.createElement("span")];
     a.className = "newton";
     b.className = "icm";
-    a.textContent = newton + " ";
-    b.textContent = icm;
+    tell(a, newton + " ");
+    tell(b, icm);
     find("verdict").replaceChildren(a, b);
     this.announcer.say(`${newton} ${icm}`);
   }

@@ -1,7 +1,7 @@
 // The map of contact counts or of ε_eff/ε over ε and the gap or R1/R2 (Figs. 4–6), computed in workers, coarse first.
 import { MAP_VALUES } from "./core";
 import { logTicks, niceTicks, withUnit } from "./format";
-import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
+import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "./plot";
 import { columnOf, type Scenario } from "./scenario";
 import { countColor, css, inkOn, invalidColor, MOST_COUNTED, ratioColor, type Rgb, type Theme } from "./theme";
 import { drawTrust, trustedRow, type TrustPoint } from "./trust";
@@ -277,7 +277,7 @@ export class ContactMap {
       },
       theme, size, false,
     );
-    this.drawMark(g, f, x, y, axis, mark);
+    this.drawMark(g, f, x, y, axis, mark, grown(size));
     this.drawLegend(g, f, h - legend, theme, size);
     return { x, y, frame: f };
   }
@@ -304,7 +304,7 @@ export class ContactMap {
     }
   }
 
-  private drawMark(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, axis: MapAxis, [e, v]: [number, number]): void {
+  private drawMark(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, axis: MapAxis, [e, v]: [number, number], large: number): void {
     g.save();
     g.beginPath();
     g.rect(f.left, f.top, f.width, f.height);
@@ -312,16 +312,16 @@ export class ContactMap {
     const [px, py] = [x.at(e), v > 0 ? y.at(v) : f.top + f.height - 1];
     for (const [color, width] of [["#ffffff", 5], ["#14161a", 2]] as const) {
       g.strokeStyle = color;
-      g.lineWidth = width;
+      g.lineWidth = width * large;
       if (axis === "ratio" && y.low < 1 && y.high > 1) {
-        g.lineWidth = width * 0.5;
+        g.lineWidth = 0.5 * width * large;
         stroke(g, f.left, y.at(1), f.left + f.width, y.at(1));
-        g.lineWidth = width;
+        g.lineWidth = width * large;
       }
-      stroke(g, px - 11, py, px + 11, py);
-      stroke(g, px, py - 11, px, py + 11);
+      stroke(g, px - 11 * large, py, px + 11 * large, py);
+      stroke(g, px, py - 11 * large, px, py + 11 * large);
       g.beginPath();
-      g.arc(px, py, 6, 0, 2 * Math.PI);
+      g.arc(px, py, 6 * large, 0, 2 * Math.PI);
       g.stroke();
     }
     g.restore();
@@ -331,16 +331,7 @@ export class ContactMap {
     const height = 1.5 * size;
     g.textBaseline = "middle";
     if (this.show === "count") {
-      const last = Math.min(MOST_COUNTED, Math.max(this.greatest, 4));
-      const width = Math.min(2.4 * size, f.width / (last + 1));
-      setFont(g, theme, Math.min(0.95 * size, 0.6 * width), 600);
-      g.textAlign = "center";
-      for (let n = 0; n <= last; n++) {
-        g.fillStyle = css(countColor(n));
-        g.fillRect(f.left + n * width, top, width + 0.5, height);
-        g.fillStyle = inkOn(countColor(n));
-        g.fillText(n === MOST_COUNTED && this.greatest > MOST_COUNTED ? `${n}+` : String(n), f.left + (n + 0.5) * width, top + height / 2 + 1);
-      }
+      drawCounts(g, f, Math.min(MOST_COUNTED, Math.max(this.greatest, 4)), this.greatest > MOST_COUNTED, top, size, theme);
       return;
     }
     setFont(g, theme, 0.95 * size);
@@ -357,6 +348,23 @@ export class ContactMap {
     g.fillRect(f.left + width + 3.4 * size, top, height, height);
     g.fillStyle = theme.ink;
     g.fillText("above 1", f.left + width + 5.3 * size, top + height / 2);
+  }
+}
+
+// What the colours count, up to `last`; open: the last field stands for more, too, and says so.
+export function drawCounts(g: CanvasRenderingContext2D, f: Frame, last: number, open: boolean, top: number, size: number, theme: Theme): void {
+  const height = 1.5 * size;
+  const width = Math.min(2.4 * size, f.width / (last + (open ? 1.6 : 1)));
+  setFont(g, theme, Math.min(0.95 * size, 0.6 * width), 600);
+  g.textAlign = "center";
+  g.textBaseline = "middle";
+  for (let n = 0; n <= last; n++) {
+    const more = open && n === last;
+    const own = (more ? 1.6 : 1) * width;
+    g.fillStyle = css(countColor(n));
+    g.fillRect(f.left + n * width, top, own + 0.5, height);
+    g.fillStyle = inkOn(countColor(n));
+    g.fillText(more ? `${n}+` : String(n), f.left + n * width + 0.5 * own, top + height / 2 + 1);
   }
 }
 

@@ -58,7 +58,7 @@ export const measuredBalls: MeasuredBall[] = [
       time: contactTime(middle([0.567, 0.65]), airStiffness(basketballRadius, pressure), 0.76),
       how: "calculated, not measured: from the pressure, 7.5 to 8.5 psi (NBA, Official Rules, Rule 1, Section II), k = 2πRp = 42 kN/m",
     },
-    source: "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound); FIBA’s rules of 2020 for the equipment are narrower, 580 g to 620 g and 75 cm to 77 cm around",
+    source: "FIBA, Official Basketball Rules 2000, Art. 3.3 (mass, circumference, rebound), as other publications quote it; the rule book itself was not consulted. Those of 2020 for the equipment, quoted likewise, are narrower: 580 g to 620 g and 75 cm to 77 cm around",
   },
   {
     id: "tennis",

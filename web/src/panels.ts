@@ -116,10 +116,11 @@ export class TimelinePanel {
     sheet.canvas.setAttribute("aria-valuenow", String(s.restitution));
     sheet.canvas.dataset.computed = String(this.timeline.done);
     const exact = s.law === "linear" && s.balls.length === 2 && !s.cradle;
-    const { done, progress } = this.timeline;
+    const { done, progress, goesOn } = this.timeline;
     find("timeline-hint").textContent =
       (done ? "" : `${Math.floor(100 * progress)} % computed. `) +
-      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") + "Click chooses ε.";
+      (exact ? "Dotted edges: the same with the lower ball unaffected by the upper one. " : "") + (s.cradle ? "" : "Dashed: the floor contact ends. ") +
+      (done && goesOn && !s.cradle ? "Some contacts come later than shown. " : "") + "Click chooses ε.";
   }
 
   mark(): void {

@@ -36,6 +36,9 @@ export const lettering = { least: 13, lecture: false };
 export const fontSize = (w: number): number =>
   lettering.lecture ? Math.min(lettering.least, Math.max(w / 26, 13)) : Math.min(Math.max(w / 42, 13), Math.max(16, w / 50));
 
+// Lines and marks grow with the text.
+export const grown = (size: number): number => Math.max(1, size / 16);
+
 export function setFont(g: CanvasRenderingContext2D, theme: Theme, size: number, weight = 400): void {
   g.font = `${weight} ${Math.round(size)}px ${theme.font}`;
 }

@@ -19,6 +19,7 @@ const workerUrl = new URL("worker.js", import.meta.url).href;
 
 // One worker, one piece at a time.
 class Hand {
+  lost = false; // its worker could not be loaded: the network is gone, or the server
   private readonly worker: Worker;
   private at: Piece | null = null;
   private id = 0;
@@ -30,7 +31,7 @@ class Hand {
     this.worker = new Worker(workerUrl, { type: "module" });
     this.worker.postMessage(module);
     this.worker.onmessage = (event: MessageEvent<Reply>) => this.receive(event.data);
-    this.worker.onerror = (event) => this.receive({ id: this.id, ms: 0, error: event.message });
+    this.worker.onerror = (event) => this.fail(event.message);
   }
 
   get idle(): boolean {
@@ -45,6 +46,12 @@ class Hand {
     this.worker.terminate();
   }
 
+  // Without a message: the worker could not be loaded.
+  private fail(message: string | undefined): void {
+    this.lost ||= message === undefined;
+    this.receive({ id: this.id, ms: 0, error: message ?? "worker.js could not be loaded. Is the server still running?" });
+  }
+
   private receive(reply: Reply): void {
     const work = this.at;
     if (!work || reply.id !== this.id) return;
@@ -57,7 +64,8 @@ class Hand {
   }
 }
 
-// As many workers as the machine has cores; sources take turns.
+// As many workers as the machine has cores, hired when there is work for them: as the page begins, they would keep the
+// drop itself waiting. Sources take turns.
 export class Pool {
   readonly size = Math.min(Math.max(navigator.hardwareConcurrency || 2, 1), 8);
   private readonly hands: Hand[] = [];
@@ -65,9 +73,7 @@ export class Pool {
   private readonly urgent: Piece[] = [];
   private turn = 0;
 
-  constructor(module: WebAssembly.Module) {
-    for (let i = 0; i < this.size; i++) this.hands.push(new Hand(module, () => this.wake()));
-  }
+  constructor(private readonly module: WebAssembly.Module) {}
 
   // What a source computes is for a picture: nothing is asked of it while that is not shown.
   add(source: Source, shown: () => boolean): void {
@@ -83,12 +89,19 @@ export class Pool {
   }
 
   wake(): void {
-    for (const hand of this.hands) {
-      if (!hand.idle) continue;
+    for (let i = 0; i < this.size; i++) {
+      const hand: Hand | undefined = this.hands[i];
+      if (hand && (!hand.idle || hand.lost)) continue;
       const work = this.next();
       if (!work) return;
-      hand.take(work);
+      (hand ?? this.hire()).take(work);
     }
+  }
+
+  private hire(): Hand {
+    const hand = new Hand(this.module, () => this.wake());
+    this.hands.push(hand);
+    return hand;
   }
 
   private next(): Piece | null {
@@ -115,7 +128,7 @@ export class Desk {
   // In place of what waits; what has been computed for long is given up for it.
   put(work: Piece): void {
     this.waiting = work;
-    if (!this.hand.idle && performance.now() - this.since > 150) this.replace();
+    if (this.hand.lost || (!this.hand.idle && performance.now() - this.since > 150)) this.replace();
     this.go();
   }
 

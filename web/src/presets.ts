@@ -55,14 +55,14 @@ export const presets: Preset[] = [
   {
     id: "fig5",
     name: "Paper, Fig. 5: one contact is not enough",
-    about: "ε = 0.9, Δh = 0.5 mm: one contact, and yet ε_eff is far below ε.",
+    about: "ε = 0.9, Δh = 0.5 mm: one contact, and yet the effective ε is far below ε.",
     scenario: scenario({ restitution: 0.9, gaps: [5e-4] }),
     map: { axis: "gap", show: "effective" },
   },
   {
     id: "fig6",
     name: "Paper, Fig. 6: equal balls",
-    about: "ε = 0.8 over R₁/R₂: only near equal radii does ε_eff exceed ε.",
+    about: "ε = 0.8 over R₁/R₂: only near equal radii does the effective ε exceed ε.",
     scenario: scenario({
       restitution: 0.8,
       balls: [

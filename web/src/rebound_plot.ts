@@ -2,7 +2,7 @@
 import { digits, logTicks, metres, niceTicks, withUnit } from "./format";
 import type { CurveAxis } from "./lecture_view";
 import type { Measurements } from "./measurements";
-import { drawAxes, fontSize, Scale, setFont, stroke, type Frame } from "./plot";
+import { drawAxes, fontSize, grown, Scale, setFont, stroke, type Frame } from "./plot";
 import type { CurvePoint, Span } from "./rebound";
 import { independent, newton } from "./tables";
 import type { Theme } from "./theme";
@@ -73,7 +73,7 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   );
   if (lane > 0) drawLane(g, frame, zero, theme, size);
   const layout: CurveLayout = { x, y, frame, zero };
-  drawRelease(g, whole, y, p, theme, size);
+  drawRelease(g, whole, y, p, theme);
   g.save();
   g.beginPath();
   g.rect(whole.left, whole.top - 2, whole.width, whole.height + 4);
@@ -82,7 +82,9 @@ export function drawCurves(g: CanvasRenderingContext2D, w: number, h: number, p:
   drawMeasured(g, layout, p, theme);
   g.restore();
   drawPinned(g, layout, p, theme, size);
-  drawPlace(g, layout, p, theme, size);
+  const room = new Room(whole, layout, p);
+  drawPlace(g, layout, p, room, theme, size);
+  nameRelease(g, whole, y, p, room, theme, size);
   drawNames(g, whole, crowded, p, theme, size);
   return layout;
 }
@@ -111,7 +113,7 @@ function drawLane(g: CanvasRenderingContext2D, f: Frame, zero: number, theme: Th
   g.fillText("0", zero, f.top + f.height + 7);
 }
 
-function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme, size: number): void {
+function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, theme: Theme): void {
   if (!Number.isFinite(p.released)) return;
   const at = y.at(p.released);
   g.strokeStyle = theme.muted;
@@ -119,10 +121,76 @@ function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePi
   g.setLineDash([2, 4]);
   stroke(g, f.left, at, f.left + f.width, at);
   g.setLineDash([]);
+}
+
+// Above or below its line, where there is room.
+function nameRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, room: Room, theme: Theme, size: number): void {
+  if (!Number.isFinite(p.released)) return;
   setFont(g, theme, 0.92 * size);
-  g.textAlign = "right";
-  g.textBaseline = "bottom";
-  halo(g, `let go at ${metres(p.released)}`, f.left + f.width - 6, at - 3, theme.muted, theme);
+  const text = `let go at ${metres(p.released)}`;
+  const width = g.measureText(text).width;
+  const places: Box[] = [];
+  for (const middle of [y.at(p.released) - 0.5 * size - 3, y.at(p.released) + 0.5 * size + 4])
+    for (let left = f.left + f.width - 6 - width; left > f.left + 4; left -= 0.5 * size) places.push({ left, middle, width, height: size });
+  write(g, text, room.take(places), theme.muted, theme);
+}
+
+// ---- room for text ------------------------------------------------------------------------------------------
+
+interface Box {
+  left: number;
+  middle: number;
+  width: number;
+  height: number;
+}
+
+// What text may not lie on: the curves, the lines at the settings, other text; and it stays in the frame.
+class Room {
+  private readonly points: [number, number][] = [];
+  private readonly lines: number[];
+  private readonly taken: Box[] = [];
+
+  constructor(
+    private readonly frame: Frame,
+    layout: CurveLayout,
+    p: CurvePicture,
+  ) {
+    for (const model of models) this.trace(p.points.map((q): [number, number] => [layout.x.at(q.x), layout.y.at(q[model])]));
+    for (const q of [p.touching, p.marked]) if (q) for (const model of models) this.points.push([pixelOf(layout, q.x), layout.y.at(q[model])]);
+    this.lines = [pixelOf(layout, p.marked.x), p.pinnedAt === null ? NaN : pixelOf(layout, p.pinnedAt)];
+  }
+
+  // A point every two pixels.
+  private trace(corners: [number, number][]): void {
+    corners.forEach(([x, y], i) => {
+      const [x0, y0] = corners[i - 1] ?? [x, y];
+      const parts = Math.min(Math.ceil(Math.hypot(x - x0, y - y0) / 2), 500); // NaN where a model has no height
+      for (let k = 1; k <= parts; k++) this.points.push([x0 + (k / parts) * (x - x0), y0 + (k / parts) * (y - y0)]);
+    });
+  }
+
+  private cost({ left, middle, width, height }: Box): number {
+    const [right, top, bottom] = [left + width, middle - 0.5 * height, middle + 0.5 * height];
+    const { frame } = this;
+    const outside = left < frame.left || right > frame.left + frame.width || top < frame.top || bottom > frame.top + frame.height;
+    const over = this.taken.some((b) => left < b.left + b.width && b.left < right && Math.abs(middle - b.middle) < 0.5 * (height + b.height));
+    const crossed = this.points.filter(([x, y]) => x > left - 2 && x < right + 2 && y > top - 1 && y < bottom + 1).length;
+    return (outside ? 1e6 : 0) + (over ? 1e4 : 0) + crossed + 20 * this.lines.filter((x) => x > left - 5 && x < right + 5).length;
+  }
+
+  // The first of the best places; it is taken from then on.
+  take(places: Box[]): Box {
+    let best = places[0];
+    for (const place of places) if (this.cost(place) < this.cost(best)) best = place;
+    this.taken.push(best);
+    return best;
+  }
+}
+
+function write(g: CanvasRenderingContext2D, text: string, { left, middle }: Box, color: string, theme: Theme): void {
+  g.textAlign = "left";
+  g.textBaseline = "middle";
+  halo(g, text, left, middle, color, theme);
 }
 
 function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, color: string, theme: Theme): void {
@@ -138,15 +206,15 @@ const models = ["icm", "newton"] as const;
 
 // Newton's curve is drawn through, that of independent collisions dashed; those of setting A are thin and pale.
 function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
-  const grown = Math.max(1, size / 16);
+  const thick = grown(size);
   for (const pale of [true, false]) {
     const points = pale ? p.pinned : p.points;
     const touching = pale ? p.pinnedTouching : p.touching;
     g.globalAlpha = pale ? 0.6 : 1;
     for (const model of models) {
       g.strokeStyle = g.fillStyle = theme[model];
-      g.lineWidth = (pale ? 1.5 : 3) * grown;
-      g.setLineDash(model === "icm" ? [8 * grown, 5 * grown] : []);
+      g.lineWidth = (pale ? 1.5 : 3) * thick;
+      g.setLineDash(model === "icm" ? [8 * thick, 5 * thick] : []);
       g.beginPath();
       let open = false;
       for (const q of points) {
@@ -160,7 +228,7 @@ function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture
       }
       g.stroke();
       g.setLineDash([]);
-      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero)) dot(g, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * grown, model === "icm", theme);
+      if (touching && Number.isFinite(touching[model]) && Number.isFinite(l.zero)) dot(g, l.zero, l.y.at(touching[model]), (pale ? 3.5 : 5.5) * thick, model === "icm", theme);
     }
     g.globalAlpha = 1;
   }
@@ -224,34 +292,39 @@ function drawPinned(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture
 }
 
 // A line at the present setting, one under the pointer, and dots where they meet the curves.
-function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
+function drawPlace(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, room: Room, theme: Theme, size: number): void {
   for (const thick of [false, true]) {
     const point = thick ? p.marked : p.hovered === null ? null : nearest(p, p.hovered);
     const at = point ? pixelOf(l, point.x) : NaN;
     if (!point || !Number.isFinite(at)) continue;
     g.strokeStyle = theme.ink;
-    g.lineWidth = thick ? 2 : 1;
+    g.lineWidth = (thick ? 2 : 1) * grown(size);
     stroke(g, at, l.frame.top, at, l.frame.top + l.frame.height);
     for (const model of models) {
       if (!Number.isFinite(point[model])) continue;
       g.strokeStyle = g.fillStyle = theme[model];
-      dot(g, at, l.y.at(point[model]), (thick ? 6.5 : 4.5) * Math.max(1, size / 16), model === "icm", theme);
-      if (thick) nameValue(g, l, p, point, model, at, theme, size);
+      dot(g, at, l.y.at(point[model]), (thick ? 6.5 : 4.5) * grown(size), model === "icm", theme);
+      if (thick) nameValue(g, l, p, model, at, room, theme, size);
     }
   }
 }
 
-// The value beside its dot, on the side with more room.
-function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, point: CurvePoint, model: "newton" | "icm", at: number, theme: Theme, size: number): void {
+// The value beside its dot, where there is room; of two that are close the greater one above.
+function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, model: "newton" | "icm", at: number, room: Room, theme: Theme, size: number): void {
+  const point = p.marked;
   const right = at < l.frame.left + 0.6 * l.frame.width;
   const other = point[model === "newton" ? "icm" : "newton"];
   const close = Math.abs(l.y.at(point.newton) - l.y.at(point.icm)) < 2.2 * size;
-  const below = close && (point[model] < other || (point[model] === other && model === "newton"));
+  const below = point[model] < other || (point[model] === other && model === "newton");
   setFont(g, theme, 1.05 * size, 700);
-  g.textAlign = right ? "left" : "right";
-  g.textBaseline = "middle";
-  const y = l.y.at(point[model]) + (below ? 1 : -1) * size;
-  halo(g, p.cradle ? withUnit(point[model], "m/s") : metres(point[model]), at + (right ? 0.8 : -0.8) * size, Math.max(y, l.frame.top + 0.7 * size), theme[model], theme);
+  const text = p.cradle ? withUnit(point[model], "m/s") : metres(point[model]);
+  const width = g.measureText(text).width;
+  const places: Box[] = [];
+  for (const down of close ? [below ? 1 : -1] : [-1, 1])
+    for (const far of [1, 1.7, 2.4])
+      for (const side of right ? [1, -1] : [-1, 1])
+        places.push({ left: side > 0 ? at + 0.8 * size : at - 0.8 * size - width, middle: l.y.at(point[model]) + down * far * size, width, height: 1.05 * size });
+  write(g, text, room.take(places), theme[model], theme);
 }
 
 type Name = [text: string, color: string, dash: number[] | null];
@@ -293,7 +366,7 @@ function drawNames(g: CanvasRenderingContext2D, f: Frame, crowded: boolean, p: C
     const line = lineOfName(name, size);
     if (dash) {
       g.strokeStyle = color;
-      g.lineWidth = 3 * Math.max(1, size / 16);
+      g.lineWidth = 3 * grown(size);
       g.setLineDash(dash);
       stroke(g, at - line, y - 0.5 * size, at, y - 0.5 * size);
       g.setLineDash([]);

@@ -4,7 +4,7 @@ import type { State } from "./core";
 import type { Drop, Track } from "./drop";
 import { digits, forceName, lengths, niceBelow, niceTicks, withUnit } from "./format";
 import { laterHeight } from "./numbers";
-import { lettering } from "./plot";
+import { grown, lettering } from "./plot";
 import { independent, newton } from "./tables";
 import type { Theme } from "./theme";
 
@@ -139,9 +139,10 @@ class Painter {
     return (g) => {
       g.fillStyle = ghost ? theme.ground : theme.balls[ball];
       g.fill();
-      g.lineWidth = ghost ? 2.5 : 1;
+      const thick = Math.min(grown(this.size), Math.max(radius / 6, 1));
+      g.lineWidth = ghost ? 2.5 * thick : 1;
       g.strokeStyle = ghost ? theme.icm : theme.ink;
-      g.setLineDash(ghost && radius > 7 ? [5, 3.5] : []);
+      g.setLineDash(ghost && radius > 7 ? [5 * thick, 3.5 * thick] : []);
       if (ghost) g.stroke();
       g.setLineDash([]);
     };
@@ -199,7 +200,7 @@ class Painter {
       this.label(text, x, Math.max(y - 0.9 * size, 1.9 * size), color);
     };
     g.strokeStyle = color;
-    g.lineWidth = 2;
+    g.lineWidth = 2 * grown(size);
     this.font(0.95, 600);
     const height = track.peaks[n];
     if (!Number.isFinite(height)) return;
@@ -314,7 +315,7 @@ class Painter {
     const bars: [string, number][] = this.d.scenario.cradle
       ? [["gaps and compressions", magnify[1]]]
       : [["floor", magnify[0]], ["balls", magnify[1]]];
-    g.lineWidth = 2;
+    g.lineWidth = 2 * grown(size);
     for (const [name, scale] of bars) {
       const metres = niceBelow((2.4 * size) / scale);
       const length = metres * scale;
@@ -370,9 +371,10 @@ class Painter {
 
   private dots(line: Line, middle: number, limit: number): void {
     const { g } = this;
+    const thick = grown(this.size);
     g.strokeStyle = this.theme.muted;
-    g.lineWidth = 2;
-    g.setLineDash([2, 4]);
+    g.lineWidth = 2 * thick;
+    g.setLineDash([2 * thick, 4 * thick]);
     line.segment(middle - 0.4 * limit, 0, middle + 0.4 * limit, 0);
     g.setLineDash([]);
   }

@@ -1,5 +1,5 @@
 // The story in six steps: what each shows, how one goes from one to the next, and its picture of the drop.
-import { find, type Sheet } from "./dom";
+import { find, tell, type Sheet } from "./dom";
 import type { Film } from "./film";
 import type { Frames } from "./frames";
 import { sameScenario, steps, type LectureView, type PanelName, type Step } from "./lecture_view";
@@ -129,7 +129,7 @@ export class Story {
     if (text === this.said) return;
     this.said = text;
     this.refreshOther();
-    find("story-text").textContent = text;
+    tell(find("story-text"), text);
   }
 
   private draw(): void {
@@ -193,7 +193,7 @@ export class Story {
     this.film.play(true);
   }
 
-  // Arrows, space and Esc turn the pages; a control that uses a key itself keeps it.
+  // Arrows, space and Esc turn the pages, up and down move the guess; a control that uses a key itself keeps it.
   private key(e: KeyboardEvent): void {
     if (!this.view.step || e.ctrlKey || e.metaKey || e.altKey) return;
     const target = e.target as HTMLElement;
@@ -203,6 +203,7 @@ export class Story {
     const sideways = worked && target.id !== "tale";
     if (!sideways) Object.assign(actions, { ArrowRight: () => this.move(1), ArrowLeft: () => this.move(-1) });
     if (!worked && !pressed) actions[" "] = () => this.move(1);
+    if (!sideways && this.view.step === "predict" && this.layout) Object.assign(actions, { ArrowUp: () => this.nudge(1), ArrowDown: () => this.nudge(-1) });
     if (worked && (e.key === "PageDown" || e.key === "PageUp") && sideways) return;
     const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
     if (!action) return;
@@ -222,15 +223,16 @@ export class Story {
       at(e);
     });
     canvas.addEventListener("pointermove", (e) => canvas.hasPointerCapture(e.pointerId) && at(e));
-    canvas.addEventListener("keydown", (e) => {
-      const by: Record<string, number> = { ArrowUp: 0.1, ArrowDown: -0.1 };
-      if (!(e.key in by) || this.view.step !== "predict" || !this.layout) return;
-      e.preventDefault();
-      const now = this.view.guess ?? 0;
-      this.view.guess = Number(Math.min(Math.max(now + by[e.key] * Math.max(1, this.layout.top / 10), 0), this.layout.top).toFixed(2));
-      this.dirty = true;
-      this.state.writeLink();
-    });
+  }
+
+  // Moves the guess by a hundredth of the ruler, a tenth of a metre at least.
+  private nudge(way: 1 | -1): void {
+    if (!this.layout) return;
+    const { top } = this.layout;
+    const wanted = (this.view.guess ?? 0) + 0.1 * way * Math.max(1, top / 10);
+    this.view.guess = Number(Math.min(Math.max(wanted, 0), top).toFixed(2));
+    this.dirty = true;
+    this.state.writeLink();
   }
 
   // A quick stroke sideways, but not one that begins on something that is dragged.

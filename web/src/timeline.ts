@@ -1,7 +1,7 @@
 // When the balls touch, for every ε (Fig. 3): bands are contacts, read horizontally.
 import type { Contact, TimelineRow } from "./core";
 import type { Drop } from "./drop";
-import { drawAxes, fontSize, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
+import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
 import { piece, type Piece, type Pool } from "./pool";
 import { columnOf, ranges, type Scenario } from "./scenario";
 import type { Theme } from "./theme";
@@ -12,6 +12,7 @@ const finestBend = 1 / 40; // where their times bend
 const straight = 1 / 1500; // of the times shown: what a line may miss
 const most = 1500; // rows
 const patience = 4_000; // ms: rows that would take longer are left out
+const longest = 5; // floor contacts: times shown
 const low = ranges.restitution.low;
 
 // Rows are computed beside the page, coarse first. Where the contacts change between two rows, more are put between
@@ -96,17 +97,20 @@ export class Timeline {
     this.asked += this.queue.length;
   }
 
-  // The whole floor contact and the last contact between balls of nearly all rows.
+  // The whole floor contact and, of nearly all rows, the last contact between balls; if that comes so late that it would
+  // press the floor contact into a strip, the first one.
   private span(): number {
-    const ends: number[] = [];
-    let floor = 0;
-    for (const row of this.rows) {
-      if (row.tFloorEnd < Infinity) floor = Math.max(floor, row.tFloorEnd);
-      ends.push(Number.isFinite(row.tEnd) ? row.tEnd : 0);
-    }
-    ends.sort((a, b) => a - b);
-    const typical = ends[Math.floor(0.9 * (ends.length - 1))] ?? 0;
-    return Math.max(1.2 * floor, 1.15 * typical, 1e-9);
+    const floor = this.rows.reduce((most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most), 0);
+    const last = mostOf(this.rows.map((row) => row.tEnd));
+    const first = mostOf(this.rows.map((row) => row.contacts.find((c) => c.pair > 0)?.end ?? 0));
+    const room = floor > 0 ? Math.max(longest * floor, 1.3 * first) : Infinity;
+    return Math.max(1.2 * floor, Math.min(1.15 * last, room), 1e-9);
+  }
+
+  // Whether balls touch again after the times shown.
+  get goesOn(): boolean {
+    const seen = this.span();
+    return this.rows.some((row) => Number.isFinite(row.tEnd) && row.tEnd > seen);
   }
 
   draw(g: CanvasRenderingContext2D, w: number, h: number, d: Drop, theme: Theme): TimelineLayout {
@@ -123,7 +127,7 @@ export class Timeline {
     g.clip();
     this.drawBands(g, x, y, d.scenario.balls.length > 2, theme);
     this.drawAdiabatic(g, x, y, theme);
-    this.drawFloorEnd(g, x, y, theme);
+    this.drawFloorEnd(g, x, y, theme, grown(size));
     g.restore();
     const [factor, unit] = timeUnit(x.high - x.low);
     drawAxes(
@@ -181,10 +185,10 @@ export class Timeline {
       });
   }
 
-  private drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme): void {
+  private drawFloorEnd(g: CanvasRenderingContext2D, x: Scale, y: Scale, theme: Theme, thick: number): void {
     g.strokeStyle = theme.ink;
-    g.lineWidth = 2;
-    g.setLineDash([7, 5]);
+    g.lineWidth = 2 * thick;
+    g.setLineDash([7 * thick, 5 * thick]);
     g.beginPath();
     let open = false;
     for (const { restitution, tFloorEnd } of this.rows) {
@@ -198,7 +202,7 @@ export class Timeline {
   private drawChosen(g: CanvasRenderingContext2D, x: Scale, y: Scale, f: Frame, d: Drop, theme: Theme, size: number): void {
     const at = y.at(d.scenario.restitution);
     g.strokeStyle = theme.ink;
-    g.lineWidth = 3;
+    g.lineWidth = 3 * grown(size);
     stroke(g, f.left, at, f.left + f.width, at);
     setFont(g, theme, size, 700);
     const text = `ε = ${Number(d.scenario.restitution.toPrecision(4))}`;
@@ -224,7 +228,7 @@ export class Timeline {
       .filter((c) => c.pair === 1 && c.begin <= d.newton.run.last)
       .forEach((c, i) => {
         const end = Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high);
-        const center = x.at((c.begin + end) / 2);
+        const center = Math.min(x.at((c.begin + end) / 2), x.at(c.begin) + 1.2 * size); // beside the line of the film, which rests in the middle
         const name = String(i + 1);
         const half = g.measureText(name).width / 2 + 3;
         if (center - half < right || center > f.left + f.width - width - 20) return;
@@ -252,6 +256,12 @@ export class Timeline {
     g.fillStyle = theme.muted;
     g.fillText("balls", at, f.top - 4);
   }
+}
+
+// What nine rows of ten do not exceed; without end counts as nothing.
+function mostOf(times: number[]): number {
+  const sorted = times.map((t) => (Number.isFinite(t) ? t : 0)).sort((a, b) => a - b);
+  return sorted[Math.floor(0.9 * (sorted.length - 1))] ?? 0;
 }
 
 // Whether two rows have the same contacts, in the same order.

@@ -1,5 +1,5 @@
 // Where collisions may be simulated as events: from which gap on both models agree, for every ε of the map.
-import { setFont, type Frame, type Scale } from "./plot";
+import { grown, setFont, type Frame, type Scale } from "./plot";
 import type { Theme } from "./theme";
 
 const agreement = 0.05; // of ε_eff/ε with 1
@@ -26,7 +26,7 @@ export function drawTrust(g: CanvasRenderingContext2D, points: TrustPoint[], x: 
   if (shown.length < 2) return;
   for (const [color, width] of [["#14161a", 6], ["#ffffff", 3]] as const) {
     g.strokeStyle = color;
-    g.lineWidth = width;
+    g.lineWidth = width * grown(size);
     g.lineJoin = "round";
     g.beginPath();
     let before: TrustPoint | null = null;

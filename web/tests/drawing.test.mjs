@@ -6,7 +6,7 @@ import { Canvas, crossings, theme } from "./canvas.mjs";
 import { load, random } from "./modules.mjs";
 import { randomScenario } from "./scenarios.mjs";
 
-const lib = await load("forces", "plot", "presets", "rebound_plot", "stage", "tale", "timeline");
+const lib = await load("forces", "map", "plot", "presets", "rebound_plot", "stage", "tale", "timeline");
 const { core } = lib;
 
 // The examples, and random settings that can be computed.
@@ -139,6 +139,51 @@ test("rebound heights: names and numbers stand clear of each other, on a telepho
         }
 });
 
+// Both models' heights over the gap, and what is drawn of them, for a drop of two balls.
+function heightsOf({ scenario, newton, icm }) {
+  const at = (gap) => {
+    core.set({ ...lib.copyOf(scenario), gaps: [gap] });
+    const height = (model) => (core.solve(model) ? core.reboundHeights(model)[1] : NaN);
+    return { x: gap, newton: height(lib.Model.newton), icm: height(lib.Model.independent) };
+  };
+  const [low, high] = [1e-7, 0.1];
+  const points = Array.from({ length: 100 }, (_, i) => at(low * (high / low) ** (i / 99)));
+  const marked = { x: scenario.gaps[0], newton: newton.peaks[1], icm: icm.peaks[1] };
+  return { axis: "gap", span: { low, high, log: true }, points, touching: at(0), pinned: [], pinnedTouching: null, pinnedAt: null, marked, hovered: null, measured: null, released: 1.2 * scenario.height, cradle: false };
+}
+
+// Whether the way from a to b comes into a text.
+const enters = (a, b, text) => Array.from({ length: 21 }, (_, i) => [a.x + (i / 20) * (b.x - a.x), a.y + (i / 20) * (b.y - a.y)])
+  .some(([x, y]) => x > text.left + 1 && x < text.right - 1 && y > text.top + 2 && y < text.bottom - 2);
+
+test("rebound heights: no curve runs through a number where there is room beside it", () => {
+  let written = 0;
+  let crossed = 0;
+  for (const d of drops.filter(({ scenario: s }) => s.balls.length === 2 && !s.cradle).slice(0, 16)) {
+    const picture = heightsOf(d);
+    for (const [w, h] of [[330, 330], [520, 420], [760, 430], [1700, 900]]) {
+      const g = new Canvas();
+      lib.drawCurves(g, w, h, picture, theme);
+      const curves = g.drawn.filter((x) => x.kind === "stroke" && x.path.length > 50);
+      for (const text of g.drawn.filter((x) => x.kind === "text" && (/let go/.test(x.text) || ((x.color === theme.newton || x.color === theme.icm) && /m$/.test(x.text))))) {
+        written++;
+        if (curves.some(({ path }) => path.some((b, i) => i > 0 && !b.move && enters(path[i - 1], b, text)))) crossed++;
+      }
+    }
+  }
+  assert.ok(written > 100 && crossed <= 0.02 * written, `${crossed} of ${written}`);
+});
+
+test("map: the numbers below it stand clear of each other, on a telephone too", () => {
+  for (const w of [290, 340, 520, 900]) {
+    const g = new Canvas();
+    lib.drawCounts(g, { left: 60, top: 30, width: w - 70, height: 300 }, 15, true, 400, Math.max(w / 42, 13), theme);
+    const texts = g.drawn.filter((x) => x.kind === "text");
+    assert.equal(texts.at(-1).text, "15+");
+    texts.forEach((b, i) => assert.ok(i === 0 || b.left > texts[i - 1].right, `“${texts[i - 1]?.text}” and “${b.text}”, ${w} pixels`));
+  }
+});
+
 // ---- timeline -----------------------------------------------------------------------------------------------
 
 // What a pool of workers would do, one piece at a time; `pause` is called after each.
@@ -195,6 +240,16 @@ const known = new Set(lib.presets.map((p) => JSON.stringify(p.scenario)));
 const examples = few.filter(({ scenario }) => known.has(JSON.stringify(scenario)));
 const shown = [lib.dropOf(lib.solve(core, lib.copyOf(rests))), ...examples.slice(0, 6), ...few.filter((d) => !examples.includes(d)).slice(0, 12)];
 const timelines = [];
+
+test("timeline: the floor contact is never pressed into a strip by contacts that come much later", () => {
+  const fig5 = lib.presets.find(({ id }) => id === "fig5").scenario;
+  const timeline = timelineOf(fig5);
+  const { x, frame } = drawn(timeline, lib.dropOf(lib.solve(core, lib.copyOf(fig5))));
+  const floor = Math.max(...timeline.rows.map((row) => row.tFloorEnd).filter(Number.isFinite));
+  assert.ok(x.at(floor) - x.at(0) > 0.19 * frame.width, `${x.at(floor) - x.at(0)} of ${frame.width} pixels`);
+  assert.equal(timeline.goesOn, true);
+  assert.equal(timelineOf(lib.presets.find(({ id }) => id === "steel").scenario).goesOn, false);
+});
 
 test("timeline: its bands have no holes, however many rows there are", () => {
   for (const d of shown) {

@@ -72,6 +72,8 @@ test("the story: keys, links, history", async (t) => {
   await at(page, "predict");
   assert.equal(await page.isVisible("#controls"), false);
   assert.equal(await page.evaluate(() => document.activeElement.id), "story-title");
+  await page.keyboard.press("ArrowUp");
+  await page.waitForFunction(() => Number(new URL(location.href).searchParams.get("guess")) === 0.1);
   const titles = [];
   for (const [i, step] of steps.entries()) {
     await at(page, step);
@@ -373,6 +375,9 @@ test("accessible, and no wider than a phone", async (t) => {
     await page.goto(site.base + view);
     await solved(page);
     await accessible(page, view);
+    const parted = await page.$$eval(".whole", (list) => list.filter((x) => x.checkVisibility() && x.getClientRects().length > 1).map((x) => x.textContent));
+    assert.deepEqual(parted, [], `${view}: numbers that part from their units`);
+    assert.ok((await page.locator("#story-text .whole, .told .whole").count()) > 0, view);
     await shootWhole(page, "phone", view);
   }
 });

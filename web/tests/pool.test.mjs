@@ -9,6 +9,7 @@ globalThis.Worker = class {
     workers.push(this);
   }
   asked = [];
+  terminate() {}
   postMessage(message) {
     if (message?.kind) this.asked.push(message);
   }
@@ -17,7 +18,7 @@ globalThis.Worker = class {
   }
 };
 Object.defineProperty(globalThis, "navigator", { value: { hardwareConcurrency: 2 }, configurable: true });
-const { Pool } = await load("pool");
+const { Desk, Pool } = await load("pool");
 
 test("nothing is computed for a picture that is not shown, until it is", () => {
   workers.length = 0;
@@ -48,4 +49,22 @@ test("what somebody waits for comes first", async () => {
   assert.deepEqual(workers[0].asked.map((m) => m.ask), ["picture", "file"]);
   workers[0].answer("text");
   assert.equal(await waiting, "text");
+});
+
+test("a worker that cannot be loaded is told of, and hired anew for the next question", () => {
+  workers.length = 0;
+  const desk = new Desk(null);
+  const told = [];
+  const work = (ask) => ({ kind: "solve", ask, done: (answer) => told.push(answer), failed: (error) => told.push(error) });
+  desk.put(work("first"));
+  desk.giveUp();
+  workers[1].onerror({}); // before anything is asked of it
+  desk.put(work("second"));
+  assert.deepEqual(workers[2].asked.map((m) => m.ask), ["second"]);
+  workers[2].onerror({});
+  assert.match(told[0], /worker\.js could not be loaded/);
+  assert.equal(desk.waits, false);
+  desk.put(work("third"));
+  workers[3].answer("solved");
+  assert.equal(told[1], "solved");
 });

@@ -1,0 +1,89 @@
+// The page in a second engine: Firefox shows what Chromium shows, is worked with the keys, draws, and keeps links.
+// FIREFOX: the browser.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { accessible, forget, goTo, mapDone, shoot, Site } from "./browser.mjs";
+import { random, randomLink } from "./modules.mjs";
+
+let firefox;
+let chromium;
+before(async () => void ([chromium, firefox] = await Promise.all([Site.begin(), Site.begin("firefox")])));
+after(() => Promise.all([firefox?.end(), chromium?.end()]));
+
+const rest = (page) => page.waitForFunction(() => document.documentElement.dataset.busy === undefined && document.documentElement.dataset.numbers);
+
+// What the page says of a setting, to the last digit.
+async function said(page, query) {
+  await forget(page);
+  await goTo(page, query);
+  await rest(page);
+  return page.evaluate(() => ({
+    ...JSON.parse(document.documentElement.dataset.numbers),
+    ...Object.fromEntries(["verdict", "why", "numbers", "energy", "notes"].map((id) => [id, document.getElementById(id).textContent])),
+  }));
+}
+
+test("every example and random settings: Firefox says what Chromium says", async (t) => {
+  const pages = await Promise.all([firefox.open(t), chromium.open(t)]);
+  const examples = await pages[0].$$eval("#preset option", (list) => list.map((x) => x.value).filter(Boolean));
+  assert.ok(examples.length >= 10);
+  const next = random(99);
+  const queries = [...examples.map((id) => `?example=${id}`), ...Array.from({ length: 8 }, () => `?${randomLink(next)}`)];
+  for (const query of queries) {
+    const [one, other] = await Promise.all(pages.map((page) => said(page, `${query}&panel=numbers`))); // no maps beside it
+    assert.deepEqual(one, other, query);
+  }
+});
+
+// How many colours a picture has.
+const colours = (page, id) => page.evaluate((id) => {
+  const canvas = document.getElementById(id);
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  return new Set(new Uint32Array(data.buffer)).size;
+}, id);
+
+test("the story is told with the keys, and its pictures are drawn", async (t) => {
+  const page = await firefox.open(t, "?story=predict");
+  const titles = new Set();
+  for (const step of ["predict", "drop", "slow", "count", "gap", "map"]) {
+    await page.waitForFunction((step) => new URL(location.href).searchParams.get("story") === step, step);
+    await page.waitForFunction(() => document.getElementById("story-text").textContent !== "");
+    titles.add(await page.textContent("#story-title"));
+    assert.ok((await page.evaluate(() => document.documentElement.scrollHeight - innerHeight)) <= 0, step);
+    if (step === "gap") await page.waitForFunction(() => document.getElementById("rebound").dataset.done === "true", null, { timeout: 120_000 });
+    if (step === "map") await mapDone(page);
+    for (const id of await page.$$eval("main canvas", (list) => list.filter((x) => x.checkVisibility()).map((x) => x.id)))
+      assert.ok((await colours(page, id)) > 10, `${step}: ${id} is drawn`);
+    await shoot(page, `firefox-${step}`);
+    if (step !== "map") await page.keyboard.press("PageDown");
+  }
+  assert.equal(titles.size, 6);
+  await accessible(page, "the map of the story");
+  await page.keyboard.press("Escape");
+  await page.waitForFunction(() => !new URL(location.href).searchParams.has("story"));
+});
+
+test("controls, keys and map; the link gives the same page again", async (t) => {
+  const page = await firefox.open(t, "?example=fig2");
+  await page.focus("#gap1-value");
+  await page.keyboard.press("Control+A");
+  await page.keyboard.type("0.25 mm");
+  await page.keyboard.press("Tab");
+  await page.focus("#restitution");
+  await page.keyboard.press("ArrowRight");
+  await page.selectOption("#map-axis", "ratio");
+  await page.selectOption("#map-show", "effective");
+  await page.focus("#forces");
+  await page.keyboard.press("ArrowRight");
+  await page.focus("#map");
+  await page.keyboard.press("+");
+  await page.waitForFunction(() => ["gap", "e", "map", "show", "zoom", "t"].every((key) => new URLSearchParams(location.search).has(key)));
+  await rest(page);
+  const look = (p) => p.evaluate(() => [document.documentElement.dataset.numbers, ...["time", "verdict", "why", "map-reading"].map((id) => document.getElementById(id).textContent)]);
+  const other = await firefox.open(t, new URL(page.url()).search);
+  await rest(other);
+  await mapDone(page);
+  await mapDone(other);
+  assert.deepEqual(await look(other), await look(page));
+  await shoot(page, "firefox-page", { fullPage: true });
+});
