@@ -94,15 +94,25 @@ void NewtonEvents<Law>::finish(int index) {
         if (free(i)) predict(i);
 }
 
+// The members are of their own size again. Their paths go on, and what they meet is known; but not which wall, nor,
+// in a small box, which image of each other.
 template <class Law>
 void NewtonEvents<Law>::finish_isolated(int index) {
     const Group& g = group(index);
     log(g, g.lone.pair, g.lone.contact);
     dissipated_ += g.lone.dissipated;
     virial_ += g.lone.virial;
-    for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, g.lone.after[m]);
-    for (const int i : g.body) predict(i);
+    for (const int i : g.body) set_free(i);
     drop(index);
+    if (images_) {
+        for (const int i : g.body) predict(i);
+        return;
+    }
+    for (const int i : g.body) {
+        if (i != g.body[0] && !walled_) continue;
+        predict_own(i);
+        schedule(i);
+    }
 }
 
 template <class Law>
@@ -163,7 +173,7 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     for (std::size_t m = 0; m < members; ++m) {
         const double share =
             members == 1 ? 1.0 : l.before[1 - m].mass / (l.before[0].mass + l.before[1].mass);
-        busy(index, m, l.before[m], l.after[m], l.span, share * l.margin);
+        fly_on_from(index, m, share * l.margin);
     }
     for (const int k : g.body) {
         find(k);
@@ -420,6 +430,23 @@ void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, con
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
 }
 
+// Until its contact ends, a member is a larger body on the path on which it flies on.
+template <class Law>
+void NewtonEvents<Law>::fly_on_from(int index, std::size_t m, double margin) {
+    const Group& g = group(index);
+    const Isolated& l = g.lone;
+    const int i = g.body[m];
+    group_[i] = index;
+    end_[i] = now_ + l.span;
+    make_room_for(i, margin);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double v = l.after[m].velocity[a] - l.span * box_.gravity[a];
+        const double x = l.after[m].position[a] - l.span * (v + 0.5 * l.span * box_.gravity[a]);
+        paths_[i].velocity[a] = v;
+        paths_[i].position[a] += x - l.before[m].position[a];
+    }
+}
+
 // More than overlap must be to count as such.
 template <class Law>
 void NewtonEvents<Law>::make_room_for(int i, double margin) {
@@ -517,7 +544,9 @@ void NewtonEvents<Law>::release(int index) {
     for (std::size_t m = 0; m < g.body.size(); ++m) {
         const int i = g.body[m];
         const Member& before = g.isolated ? g.lone.before[m] : g.cluster->before.members[m];
+        const Vector3 x = place(g, m, before.position);
         set_free(i);
+        std::copy_n(x.data(), 3, paths_[i].position);
         std::copy_n(before.velocity.data(), 3, paths_[i].velocity);
     }
     drop(index);
