@@ -45,6 +45,8 @@ public:
 
     // A group with more members is not integrated: contacts last, and small steps are cheaper.
     static constexpr std::size_t most_members = 300;
+    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
+    static constexpr std::size_t smallest_to_fetch = 20'000;  // bodies; below, all lies in the caches
     // By which the line of centres turns in a contact that is solved as a whole [rad].
     static constexpr double widest_turn = 1.0;
     // Part of the sum of the radii up to which overlap at the start is rounding.
@@ -144,6 +146,7 @@ private:
     double widest_margin_ = 0.0;  // that cells are wide enough for [m]
     bool images_ = false;         // several of a body may be near
     bool walled_ = false;         // there are walls
+    bool fetches_ = false;        // all that is held is too large for the caches
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
@@ -170,6 +173,13 @@ private:
     double smallest_edge() const;
 
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
+
+    // newton_events_ahead.hpp
+    void look_ahead() const;
+    void look_into_bin() const;
+    static Cells<3>::Surroundings surroundings(const Pending& e);
+    void fetch_cells(u32 i) const;
+    void fetch_neighbours(u32 i) const;
 
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
@@ -301,7 +311,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
     paused_ = false;
     while (outcome_ == Outcome::ok) {
         const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
-                                        [this](u32 id) { return names_[id]; }, [] {});
+                                        [this](u32 id) { return names_[id]; }, [this] { look_into_bin(); });
         if (!due || due->time > until) break;
         if (events_ >= last || stop()) {
             paused_ = true;
@@ -310,6 +320,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
         now_ = math::max(now_, due->time);
         const int i = static_cast<int>(due->id);
         calendar_.pop();
+        look_ahead();
         ++events_;
         happen(i);
     }
@@ -388,6 +399,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
 
 }  // namespace hardlimit::particles
 
+#include "newton_events_ahead.hpp"
 #include "newton_events_flight.hpp"
 #include "newton_events_groups.hpp"
 #include "newton_events_lone_contact.hpp"
