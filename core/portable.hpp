@@ -264,7 +264,10 @@ struct Words {
     typedef int Sixteen __attribute__((vector_size(64)));
     Sixteen of;
 
+    Words() : of{} {}
     explicit Words(const void* from) { __builtin_memcpy(&of, from, sizeof of); }
+    explicit Words(Sixteen words) : of(words) {}
+    Words operator|(const Words& other) const { return Words(of | other.of); }
     // Bits of those that are not, or are more than, a number (without sign).
     unsigned unlike(unsigned x) const { return __builtin_ia32_ucmpd512_mask(of, all(x), 4, 0xffff); }
     unsigned above(unsigned x) const { return __builtin_ia32_ucmpd512_mask(of, all(x), 6, 0xffff); }

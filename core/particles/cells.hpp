@@ -31,6 +31,8 @@ struct Grid {
     double diameter;  // of the largest particle in it [m]
     u32 rows[9];      // the rows of three times three along the first axis, from the first one on
     u32 planes[3];    // and those of them with the same second coordinate
+    u32 steps[d];     // where in `steps_` the cells along each axis are
+    bool few;         // cells along a periodic axis: of a particle nearby another image may be as near
 };
 
 template <int d>
@@ -145,23 +147,24 @@ public:
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
         block.cells = cells_.data() + g.first;
         block.spilled = spilled_.data();
-        int outside = 0, size[3] = {1, 1, 1};
+        int outside = 0;
         u32 first = 0;
+        HL_UNROLL
         for (int k = d - 1; k >= 0; --k) {
-            size[k] = to[k] - from[k] + 1;
             outside |= from[k] | (g.cells[k] - 1 - to[k]);  // negative where one of the two is
             first = first * static_cast<u32>(g.cells[k]) + static_cast<u32>(from[k]);
         }
-        if (outside >= 0 && size[1] != 2) {
-            block.parts = 1;
-            block.begin[0] = first;
-            block.length[0] = static_cast<u32>(size[0]);
-            block.row = size[1] == 3 ? g.rows : g.planes;
-            block.rows = static_cast<u32>(size[1] * size[2]);
-            return false;
+        const u32 rows = static_cast<u32>(to[1] - from[1] + 1);
+        if (outside < 0 || rows == 2) {
+            lay_by_rows(block, g, box, from, to);
+            return outside < 0;
         }
-        lay_by_rows(block, g, box, from, to);
-        return outside < 0;
+        block.parts = 1;
+        block.begin[0] = first;
+        block.length[0] = static_cast<u32>(to[0] - from[0] + 1);
+        block.row = rows == 3 ? g.rows : g.planes;
+        block.rows = d == 3 ? rows * static_cast<u32>(to[d - 1] - from[d - 1] + 1) : rows;
+        return false;
     }
     std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
 
@@ -213,10 +216,10 @@ public:
             ++at[k];
         }
     }
-    // The block around a cell in its own grid and in each coarser one: f(level, from, to).
+    // The block around a cell at a place in its own grid and in each coarser one: f(level, from, to).
     template <class F>
-    void for_neighbourhoods(int level, u32 cell, const F& f) const {
-        Place<d> at = place(level, cell), from, to;
+    void for_neighbourhoods(int level, Place<d> at, const F& f) const {
+        Place<d> from, to;
         for (; level < levels(); ++level) {
             for (int k = 0; k < d; ++k) from[k] = at[k] - 1, to[k] = at[k] + 1, at[k] >>= 1;
             f(level, from, to);
@@ -226,42 +229,55 @@ public:
 
     std::size_t bytes() const {
         return cells_.capacity() * sizeof(Cell) + spilled_.capacity() * sizeof(Cell) +
-               free_.capacity() * sizeof(u32);
+               (free_.capacity() + steps_.capacity()) * sizeof(u32);
     }
 
 private:
     static constexpr u32 inline_ids = 3, linked = 4;
     static constexpr u32 beyond = 3;  // cells that are empty, for a kernel that reads four at once
 
+    // A block of three cells that holds a place inside the box begins and ends no farther outside.
+    static constexpr int steps_beyond = 2;
+
     std::vector<Grid<d>> grids_;
+    std::vector<u32> steps_;
     Records<Cell> cells_;
     std::vector<Cell> spilled_;
     std::vector<u32> free_;          // of the spilled ones
     std::size_t longest_chain_ = 0;  // cells beyond the first
 
-    static void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box<d>& box,
-                            const Place<d>& from, const Place<d>& to) {
-        u32 at[3][3] = {}, count[3] = {1, 1, 1}, stride = 1;
-        for (int k = 1; k < d; ++k) {
-            stride *= static_cast<u32>(g.cells[k - 1]);
-            count[k] = along(from[k], to[k], g.cells[k], box.periodic[k], stride, at[k]);
-        }
+    void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box<d>& box,
+                     const Place<d>& from, const Place<d>& to) const {
         block.rows = 0;
-        for (u32 z = 0; z < count[2]; ++z)
-            for (u32 y = 0; y < count[1]; ++y) block.own_rows[block.rows++] = at[2][z] + at[1][y];
         block.row = block.own_rows;
+        const u32* const along_y = steps_.data() + g.steps[1] + steps_beyond;
+        const auto add_rows = [&](u32 plane) {
+            for (int y = from[1]; y <= to[1]; ++y)
+                if (along_y[y] != nobody) block.own_rows[block.rows++] = plane + along_y[y];
+        };
+        if constexpr (d == 2) {
+            add_rows(0);
+        } else {
+            const u32* const along_z = steps_.data() + g.steps[2] + steps_beyond;
+            for (int z = from[2]; z <= to[2]; ++z)
+                if (along_z[z] != nobody) add_rows(along_z[z]);
+        }
         cut(block, from[0], to[0], g.cells[0], box.periodic[0]);
     }
-    // Where the cells from one to another lie along an axis: what is beyond a border is found on the other side, or
-    // not at a wall. Returns their number.
-    static u32 along(int from, int to, int cells, bool periodic, u32 stride, u32 (&at)[3]) {
-        u32 n = 0;
-        for (int k = from; k <= to; ++k) {
-            const int inside = k < 0 ? k + cells : k >= cells ? k - cells : k;
-            at[n] = static_cast<u32>(inside) * stride;
-            n += inside == k || periodic ? 1 : 0;
+    // Where the cells along an axis lie, counted from the first: what is beyond a border is found on the other side,
+    // or nobody's at a wall.
+    void lay_steps(Grid<d>& g, const Box<d>& box) {
+        u32 stride = 1;
+        for (int k = 0; k < d; ++k) {
+            const int n = g.cells[k];
+            g.steps[k] = static_cast<u32>(steps_.size());
+            for (int at = -steps_beyond; at < n + steps_beyond; ++at) {
+                const bool inside = at >= 0 && at < n;
+                const int wrapped = ((at % n) + n) % n;
+                steps_.push_back(inside || box.periodic[k] ? static_cast<u32>(wrapped) * stride : nobody);
+            }
+            stride *= static_cast<u32>(n);
         }
-        return n;
     }
     // The same along the first axis, in one part or two.
     static void cut(hardlimit_abi::CellBlock& block, int from, int to, int cells, bool periodic) {
@@ -334,6 +350,10 @@ private:
         u32 first = 0;
         for (Grid<d>& g : grids_) {
             g.first = first;
+            g.few = false;
+            // With four cells an image that is not the nearest one is more than two cells away.
+            for (int k = 0; k < d; ++k) g.few = g.few || (box.periodic[k] && g.cells[k] < 4);
+            lay_steps(g, box);
             first += static_cast<u32>(count(g));
             const u32 row = static_cast<u32>(g.cells[0]),
                       plane = d == 3 ? row * static_cast<u32>(g.cells[1]) : 0;

@@ -68,23 +68,24 @@ private:
     bool is_free(const double (&x)[d], double radius, double share, int level, u32 cell,
                  const std::vector<double>& position) {
         bool free = true;
-        cells_.for_neighbourhoods(level, cell, [&](int at, const Place<d>& from, const Place<d>& to) {
-            cells_.for_block(box_, at, from, to, [&](u32 other, const double (&shift)[d]) {
-                if (!free) return;
-                const std::size_t n = cells_.collect(other, list_, 0);
-                for (std::size_t c = 0; c < n; ++c) {
-                    const u32 j = list_[c];
-                    const double touch = radius + share * s_.radius[j];
-                    double square = 0.0;
-                    for (int k = 0; k < d; ++k) {
-                        const double r =
-                            position[std::size_t{j} * d + static_cast<std::size_t>(k)] + shift[k] - x[k];
-                        square += r * r;
+        cells_.for_neighbourhoods(
+            level, cells_.place(level, cell), [&](int at, const Place<d>& from, const Place<d>& to) {
+                cells_.for_block(box_, at, from, to, [&](u32 other, const double (&shift)[d]) {
+                    if (!free) return;
+                    const std::size_t n = cells_.collect(other, list_, 0);
+                    for (std::size_t c = 0; c < n; ++c) {
+                        const u32 j = list_[c];
+                        const double touch = radius + share * s_.radius[j];
+                        double square = 0.0;
+                        for (int k = 0; k < d; ++k) {
+                            const double r =
+                                position[std::size_t{j} * d + static_cast<std::size_t>(k)] + shift[k] - x[k];
+                            square += r * r;
+                        }
+                        free = free && square > touch * touch;
                     }
-                    free = free && square > touch * touch;
-                }
+                });
             });
-        });
         return free;
     }
 };

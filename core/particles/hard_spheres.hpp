@@ -62,7 +62,6 @@ private:
 
     // A particle that looks for its next collision, and what it has found.
     struct Look {
-        hardlimit_abi::TouchQuery query;
         u32 id;
         u32 except = nobody;  // not to be met where it touches: what the particle has just collided with
         double in = math::infinity;  // [s] from now
@@ -89,6 +88,7 @@ private:
     Outcome outcome_ = Outcome::ok;
     Collapse collapse_{math::nan, -1, 0};
     hardlimit_abi::TouchKernels::Of touch_{};
+    hardlimit_abi::TouchQuery query_{};                                  // of the particle that looks now
     static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
     std::vector<u32> candidates_;
     std::vector<double> times_;  // until they are touched [s]
@@ -153,16 +153,17 @@ private:
     u32 last_met(u32 i) const;
 
     // hard_spheres_search.hpp
-    Look look(u32 i) const;
+    void prepare_query();
+    Look look(u32 i);
     void predict(u32 i, u32 except);
     void predict_unscheduled(u32 i, u32 except);
-    void predict_own(u32 i);
+    void predict_own(u32 i, const Place<d>& at);
     void search_block(Look& look, int level, const Place<d>& from, const Place<d>& to);
     void search_images(Look& look, int level, const Place<d>& from, const Place<d>& to);
     void search_finer(Look& look, int level);
     void make_room_for_candidates();
-    void examine(Look& look, const hardlimit_abi::Touched& touched);
-    bool in_touch(const Look& look, u32 id) const;
+    void examine(Look& look, const hardlimit_abi::Touched& touched, bool nearest);
+    bool in_touch(u32 id, bool nearest) const;
     void keep(const Look& found);
     double frame_speed(const double* velocity) const;
     double fastest_possible() const;
@@ -179,7 +180,7 @@ private:
 
     // hard_spheres_events.hpp
     void happen(u32 i);
-    void leave_cell(u32 i);
+    void leave_cell(u32 i, Place<d> at);
     void meet_wall(u32 i);
     void collide(u32 i, u32 j);
     void advance_to_now(u32 i);

@@ -17,24 +17,23 @@ void HardSpheres<d, motion, mixed>::happen(u32 i) {
     const Own own = static_cast<Own>(e.own);
     if (own == Own::rescan) return predict(i, last_met(i));
     const int axis = axis_of(own), level_i = level(i);
-    const int at = cells_.place(level_i, e.cell)[axis];
-    const int last = is_high(own) ? cells_.grids()[level_i].cells[axis] - 1 : 0;
-    if (at == last && !box_.periodic[axis])
+    const Place<d> at = cells_.place(level_i, e.cell);
+    const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_i)].cells[axis] - 1 : 0;
+    if (at[axis] == last && !box_.periodic[axis])
         meet_wall(i);
     else
-        leave_cell(i);
+        leave_cell(i, at);
 }
 
-// Moves on to the next cell and looks into the cells that have become neighbours, in its own grid and where the border
+// Moves on from the cell at this place to the next one and looks into the cells that have become neighbours, in its own grid and where the border
 // is one of a coarser grid too.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::leave_cell(u32 i) {
+void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     Pending& e = pending_[i];
     Particle<d>& p = particles_[i];
     const Own own = static_cast<Own>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1, fine = level(i);
     const Grid<d>& g = cells_.grids()[fine];
-    Place<d> at = cells_.place(fine, e.cell);
     cells_.remove(e.cell, i);
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
@@ -59,7 +58,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i) {
         for (int k = 0; k < d; ++k) place[k] >>= 1;
     }
     keep(found);
-    predict_own(i);
+    predict_own(i, at);
     schedule(i);
 }
 
@@ -105,8 +104,8 @@ void HardSpheres<d, motion, mixed>::nearest(u32 i, u32 j, double (&r)[d]) const 
     const Particle<d>&p = particles_[i], &q = particles_[j];
     for (int k = 0; k < d; ++k) {
         r[k] = q.position[k] - p.position[k];
-        if (!box_.periodic[k]) continue;
         const double edge = box_.edge[k];
+        if (math::abs(r[k]) < 0.499 * edge || !box_.periodic[k]) continue;
         r[k] = nearest_image(r[k], edge);
         // Where both images may touch, the one that approaches does.
         const double other = r[k] > 0.0 ? r[k] - edge : r[k] + edge;

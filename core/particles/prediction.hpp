@@ -9,6 +9,13 @@ HL_FN double time_below(double x, double v, double high) {
     return v > 0.0 ? math::max(0.0, (high - x) / v) : math::infinity;
 }
 
+// Time in which the way to a border that lies ahead is gone at speed v, both of the same sign; 0 where rounding has
+// passed the border, infinity for v = 0.
+HL_FN double time_to(double way, double v) {
+    constexpr double standing[2] = {math::infinity, 0.0};
+    return math::max(0.0, way / v) + standing[math::abs(v) > 0.0];
+}
+
 // Time for which x + v τ + g τ²/2 stays at or below `high`, where x ≤ high, or v leads there. The last crossing
 // upwards for g > 0, the first for g < 0, each in the form that does not cancel.
 HL_FN double time_below(double x, double v, double g, double high) {

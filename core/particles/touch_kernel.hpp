@@ -130,6 +130,40 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
     }
 }
 
+// The least of all lanes.
+template <class Real>
+HL_FN double least_lane(const Real& x) {
+    if constexpr (Lanes<Real>::count == 2) {
+        return math::min(lane_of(x, 0), lane_of(x, 1));
+    } else {
+        using Half = typename Vector<Lanes<Real>::count / 2>::Real;
+        double each[Lanes<Real>::count];
+        store_lanes(each, x);
+        const Half low = load_lanes<Half>(each), high = load_lanes<Half>(each + Lanes<Half>::count);
+        return least_lane<Half>(math::min<Half>(low, high));
+    }
+}
+
+// Which of the times are the least, found in the lanes of `least`.
+template <class Real>
+HL_FN hardlimit_abi::Touched touched_first(const Real& least, const unsigned* ids, const double* times,
+                                           std::size_t n) {
+    constexpr std::size_t lanes = Lanes<Real>::count;
+    const double time = least_lane<Real>(least);
+    hardlimit_abi::Touched touched{time, particles::nobody, 0, n};
+    if (!(time < math::infinity)) return touched;
+    for (std::size_t begin = 0; begin < n; begin += 64) {
+        const std::size_t end = begin + 64 < n ? begin + 64 : n;
+        u64 same = 0;
+        for (std::size_t k = begin; k < end; k += lanes)
+            same |= static_cast<u64>(lane_bits(load_lanes<Real>(times + k) == time)) << (k - begin);
+        if (same == 0) continue;
+        touched.several |= touched.id != particles::nobody || (same & (same - 1)) != 0;
+        touched.id = ids[begin + static_cast<std::size_t>(__builtin_ctzll(same))];
+    }
+    return touched;
+}
+
 template <class Real, int d, Motion motion, Image image, bool reach>
 hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
                                     unsigned* ids, double* times, std::size_t n) {
@@ -137,31 +171,16 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
     const double* const lines = static_cast<const double*>(particles);
     // What is left of the last group of lanes is the particle itself, which it never touches.
     for (std::size_t k = 0; k + 1 < lanes; ++k) ids[n + k] = self;
-    Real least = broadcast<Real>(math::infinity), group{};
-    Mask<Real> twice{};
+    Real least = broadcast<Real>(math::infinity);
     for (std::size_t k = 0; k < n; k += lanes) {
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
         const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row));
         store_lanes(times + k, time);
-        twice = select<Mask<Real>>(time < least, Mask<Real>{}, twice | (time == least));
-        group = select<Real>(time < least, broadcast<Real>(static_cast<double>(k)), group);
         least = math::min<Real>(least, time);
     }
-    hardlimit_abi::Touched touched{math::infinity, self, 0, n};
-    double each[lanes], at[lanes];
-    store_lanes(each, least);
-    store_lanes(at, group);
-    std::size_t first = 0;
-    for (std::size_t lane = 1; lane < lanes; ++lane)
-        if (each[lane] < each[first]) first = lane;
-    if (!(each[first] < math::infinity)) return touched;
-    touched.time = each[first];
-    touched.id = ids[static_cast<std::size_t>(at[first]) + first];
-    const unsigned same = lane_bits(least == touched.time);
-    touched.several = (same & (same - 1)) | (same & lane_bits(twice));
-    return touched;
+    return touched_first<Real>(least, ids, times, n);
 }
 
 constexpr unsigned words_of_cell = 4, inline_ids = 3;
@@ -177,38 +196,46 @@ inline unsigned* collect_cell(const unsigned* cell, const unsigned* spilled, uns
     }
 }
 
-// The same of the cells in a row.
-template <class Sixteen = Words>
-unsigned* collect_row(const unsigned* cell, unsigned length, const unsigned* spilled, unsigned* to) {
-    if constexpr (sifts_words) {
-        const Sixteen all(cell);
-        const unsigned here = (1u << words_of_cell * length) - 1, tails = 0x8888u & here;
-        if ((all.above(inline_ids) & tails) == 0) {
-            const unsigned held = all.unlike(nobody) & here & ~tails;
-            all.store(to, held);
-            return to + bit_count(held);
+// All ids in a block; their number.
+inline std::size_t collect_cells(const hardlimit_abi::CellBlock& block, unsigned* ids) {
+    const unsigned* const spilled = static_cast<const unsigned*>(block.spilled);
+    unsigned* to = ids;
+    for (unsigned part = 0; part < block.parts; ++part)
+        for (unsigned r = 0; r < block.rows; ++r) {
+            const unsigned* cell = static_cast<const unsigned*>(block.cells) +
+                                   words_of_cell * std::size_t{block.begin[part] + block.row[r]};
+            const unsigned* const end = cell + words_of_cell * block.length[part];
+            HL_ROLL
+            for (; cell != end; cell += words_of_cell) to = collect_cell(cell, spilled, to);
         }
-    }
-    const unsigned* const end = cell + words_of_cell * length;
-    HL_ROLL
-    for (; cell != end; cell += words_of_cell) to = collect_cell(cell, spilled, to);
-    return to;
+    return static_cast<std::size_t>(to - ids);
 }
 
-// All ids in a block; their number.
-inline std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) {
-    const unsigned* const spilled = static_cast<const unsigned*>(block.spilled);
-    const unsigned rows = block.rows;
-    unsigned* to = ids;
-    for (unsigned part = 0; part < block.parts; ++part) {
-        const unsigned* const column =
-            static_cast<const unsigned*>(block.cells) + words_of_cell * std::size_t{block.begin[part]};
-        const unsigned length = block.length[part];
-        HL_ROLL
-        for (unsigned r = 0; r < rows; ++r)
-            to = collect_row(column + words_of_cell * std::size_t{block.row[r]}, length, spilled, to);
+// The same, a row of up to three cells at once where a processor sifts words.
+template <class Sixteen = Words>
+std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) {
+    if constexpr (!sifts_words) {
+        return collect_cells(block, ids);
+    } else {
+        unsigned* to = ids;
+        Sixteen any{};
+        for (unsigned part = 0; part < block.parts; ++part) {
+            const unsigned here = (1u << words_of_cell * block.length[part]) - 1, held = 0x7777u & here;
+            const unsigned* const column =
+                static_cast<const unsigned*>(block.cells) + words_of_cell * std::size_t{block.begin[part]};
+            HL_ROLL
+            for (unsigned r = 0; r < block.rows; ++r) {
+                const Sixteen all(column + words_of_cell * std::size_t{block.row[r]});
+                const unsigned chosen = all.unlike(nobody) & held;
+                any = any | all;
+                all.store(to, chosen);
+                to += bit_count(chosen);
+            }
+            // Where a cell holds more than fit in it, its number is above three.
+            if ((any.above(inline_ids) & (0x8888u & here)) != 0) return collect_cells(block, ids);
+        }
+        return static_cast<std::size_t>(to - ids);
     }
-    return static_cast<std::size_t>(to - ids);
 }
 
 template <class Real, int d, Motion motion, Image image, bool reach>

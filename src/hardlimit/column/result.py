@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, html, validation
-from ..models import MODELS
+from ..models import MODELS, Model
 from .scenario import Column
 
 PAIRS: Final = "0 = floor and lowest ball, 1 = lowest and second, …"
@@ -52,6 +52,19 @@ class Result:
     method: str  #: how it was solved, in words
     until: float | None  #: the time asked for [s], if any
     options: tuple[Any, ...] = ()  #: what the model's solver takes besides column and time
+
+    @classmethod
+    def _solved(
+        cls, column: Column, model: Model, method: str, until: float | None, options: tuple[Any, ...] = ()
+    ) -> Result:
+        """A result that is solved now, so that errors and interrupts come from the call that asked for it."""
+        core = model.solve(column.core, math.nan if until is None else until, *options)
+        # Not through the constructor: a solve takes microseconds, and a frozen dataclass one more.
+        result = cls.__new__(cls)
+        vars(result).update(
+            column=column, model=model.name, method=method, until=until, options=options, _core=core
+        )
+        return result
 
     @cached_property
     def _core(self) -> Solution:

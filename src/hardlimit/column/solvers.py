@@ -67,7 +67,7 @@ def newton(
     )
     general = method == "general" or not exact
     words = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
-    return _solved(Result(column, NEWTON.name, words, end, (general, tolerance)))
+    return Result._solved(column, NEWTON, words, end, (general, tolerance))
 
 
 def adiabatic(column: Column, until: float | None = None) -> Result:
@@ -99,7 +99,7 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
     [0.1711, 0.1717]
     """
     end = _checked(ADIABATIC, column, until)
-    return _solved(Result(column, ADIABATIC.name, "piecewise exact, lower ball unaffected", end))
+    return Result._solved(column, ADIABATIC, "piecewise exact, lower ball unaffected", end)
 
 
 def independent(column: Column, until: float | None = None) -> Result:
@@ -130,7 +130,7 @@ def independent(column: Column, until: float | None = None) -> Result:
     (3.727, 0.7)
     """
     end = _checked(INDEPENDENT, column, until)
-    return _solved(Result(column, INDEPENDENT.name, "event-driven", end))
+    return Result._solved(column, INDEPENDENT, "event-driven", end)
 
 
 def _checked(model: Model, column: Any, until: Any) -> float | None:
@@ -144,9 +144,3 @@ def _checked(model: Model, column: Any, until: Any) -> float | None:
     if end < first:
         raise ValueError(f"until: got {end:.16g}, must be >= {first:.16g}, the release")
     return end
-
-
-def _solved(result: Result) -> Result:
-    """The result, solved now, so that errors and interrupts come from the call that asked for it."""
-    _ = result._core
-    return result
