@@ -10,7 +10,7 @@
 // Events of a pair, each with the function that falls to zero there (d = depth of the law's slack at this rate):
 //   open → closed      −ξ                           slack → open      ξ
 //   closed → slack     s − max(d, 0)^{1/p}          slack → closed    −(ξ − d)      (a new contact)
-// Under a linear law a step is a series instead (cluster_series.hpp), in which the same events are zeros of polynomials.
+// Under a linear law a step is a series instead (cluster_series.hpp), and these events are zeros of polynomials.
 //
 // A slack pair overlaps without force. A pair that has just been put on a surface is `fresh`: what vanishes there
 // counts again once it has become positive; a value below zero while it rises is rounding.
@@ -693,8 +693,8 @@ private:
         return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
     }
 
-    // The end of a contact, or the begin of another one. A pair that overlaps without force does nothing until then: the
-    // instant at which it opens is none of interest.
+    // The end of a contact, or the begin of another one. A pair that overlaps without force does nothing until
+    // then: the instant at which it opens is none of interest.
     void find_end(const Followed& f, Found& found) const {
         const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
         series::Terms force = q.second < 0 ? f.force : f.bodies.force;

@@ -51,8 +51,8 @@ double NewtonEvents<Law>::usual_margin(const std::vector<double>& velocity) cons
     return math::clamp(2.0 * speed * duration, 0.005 * largest_, most);
 }
 
-// All bodies lie in one grid. While it is in contact, a body's place on the path on which it will fly on may lie outside
-// of its cell by the margin.
+// All bodies lie in one grid. While it is in contact, a body's place on the path on which it will fly on may lie
+// outside of its cell by the margin.
 template <class Law>
 void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
     touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
@@ -179,8 +179,8 @@ void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) 
     examine(i, touch(query_, paths_.data(), self, candidates_.data(), times_.data(), block));
 }
 
-// What is touched first among the candidates. The kernel's times are lower bounds for whoever is busy. Simultaneous ones
-// are told apart by the user's numbers.
+// What is touched first among the candidates. The kernel's times are lower bounds for whoever is busy. Simultaneous
+// ones are told apart by the user's numbers.
 template <class Law>
 void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
     const Pending& e = pending_[i];
