@@ -393,8 +393,8 @@ bool NewtonEvents<Law>::margins(int index) {
 }
 
 // The most by which a member leaves its parabola. Where it is not known by how much more than at the ends of a step,
-// its distance from there is close to a cubic, which rises above its ends by no more than a quarter of the step times the
-// larger slope.
+// its distance from there is close to a cubic, which rises above its ends by no more than a quarter of the step times
+// the larger slope.
 template <class Law>
 double NewtonEvents<Law>::margin_of(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();
