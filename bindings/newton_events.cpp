@@ -122,7 +122,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 2";
+    static constexpr const char* mark = "NewtonEvents 3";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 

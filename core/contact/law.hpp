@@ -9,7 +9,8 @@
 //   similar                  true, only where the force is a power of ξ and another power of ξ times ξ̇: then
 //   contacts of the
 //                            same damping force, in units of the elastic one, are copies of each other on another scale
-//   relaxation_time()        only where slack is −relaxation_time · rate exactly, which has closed forms [s]
+//   relaxation_time()        only where slack is −relaxation_time · rate exactly, which has closed forms [s]; with
+//                            onset_power 1 the force is linear in ξ and ξ̇
 //   restitution(speed, m)    ratio of speeds of one isolated collision
 //   duration(speed, m)       time from first touch to zero force [s]
 //   from_parameters(...)     contact parameters from the user's

@@ -10,6 +10,8 @@
 // Events of a pair, each with the function that falls to zero there (d = depth of the law's slack at this rate):
 //   open → closed      −ξ                           slack → open      ξ
 //   closed → slack     s − max(d, 0)^{1/p}          slack → closed    −(ξ − d)      (a new contact)
+// Under a linear law a step is a series instead (cluster_series.hpp), and these events are zeros of polynomials.
+//
 // A slack pair overlaps without force. A pair that has just been put on a surface is `fresh`: what vanishes there
 // counts again once it has become positive; a value below zero while it rises is rounding.
 #pragma once
@@ -22,6 +24,7 @@
 #include "../dormand_prince.hpp"
 #include "../stop.hpp"
 #include "../surface.hpp"
+#include "cluster_series.hpp"
 
 namespace hardlimit::particles {
 
@@ -66,10 +69,18 @@ struct EndedContact {
     bool overlapped;
 };
 
-// The state of the members at the end of a step.
-struct Knot {
-    double time;
-    std::vector<double> state;  // positions, then velocities
+// The state of the members at instants between which little happens.
+struct Trace {
+    std::vector<double> time;
+    std::vector<double> state;  // for each instant positions, then velocities
+    std::vector<double>
+        bulge;  // [members] by which a path can have left its line since the last one, where known
+
+    void clear() {
+        time.clear();
+        state.clear();
+        bulge.clear();
+    }
 };
 
 template <class Law>
@@ -87,7 +98,7 @@ public:
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;
     std::vector<EndedContact> ended;
-    std::vector<Knot> trace;
+    Trace trace;
     bool unresolved = false;
     long begun = 0, begun_pairs = 0;  // contacts since the start of this object; those between two bodies
 
@@ -98,6 +109,8 @@ public:
             if (all(Touch::open)) break;
             if (!any(Touch::closed))
                 fly(until);
+            else if constexpr (LinearLaw<Law>)
+                follow(until);
             else
                 integrate(until);
             if (++steps_ > 10'000'000) unresolved = true;
@@ -106,16 +119,10 @@ public:
     }
 
     // Approach of a pair now [m/s].
-    double rate(const Touching<Law>& q) const {
-        const std::vector<double> y = state();
-        return geometry(q, y.data()).rate;
-    }
+    double rate(const Touching<Law>& q) const { return geometry_of_members(q).rate; }
 
     // Distance of a pair's surfaces now [m].
-    double gap(const Touching<Law>& q) const {
-        const std::vector<double> y = state();
-        return -geometry(q, y.data()).depth;
-    }
+    double gap(const Touching<Law>& q) const { return -geometry_of_members(q).depth; }
 
     // The largest speed at which a member can move against the others [m/s].
     double speed() const { return unit_of_speed(); }
@@ -137,11 +144,35 @@ private:
         Vector3 normal;  // from the first body to the second
     };
 
-    std::vector<double> y_, k_, end_, k_end_, trial_, k_trial_, tolerance_;
-    mutable std::vector<double> stages_, factor_;
-    std::vector<int> rooted_;  // pairs whose s is a component, in the order of the state
-    std::vector<int> slot_;    // [pairs] the component of s
-    bool known_ = false;       // whether k_ is the derivative of y_
+    // A pair of bodies or of a body and a wall that overlap, as series.
+    struct Followed {
+        int pair;
+        series::Pair bodies;
+        series::Terms depth, force;  // at a wall
+        double spring, damper, per_mass[2];
+
+        Followed() {}  // leaves its terms to those who find them
+    };
+    // What a copy does not need.
+    template <class T>
+    struct Scratch : std::vector<T> {
+        Scratch() = default;
+        Scratch(const Scratch&) : std::vector<T>() {}
+        Scratch& operator=(const Scratch&) { return *this; }
+        Scratch(Scratch&&) noexcept = default;
+        Scratch& operator=(Scratch&&) noexcept = default;
+        ~Scratch() = default;
+    };
+
+    Scratch<double> y_, k_, end_, k_end_, trial_, k_trial_, tolerance_;
+    mutable Scratch<double> stages_, factor_;
+    Scratch<series::Path> paths_;  // [members]
+    Scratch<series::Four> push_;   // [members] the acceleration of one order
+    Scratch<double> travel_;       // [members] how far one can get within a step
+    Scratch<Followed> followed_;
+    Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state
+    Scratch<int> slot_;    // [pairs] the component of s
+    bool known_ = false;   // whether k_ is the derivative of y_
     double h_ = 0.0, speed_unit_ = 0.0;
     long steps_ = 0;
 
@@ -176,27 +207,20 @@ private:
             rooted_.push_back(static_cast<int>(q));
         }
         y_.assign(static_cast<std::size_t>(dimension()), 0.0);
-        const std::vector<double> bodies = state();
-        std::copy(bodies.begin(), bodies.end(), y_.begin());
+        for (int i = 0; i < count(); ++i)
+            for (int a = 0; a < 3; ++a) {
+                y_[3 * i + a] = members[i].position[a];
+                y_[3 * (count() + i) + a] = members[i].velocity[a];
+            }
         y_[clock()] = time;
         y_[loss()] = dissipated;
         y_[work()] = virial;
         for (const int q : rooted_) y_[slot_[q]] = pairs[q].s;
-        resize();
+        if constexpr (!LinearLaw<Law>) resize();
         choose_units();
         known_ = false;
         trace.clear();
         keep();
-    }
-
-    std::vector<double> state() const {
-        std::vector<double> y(static_cast<std::size_t>(6 * count()));
-        for (int i = 0; i < count(); ++i)
-            for (int a = 0; a < 3; ++a) {
-                y[3 * i + a] = members[i].position[a];
-                y[3 * (count() + i) + a] = members[i].velocity[a];
-            }
-        return y;
     }
 
     void resize() {
@@ -218,7 +242,10 @@ private:
     }
 
     void keep() {
-        if (record) trace.push_back({y_[clock()], {y_.begin(), y_.begin() + 6 * count()}});
+        if (!record) return;
+        trace.time.push_back(y_[clock()]);
+        trace.state.insert(trace.state.end(), y_.begin(), y_.begin() + 6 * count());
+        if constexpr (LinearLaw<Law>) trace.bulge.resize(trace.time.size() * members.size());
     }
 
     // Speeds count in units of the largest velocity of a member against their mean, and the energy that is stored.
@@ -265,8 +292,18 @@ private:
 
     Geometry geometry(const Touching<Law>& q, const double* y) const {
         const double *xa = y + 3 * q.first, *va = y + 3 * (count() + q.first);
+        if (q.second < 0) return geometry(q, xa, va, nullptr, nullptr);
+        return geometry(q, xa, va, y + 3 * q.second, y + 3 * (count() + q.second));
+    }
+    Geometry geometry_of_members(const Touching<Law>& q) const {
+        const Member& a = members[static_cast<std::size_t>(q.first)];
+        const Member& b = members[static_cast<std::size_t>(q.second < 0 ? q.first : q.second)];
+        return geometry(q, a.position.data(), a.velocity.data(), b.position.data(), b.velocity.data());
+    }
+    static Geometry geometry(const Touching<Law>& q, const double* xa, const double* va, const double* xb,
+                             const double* vb) {
+        Geometry g{};
         if (q.second < 0) {
-            Geometry g{};
             const double away = q.side * (xa[q.axis] - q.wall);
             g.normal[static_cast<std::size_t>(q.axis)] = -q.side;
             g.depth = q.reach - away;
@@ -274,8 +311,6 @@ private:
             g.distance = math::infinity;
             return g;
         }
-        const double *xb = y + 3 * q.second, *vb = y + 3 * (count() + q.second);
-        Geometry g{};
         Vector3 v;
         for (std::size_t a = 0; a < 3; ++a) {
             g.normal[a] = (xb[a] - xa[a]) + q.image[a];
@@ -392,10 +427,11 @@ private:
     }
 
     void rearrange(const std::vector<int>& chosen) {
-        std::vector<double> y(y_.begin(), y_.begin() + first_root());
+        Scratch<double> y;
+        y.assign(y_.begin(), y_.begin() + first_root());
         for (const int q : chosen) y.push_back(root(q, geometry(pairs[q], y_.data()), y_.data()));
         for (Touching<Law>& q : pairs) q.rooted = false;
-        rooted_ = chosen;
+        rooted_.assign(chosen.begin(), chosen.end());
         for (std::size_t i = 0; i < chosen.size(); ++i) {
             pairs[chosen[i]].rooted = true;
             slot_[chosen[i]] = first_root() + static_cast<int>(i);
@@ -413,7 +449,8 @@ private:
         if (!(h_ > 0.0)) h_ = 0.25 * time_unit();
         if (!known_) derivative(y_.data(), k_.data());
         known_ = true;
-        if (at_surface()) return;
+        if (at_surface([this](int q, Event kind) { return surface(q, kind, y_.data(), k_.data()).value; }))
+            return;
         const int n = dimension();
         double length = h_;
         bool last = false;
@@ -503,6 +540,228 @@ private:
         double most = 0.0;
         for (const Member& m : members) most = math::max(most, m.mass);
         return 0.5 * most * speed_unit_ * speed_unit_;
+    }
+
+    // ---- one step under a linear law -----------------------------------------------------------------------
+
+    struct Found {
+        double at;  // in units of the series
+        Event what = Event::none;
+        int which = 0;
+    };
+
+    void follow(double until) {
+        for (Touching<Law>& q : pairs)
+            if (q.touch == Touch::closed) scale(q);
+        if (on_surface()) return;
+        const double unit = series_unit();
+        expand(unit);
+        const double rest = (until - y_[clock()]) / unit, step = longest_step();
+        Found found{math::min(step, rest)};
+        const bool last = rest <= step;
+        for (int i = 0; i < count(); ++i) travel_[i] = series::travel(paths_[i], found.at);
+        for (const Followed& f : followed_) find_end(f, found);
+        for (std::size_t q = 0; q < pairs.size(); ++q)
+            if (pairs[q].touch == Touch::open) find_begin(static_cast<int>(q), found);
+        move(found.at, unit);
+        if (last && found.what == Event::none) y_[clock()] = until;
+        time = y_[clock()];
+        open_pairs(found);
+        for (std::size_t q = 0; q < pairs.size(); ++q)
+            if (pairs[q].fresh && (found.what == Event::none || found.which != static_cast<int>(q)))
+                pairs[q].fresh = lies_on_surface(pairs[q]);
+        keep();
+        if (found.what != Event::none) apply(found.what, found.which);
+    }
+
+    double series_unit() const {
+        double square = 0.0;
+        for (const Touching<Law>& q : pairs)
+            if (q.touch == Touch::closed) square = math::max(square, q.law.elastic_force(1.0) / q.mass);
+        return 1.0 / math::sqrt(square);
+    }
+
+    // What falls to zero at an event, by the state now.
+    double height(const Touching<Law>& q, Event kind) const {
+        const Geometry g = geometry(q, y_.data());
+        if (kind == Event::begins) return -g.depth;
+        if (kind == Event::opens) return g.depth;
+        const double excess = g.depth - q.law.slack(g.rate).depth;
+        return kind == Event::ends ? excess : -excess;
+    }
+    bool lies_on_surface(const Touching<Law>& q) const {
+        for (const Event kind : events_of(q))
+            if (kind != Event::none && !(height(q, kind) > 0.0)) return true;
+        return false;
+    }
+    bool on_surface() {
+        return at_surface([this](int q, Event kind) { return height(pairs[q], kind); });
+    }
+
+    // The series of all members, and of all pairs that overlap.
+    void expand(double unit) {
+        paths_.resize(members.size());
+        push_.resize(members.size());
+        travel_.resize(members.size());
+        for (int i = 0; i < count(); ++i) {
+            const double *x = &y_[3 * i], *v = &y_[3 * (count() + i)];
+            paths_[i][0] = series::Four{x[0], x[1], x[2], 0.0};
+            paths_[i][1] = series::Four{v[0], v[1], v[2], 0.0} * unit;
+        }
+        followed_.clear();
+        for (std::size_t q = 0; q < pairs.size(); ++q)
+            if (pairs[q].touch != Touch::open) take_up(static_cast<int>(q), unit);
+        expand_from<0>(unit);
+    }
+    // The terms from order n + 2 on.
+    template <int n>
+    void expand_from(double unit) {
+        if constexpr (n + 2 > series::order) {
+            for (Followed& f : followed_) {
+                approach<n + 1>(f);
+                push_of<n>(f);
+            }
+        } else {
+            for (int i = 0; i < count(); ++i)
+                push_[i] = n == 0 ? series::Four{gravity[0], gravity[1], gravity[2], 0.0} : series::Four{};
+            for (Followed& f : followed_) press<n>(f);
+            const double share = unit * unit / ((n + 1) * (n + 2));
+            for (int i = 0; i < count(); ++i) paths_[i][n + 2] = share * push_[i];
+            expand_from<n + 1>(unit);
+        }
+    }
+    void take_up(int index, double unit) {
+        const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
+        followed_.emplace_back();
+        Followed& f = followed_.back();
+        f.pair = index;
+        f.spring = f.bodies.spring = q.law.elastic_force(1.0);
+        f.damper = f.bodies.damper = q.law.force(0.0, 1.0) / unit;
+        f.bodies.touch = q.reach;
+        f.per_mass[0] = 1.0 / members[q.first].mass;
+        f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
+        f.force[series::order] = f.bodies.force[series::order] = 0.0;
+        approach<0>(f);
+    }
+    template <int n>
+    void approach(Followed& f) {
+        const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+        const series::Four& first = paths_[q.first][n];
+        if (q.second < 0) {
+            f.depth[n] = n == 0 ? q.reach - q.side * (first[q.axis] - q.wall) : -q.side * first[q.axis];
+            return;
+        }
+        series::Four r = paths_[q.second][n] - first;
+        if constexpr (n == 0) r += series::Four{q.image[0], q.image[1], q.image[2], 0.0};
+        f.bodies.template approach<n>(r);
+    }
+    template <int n>
+    void push_of(Followed& f) {
+        if (pairs[static_cast<std::size_t>(f.pair)].second >= 0)
+            f.bodies.template push<n>();
+        else
+            f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
+    }
+    // Adds to the accelerations of order n what a pair does.
+    template <int n>
+    void press(Followed& f) {
+        const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+        approach<n + 1>(f);
+        if (q.touch != Touch::closed) return push_of<n>(f);
+        if (q.second < 0) {
+            push_of<n>(f);
+            push_[q.first][q.axis] += q.side * f.force[n] / members[q.first].mass;
+            return;
+        }
+        const series::Four apart = f.bodies.template apart<n>();
+        push_[q.first] -= apart * f.per_mass[0];
+        push_[q.second] += apart * f.per_mass[1];
+    }
+
+    // Up to which the last two terms are about as small as the tolerance.
+    double longest_step() const {
+        double depth = math::infinity, far = 0.0, last[2] = {0.0, 0.0};
+        for (const Touching<Law>& q : pairs)
+            if (q.touch == Touch::closed) depth = math::min(depth, q.depth_unit);
+        for (const series::Path& x : paths_) {
+            far = math::max(far, series::largest(x[0]));
+            for (int k : {0, 1}) last[k] = math::max(last[k], series::largest(x[series::order - k]));
+        }
+        const double allowed = math::max(0.1 * tolerance * depth, math::epsilon * far);
+        static_assert(series::order == 16);
+        const double most = math::max(last[0], last[1]);
+        return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
+    }
+
+    // The end of a contact, or the begin of another one. A pair that overlaps without force does nothing until
+    // then: the instant at which it opens is none of interest.
+    void find_end(const Followed& f, Found& found) const {
+        const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+        series::Terms force = q.second < 0 ? f.force : f.bodies.force;
+        if (q.touch == Touch::closed) return consider(f.pair, Event::ends, force, f.spring, found);
+        for (double& x : force) x = -x;
+        consider(f.pair, Event::engages, force, f.spring, found);
+    }
+    // Whether a pair that has overlapped is apart after the step. Where it would push again it may be apart as well.
+    void open_pairs(Found& found) {
+        for (const Followed& f : followed_) {
+            Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+            if (q.touch != Touch::slack || geometry(q, y_.data()).depth > 0.0) continue;
+            q.touch = Touch::open;
+            q.fresh = false;
+            if (found.which == f.pair) found.what = Event::none;
+        }
+    }
+    void find_begin(int index, Found& found) {
+        const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
+        const Geometry g = geometry(q, y_.data());
+        const double both = travel_[q.first] + (q.second < 0 ? 0.0 : travel_[q.second]);
+        if (-g.depth > both) return;
+        series::Terms gap;
+        if (q.second < 0) {
+            for (std::size_t n = 0; n < gap.size(); ++n) gap[n] = q.side * paths_[q.first][n][q.axis];
+            gap[0] = -g.depth;
+        } else {
+            gap = series::square(paths_[q.first], paths_[q.second], q.image);
+            gap[0] = -g.depth * (g.distance + q.reach);
+        }
+        consider(index, Event::begins, gap, q.second < 0 ? 1.0 : q.reach, found);
+    }
+    // `unit`: of f, by the sum of the radii.
+    void consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const {
+        const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
+        const double rounding = 4.0 * math::epsilon * q.reach * unit;
+        const double zero =
+            q.fresh ? series::next_zero(f, found.at, rounding) : series::first_zero(f, found.at);
+        if (zero <= found.at) found = {zero, kind, index};
+    }
+
+    // To a place in the step.
+    void move(double at, double unit) {
+        for (const Followed& f : followed_) {
+            const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+            if (q.touch != Touch::closed) continue;
+            const series::Terms& shape = q.second < 0 ? f.depth : f.bodies.distance;
+            const auto sum = series::integrals(shape, at, f.spring, f.damper, q.reach);
+            y_[loss()] += f.damper * sum.square;
+            if (q.second >= 0) y_[work()] += unit * sum.product;
+        }
+        if (record)
+            for (const series::Path& x : paths_) trace.bulge.push_back(series::bulge(x, at, fall_in(unit)));
+        put_at(at, unit);
+        y_[clock()] += at * unit;
+    }
+    series::Four fall_in(double unit) const {
+        return series::Four{gravity[0], gravity[1], gravity[2], 0.0} * (unit * unit);
+    }
+    void put_at(double at, double unit) {
+        for (int i = 0; i < count(); ++i) {
+            const series::State s = series::state(paths_[i], at);
+            for (int a = 0; a < 3; ++a) {
+                y_[3 * i + a] = s.place[a];
+                y_[3 * (count() + i) + a] = s.velocity[a] / unit;
+            }
+        }
     }
 
     // No pair pushes: the bodies fly to the next event of a pair, in closed form.
@@ -730,14 +989,13 @@ private:
     }
 
     // A surface reached before this step begins, without being the one just left.
-    bool at_surface() {
+    template <class Height>
+    bool at_surface(const Height& height) {
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             if (pairs[i].fresh) continue;
             const int q = static_cast<int>(i);
             for (const Event kind : events_of(pairs[i])) {
-                if (kind == Event::none) continue;
-                const Surface at = surface(q, kind, y_.data(), k_.data());
-                if (at.value > 0.0) continue;
+                if (kind == Event::none || height(q, kind) > 0.0) continue;
                 if (kind == Event::begins && !(geometry(pairs[i], y_.data()).rate > 0.0)) {
                     pairs[i].fresh = true;  // touches without closing
                     continue;

@@ -3,11 +3,14 @@
 // Between contacts bodies fly on parabolas, known exactly. Bodies in contact form groups, solved from their `begin`
 // to an `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its
 // approach (planar_contact.hpp), contacts that share a body by integration (cluster.hpp). Until its end the members of
-// a group are busy. To the others, each of them is a body on the parabola between the two ends of its path, larger
-// by the `margin`, the most by which its true path leaves that parabola. As long as no other body comes so near,
-// nothing can act on the group and its end stands. When one does (a conflict), the group is integrated again, up to
-// now, and goes on together with that body. So no contact is missed, and nothing is done that a later event could
-// change.
+// a group are busy. To the others, each of them is a body on a parabola, larger by the `margin`, the most by which its
+// true path leaves that parabola. As long as no other body comes so near, nothing can act on the group and its end
+// stands. When one does (a conflict), the group is integrated again, up to now, and goes on together with that body.
+// So no contact is missed, and nothing is done that a later event could change.
+//
+// The parabola of a member of a cluster leads from one end of its path to the other, and what is to be met beyond is
+// found at the end. That of a body in an undisturbed contact is the one on which it flies on, followed backwards from
+// the end: whom it meets then is found at once, and its end changes nothing but its size.
 //
 // Bodies are held, found and scheduled like hard spheres (hard_spheres.hpp): a record, two pending events and a cell
 // each, in the order of the cells. A group's end is an event of its first member's own.
@@ -42,6 +45,10 @@ public:
 
     // A group with more members is not integrated: contacts last, and small steps are cheaper.
     static constexpr std::size_t most_members = 300;
+    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
+    static constexpr std::size_t smallest_to_fetch = 20'000;  // bodies; below, all lies in the caches
+    // By which the line of centres turns in a contact that is solved as a whole [rad].
+    static constexpr double widest_turn = 1.0;
     // Part of the sum of the radii up to which overlap at the start is rounding.
     static constexpr double touching_depth = 1e-9;
 
@@ -84,7 +91,7 @@ private:
         Touching<Law> pair;
         Member before[2], after[2];
         double span;        // [s]
-        double margin;      // of the relative path [m]
+        double margin;      // of the relative path, from that on which the bodies fly on [m]
         double dissipated;  // [J]
         double virial;      // [J s]
         EndedContact contact;
@@ -137,6 +144,9 @@ private:
     Vector3 gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double widest_margin_ = 0.0;  // that cells are wide enough for [m]
+    bool images_ = false;         // several of a body may be near
+    bool walled_ = false;         // there are walls
+    bool fetches_ = false;        // all that is held is too large for the caches
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
@@ -152,6 +162,8 @@ private:
         return laws_(names_[first], second < 0 ? std::int64_t{-1} : std::int64_t{names_[second]});
     }
     bool free(int i) const { return group_[i] < 0; }
+    // Whether its path ends with its group.
+    bool clustered(int i) const { return !free(i) && !group(group_[i]).isolated; }
     Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
     const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
 
@@ -161,6 +173,13 @@ private:
     double smallest_edge() const;
 
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
+
+    // newton_events_ahead.hpp
+    void look_ahead() const;
+    void look_into_bin() const;
+    static Cells<3>::Surroundings surroundings(const Pending& e);
+    void fetch_cells(u32 i) const;
+    void fetch_neighbours(u32 i) const;
 
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
@@ -178,6 +197,9 @@ private:
     void make_room_for_candidates() const;
     void search(int i, const Place<3>& from, const Place<3>& to);
     void examine(int i, const hardlimit_abi::Touched& touched);
+    void consider(int i, u32 id, double grown);
+    double meeting(int i, int j, double grown) const;
+    double touch_time(int j, double reach) const;
     void predict_own(int i);
     template <class F>
     void for_near(int i, const F& f) const;
@@ -211,6 +233,7 @@ private:
     double margin_of(const Group& g, std::size_t m) const;
     void busy(int index, std::size_t m, const Member& before, const Member& after, double span,
               double margin);
+    void fly_on_from(int index, std::size_t m, double margin);
     void make_room_for(int i, double margin);
     void intruders(int i, int index, std::vector<int>& near) const;
     void stop_at_now(int i);
@@ -288,7 +311,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
     paused_ = false;
     while (outcome_ == Outcome::ok) {
         const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
-                                        [this](u32 id) { return names_[id]; }, [] {});
+                                        [this](u32 id) { return names_[id]; }, [this] { look_into_bin(); });
         if (!due || due->time > until) break;
         if (events_ >= last || stop()) {
             paused_ = true;
@@ -297,6 +320,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
         now_ = math::max(now_, due->time);
         const int i = static_cast<int>(due->id);
         calendar_.pop();
+        look_ahead();
         ++events_;
         happen(i);
     }
@@ -375,6 +399,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
 
 }  // namespace hardlimit::particles
 
+#include "newton_events_ahead.hpp"
 #include "newton_events_flight.hpp"
 #include "newton_events_groups.hpp"
 #include "newton_events_lone_contact.hpp"

@@ -48,14 +48,15 @@ double NewtonEvents<Law>::usual_margin(const std::vector<double>& velocity) cons
     if (!(speed > 0.0)) return most;
     const auto body = static_cast<std::int64_t>(at);
     const double duration = laws_(body, body).duration(speed, 0.5 * laws_.mass(at));
-    return math::clamp(3.0 * speed * duration, 0.005 * largest_, most);
+    return math::clamp(2.0 * speed * duration, 0.005 * largest_, most);
 }
 
-// All bodies lie in one grid.
+// All bodies lie in one grid. While it is in contact, a body's place on the path on which it will fly on may lie
+// outside of its cell by the margin.
 template <class Law>
 void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
     touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
-    const double most = 2.001 * (largest_ + widest_margin_);
+    const double most = 2.001 * (largest_ + 2.0 * widest_margin_);
     for (int a = 0; a < 3; ++a) {
         const bool used = a < box_.dimension;
         cell_box_.edge[a] = used ? box_.edge[a] : most;
@@ -67,6 +68,12 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     }
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
+    fetches_ = n >= smallest_to_fetch;
+    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    for (int a = 0; a < box_.dimension; ++a) {
+        images_ = images_ || (box_.periodic[a] && g.cells[a] < 4);
+        walled_ = walled_ || box_.walled(a);
+    }
 }
 
 // In the order of the cells: neighbours in space are neighbours in memory.
@@ -158,11 +165,8 @@ void NewtonEvents<Law>::make_room_for_candidates() const {
 template <class Law>
 void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) {
     make_room_for_candidates();
-    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     const auto self = static_cast<unsigned>(i);
-    bool images = false;  // several of a body may be near
-    for (int a = 0; a < box_.dimension; ++a) images = images || (box_.periodic[a] && g.cells[a] < 4);
-    if (images) {
+    if (images_) {
         cells_.for_block(cell_box_, level_, from, to, [&](u32 cell, const double (&shift)[3]) {
             std::copy_n(shift, 3, query_.shift);
             const std::size_t n = cells_.collect(cell, candidates_, 0);
@@ -175,29 +179,70 @@ void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) 
     examine(i, touch(query_, paths_.data(), self, candidates_.data(), times_.data(), block));
 }
 
-// What is touched first among the candidates. What a busy body is to meet after its end, it is told then; members of
-// one group do not meet here. Simultaneous ones are told apart by the user's numbers.
+// What is touched first among the candidates. The kernel's times are lower bounds for whoever is busy. Simultaneous
+// ones are told apart by the user's numbers.
 template <class Law>
 void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
-    Pending& e = pending_[i];
-    const double end = math::min(e.pair_time, end_[i]);
-    if (touched.time == math::infinity || now_ + touched.time > end) return;
-    if (!touched.several && group_[touched.id] < 0 && now_ + touched.time < e.pair_time) {
-        e.pair_time = now_ + touched.time;
-        e.partner = touched.id;
-        e.partner_count = pending_[touched.id].count;
-        return;
-    }
+    const Pending& e = pending_[i];
+    if (now_ + touched.time > e.pair_time || touched.time == math::infinity) return;
+    consider(i, touched.id, now_ + touched.time);
+    const bool all_free = free(i) && group_[touched.id] < 0;
+    if (all_free && !touched.several) return;
+    double last = e.pair_time;
     for (std::size_t k = 0; k < touched.n; ++k) {
-        const double time = now_ + times_[k];
-        if (time > end || time > e.pair_time || times_[k] == math::infinity) continue;
-        const u32 id = candidates_[k];
-        if (group_[id] >= 0 && (group_[id] == group_[i] || time > end_[id])) continue;
-        if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[id]) continue;
-        e.pair_time = time;
-        e.partner = id;
-        e.partner_count = pending_[id].count;
+        if (now_ + times_[k] > last || times_[k] == math::infinity || candidates_[k] == touched.id) continue;
+        consider(i, candidates_[k], now_ + times_[k]);
+        last = e.pair_time;
     }
+}
+
+// Takes another body as the next partner, if it is met first. `grown`: see meeting().
+template <class Law>
+void NewtonEvents<Law>::consider(int i, u32 id, double grown) {
+    Pending& e = pending_[i];
+    const bool all_free = free(i) && group_[id] < 0;
+    const double time = all_free ? grown : meeting(i, static_cast<int>(id), grown);
+    if (time > e.pair_time || time == math::infinity) return;
+    if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[id]) return;
+    e.pair_time = time;
+    e.partner = id;
+    e.partner_count = pending_[id].count;
+}
+
+// When the body that looks, i, meets body j, one of them busy at least; they would at `grown` if neither ever shrank to
+// its own size. Beyond the end of a cluster nothing is known of its members: what they meet then, they are told then.
+// Members of one group do not meet here.
+template <class Law>
+double NewtonEvents<Law>::meeting(int i, int j, double grown) const {
+    if (group_[i] == group_[j]) return math::infinity;
+    const bool i_first = free(j) || (!free(i) && end_[i] < end_[j]);
+    const int first = i_first ? i : j, last = i_first ? j : i;
+    if (grown < end_[first]) return grown;
+    if (clustered(first)) return math::infinity;
+    if (!free(last)) {
+        const double time = touch_time(j, radius(first) + paths_[last].radius);
+        if (time < end_[last]) return time;
+        if (clustered(last)) return math::infinity;
+    }
+    return touch_time(j, radius(i) + radius(j));
+}
+
+// When the paths of the body that looks and of body j come so near to each other.
+template <class Law>
+double NewtonEvents<Law>::touch_time(int j, double reach) const {
+    const Vector3 x = position(j, now_), v = velocity(j, now_);
+    double a = 0.0, b = 0.0, square = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        double r = x[k] - query_.position[k];
+        r += images_ ? query_.shift[k] : -query_.edge[k] * math::round_small(r * query_.per_edge[k]);
+        const double u = v[k] - query_.velocity[k];
+        a += u * u;
+        b += r * u;
+        square += r * r;
+    }
+    const double c = square - reach * reach, discriminant = b * b - a * c;
+    if (!(b < 0.0 && discriminant > 0.0)) return math::infinity;
+    return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
 // Where the path leaves its cell, or where a free body meets a wall, or the end of the group of its first member.
@@ -209,9 +254,6 @@ void NewtonEvents<Law>::predict_own(int i) {
     const Place<3> at = cells_.place(level_, e.cell);
     double in = math::infinity;
     Own which = Own::low_x;
-    const auto consider = [&](double time, int axis, bool high) {
-        if (time < in) in = time, which = own_event(axis, high);
-    };
     const Vector3 x = position(i, now_), v = velocity(i, now_);
     for (int a = 0; a < box_.dimension; ++a) {
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
@@ -219,8 +261,16 @@ void NewtonEvents<Law>::predict_own(int i) {
         if (!box_.periodic[a] && at[a] == 0) low = free(i) ? p.radius : -math::infinity;
         if (!box_.periodic[a] && at[a] == g.cells[a] - 1)
             high = free(i) ? box_.edge[a] - p.radius : math::infinity;
-        consider(time_below(x[k], v[k], box_.gravity[a], high), a, true);
-        consider(time_below(-x[k], -v[k], -box_.gravity[a], -low), a, false);
+        const auto consider = [&](double time, bool up) {
+            if (time < in) in = time, which = own_event(a, up);
+        };
+        if (box_.gravity[a] == 0.0) {
+            const bool up = v[k] > 0.0;
+            if (v[k] != 0.0) consider(math::max(0.0, ((up ? high : low) - x[k]) / v[k]), up);
+            continue;
+        }
+        consider(time_below(x[k], v[k], box_.gravity[a], high), true);
+        consider(time_below(-x[k], -v[k], -box_.gravity[a], -low), false);
     }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 7u;

@@ -94,15 +94,25 @@ void NewtonEvents<Law>::finish(int index) {
         if (free(i)) predict(i);
 }
 
+// The members are of their own size again. Their paths go on, and what they meet is known; but not which wall, nor,
+// in a small box, which image of each other.
 template <class Law>
 void NewtonEvents<Law>::finish_isolated(int index) {
     const Group& g = group(index);
     log(g, g.lone.pair, g.lone.contact);
     dissipated_ += g.lone.dissipated;
     virial_ += g.lone.virial;
-    for (std::size_t m = 0; m < g.body.size(); ++m) put(g, m, g.lone.after[m]);
-    for (const int i : g.body) predict(i);
+    for (const int i : g.body) set_free(i);
     drop(index);
+    if (images_) {
+        for (const int i : g.body) predict(i);
+        return;
+    }
+    for (const int i : g.body) {
+        if (i != g.body[0] && !walled_) continue;
+        predict_own(i);
+        schedule(i);
+    }
 }
 
 template <class Law>
@@ -163,7 +173,7 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     for (std::size_t m = 0; m < members; ++m) {
         const double share =
             members == 1 ? 1.0 : l.before[1 - m].mass / (l.before[0].mass + l.before[1].mass);
-        busy(index, m, l.before[m], l.after[m], l.span, share * l.margin);
+        fly_on_from(index, m, share * l.margin);
     }
     for (const int k : g.body) {
         find(k);
@@ -186,7 +196,10 @@ void NewtonEvents<Law>::form(std::vector<int> set, std::vector<Live> live) {
         if (set.size() > most_members || after.unresolved) outcome_ = Outcome::unresolved;
         std::vector<int> near;
         if (after.time > 0.0 && outcome_ == Outcome::ok)
-            for (const int i : set) intruders(i, index, near);
+            for (const int i : set) {
+                find(i);
+                if (!(pending_[i].pair_time > now_)) intruders(i, index, near);
+            }
         if (near.empty()) return go_on_together(index);
         release(index);
         for (const int k : near) gather(k, set, live);
@@ -199,10 +212,11 @@ void NewtonEvents<Law>::go_on_together(int index) {
     if (group(index).cluster->after.time == 0.0) {  // nothing is closed any more
         std::vector<Live> none;
         settle(index, true, none);
-    } else {
-        largest_cluster_ = std::max(largest_cluster_, static_cast<int>(set.size()));
+        for (const int i : set) predict(i);
+        return;
     }
-    for (const int i : set) predict(i);
+    largest_cluster_ = std::max(largest_cluster_, static_cast<int>(set.size()));
+    for (const int i : set) schedule(i);
 }
 
 // Integrates the set from now on and makes its members busy.
@@ -378,30 +392,36 @@ bool NewtonEvents<Law>::margins(int index) {
     return fits;
 }
 
-// The most by which a member leaves its parabola. Between two ends of steps its distance from there is close to a
-// cubic, which rises above its ends by no more than a quarter of the step times the larger slope.
+// The most by which a member leaves its parabola. Where it is not known by how much more than at the ends of a step,
+// its distance from there is close to a cubic, which rises above its ends by no more than a quarter of the step times
+// the larger slope.
 template <class Law>
 double NewtonEvents<Law>::margin_of(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();
     const Vector3& x0 = g.cluster->before.members[m].position;
     const double (&chord)[3] = paths_[g.body[m]].velocity;
+    const Trace& trace = g.cluster->after.trace;
     double margin = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
-    for (const Knot& k : g.cluster->after.trace) {
+    for (std::size_t k = 0; k < trace.time.size(); ++k) {
+        const double t = trace.time[k];
+        const double *x = &trace.state[6 * n * k + 3 * m], *v = x + 3 * n;
         double off = 0.0, rate = 0.0;
         for (std::size_t a = 0; a < 3; ++a) {
-            const double t = k.time, gt = box_.gravity[a] * t;
-            const double e = k.state[3 * m + a] - (x0[a] + t * (chord[a] + 0.5 * gt));
-            const double d = k.state[3 * (n + m) + a] - (chord[a] + gt);
+            const double gt = box_.gravity[a] * t;
+            const double e = x[a] - (x0[a] + t * (chord[a] + 0.5 * gt));
+            const double d = v[a] - (chord[a] + gt);
             off += e * e;
             rate += d * d;
         }
         off = math::sqrt(off);
         rate = math::sqrt(rate);
-        const double bulge = 0.3 * (k.time - last_time) * math::max(rate, last_rate);
+        const bool known = !trace.bulge.empty();
+        const double bulge =
+            known ? trace.bulge[n * k + m] : 0.3 * (t - last_time) * math::max(rate, last_rate);
         margin = math::max(margin, math::max(off, last) + bulge);
         last = off;
         last_rate = rate;
-        last_time = k.time;
+        last_time = t;
     }
     return 1.01 * margin;
 }
@@ -418,6 +438,23 @@ void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, con
     for (std::size_t a = 0; a < 3; ++a)
         paths_[i].velocity[a] =
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+}
+
+// Until its contact ends, a member is a larger body on the path on which it flies on.
+template <class Law>
+void NewtonEvents<Law>::fly_on_from(int index, std::size_t m, double margin) {
+    const Group& g = group(index);
+    const Isolated& l = g.lone;
+    const int i = g.body[m];
+    group_[i] = index;
+    end_[i] = now_ + l.span;
+    make_room_for(i, margin);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double v = l.after[m].velocity[a] - l.span * box_.gravity[a];
+        const double x = l.after[m].position[a] - l.span * (v + 0.5 * l.span * box_.gravity[a]);
+        paths_[i].velocity[a] = v;
+        paths_[i].position[a] += x - l.before[m].position[a];
+    }
 }
 
 // More than overlap must be to count as such.
@@ -517,7 +554,9 @@ void NewtonEvents<Law>::release(int index) {
     for (std::size_t m = 0; m < g.body.size(); ++m) {
         const int i = g.body[m];
         const Member& before = g.isolated ? g.lone.before[m] : g.cluster->before.members[m];
+        const Vector3 x = place(g, m, before.position);
         set_free(i);
+        std::copy_n(x.data(), 3, paths_[i].position);
         std::copy_n(before.velocity.data(), 3, paths_[i].velocity);
     }
     drop(index);

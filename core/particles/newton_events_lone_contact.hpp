@@ -34,11 +34,12 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) {
     l.virial = q.mass *
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
     part_pair(l, end, normal, across);
-    return l.span * (approach + sideways) <= travel() && l.margin <= widest_margin_;
+    return end.turn < widest_turn && l.span * (approach + sideways) <= travel() && l.margin <= widest_margin_;
 }
 
-// On straight lines from the end of the force until the bodies are apart. The relative path leaves its chord by the
-// compression, by the arc that it turns through, and because it turns faster while it is compressed.
+// On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
+// that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
+// touch, divided by the cosine of half of that angle.
 template <class Law>
 void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal,
                                   const Vector3& across) const {
@@ -64,9 +65,9 @@ void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const V
             to.velocity[k] = (mean + fall) + share * (vn * normal[k] + vt * across[k]);
         }
     }
-    const double deepest = 0.5 * l.contact.impact_speed * end.duration,
-                 angle = end.turn + parting * swing / r;
-    l.margin = 1.1 * (deepest * (1.0 + 2.5 * angle) + 0.25 * distance * angle * angle);
+    const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
+    const double cosine = 1.0 - 0.125 * end.turn * end.turn;  // or more
+    l.margin = 1.0001 * math::sqrt(off_n * off_n + off_t * off_t) / cosine;
 }
 
 template <class Law>
@@ -93,7 +94,9 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l) {
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;
-    l.margin = 1.1 * (0.5 * approach + math::abs(weight) * l.span) * l.span;
+    // The force per mass a points one way: what it does to the path is largest at touch, ∫ t a dt.
+    const double out = end.radial_speed - weight * opening;
+    l.margin = 1.0001 * math::abs(l.span * (out + 0.5 * weight * l.span));
     return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin_;
 }
 

@@ -1,0 +1,222 @@
+// The motion of bodies under linear contacts as power series in time.
+//
+// While no contact begins or ends, F = k ξ + γ dξ/dt keeps the motion analytic, and its Taylor series follows from
+// itself, order by order. With r the vector from the first body of a pair to the second, d = |r|, l the sum of their
+// radii, and q = k l − γ dd/dt,
+//   d² = r·r,   F = q − k d,   w = q/d,   m_1 a_1 = −(w − k) r,   m_2 a_2 = (w − k) r.
+// Each product of two series is a sum for each order; a root and a quotient solve such a sum for its last term. A step
+// is a good part of a contact, and all that has to be known within it, or where in it a contact begins or ends, is a
+// polynomial. Time counts in units in which the fastest contact oscillates with frequency 1.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "../math.hpp"
+
+namespace hardlimit::particles {
+
+template <class Law>
+concept LinearLaw = Law::onset_power == 1 && requires(const Law& law) { law.relaxation_time(); };
+
+namespace series {
+
+inline constexpr int order = 16;
+inline constexpr int length = order + 1;
+
+using Terms = std::array<double, length>;
+using Four = Vector<4>::Real;  // three coordinates and nothing
+using Path = std::array<Four, length>;
+
+inline double value(const Terms& f, double t) {
+    double sum = f[order];
+    for (int k = order - 1; k >= 0; --k) sum = sum * t + f[static_cast<std::size_t>(k)];
+    return sum;
+}
+
+// f and its first derivative.
+struct Slope {
+    double value, slope;
+};
+inline Slope slope(const Terms& f, double t) {
+    Slope s{f[order], 0.0};
+    for (int k = order - 1; k >= 0; --k) {
+        s.slope = s.slope * t + s.value;
+        s.value = s.value * t + f[static_cast<std::size_t>(k)];
+    }
+    return s;
+}
+
+struct State {
+    Four place, velocity;
+};
+inline State state(const Path& x, double t) {
+    State s{x[order], {}};
+    for (int k = order - 1; k >= 0; --k) {
+        s.velocity = s.velocity * t + s.place;
+        s.place = s.place * t + x[static_cast<std::size_t>(k)];
+    }
+    return s;
+}
+
+// The most by which a path can leave the line between two of its places up to t, all being under the same gravity.
+inline double bulge(const Path& x, double t, const Four& gravity) {
+    Four bend{};
+    for (int k = order; k >= 2; --k) {
+        const Four& term = x[static_cast<std::size_t>(k)];
+        const Four free = k == 2 ? term - 0.5 * gravity : term;
+        bend = bend * t + (k * (k - 1)) * math::max<Four>(free, -free);
+    }
+    return 0.125 * t * t * math::sqrt(bend[0] * bend[0] + bend[1] * bend[1] + bend[2] * bend[2]);
+}
+
+// Σ |f_k| but for the first term.
+inline double most(const Terms& f) {
+    double sum = 0.0;
+    for (std::size_t k = 1; k < length; ++k) sum += math::abs(f[k]);
+    return sum;
+}
+
+// The first zero in (0, end] of a polynomial that is positive at 0; beyond `end` where there is none. From a place
+// where it is positive no zero lies nearer than that of the parabola that bends down as much as it can anywhere.
+inline double first_zero(const Terms& f, double end) {
+    double bend = 0.0;
+    for (int k = order; k >= 2; --k)
+        bend = bend * end + k * (k - 1) * math::abs(f[static_cast<std::size_t>(k)]);
+    double t = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+        const Slope s = slope(f, t);
+        if (!(s.value > 0.0)) return t;
+        const double step = 2.0 * s.value / (math::sqrt(s.slope * s.slope + 2.0 * bend * s.value) - s.slope);
+        if (!(t + step <= end)) return math::infinity;
+        if (t + step <= t * (1.0 + 2.0 * math::epsilon)) return t;
+        t += step;
+    }
+    return t;
+}
+
+// The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none.
+inline double next_zero(Terms f, double end, double rounding) {
+    const double whole = most(f);
+    if (math::abs(f[0]) > math::max(1e-9 * whole, rounding)) return f[0] > 0.0 ? first_zero(f, end) : 0.0;
+    for (int k = 1; k <= order; ++k) {
+        for (std::size_t j = 0; j < order; ++j) f[j] = f[j + 1];
+        f[order] = 0.0;
+        if (math::abs(f[0]) > 1e-10 * whole) return f[0] < 0.0 ? 0.0 : first_zero(f, end);
+    }
+    return math::infinity;
+}
+
+// How far a body can get up to t.
+inline double travel(const Path& x, double t) {
+    Four sum{};
+    for (int k = order; k >= 1; --k) {
+        const Four& term = x[static_cast<std::size_t>(k)];
+        sum = (sum + math::max<Four>(term, -term)) * t;
+    }
+    return math::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
+}
+inline double largest(const Four& x) {
+    return math::max(math::abs(x[0]), math::max(math::abs(x[1]), math::abs(x[2])));
+}
+
+inline double sum_of(const Four& x) { return (x[0] + x[1]) + x[2]; }
+
+// Two bodies. The terms are found in turn: those of the distance up to n + 1 before those of the force of order n. The
+// order is known to the compiler, which makes one line of operations of each sum.
+struct Pair {
+    Path between;                  // r
+    Terms square, distance;        // d², d
+    Terms weight, force;           // w, F
+    double spring, damper, touch;  // k, γ and l, time counting in its unit
+
+    // r, d² and d of order n.
+    template <int n>
+    void approach(const Four& r) {
+        between[n] = r;
+        squared<n>();
+        if constexpr (n == 0) {
+            distance[0] = math::sqrt(square[0]);
+        } else {
+            double sum = 0.0;
+            HL_UNROLL
+            for (std::size_t j = 1; 2 * j < n; ++j) sum += distance[j] * distance[n - j];
+            sum *= 2.0;
+            if constexpr (n % 2 == 0) sum += distance[n / 2] * distance[n / 2];
+            distance[n] = (square[n] - sum) / (2.0 * distance[0]);
+        }
+    }
+    template <int n>
+    void squared() {
+        Four sum{};
+        HL_UNROLL
+        for (std::size_t j = 0; 2 * j < n; ++j) sum += between[j] * between[n - j];
+        sum *= 2.0;
+        if constexpr (n % 2 == 0) sum += between[n / 2] * between[n / 2];
+        square[n] = sum_of(sum);
+    }
+    // F of order n; returns q.
+    template <int n>
+    double push() {
+        const double damping = damper * (n + 1) * distance[n + 1];
+        force[n] = spring * (n == 0 ? touch - distance[0] : -distance[n]) - damping;
+        return (n == 0 ? spring * touch : 0.0) - damping;
+    }
+    // (w − k) r of order n: what pushes the bodies apart. Its first factor is F/d, which is no difference of large
+    // numbers.
+    template <int n>
+    Four apart() {
+        double sum = push<n>();
+        HL_UNROLL
+        for (std::size_t j = 1; j <= n; ++j) sum -= distance[j] * weight[n - j];
+        weight[n] = sum / distance[0];
+        Four along = (force[0] / distance[0]) * between[n];
+        HL_UNROLL
+        for (std::size_t j = 1; j <= n; ++j) along += weight[j] * between[n - j];
+        return along;
+    }
+};
+
+// The square of the distance of two bodies.
+template <int n = 0>
+void square_from(Pair& pair) {
+    if constexpr (n < length) {
+        pair.squared<n>();
+        square_from<n + 1>(pair);
+    }
+}
+inline Terms square(const Path& first, const Path& second, const std::array<double, 3>& image) {
+    Pair pair;
+    for (std::size_t n = 0; n < length; ++n) pair.between[n] = second[n] - first[n];
+    pair.between[0] += Four{image[0], image[1], image[2], 0.0};
+    square_from(pair);
+    return pair.square;
+}
+
+// ∫ (dd/dt)² dt and ∫ F d dt, F = k (l − d) − γ dd/dt, from 0 to t: by Gauss's rule, whose error over a step, in which
+// the square goes through less than half a period, is far below rounding.
+struct Integrals {
+    double square, product;
+};
+inline Integrals integrals(const Terms& d, double t, double spring, double damper, double touch) {
+    using Eight = Vector<8>::Real;
+    constexpr Eight node = {0.01985507175123188, 0.10166676129318663, 0.2372337950418355, 0.4082826787521751,
+                            0.5917173212478249,  0.7627662049581645,  0.8983332387068134, 0.9801449282487681};
+    constexpr Eight weight = {0.05061426814518813, 0.11119051722668724, 0.15685332293894363,
+                              0.18134189168918100, 0.18134189168918100, 0.15685332293894363,
+                              0.11119051722668724, 0.05061426814518813};
+    const Eight at = t * node;
+    Eight value = Eight{} + d[order], slope{};
+    for (int k = order - 1; k >= 0; --k) {
+        slope = slope * at + value;
+        value = value * at + d[static_cast<std::size_t>(k)];
+    }
+    const Eight squares = weight * (slope * slope);
+    const Eight products = weight * ((spring * (touch - value) - damper * slope) * value);
+    Integrals sum{};
+    for (int i = 0; i < 8; ++i) sum.square += squares[i], sum.product += products[i];
+    return {t * sum.square, t * sum.product};
+}
+
+}  // namespace series
+}  // namespace hardlimit::particles
