@@ -53,7 +53,7 @@ struct LinearDashpot {
     double damping;    // γ [N s/m]
 
     static constexpr int onset_power = 1;
-    static constexpr bool similar = true;
+    static constexpr bool similar = true, linear = true;
     static constexpr LawRecord record = {
         "linear",
         "LinearDashpot",

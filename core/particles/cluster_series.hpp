@@ -17,7 +17,7 @@
 namespace hardlimit::particles {
 
 template <class Law>
-concept LinearLaw = Law::onset_power == 1 && requires(const Law& law) { law.relaxation_time(); };
+concept LinearLaw = requires { requires Law::linear; };
 
 namespace series {
 
