@@ -6,8 +6,8 @@
 //   elastic_force(s)         its part at rest [N], which never falls as s grows
 //   energy(s)                energy stored in the compression [J], elastic_force = dE/dξ
 //   slack(rate)              compression up to which the force is zero at this rate (see Slack)
-//   similar                  true, only where the force is a power of ξ and another power of ξ times ξ̇: then contacts of
-//                            the same damping force, in units of the elastic one, are copies on another scale
+//   similar                  true, only where the force is a power of ξ and another power of ξ times ξ̇: then contacts
+//                            of the same damping force, in units of the elastic one, are copies on another scale
 //   linear                   true, only where the force is k ξ + γ ξ̇, with constant k and γ: then contacts that overlap
 //                            in time move by power series
 //   relaxation_time()        only where slack is −relaxation_time · rate exactly, which has closed forms [s]
