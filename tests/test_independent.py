@@ -238,10 +238,19 @@ def test_balls_that_collapse_in_flight_go_on_together(restitution):
     column = hl.Column.cradle([hl.Ball(0.01, mass=1.0)] * 3, [1.0, 0.0, -0.9], law, gaps=[0.1, 0.15])
     result = hl.independent(column)
     assert result.outcome_code == COLLAPSE
-    assert result.velocities == pytest.approx([0.1 / 3.0] * 3, rel=1e-6)
+    assert result.velocities == pytest.approx([0.1 / 3.0] * 3, rel=1e-12)  # that of the centre of mass
     at = result.trajectory([result.t_end, 10.0, 1e4])
     assert np.diff(at.position.values, axis=1) == pytest.approx(np.full((3, 2), 0.02), abs=1e-12)
     assert (np.diff(at.velocity.values) == 0.0).all()
+
+
+def test_of_simultaneous_collisions_the_upper_one_comes_first():
+    """By hand, for three equal balls and ε = 1/2; the upper gap a little smaller gives the same."""
+    balls, law = [hl.Ball(0.01, mass=1.0)] * 3, law_of("linear", 0.5)
+    tie = hl.independent(hl.Column.cradle(balls, [1.0, 0.0, -1.0], law, gaps=[0.125, 0.125]))
+    nearly = hl.independent(hl.Column.cradle(balls, [1.0, 0.0, -1.0], law, gaps=[0.125, 0.125 - 1e-9]))
+    assert tie.contacts.pair.values.tolist() == nearly.contacts.pair.values.tolist() == [2, 1, 2]
+    assert tie.velocities == pytest.approx([-0.3125, -0.046875, 0.359375], rel=1e-14)
 
 
 @pytest.mark.parametrize("restitution", [0.08, 0.2])

@@ -119,6 +119,15 @@ def test_positions_velocities_and_energies_belong_together(kind):
     assert np.abs(slope - mean)[long].max() < 0.01 * largest
 
 
+@pytest.mark.parametrize("kind", [kind for kind in RESULTS if kind != "adiabatic"])
+def test_energy_is_accounted_for(kind):
+    """But for the model in which the upper ball does not push back."""
+    t = RESULTS[kind].trajectory()
+    mechanical = t.kinetic_energy + t.potential_energy
+    total = (mechanical + t.contact_energy + t.dissipated_energy).values
+    assert total == pytest.approx(np.full(len(total), float(mechanical[0])), rel=1e-9)
+
+
 @every_result
 def test_trajectory_takes_any_times_in_any_order(kind):
     result = RESULTS[kind]
