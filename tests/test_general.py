@@ -125,6 +125,37 @@ def test_corner_cases_end_with_an_outcome(name, restitution, gap):
     assert math.isnan(result.effective_restitution)
 
 
+def least_force(column: hl.Column, depth: float, speed: float) -> float:
+    """Of a ball that goes into a linear floor from this depth, not clipped, over six periods, in closed form [N]."""
+    mass, k, damping = column.balls[0].mass, column.laws[0].stiffness, column.contacts[0].damping
+    decay, weight = damping / (2.0 * mass), mass * column.gravity
+    omega = math.sqrt(k / mass - decay**2)
+    t = np.linspace(0.0, 12.0 * math.pi / omega, 20001)
+    # ξ = mg/k + e^{−βt} (a cos ωt + b sin ωt)
+    a = depth - weight / k
+    b = (speed + decay * a) / omega
+    fading, cosine, sine = np.exp(-decay * t), np.cos(omega * t), np.sin(omega * t)
+    compression = weight / k + fading * (a * cosine + b * sine)
+    rate = fading * ((b * omega - decay * a) * cosine - (a * omega + decay * b) * sine)
+    return float((k * compression + damping * rate)[1:].min())
+
+
+@given(restitution=st.floats(0.3, 0.98), mass=log_floats(1e-2, 10.0), stiffness=log_floats(1e2, 1e5))
+@draws(100)
+def test_a_ball_rests_at_the_first_contact_that_keeps_its_force(
+    restitution: float, mass: float, stiffness: float
+) -> None:
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
+    column = hl.Column([hl.Ball(0.1, mass=mass)], [], 0.3, law)
+    result = hl.newton(column, until=1e4)
+    begin, end = result.contacts.begin.values, result.contacts.end.values
+    touch = result.trajectory(begin)
+    depth, speed = 0.1 - touch.position.values[:, 0], -touch.velocity.values[:, 0]
+    assert np.isfinite(end[:-1]).all() and np.isnan(end[-1])
+    stays = [least_force(column, *state) > 0.0 for state in zip(depth, speed, strict=True)]
+    assert stays == [False] * (len(begin) - 1) + [True]
+
+
 @every_law
 @pytest.mark.parametrize("restitution", [1.0, 0.7, 0.2])
 def test_touching_is_the_limit_of_a_vanishing_gap(name, restitution):
