@@ -17,6 +17,7 @@ POINT = (
 CASES = [
     ("Python and NumPy alone", "import numpy"),
     ("import hardlimit", "import hardlimit"),
+    ("hardlimit --help", "from hardlimit.cli import main; main(['--help'], 'hardlimit')"),
     ("hl.newton, one drop", OURS + "print(hl.newton(hl.Column.paper()).n_contacts)"),
     (
         "hl.sweep, map of 100×100",

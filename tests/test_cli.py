@@ -82,9 +82,24 @@ def test_the_list_of_commands_says_what_each_does() -> None:
     assert all(line.endswith(".") and not line.endswith("...") for line in listed), listed
 
 
+def command(name: str) -> click.Command:
+    found = main.get_command(click.Context(main), name)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_line_in_the_list_is_the_first_of_the_commands_own_help(name: str) -> None:
+    """The list is printed without importing the commands."""
+    lines = run("--help").stdout.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    listed = dict(line.split(maxsplit=1) for line in lines)
+    assert listed[name] == command(name).get_short_help_str(80)
+    assert command(name).name == name
+
+
 def every_option() -> Iterator[tuple[str, click.Option]]:
-    for name, command in [*main.commands.items(), ("gas compare", compare)]:
-        yield from ((name, option) for option in command.params if isinstance(option, click.Option))
+    for name, asked in [*((name, command(name)) for name in COMMANDS), ("gas compare", compare)]:
+        yield from ((name, option) for option in asked.params if isinstance(option, click.Option))
 
 
 def test_every_option_is_explained() -> None:
@@ -727,13 +742,13 @@ def test_a_film_without_ffmpeg_names_the_extra(tmp_path: Path, monkeypatch: pyte
 #: A sweep that says when it has begun to compute.
 ANNOUNCED = """
 import contextlib, sys
-from hardlimit.cli import main
+from hardlimit.cli import main, sweep
 
 @contextlib.contextmanager
 def announce(*title):
     yield lambda done, total: print("computing", flush=True)
 
-sys.modules["hardlimit.cli.sweep"].bar = announce
+sweep.bar = announce
 main(sys.argv[1:], "hardlimit")
 """
 

@@ -272,7 +272,9 @@ SKIPPED = {"resume", "help", "open_browser"}
 @st.composite
 def command_lines(draw: st.DrawFn) -> list[str]:
     name = draw(st.sampled_from(["drop", "contact", "sweep", "gas", "explore", "paper", "completion"]))
-    options = [p for p in main.commands[name].params if isinstance(p, click.Option) and p.name not in SKIPPED]
+    command = main.get_command(click.Context(main), name)
+    assert command is not None
+    options = [p for p in command.params if isinstance(p, click.Option) and p.name not in SKIPPED]
     line = [name]
     for _ in range(draw(st.integers(0, 6 if options else 0))):
         option = draw(st.sampled_from(options))

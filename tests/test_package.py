@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 import hardlimit as hl
 
 PUBLIC = {
@@ -45,4 +47,25 @@ def test_import_is_light():
         [sys.executable, "-c", listing], capture_output=True, text=True, check=True
     ).stdout.split()
     late = {"matplotlib", "rich", "xarray", "zarr", "h5py", "click", "multiprocessing", "importlib.metadata"}
+    late |= {
+        "hardlimit.particles",
+        "hardlimit.fitting",
+        "hardlimit.oblique",
+        "hardlimit.stacks",
+        "concurrent.futures",
+    }
     assert not late & set(loaded)
+
+
+def test_help_is_light():
+    """The list of commands imports none of them."""
+    listing = "import sys; from hardlimit.cli import main; main(['--help'], standalone_mode=False); print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", listing], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert {name for name in loaded if name.startswith("hardlimit.cli.")} == {"hardlimit.cli.program"}
+
+
+def test_what_is_not_there():
+    with pytest.raises(AttributeError, match="module 'hardlimit' has no attribute 'fitt'"):
+        hl.fitt  # noqa: B018

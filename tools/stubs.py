@@ -55,17 +55,20 @@ def laws_stub() -> str:
 
 
 def package_stub() -> str:
-    """Every public name with its type: imports as they stand in __init__.py, the laws one by one."""
+    """Every public name with its type: imports as they stand in __init__.py, now or later, the laws one by one."""
     from hardlimit import _core
 
     source = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
     laws = ["LAWS", *(record["class_name"] for record in _core.law_records())]
     lines = ["# Written by tools/stubs.py from __init__.py and the laws' records.", ""]
     for node in source.body:
-        if isinstance(node, ast.ImportFrom) and node.module is not None:
+        if isinstance(node, ast.ImportFrom) and node.level and node.module:
             names = [alias.name for alias in node.names if not (alias.asname or alias.name).startswith("_")]
             names = [name for name in laws if name not in names] if names == ["*"] else names
             lines += [f"from .{node.module} import {name} as {name}" for name in names]
+        elif isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_LATER":
+            later = ast.literal_eval(node.value)
+            lines += [f"from .{module} import {name} as {name}" for module in later for name in later[module]]
         elif isinstance(node, ast.AnnAssign):
             lines.append(f"{ast.unparse(node.target)}: {ast.unparse(node.annotation)}")
     return "\n".join(dict.fromkeys(lines)) + "\n"

@@ -14,6 +14,8 @@ No: all 4 contacts of the balls happen while another contact lasts; for the
 separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
 """
 
+from importlib import import_module
+
 from . import _core
 from .approximations import restitution_pade, restitution_series, usual_damping
 from .bodies import FLOOR, Ball
@@ -23,29 +25,33 @@ from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
 from .contact import Contact, Law
 from .convert import convert, convert_back
-from .fitting import fit
-from .fitting.files import read_measurements
-from .fitting.measurements import Impacts, Rebounds
-from .fitting.result import Fit
 from .laws import *  # noqa: F403
 from .laws import LAWS
 from .laws import __all__ as _laws
-from .oblique import ObliqueDrop, oblique_drop
-from .particles.contact_result import ContactResult
-from .particles.event_driven import event_driven
-from .particles.fidelity import Fidelity, fidelity
-from .particles.lammps.folder import lammps_input, lammps_result
-from .particles.molecular_dynamics import molecular_dynamics
-from .particles.result import ParticleResult
-from .particles.resuming import resume
-from .particles.system import ParticleSystem
-from .stacks import Stack, stack
 from .sweep import sweep
 
 __version__: str = _core.version
 
 #: Names of the outcome codes, in the order of their numbers.
 OUTCOMES: tuple[str, ...] = _core.outcome_names
+
+#: Where the names are that are imported when first asked for: a drop needs none of them, and they take as long as it.
+_LATER = {
+    "fitting": ("fit",),
+    "fitting.files": ("read_measurements",),
+    "fitting.measurements": ("Impacts", "Rebounds"),
+    "fitting.result": ("Fit",),
+    "oblique": ("ObliqueDrop", "oblique_drop"),
+    "particles.contact_result": ("ContactResult",),
+    "particles.event_driven": ("event_driven",),
+    "particles.fidelity": ("Fidelity", "fidelity"),
+    "particles.lammps.folder": ("lammps_input", "lammps_result"),
+    "particles.molecular_dynamics": ("molecular_dynamics",),
+    "particles.result": ("ParticleResult",),
+    "particles.resuming": ("resume",),
+    "particles.system": ("ParticleSystem",),
+    "stacks": ("Stack", "stack"),
+}
 
 __all__ = [
     "FLOOR",
@@ -56,38 +62,32 @@ __all__ = [
     "Column",
     "Comparison",
     "Contact",
-    "ContactResult",
-    "Fidelity",
-    "Fit",
-    "Impacts",
     "Law",
-    "ObliqueDrop",
-    "ParticleResult",
-    "ParticleSystem",
-    "Rebounds",
     "Result",
-    "Stack",
     "Verdict",
     "adiabatic",
     "compare",
     "convert",
     "convert_back",
-    "event_driven",
-    "fidelity",
-    "fit",
     "independent",
-    "lammps_input",
-    "lammps_result",
-    "molecular_dynamics",
     "newton",
-    "oblique_drop",
-    "read_measurements",
     "restitution_pade",
     "restitution_series",
-    "resume",
-    "stack",
     "sweep",
     "usual_damping",
+    *(name for names in _LATER.values() for name in names),
     *(name for name in _laws if name != "LAWS"),
 ]
 del _laws
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _LATER.items():
+        if name in names:
+            globals()[name] = found = getattr(import_module(f".{module}", __name__), name)
+            return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__} - {"import_module", "_LATER"})

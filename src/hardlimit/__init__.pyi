@@ -18,15 +18,18 @@ from .contact import Contact as Contact
 from .contact import Law as Law
 from .convert import convert as convert
 from .convert import convert_back as convert_back
+from .laws import LAWS as LAWS
+from .laws import LinearDashpot as LinearDashpot
+from .laws import Viscoelastic as Viscoelastic
+from .laws import Tsuji as Tsuji
+from .sweep import sweep as sweep
+__version__: str
+OUTCOMES: tuple[str, ...]
 from .fitting import fit as fit
 from .fitting.files import read_measurements as read_measurements
 from .fitting.measurements import Impacts as Impacts
 from .fitting.measurements import Rebounds as Rebounds
 from .fitting.result import Fit as Fit
-from .laws import LAWS as LAWS
-from .laws import LinearDashpot as LinearDashpot
-from .laws import Viscoelastic as Viscoelastic
-from .laws import Tsuji as Tsuji
 from .oblique import ObliqueDrop as ObliqueDrop
 from .oblique import oblique_drop as oblique_drop
 from .particles.contact_result import ContactResult as ContactResult
@@ -41,6 +44,3 @@ from .particles.resuming import resume as resume
 from .particles.system import ParticleSystem as ParticleSystem
 from .stacks import Stack as Stack
 from .stacks import stack as stack
-from .sweep import sweep as sweep
-__version__: str
-OUTCOMES: tuple[str, ...]

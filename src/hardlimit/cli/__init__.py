@@ -2,24 +2,48 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import click
 
-from .cite import cite
-from .completion import completion
-from .contact import contact
-from .convert import convert_command
-from .drop import drop
-from .explore import explore
-from .fit import fit
-from .gas import gas
-from .paper import paper
 from .program import Program
-from .stack import stack
-from .sweep import sweep
+
+#: Each command with its first line of help; it is ``NAME`` in the module ``NAME``, which is imported when it is run.
+COMMANDS = {
+    "cite": "Print BibTeX of the package and of what its results rest on.",
+    "completion": "Print the script that completes commands in a shell.",
+    "contact": "One contact: its duration, restitution and damping.",
+    "convert": "A restitution as the input of particle codes, and back.",
+    "drop": "Drop a column of balls: Newton beside event-driven.",
+    "explore": "Serve the interactive page on 127.0.0.1 until Ctrl-C.",
+    "fit": "Fit a contact law to measurements, and say whether it holds.",
+    "gas": "Let grains collide in a box as hard spheres, beside theory.",
+    "paper": "Compute Figures 2–8 of the paper, and check its statements.",
+    "stack": "Masses with which a stack throws its top ball fastest.",
+    "sweep": "Compute a map over any parameters of a column of balls.",
+}
+
+
+class Commands(Program):
+    """A group that lists its commands without importing them: each needs other parts of the package."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        if name not in COMMANDS:
+            return None
+        command = getattr(import_module(f".{name}", __name__), name)
+        assert isinstance(command, click.Command)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
 
 
 @click.group(
-    cls=Program,
+    cls=Commands,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png",
@@ -43,19 +67,3 @@ def main(context: click.Context, version: bool, verbose: bool) -> None:
         context.exit()
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
-
-
-for command in (
-    drop,
-    contact,
-    convert_command,
-    fit,
-    stack,
-    paper,
-    sweep,
-    gas,
-    explore,
-    cite,
-    completion,
-):
-    main.add_command(command)

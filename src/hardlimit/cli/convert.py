@@ -12,7 +12,8 @@ import click
 from .. import validation
 from ..bodies import FLOOR, Ball
 from ..column.files import prefixed
-from ..convert import convert, convert_back
+from ..convert import convert as converted
+from ..convert import convert_back
 from ..convert.codes import code, names
 from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers, Obtained
 from ..convert.wanted import LAWS
@@ -107,12 +108,12 @@ code_options = options(
 )
 
 
-@click.command(cls=Command, name="convert", epilog=EXAMPLES)
+@click.command(cls=Command, epilog=EXAMPLES)
 @bed
 @contact_options
 @code_options
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def convert_command(
+def convert(
     radii: tuple[float, ...],
     densities: tuple[float, ...],
     masses: tuple[float, ...],
@@ -137,7 +138,7 @@ def convert_command(
     if given["restitution"] is None:
         raise ValueError("restitution: missing, must be given, or --input")
     given["speed"] = 1.0 if given["speed"] is None else given["speed"]
-    found = convert(balls, wall=wall is not False, **given)
+    found = converted(balls, wall=wall is not False, **given)
     if as_json:
         print_json(found.to_dict())
     else:

@@ -16,11 +16,13 @@ from .chunks import Chunks
 from .engines import ENGINES, Engine
 from .memory import Memory, insist_on_room
 from .plan import make_plan
-from .store import Store
 from .variables import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from .plan import Plan
+    from .store import Store
 
 __all__ = ["ENGINES", "VARIABLES", "sweep"]
 
@@ -123,7 +125,7 @@ def sweep(
     chunks = Chunks.whole(plan) if store is None and chosen.whole else Chunks.of(plan)
     insist_on_room(plan, chunks, in_store=store is not None)
     bar = reporter(progress, "sweep", "points")
-    opened = nullcontext(Memory(plan, chunks)) if store is None else Store(store, plan, chunks)
+    opened = nullcontext(Memory(plan, chunks)) if store is None else _store(store, plan, chunks)
     with bar as tell, opened as results:
         missing = results.missing()
         done = plan.size - sum(chunks.span(chunk)[1] for chunk in missing)
@@ -140,6 +142,12 @@ def sweep(
                     report(0)
         ds = results.dataset()
     return ds.assign_attrs(engine=engine, wall_time_s=time.perf_counter() - started)
+
+
+def _store(path: Any, plan: Plan, chunks: Chunks) -> Store:
+    from .store import Store
+
+    return Store(path, plan, chunks)
 
 
 def _engine(name: Any, scheduler: Any) -> Engine:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterable
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,11 @@ from ..chunks import Chunks
 from ..computation import Report, Values
 from ..plan import MODELS, Plan
 from ..variables import OF_BALL, VARIABLES
-from .cuda_device import Gpu, open_gpu
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
+
+    from .cuda_device import Gpu
 
 #: What the kernel writes for a point that the host must solve.
 LEFT_TO_HOST: Final = 255
@@ -67,6 +70,10 @@ def compute(
     scheduler: Any = None,
 ) -> Generator[tuple[int, Values], None, None]:
     """Each wanted chunk, one after the other."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    from .cuda_device import open_gpu
+
     gpu = open_gpu()
     with ThreadPoolExecutor(threads) as pool:
         for chunk in wanted:
