@@ -5,7 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -154,6 +154,31 @@ def test_a_ball_rests_at_the_first_contact_that_keeps_its_force(
     assert np.isfinite(end[:-1]).all() and np.isnan(end[-1])
     stays = [least_force(column, *state) > 0.0 for state in zip(depth, speed, strict=True)]
     assert stays == [False] * (len(begin) - 1) + [True]
+
+
+@given(
+    restitution=st.floats(0.3, 0.999),
+    mass=log_floats(1e-2, 10.0),
+    stiffness=log_floats(1e2, 1e5),
+    share=log_floats(1e-2, 1e2),
+)
+@draws(200)
+def test_a_ball_that_falls_little_rests_or_bounces(
+    restitution: float, mass: float, stiffness: float, share: float
+) -> None:
+    """``share``: the energy of the fall over that with which an undamped contact would just open."""
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
+    weight = mass * 9.81
+    height = share * weight / (2.0 * stiffness)
+    column = hl.Column([hl.Ball(0.1, mass=mass)], [], 0.1 + height, law, gravity=9.81)
+    speed = math.sqrt(2.0 * 9.81 * (column.height - 0.1))
+    least = least_force(column, 0.0, speed)
+    assume(abs(least) > 1e-6 * weight)  # beside the border the grid of least_force decides
+    result = hl.newton(column)
+    assert result.outcome == (
+        "ok" if least < 0.0 else "at rest: a contact never ends because gravity holds it closed"
+    )
+    assert np.isnan(result.contacts.end.values).all() == (least > 0.0)
 
 
 @every_law
