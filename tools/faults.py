@@ -84,7 +84,7 @@ class Workplace:
         self.sound = self.extension.read_bytes()
         commands = json.loads((self.build / "compile_commands.json").read_text(encoding="utf-8"))
         self.compile = {
-            Path(c["file"]).stem: shlex.split(c["command"]) for c in commands if "_core.dir" in c["output"]
+            Path(c["file"]).stem: shlex.split(c["command"]) for c in commands if "_core.dir" in c["command"]
         }
 
     def copy_tree(self) -> None:
