@@ -25,6 +25,7 @@ from hardlimit.convert import texts
 from hardlimit.convert.codes import Code, Model, Pair, Written, code
 
 RADIUS, DENSITY = 5e-4, 7850.0
+RADII = (5e-4, 1e-3)  #: of a bed
 RESTITUTIONS = (0.3, 0.7, 0.9, 0.99)
 SPEEDS = (0.1, 1.0)  #: at a wall the last one
 #: [N/m] and [Pa]; softer than any material, so that runs are short.
@@ -56,6 +57,25 @@ class Case:
     numbers: dict[str, float]
     time_step: float
     duration: float
+    bed: str = ""  #: the input of all contacts of a bed, where it is not that of this one alone
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of the two bodies [m]; of the sphere, twice, at a wall."""
+        return RADII[self.pair.first - 1], RADII[self.pair.second - 1]
+
+    @property
+    def types(self) -> tuple[int, int]:
+        """Of the two bodies, in the input of a bed; the wall is the last."""
+        return (
+            (self.pair.first, len(RADII) + 1 if self.pair.wall else self.pair.second) if self.bed else (1, 1)
+        )
+
+    @property
+    def contact(self) -> str:
+        """As in the file."""
+        kind = "wall" if self.pair.wall else "pair"
+        return f"bed, {self.pair.name}" if self.bed else kind
 
     @property
     def gap(self) -> float:
@@ -69,6 +89,8 @@ class Case:
 
     def text(self) -> str:
         """The input as the package writes it."""
+        if self.bed:
+            return self.bed
         return texts.written(
             self.code, self.model, [(self.pair, self.numbers)], self.attraction, self.time_step
         )
@@ -107,6 +129,24 @@ def cases(name: str) -> Iterator[Case]:
                         )
 
 
+def bed_cases(name: str) -> Iterator[Case]:
+    """Every contact of a bed of two sizes and a wall, under one input for all of them, with ε = 0.7 wanted."""
+    found = code(name)
+    balls = [hl.Ball(radius, density=DENSITY) for radius in RADII]
+    for model in found.models:
+        if not model.input.matrix:
+            continue
+        made = hl.convert(balls, restitution=0.7, stiffness=STIFFNESS, code=name, model=model.name)
+        for row in made.models[0].contacts:
+            wall = row.pair.endswith("wall")
+            first, second = (int(x) for x in re.findall(r"\d", row.pair + (row.pair[0] if wall else "")))
+            contact = next(one for one in made.contacts if one.pair == row.pair)
+            pair = Pair(row.pair, contact.effective_mass, contact.effective_radius, wall, first, second)
+            duration = Written(model, pair, 1.0).force(row.numbers).collision(1.0).duration
+            step = float(f"{duration / STEPS:.4g}")
+            yield Case(found, model, pair, False, 1.0, row.numbers, step, duration, made.text)
+
+
 @dataclass(frozen=True)
 class Measured:
     """What a run gave."""
@@ -124,6 +164,8 @@ class Measured:
 def liggghts(case: Case, folder: Path) -> Measured:
     """One run."""
     half = 20.0 * RADIUS
+    (a, b), (i, j) = case.radii, case.types
+    away = 0.3 * half if case.bed else 0  # from the floor, which is there then
     first, second = (-case.speed, 0.0) if case.pair.wall else (0.5 * case.speed, -0.5 * case.speed)
     body = [
         "units si",
@@ -133,26 +175,31 @@ def liggghts(case: Case, folder: Path) -> Measured:
         "communicate single vel yes",
         "atom_modify map array",
         f"region box block {-half} {half} {-half} {half} {-half} {half} units box",
-        "create_box 1 box",
+        f"create_box {max(i, j, len(RADII) + 1 if case.bed else 1)} box",
         "neighbor 0.0005 bin",
         "neigh_modify delay 0",
         *(line for line in case.text().splitlines() if line.startswith("fix m")),
-        *(line for line in case.text().splitlines() if not line.startswith("fix m")),
+        *(line for line in case.text().splitlines() if not line.startswith(("fix m", "timestep"))),
+        f"timestep {case.time_step!r}",
     ]
     if case.pair.wall:
         body += [
-            f"create_atoms 1 single 0 0 {RADIUS + case.gap!r} units box",
-            f"set atom 1 diameter {2 * RADIUS} density {DENSITY} vz {first!r}",
+            f"create_atoms {i} single 0 0 {a + case.gap!r} units box",
+            f"set atom 1 diameter {2 * a} density {DENSITY} vz {first!r}",
             f"variable v equal vz[1]/{case.speed}",
         ]
     else:
         body += [
-            "create_atoms 1 single 0 0 0 units box",
-            f"create_atoms 1 single {2 * RADIUS + case.gap!r} 0 0 units box",
-            f"set atom 1 diameter {2 * RADIUS} density {DENSITY} vx {first!r}",
-            f"set atom 2 diameter {2 * RADIUS} density {DENSITY} vx {second!r}",
+            f"create_atoms {i} single 0 0 {away} units box",
+            f"create_atoms {j} single {a + b + case.gap!r} 0 {away} units box",
+            f"set atom 1 diameter {2 * a} density {DENSITY} vx {first!r}",
+            f"set atom 2 diameter {2 * b} density {DENSITY} vx {second!r}",
             f"variable v equal (vx[2]-vx[1])/{case.speed}",
         ]
+    count = 1 if case.pair.wall else 2
+    for k in range(len(RADII) if case.bed else 0):  # each type must be there
+        body.append(f"create_atoms {k + 1} single 0 {0.6 * half!r} {(-1) ** k * 0.6 * half!r} units box")
+        body.append(f"set atom {count + k + 1} diameter {RADII[k]} density {DENSITY}")
     body += [
         "fix move all nve/sphere",
         "thermo_style custom step v_v",
@@ -175,15 +222,12 @@ def tell(speed, wall):
 YADE = """
 O.reset()
 {material}
-mass = {density} * 4.0 / 3.0 * 3.141592653589793 * {radius}**3
+for body in [{first}] if {wall} else [{first}, {second}]:
+    O.bodies.append(sphere(body[0], body[1], material=body[2]))
+    O.bodies[-1].state.vel = body[3]
+    O.bodies[-1].state.mass = {density} * 4.0 / 3.0 * 3.141592653589793 * body[1] ** 3
 if {wall}:
-    O.bodies.append([sphere((0, 0, {radius} + {gap}), {radius}), utils.wall((0, 0, 0), axis=2)])
-    O.bodies[0].state.vel = (0, 0, -{speed})
-else:
-    O.bodies.append([sphere((0, 0, 0), {radius}), sphere((2 * {radius} + {gap}, 0, 0), {radius})])
-    O.bodies[0].state.vel, O.bodies[1].state.vel = (0.5 * {speed}, 0, 0), (-0.5 * {speed}, 0, 0)
-    O.bodies[1].state.mass = mass
-O.bodies[0].state.mass = mass
+    O.bodies.append(utils.wall((0, 0, 0), axis=2, material={wall_material}))
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
@@ -200,12 +244,19 @@ def yade_lines(case: Case) -> str:
     """The script of one run."""
     lines = case.text().splitlines()
     hertz = case.model.elastic == "hertz"
+    (a, b), (i, j) = case.radii, case.types
+    v = case.speed
+    if case.pair.wall:
+        first = ((0.0, 0.0, a + case.gap), a, i - 1, (0.0, 0.0, -v))
+    else:
+        first = ((0.0, 0.0, 0.0), a, i - 1, (0.5 * v, 0.0, 0.0))
     return YADE.format(
-        material=next(line for line in lines if line.startswith("O.materials")),
+        material=next(line for line in lines if "O.materials" in line),
         density=DENSITY,
-        radius=RADIUS,
-        gap=case.gap,
-        speed=case.speed,
+        first=first,
+        second=((a + b + case.gap, 0.0, 0.0), b, j - 1, (-0.5 * v, 0.0, 0.0)),
+        wall_material=j - 1,
+        speed=v,
         wall=case.pair.wall,
         physics=next((x for x in lines if x.startswith("Ip2")), "Ip2_ViscElMat_ViscElMat_ViscElPhys()"),
         law="Law2_ScGeom_MindlinPhys_Mindlin()" if hertz else "Law2_ScGeom_ViscElPhys_Basic()",
@@ -358,7 +409,7 @@ def each(run: Callable[[Case, Path], Measured]) -> Runs:
 
 def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
     """One line of the file for each case."""
-    listed = list(cases(name))
+    listed = [*cases(name), *bed_cases(name)]
     with tempfile.TemporaryDirectory() as folder:
         found = run(listed, Path(folder))
     for case, measured in zip(listed, found, strict=True):
@@ -367,7 +418,7 @@ def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
             "code": name,
             "version": case.code.version,
             "model": case.model.name,
-            "contact": "wall" if case.pair.wall else "pair",
+            "contact": case.contact,
             "attraction": int(case.model.powers(case.attraction).attracts),
             "speed": case.speed,
             "numbers": json.dumps(numbers),
