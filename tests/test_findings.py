@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import hardlimit as hl
 from legible import assert_legible
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "findings"
@@ -117,3 +118,7 @@ def test_the_relation_for_ice_is_told_from_the_law() -> None:
     above = found.contact.restitution(1e-2 * speed) - relation
     assert above[0] == pytest.approx(-0.19, abs=5e-3) and above[-1] == pytest.approx(0.073, abs=5e-3)
     np.testing.assert_allclose((speed / 0.0077) ** -0.234, relation, rtol=2e-3)
+    fast = np.geomspace(0.5, 5.0, 13)
+    relation = 0.32 * fast**-0.234
+    above = hl.fit(hl.Impacts.of_restitution(1e-2 * fast, relation, 0.02), "viscoelastic")
+    assert np.max(np.abs(above.contact.restitution(1e-2 * fast) - relation)) == pytest.approx(0.022, abs=1e-3)

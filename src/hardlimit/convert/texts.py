@@ -106,8 +106,8 @@ def _matrix(
     types = bodies + walls
     values: dict[tuple[int, int], dict[str, str]] = {}
     for (pair, _), one in zip(contacts, places, strict=True):
-        ends = (pair.first, types if pair.wall else pair.second)
-        values[ends] = values[ends[::-1]] = one
+        first, second = pair.first, types if pair.wall else pair.second
+        values[first, second] = values[second, first] = one
     if walls:
         values[types, types] = places[-1]  # walls do not meet
     ends = [(i + 1, j + 1) for i in range(types) for j in range(types)]
