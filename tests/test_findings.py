@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import hardlimit as hl
 from legible import assert_legible
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "findings"
@@ -105,3 +106,19 @@ def test_the_figures_of_the_validation_are_drawn(capsys: pytest.CaptureFixture[s
         line.partition(":")[0]: float(line.split()[-2]) for line in said.splitlines() if line.endswith(" V")
     }
     assert len(worst) == 3 and max(worst.values()) < 1e-10
+
+
+def test_the_relation_for_ice_is_told_from_the_law() -> None:
+    """The numbers of docs/fit.md."""
+    found = script("fits").ice()
+    assert found.verdict.startswith("viscoelastic cannot describe the data")
+    assert found.chi_square == pytest.approx(466.0, abs=0.5) and found.degrees == 29
+    speed = np.array([0.02, 0.5, 1.0, 2.0, 4.0])
+    relation = 0.32 * speed**-0.234
+    above = found.contact.restitution(1e-2 * speed) - relation
+    assert above[0] == pytest.approx(-0.19, abs=5e-3) and above[-1] == pytest.approx(0.073, abs=5e-3)
+    np.testing.assert_allclose((speed / 0.0077) ** -0.234, relation, rtol=2e-3)
+    fast = np.geomspace(0.5, 5.0, 13)
+    relation = 0.32 * fast**-0.234
+    above = hl.fit(hl.Impacts.of_restitution(1e-2 * fast, relation, 0.02), "viscoelastic")
+    assert np.max(np.abs(above.contact.restitution(1e-2 * fast) - relation)) == pytest.approx(0.022, abs=1e-3)

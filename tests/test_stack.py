@@ -112,10 +112,21 @@ def test_no_neighbour_is_better(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_many_balls() -> None:
-    found = hl.stack(12, ELASTIC, bottom_mass=1.0, top_mass=0.01)
-    collisions = hl.stack(12, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
-    assert found.masses.size == 12 and found.speed > collisions.speed_under("newton") + 0.2
+@pytest.mark.parametrize("n", [12, 20])
+def test_many_balls(n: int) -> None:
+    """No two steps between masses can be changed against each other, within the limits, to make the top faster."""
+    found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01)
+    collisions = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
+    assert found.masses.size == n and found.speed > collisions.speed_under("newton") + 0.2
+    for i in range(n - 1):
+        for j in range(n - 1):
+            steps = np.log(found.ratios)
+            steps[i] += 0.01
+            steps[j] -= 0.01
+            if np.max(steps) > 1e-12:
+                continue
+            masses = np.exp(np.concatenate([[0.0], np.cumsum(steps)]))
+            assert top_speed(list(masses), ELASTIC) <= found.speed + 1e-6
 
 
 def test_twenty_balls_of_collisions_under_newton() -> None:
@@ -128,6 +139,21 @@ def test_wide_gaps_make_both_models_one() -> None:
     over = found.over_gaps(np.array([0.0, 20.0]) * found.contact_way)
     assert over.newton[1] == pytest.approx(float(over.independent[1]), rel=1e-9)
     assert float(over.newton[0]) < 0.3 * float(over.independent[0])
+
+
+@pytest.mark.parametrize("n", [8, 12, 20])
+def test_a_push_that_is_slower_than_the_lowest_ball_arrives(n: int) -> None:
+    """With wide gaps the lowest ball is back on the floor long before the top one is hit."""
+    found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
+    expected = 2.0**n / (1.0 + 0.01 ** (1.0 / (n - 1))) ** (n - 1) - 1.0
+    for gap in (1.0, 3.0, 10.0):
+        for model in ("newton", "independent"):
+            assert found.speed_under(model, gap * found.contact_way) == pytest.approx(expected, rel=1e-9)
+    # Each ball of the best masses is touched by one neighbour at a time: they are those of collisions.
+    if n == 8:
+        wide = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, gaps=3.0 * found.contact_way)
+        assert wide.speed == pytest.approx(expected, rel=1e-9)
+        np.testing.assert_allclose(wide.masses, found.masses, rtol=1e-3)
 
 
 def test_only_ratios_of_stiffnesses_masses_and_no_speed_matter_where_balls_touch() -> None:

@@ -25,6 +25,7 @@ from hardlimit.convert import texts
 from hardlimit.convert.codes import Code, Model, Pair, Written, code
 
 RADIUS, DENSITY = 5e-4, 7850.0
+RADII = (5e-4, 1e-3)  #: of a bed
 RESTITUTIONS = (0.3, 0.7, 0.9, 0.99)
 SPEEDS = (0.1, 1.0)  #: at a wall the last one
 #: [N/m] and [Pa]; softer than any material, so that runs are short.
@@ -40,6 +41,7 @@ COLUMNS = (
     "numbers",
     "time_step",
     "restitution",
+    "duration",
 )
 
 
@@ -55,6 +57,25 @@ class Case:
     numbers: dict[str, float]
     time_step: float
     duration: float
+    bed: str = ""  #: the input of all contacts of a bed, where it is not that of this one alone
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Of the two bodies [m]; of the sphere, twice, at a wall."""
+        return RADII[self.pair.first - 1], RADII[self.pair.second - 1]
+
+    @property
+    def types(self) -> tuple[int, int]:
+        """Of the two bodies, in the input of a bed; the wall is the last."""
+        return (
+            (self.pair.first, len(RADII) + 1 if self.pair.wall else self.pair.second) if self.bed else (1, 1)
+        )
+
+    @property
+    def contact(self) -> str:
+        """As in the file."""
+        kind = "wall" if self.pair.wall else "pair"
+        return f"bed, {self.pair.name}" if self.bed else kind
 
     @property
     def gap(self) -> float:
@@ -68,12 +89,14 @@ class Case:
 
     def text(self) -> str:
         """The input as the package writes it."""
+        if self.bed:
+            return self.bed
         return texts.written(
             self.code, self.model, [(self.pair, self.numbers)], self.attraction, self.time_step
         )
 
 
-def cases(name: str, walls: bool) -> Iterator[Case]:
+def cases(name: str) -> Iterator[Case]:
     """All collisions of a code in which the bodies part."""
     found = code(name)
     for model in found.models:
@@ -88,7 +111,7 @@ def cases(name: str, walls: bool) -> Iterator[Case]:
                     made = hl.convert(
                         hl.Ball(RADIUS, density=DENSITY), restitution=restitution, speed=speed, **spring
                     )
-                    for contact in made.contacts[: 2 if walls and speed == SPEEDS[-1] else 1]:
+                    for contact in made.contacts[: 2 if speed == SPEEDS[-1] else 1]:
                         wall = contact.pair.endswith("wall")
                         pair = Pair(contact.pair, contact.effective_mass, contact.effective_radius, wall)
                         written = Written(model, pair, speed, attraction, POISSON)
@@ -106,9 +129,43 @@ def cases(name: str, walls: bool) -> Iterator[Case]:
                         )
 
 
-def liggghts(case: Case, folder: Path) -> float:
-    """ε of one run."""
+def bed_cases(name: str) -> Iterator[Case]:
+    """Every contact of a bed of two sizes and a wall, under one input for all of them, with ε = 0.7 wanted."""
+    found = code(name)
+    balls = [hl.Ball(radius, density=DENSITY) for radius in RADII]
+    for model in found.models:
+        if not model.input.matrix:
+            continue
+        made = hl.convert(balls, restitution=0.7, stiffness=STIFFNESS, code=name, model=model.name)
+        for row in made.models[0].contacts:
+            wall = row.pair.endswith("wall")
+            first, second = (int(x) for x in re.findall(r"\d", row.pair + (row.pair[0] if wall else "")))
+            contact = next(one for one in made.contacts if one.pair == row.pair)
+            pair = Pair(row.pair, contact.effective_mass, contact.effective_radius, wall, first, second)
+            duration = Written(model, pair, 1.0).force(row.numbers).collision(1.0).duration
+            step = float(f"{duration / STEPS:.4g}")
+            yield Case(found, model, pair, False, 1.0, row.numbers, step, duration, made.text)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run gave."""
+
+    restitution: float
+    duration: float  #: [s] the steps in which the velocity changed, one after the other
+
+    @classmethod
+    def of(cls, velocities: list[float], time_step: float) -> "Measured":
+        """From the relative velocity after each step, in units of that of the impact, the start first."""
+        changed = [k for k in range(1, len(velocities)) if velocities[k] != velocities[k - 1]]
+        return cls(velocities[-1], (changed[-1] - changed[0] + 1) * time_step)
+
+
+def liggghts(case: Case, folder: Path) -> Measured:
+    """One run."""
     half = 20.0 * RADIUS
+    (a, b), (i, j) = case.radii, case.types
+    away = 0.3 * half if case.bed else 0  # from the floor, which is there then
     first, second = (-case.speed, 0.0) if case.pair.wall else (0.5 * case.speed, -0.5 * case.speed)
     body = [
         "units si",
@@ -118,58 +175,68 @@ def liggghts(case: Case, folder: Path) -> float:
         "communicate single vel yes",
         "atom_modify map array",
         f"region box block {-half} {half} {-half} {half} {-half} {half} units box",
-        "create_box 1 box",
+        f"create_box {max(i, j, len(RADII) + 1 if case.bed else 1)} box",
         "neighbor 0.0005 bin",
         "neigh_modify delay 0",
         *(line for line in case.text().splitlines() if line.startswith("fix m")),
-        *(line for line in case.text().splitlines() if not line.startswith("fix m")),
+        *(line for line in case.text().splitlines() if not line.startswith(("fix m", "timestep"))),
+        f"timestep {case.time_step!r}",
     ]
     if case.pair.wall:
         body += [
-            f"create_atoms 1 single 0 0 {RADIUS + case.gap!r} units box",
-            f"set atom 1 diameter {2 * RADIUS} density {DENSITY} vz {first!r}",
+            f"create_atoms {i} single 0 0 {a + case.gap!r} units box",
+            f"set atom 1 diameter {2 * a} density {DENSITY} vz {first!r}",
             f"variable v equal vz[1]/{case.speed}",
         ]
     else:
         body += [
-            "create_atoms 1 single 0 0 0 units box",
-            f"create_atoms 1 single {2 * RADIUS + case.gap!r} 0 0 units box",
-            f"set atom 1 diameter {2 * RADIUS} density {DENSITY} vx {first!r}",
-            f"set atom 2 diameter {2 * RADIUS} density {DENSITY} vx {second!r}",
+            f"create_atoms {i} single 0 0 {away} units box",
+            f"create_atoms {j} single {a + b + case.gap!r} 0 {away} units box",
+            f"set atom 1 diameter {2 * a} density {DENSITY} vx {first!r}",
+            f"set atom 2 diameter {2 * b} density {DENSITY} vx {second!r}",
             f"variable v equal (vx[2]-vx[1])/{case.speed}",
         ]
+    count = 1 if case.pair.wall else 2
+    for k in range(len(RADII) if case.bed else 0):  # each type must be there
+        body.append(f"create_atoms {k + 1} single 0 {0.6 * half!r} {(-1) ** k * 0.6 * half!r} units box")
+        body.append(f"set atom {count + k + 1} diameter {RADII[k]} density {DENSITY}")
     body += [
         "fix move all nve/sphere",
         "thermo_style custom step v_v",
+        "thermo_modify format 2 'RESULT %.17g' lost ignore",
+        "thermo 1",
         f"run {case.end}",
-        'print "RESULT ${v}"',
     ]
     (folder / "in.two").write_text("\n".join(body) + "\n")
-    return result(["liggghts", "-in", "in.two", "-log", "none"], folder)
+    found = results(["liggghts", "-in", "in.two", "-log", "none"], folder)
+    return Measured.of(found, case.time_step)
 
 
+YADE_HEAD = """
+from yade import *
+
+def tell(speed, wall):
+    v = [b.state.vel for b in O.bodies]
+    print("RESULT", (v[0][2] if wall else v[1][0] - v[0][0]) / speed)
+"""
 YADE = """
 O.reset()
 {material}
-mass = {density} * 4.0 / 3.0 * 3.141592653589793 * {radius}**3
+for body in [{first}] if {wall} else [{first}, {second}]:
+    O.bodies.append(sphere(body[0], body[1], material=body[2]))
+    O.bodies[-1].state.vel = body[3]
+    O.bodies[-1].state.mass = {density} * 4.0 / 3.0 * 3.141592653589793 * body[1] ** 3
 if {wall}:
-    O.bodies.append([sphere((0, 0, {radius} + {gap}), {radius}), utils.wall((0, 0, 0), axis=2)])
-    O.bodies[0].state.vel = (0, 0, -{speed})
-else:
-    O.bodies.append([sphere((0, 0, 0), {radius}), sphere((2 * {radius} + {gap}, 0, 0), {radius})])
-    O.bodies[0].state.vel, O.bodies[1].state.vel = (0.5 * {speed}, 0, 0), (-0.5 * {speed}, 0, 0)
-    O.bodies[1].state.mass = mass
-O.bodies[0].state.mass = mass
+    O.bodies.append(utils.wall((0, 0, 0), axis=2, material={wall_material}))
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
     InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [{physics}], [{law}]),
     NewtonIntegrator(damping=0),
+    PyRunner(iterPeriod=1, initRun=True, command="tell({speed}, {wall})"),
 ]
 O.dt = {dt}
 O.run({end}, True)
-v = [b.state.vel for b in O.bodies]
-print("RESULT", v[0][2] / {speed} if {wall} else (v[1][0] - v[0][0]) / {speed})
 """
 
 
@@ -177,12 +244,19 @@ def yade_lines(case: Case) -> str:
     """The script of one run."""
     lines = case.text().splitlines()
     hertz = case.model.elastic == "hertz"
+    (a, b), (i, j) = case.radii, case.types
+    v = case.speed
+    if case.pair.wall:
+        first = ((0.0, 0.0, a + case.gap), a, i - 1, (0.0, 0.0, -v))
+    else:
+        first = ((0.0, 0.0, 0.0), a, i - 1, (0.5 * v, 0.0, 0.0))
     return YADE.format(
-        material=next(line for line in lines if line.startswith("O.materials")),
+        material=next(line for line in lines if "O.materials" in line),
         density=DENSITY,
-        radius=RADIUS,
-        gap=case.gap,
-        speed=case.speed,
+        first=first,
+        second=((a + b + case.gap, 0.0, 0.0), b, j - 1, (-0.5 * v, 0.0, 0.0)),
+        wall_material=j - 1,
+        speed=v,
         wall=case.pair.wall,
         physics=next((x for x in lines if x.startswith("Ip2")), "Ip2_ViscElMat_ViscElMat_ViscElPhys()"),
         law="Law2_ScGeom_MindlinPhys_Mindlin()" if hertz else "Law2_ScGeom_ViscElPhys_Basic()",
@@ -191,61 +265,82 @@ def yade_lines(case: Case) -> str:
     )
 
 
-def yade(cases: list[Case], folder: Path) -> list[float]:
-    """ε of all runs, in one process, for it starts slowly."""
-    (folder / "two.py").write_text("from yade import *\n" + "".join(map(yade_lines, cases)))
-    return results(["yade", "-n", "-x", "two.py"], folder)
+def yade(cases: list[Case], folder: Path) -> list[Measured]:
+    """All runs, in one process, for it starts slowly."""
+    (folder / "two.py").write_text(YADE_HEAD + "".join(map(yade_lines, cases)))
+    found = iter(results(["yade", "-n", "-x", "two.py"], folder))
+    return [Measured.of([next(found) for _ in range(case.end)], case.time_step) for case in cases]
 
 
 EMPTY = "Begin ModelPartData\nEnd ModelPartData\nBegin Properties 0\nEnd Properties\n"
-SPHERES = """Begin Nodes
-1 0.0 0.0 0.0
-2 {apart!r} 0.0 0.0
-End Nodes
-Begin Elements SphericParticle3D
-1 0 1
-2 0 2
-End Elements
-Begin NodalData RADIUS
-1 0 {radius!r}
-2 0 {radius!r}
-End NodalData
-Begin NodalData VELOCITY_X
-1 0 {half!r}
-2 0 -{half!r}
-End NodalData
-Begin SubModelPart Both
-Begin SubModelPartNodes
-1
-2
-End SubModelPartNodes
-Begin SubModelPartElements
-1
-2
-End SubModelPartElements
-End SubModelPart
-"""
+
+
+def block(name: str, lines: list[str]) -> str:
+    """A block of Kratos' format for meshes."""
+    return "\n".join([f"Begin {name}", *lines, f"End {name.split()[0]}", ""])
+
+
+def part(name: str, **members: list[str]) -> str:
+    """A part of a model, to which a material can be given."""
+    return block(f"SubModelPart {name}", [block(f"SubModelPart{kind}", ids) for kind, ids in members.items()])
+
+
+def spheres(x: list[float], velocities: list[float]) -> str:
+    """Spheres on the x axis."""
+    numbers = [str(i + 1) for i in range(len(x))]
+    return (
+        block("Nodes", [f"{i} {at!r} 0.0 0.0" for i, at in zip(numbers, x, strict=True)])
+        + block("Elements SphericParticle3D", [f"{i} 0 {i}" for i in numbers])
+        + block("NodalData RADIUS", [f"{i} 0 {RADIUS!r}" for i in numbers])
+        + block("NodalData VELOCITY_X", [f"{i} 0 {v!r}" for i, v in zip(numbers, velocities, strict=True)])
+        + part("All", Nodes=numbers, Elements=numbers)
+    )
+
+
+def wall() -> str:
+    """A square in the plane x = 0, far wider than the sphere."""
+    wide = 20.0 * RADIUS
+    corners = [(-wide, -wide), (wide, -wide), (wide, wide), (-wide, wide)]
+    numbers = [str(11 + i) for i in range(4)]
+    return (
+        block("Nodes", [f"{i} 0.0 {y!r} {z!r}" for i, (y, z) in zip(numbers, corners, strict=True)])
+        + block("Conditions RigidFace3D4N", [f"1 0 {' '.join(numbers)}"])
+        + part("Wall", Nodes=numbers, Conditions=["1"])
+    )
+
+
 KRATOS = """
 import sys
 import KratosMultiphysics as Kratos
 from KratosMultiphysics.DEMApplication.DEM_analysis_stage import DEMAnalysisStage
 
 class Stage(DEMAnalysisStage):
-    def Finalize(self):
-        first, second = (n.GetSolutionStepValue(Kratos.VELOCITY_X) for n in self.spheres_model_part.Nodes)
-        print("RESULT", (second - first) / float(sys.argv[1]))
-        super().Finalize()
+    def tell(self):
+        found = [node.GetSolutionStepValue(Kratos.VELOCITY_X) for node in self.spheres_model_part.Nodes]
+        print("RESULT", (found[-1] - (found[0] if len(found) > 1 else 0.0)) / float(sys.argv[1]))
+
+    def Initialize(self):
+        super().Initialize()
+        self.tell()
+
+    def FinalizeSolutionStep(self):
+        super().FinalizeSolutionStep()
+        self.tell()
 
 Stage(Kratos.Model(), Kratos.Parameters(open("parameters.json").read())).Run()
 """
 
 
-def kratos(case: Case, folder: Path, python: str) -> float:
-    """ε of one run."""
-    spheres = SPHERES.format(apart=2 * RADIUS + case.gap, radius=RADIUS, half=0.5 * case.speed)
-    (folder / "twoDEM.mdpa").write_text(EMPTY + spheres)
-    for part in ("DEM_FEM_boundary", "DEM_Clusters", "DEM_Inlet"):
-        (folder / f"two{part}.mdpa").write_text(EMPTY)
+def kratos(case: Case, folder: Path, python: str) -> Measured:
+    """One run."""
+    at_wall = case.pair.wall
+    if at_wall:
+        bodies, faces = spheres([RADIUS + case.gap], [-case.speed]), wall()
+    else:
+        bodies = spheres([0.0, 2 * RADIUS + case.gap], [0.5 * case.speed, -0.5 * case.speed])
+        faces = ""
+    for name, content in {"": bodies, "_FEM_boundary": faces, "_Clusters": "", "_Inlet": ""}.items():
+        (folder / f"twoDEM{name}.mdpa").write_text(EMPTY + content)
     none = ("STATIC_FRICTION", "DYNAMIC_FRICTION", "ROLLING_FRICTION", "ROLLING_FRICTION_WITH_WALLS")
     material = {
         "PARTICLE_DENSITY": DENSITY,
@@ -263,7 +358,10 @@ def kratos(case: Case, folder: Path, python: str) -> float:
         "material_relations": [
             {"material_names_list": ["m", "m"], "material_ids_list": [1, 1], "Variables": relation}
         ],
-        "material_assignation_table": [["SpheresPart.Both", "m"]],
+        "material_assignation_table": [
+            ["SpheresPart.All", "m"],
+            *([["RigidFacePart.Wall", "m"]] if at_wall else []),
+        ],
     }
     (folder / "MaterialsDEM.json").write_text(json.dumps(materials))
     end = case.end * case.time_step
@@ -288,50 +386,45 @@ def kratos(case: Case, folder: Path, python: str) -> float:
     }
     (folder / "parameters.json").write_text(json.dumps(parameters))
     (folder / "two.py").write_text(KRATOS)
-    return result([python, "two.py", repr(case.speed)], folder)
-
-
-def result(command: list[str], folder: Path) -> float:
-    """The one number behind RESULT in what a program says."""
-    (found,) = results(command, folder)
-    return found
+    return Measured.of(results([python, "two.py", repr(case.speed)], folder), case.time_step)
 
 
 def results(command: list[str], folder: Path) -> list[float]:
     """The numbers behind RESULT in what a program says."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
-    found = re.findall(r"^RESULT (\S+)$", done.stdout, re.MULTILINE)
+    found = re.findall(r"RESULT (\S+) *$", done.stdout, re.MULTILINE)
     if not found:
         raise RuntimeError(f"{command[0]}: {(done.stdout + done.stderr)[-800:]}")
     return [float(number) for number in found]
 
 
-Runs = Callable[[list[Case], Path], list[float]]
+Runs = Callable[[list[Case], Path], list[Measured]]
 
 
-def each(run: Callable[[Case, Path], float]) -> Runs:
+def each(run: Callable[[Case, Path], Measured]) -> Runs:
     """A run for each case, in one folder after the other."""
     return lambda cases, folder: [run(case, folder) for case in cases]
 
 
-def rows(name: str, run: Runs, walls: bool = True) -> Iterator[dict[str, object]]:
+def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
     """One line of the file for each case."""
-    listed = list(cases(name, walls))
+    listed = [*cases(name), *bed_cases(name)]
     with tempfile.TemporaryDirectory() as folder:
         found = run(listed, Path(folder))
-    for case, restitution in zip(listed, found, strict=True):
+    for case, measured in zip(listed, found, strict=True):
         numbers = {key: float(f"{value:.12g}") for key, value in case.numbers.items()}
         yield {
             "code": name,
             "version": case.code.version,
             "model": case.model.name,
-            "contact": "wall" if case.pair.wall else "pair",
+            "contact": case.contact,
             "attraction": int(case.model.powers(case.attraction).attracts),
             "speed": case.speed,
             "numbers": json.dumps(numbers),
             "time_step": case.time_step,
-            "restitution": f"{restitution:.9g}",
+            "restitution": f"{measured.restitution:.9g}",
+            "duration": f"{measured.duration:.5g}",
         }
 
 
@@ -361,7 +454,7 @@ def main() -> None:
         runs["yade"] = rows("yade", yade)
     if given.kratos_python:
         python = given.kratos_python
-        runs["kratos"] = rows("kratos", each(lambda case, folder: kratos(case, folder, python)), walls=False)
+        runs["kratos"] = rows("kratos", each(lambda case, folder: kratos(case, folder, python)))
     for name, lines in runs.items():
         write(given.file, list(lines))
         print(f"{name}: done", flush=True)

@@ -1,8 +1,9 @@
-"""Fits: impacts computed from a law with noise, and rebounds of two balls.
+"""Fits: impacts computed from a law with noise, rebounds of two balls, and a published relation for ice.
 
     python docs/findings/fits.py [--folder docs/images]
 
-Draws fit_impacts.png and fit_rebounds.png. The data are computed, not measured.
+Draws fit_impacts.png, fit_rebounds.png and fit_ice.png. The data of the first two are computed, not measured; those of
+the last are points of a relation that others fitted to what they had measured.
 """
 
 import argparse
@@ -37,13 +38,22 @@ def rebounds():
     return hl.fit(hl.Rebounds.of_column(column, "separation_velocity", noisy, 0.03, gap=gaps), "linear")
 
 
+def ice():
+    """ε = 0.32 v^(-0.234), v in cm/s: frosted ice spheres, Bridges, Hatzes & Lin, Nature 309, 333 (1984).
+
+    Points of the relation, as if ε were known to 0.02 in each.
+    """
+    speed = np.geomspace(0.02, 5.0, 30)  # [cm/s]
+    return hl.fit(hl.Impacts.of_restitution(1e-2 * speed, 0.32 * speed**-0.234, 0.02))
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--folder", type=Path, default=Path("docs/images"))
     folder = parser.parse_args().folder
-    for name, found in (("impacts", impacts()), ("rebounds", rebounds())):
+    for name, found in (("impacts", impacts()), ("rebounds", rebounds()), ("ice", ice())):
         print(found)
         plots.save(plots.fit(found), folder / f"fit_{name}.png", dpi=110)
 

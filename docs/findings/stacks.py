@@ -1,6 +1,6 @@
 """Stacks that throw their top ball fastest, and what an offset does to two balls.
 
-    python docs/findings/stacks.py [--sizes 2 3 4 5 6 8] [--points 60] [--folder docs/images]
+    python docs/findings/stacks.py [--sizes 2 3 4 5 6 8 12 16 20] [--points 60] [--folder docs/images]
 
 Draws stacks.png and oblique.png.
 """
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 import hardlimit as hl
 from hardlimit.pictures.style import PALETTE, style
@@ -18,6 +19,7 @@ ELASTIC = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
 TOP_MASS = 0.01  # of the bottom mass
 STIFFNESS_RATIOS = (0.2, 0.5, 1.0, 2.0, 5.0)  # of the pair over the floor
 GAPS = (0.0, 0.03, 0.1, 0.3)  # in units of V t_c
+MOST_DRAWN = 8  # balls of the stacks whose masses are drawn
 COLOURS = [PALETTE[name] for name in ("blue", "sky", "green", "orange", "vermillion", "purple", "black")]
 
 
@@ -67,9 +69,11 @@ def speeds_over_size(ax, sizes):
             way = gap * progression.contact_way
             best.append(hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS, gaps=way).speed)
             kept.append(progression.speed_under("newton", way))
+        print(f"gap {gap:g} V t_c: best {np.round(best, 3)}, progression {np.round(kept, 3)}")
         ax.plot(sizes, best, "o-", ms=3.5, color=colour, label=f"gap {gap:g} $V t_c$")
         ax.plot(sizes, kept, ":", color=colour, lw=1.2)
     ax.set(xlabel="N", ylabel="speed of the top ball / $V$", yscale="log", ylim=(0.9, 60.0))
+    ax.xaxis.set_major_locator(MaxNLocator(integer=True))
     ax.legend(fontsize=8, ncols=2, loc="upper left")
 
 
@@ -93,7 +97,7 @@ def stacks(sizes, points):
         figure = plt.figure(figsize=(8.4, 6.6))
         (two, masses), (size, gap) = figure.subplots(2, 2)
         two_balls(two, points)
-        best_masses(masses, sizes)
+        best_masses(masses, [n for n in sizes if n <= MOST_DRAWN])
         speeds_over_size(size, sizes)
         over_gaps(gap, 2 * points)
     return figure
@@ -137,7 +141,7 @@ def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--sizes", type=int, nargs="+", default=[2, 3, 4, 5, 6, 8])
+    parser.add_argument("--sizes", type=int, nargs="+", default=[2, 3, 4, 5, 6, 8, 12, 16, 20])
     parser.add_argument("--points", type=int, default=60)
     parser.add_argument("--folder", type=Path, default=Path("docs/images"))
     given = parser.parse_args()

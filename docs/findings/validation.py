@@ -120,10 +120,14 @@ def restitution(ax):
 
 def said_and_found(row):
     """ε that this package says for a row of numbers, and the one that came out of the code."""
-    found, wall = code(row["code"]), row["contact"] == "wall"
-    ball = hl.Ball(radius=5e-4, density=7850.0)
-    mass, radius = (part if wall else 0.5 * part for part in (ball.mass, ball.radius))
-    pair = Pair("", mass, radius, wall)
+    found, wall = code(row["code"]), row["contact"].endswith("wall")
+    sizes = [int(digit) * 5e-4 for digit in row["contact"] if digit.isdigit()] or [5e-4]  # of a bed, or one
+    first, second = ([hl.Ball(radius, density=7850.0) for radius in sizes] * 2)[:2]
+    inverse = [
+        1.0 / x + (0.0 if wall else 1.0 / y)
+        for x, y in ((first.mass, second.mass), (first.radius, second.radius))
+    ]
+    pair = Pair("", 1.0 / inverse[0], 1.0 / inverse[1], wall)
     written = Written(found.model(row["model"]), pair, float(row["speed"]), row["attraction"] == "1")
     force = written.force(json.loads(row["numbers"]))
     return force.collision(float(row["speed"])).restitution, float(row["restitution"])

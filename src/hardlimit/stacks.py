@@ -14,13 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from . import validation
 from .bodies import Ball
 from .column.scenario import Column
-from .column.solvers import independent, newton
+from .column.solvers import TOLERANCE, independent, newton
 from .contact import Law
+from .descent import Domain, descend
 from .progress import Report, reporter
 
 if TYPE_CHECKING:
     import xarray as xr
-    from iminuit import Minuit
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
@@ -31,14 +31,16 @@ MODELS: Final = ("newton", "independent")
 BENDS: Final = (-0.9, -0.5, 0.0, 0.5, 0.9)
 #: Steps of ln(ratio) among which the search begins where the top mass is free.
 FIRST_RATIOS: Final = 7
+#: Points spread over all masses among which it begins as well, and what spreads them.
+SPREAD: Final = 100
+PRIMES: Final = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67)
 #: Masses between those of the ends, equal to each other, among which it begins as well.
 PLATEAUS: Final = 9
-MOST_STARTS: Final = 10  #: so many of all these are followed a little way, fewer of more than eight balls
-BALLS_STARTED: Final = 80
-POLISHED: Final = 0.35  #: and this part of them, the best, to the end
-#: First steps of ln(ratio): a search is begun again where it ended.
-STEPS: Final = (0.3, 0.1, 0.03, 0.01, 0.003)
-CALLS: Final = 40  #: at most, for each variable, of each search
+MOST_STARTS: Final = 24  #: so many of all these are followed, the best; fewer of more balls
+BALLS_STARTED: Final = 160
+SEARCHED: Final = 1e-12  #: local error while masses are searched
+#: When the top ball is looked at, in units of the time of a contact and the flights between balls.
+LATER: Final = 1e4
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +76,8 @@ class Stack:
     def speed_under(self, model: str, gaps: float | Sequence[float] | None = None) -> float:
         """Speed of the top ball over that of the impact, for the same masses under a model and with other gaps.
 
-        NaN where no last contact was found; ``hardlimit.newton(stack.column)`` says why.
+        NaN where no last contact was found. The lowest ball may come back to the floor before the push has reached the
+        top: ``hardlimit.newton(stack.column)`` then ends there, and needs ``until`` to go on.
 
         Parameters
         ----------
@@ -208,8 +211,8 @@ def stack(
     impact_speed : float [m/s]
         V, of all balls; there is no gravity while they are in contact.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is told how many searches are done, and of how many. Ten balls take seconds, twenty
-        minutes.
+        True shows a bar. A function is told how many searches are done, and of how many. Ten balls take a second or
+        two, twenty under the linear law about ten; under Hertz' law they take several times as long.
 
     Returns
     -------
@@ -224,9 +227,10 @@ def stack(
     -----
     Of collisions, v_{k+1} + V = (v_k + V)(1 + ε)/(1 + m_{k+1}/m_k): between fixed ends the masses are in geometric
     progression of ratio r (the sum of ln(1 + e^x) over x = ln m_{k+1}/m_k is convex), and the top ball leaves with
-    v/V = (1 + ε)^n/(1 + r)^(n−1) − 1. Where ε depends on the speed, and under Newton's equations, the masses are
-    searched, by the simplex of Nelder and Mead and by MINUIT (James & Roos, Comput. Phys. Commun. 10, 343 (1975)) from
-    several starts; the search ends in a best one among its neighbours.
+    v/V = (1 + ε)^n/(1 + r)^(n−1) − 1. With r > ε it leaves so slowly that it is hit again; the masses are those for its
+    first collision nevertheless. Where ε depends on the speed, and under Newton's equations, the masses are searched,
+    by sequential quadratic programming from several starts (Nocedal & Wright, Numerical Optimization (2006),
+    chapter 18); the search ends in masses of which no neighbour is better.
 
     Examples
     --------
@@ -262,14 +266,20 @@ def _limits(given: Any) -> tuple[float, float]:
     return low, high
 
 
-def _top(column: Column, model: str) -> float:
-    """Speed of the top ball over that of the impact."""
-    result = newton(column) if model == "newton" else independent(column)
-    return float(result.final_velocities[-1]) / column.impact_speed
+def _top(column: Column, model: str, tolerance: float = TOLERANCE) -> float:
+    """Speed of the top ball over that of the impact, long after all that happens.
+
+    A sequence would end when the floor is met again, which may be before the push has come to the top.
+    """
+    speed = column.impact_speed
+    contact = float(column.contacts[0].duration(speed))
+    until = LATER * (contact + sum(column.gaps) / speed)
+    result = newton(column, until, tolerance=tolerance) if model == "newton" else independent(column, until)
+    return float(result.final_velocities[-1]) / speed
 
 
 class _Search:
-    """Search for ln(m_{k+1}/m_k); with a given top mass the last of them follows from the others."""
+    """Search for ln(m_{k+1}/m_k), whose sum a given top mass fixes."""
 
     def __init__(
         self,
@@ -293,6 +303,7 @@ class _Search:
             if not least * (1.0 - 1e-9) <= bottom * math.exp(self.total) <= most * (1.0 + 1e-9):
                 raise ValueError(f"top_mass: got {top:.6g}, must be in [{least:.6g}, {most:.6g}]")
             middle = self.total / (n - 1)
+        self.domain = Domain(self.lowest, self.highest, self.total is not None)
         self.column([middle] * (n - 1))  # refuses a law or gaps that fit no column
 
     def column(self, logarithms: Sequence[float]) -> Column:
@@ -304,31 +315,26 @@ class _Search:
         balls = [Ball(r, mass=m) for r, m in zip(radii, masses, strict=True)]
         return Column(balls, self.gaps, radii[0], self.law, velocities=-self.speed, gravity=0.0)
 
-    def full(self, variables: Any) -> list[float]:
-        """All logarithms of ratios from those that are varied."""
-        given = [float(x) for x in variables]
-        return given if self.total is None else [*given, self.total - math.fsum(given)]
-
-    def cost(self, variables: Any) -> float:
-        """Minus the speed of the top ball; a slope back to the allowed ratios outside of them."""
-        logarithms = self.full(variables)
-        inside = [min(max(x, self.lowest), self.highest) for x in logarithms]
-        outside = math.fsum(abs(a - b) for a, b in zip(logarithms, inside, strict=True))
-        if outside > 1e-12:
-            return self.cost_inside(inside) + outside
-        return self.cost_inside(logarithms)
-
-    def cost_inside(self, logarithms: Sequence[float]) -> float:
-        found = _top(self.column(logarithms), self.model)
+    def cost(self, logarithms: Any) -> float:
+        """Minus the speed of the top ball."""
+        found = _top(self.column(logarithms), self.model, SEARCHED)
         return -found if math.isfinite(found) else 1.0
 
-    def starts(self) -> list[list[float]]:
-        """Geometric progressions, bent ones, and rows of equal balls between the ends; the best first."""
-        found = [np.clip(x, self.lowest, self.highest).tolist() for x in (*self._bent(), *self._plateaus())]
-        if self.total is not None:
-            found = [x[:-1] for x in found]
-        count = max(3, min(MOST_STARTS, BALLS_STARTED // self.n))
-        return sorted(found, key=self.cost)[:count]
+    def starts(self) -> list[Floats]:
+        """The best ones of regular shapes, and as many of points spread over all that is allowed."""
+        count = max(4, min(MOST_STARTS, BALLS_STARTED // self.n)) // 2
+        shapes = [*self._bent(), *self._plateaus()], self._spread()
+        allowed = ([self.domain.nearest(x, self.total) for x in each] for each in shapes)
+        return [start for each in allowed for start in sorted(each, key=self.cost)[:count]]
+
+    def _spread(self) -> list[Floats]:
+        """Shares of the whole way that are spread evenly: multiples of irrational numbers, modulo 1."""
+        steps = self.n - 1
+        irrational = np.sqrt(np.array(PRIMES[:steps])) % 1.0
+        parts = -np.log(1.0 - np.outer(np.arange(1, SPREAD + 1), irrational) % 1.0)
+        shares = parts / parts.sum(axis=1, keepdims=True)
+        whole = self.total if self.total is not None else 0.5 * steps * (self.lowest + self.highest)
+        return list(whole * shares)
 
     def _bent(self) -> Iterator[Floats]:
         steps = self.n - 1
@@ -366,40 +372,17 @@ class _Search:
         geometric = [self.lowest if self.total is None else self.total / steps] * steps
         if self.model == "independent" and not self._depends_on_speed(geometric):
             return geometric
+        found = []
         starts = self.starts()
-        polished = math.ceil(POLISHED * len(starts))
-        searches = len(starts) + polished
-        ends = []
         for done, start in enumerate(starts):
-            report(done, searches)
-            ends.append(self._descend(start, STEPS[:1]))
-        ends.sort(key=self.cost)
-        for i in range(polished):
-            report(len(starts) + i, searches)
-            ends[i] = self._descend(ends[i], STEPS[1:])
-        return [min(max(x, self.lowest), self.highest) for x in self.full(min(ends, key=self.cost))]
+            report(done, len(starts))
+            found.append(descend(self.cost, start, self.domain))
+        best: list[float] = min(found, key=lambda one: one[1])[0].tolist()
+        if self.total is not None:
+            best[-1] += self.total - math.fsum(best)  # rounding
+        return best
 
     def _depends_on_speed(self, logarithms: Sequence[float]) -> bool:
         speeds = self.speed * np.array([0.5, 1.0, 5.0])
         found = [contact.restitution(speeds) for contact in self.column(logarithms).contacts]
         return bool(np.ptp(np.array(found)) > 1e-12)
-
-    def _descend(self, start: Sequence[float], steps: Sequence[float]) -> list[float]:
-        """Simplex and gradient in turn, from one start."""
-        from iminuit import Minuit
-
-        at, reached = list(start), self.cost(start)
-        for step in steps:
-            search = _prepared(Minuit(self.cost, at), step, (self.lowest, self.highest))
-            search.simplex(ncall=CALLS * len(at))
-            search.migrad(ncall=CALLS * len(at))
-            if float(search.fval) < reached:
-                at, reached = list(search.values), float(search.fval)
-        return at
-
-
-def _prepared(search: Minuit, step: float, limits: tuple[float, float]) -> Minuit:
-    search.errordef, search.tol, search.strategy = 1e-6, 1e-3, 0
-    for i in range(len(search.values)):
-        search.errors[i], search.limits[i] = step, limits
-    return search

@@ -287,7 +287,8 @@ def print_model(out: Any, model: ModelConversion) -> None:
     checked = "by running it" if model.code.checked == "run" else "against its source only"
     if model.model.keyword:
         end += f" (with {model.model.keyword}; --attraction leaves it out)" if not model.attraction else ""
-    note = f"{model.model.note[0].upper()}{model.model.note[1:]}"
+    note = model.model.note
+    note = f"{note[0].upper()}{note[1:]}" if note[0].isascii() else note  # no capital ζ
     below = f"{note}. This force {end}. Mass at a wall: {model.code.walls}. Checked {checked}."
     show(out, f"{model.code.title} {model.model.name}: {model.model.title}", table(head, rows), below)
     if model.text:

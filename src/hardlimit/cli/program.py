@@ -57,9 +57,11 @@ class Command(click.Command):
 
 
 def reason(error: Exception) -> str:
-    """What went wrong, in words; the system names no file if it was standard output."""
+    """What went wrong, in words without numbers; the system names no file if it was standard output."""
     if isinstance(error, OSError) and error.strerror and error.filename is None:
         return f"output: cannot be written: {error.strerror}"
+    if isinstance(error, OSError) and error.strerror and isinstance(error.filename, str):
+        return f"{error.filename}: {error.strerror}"
     return str(error) or type(error).__name__
 
 

@@ -63,7 +63,11 @@ class Mass:
 
 @dataclass(frozen=True)
 class Input:
-    """Texts with places such as {stiffness}; ``reads`` are what a given input is searched for."""
+    """Texts with places such as {stiffness}; ``reads`` are what a given input is searched for.
+
+    A place of ``reads`` such as {list:stiffness} takes a number for each type, {matrix:stiffness} their count and one
+    for each two types; both must be the same number throughout.
+    """
 
     reads: list[str]
     pair: str
@@ -72,6 +76,10 @@ class Input:
     head: str = ""
     foot: str = ""
     shared: bool = False  #: whether what is written holds for all contacts, not for one pair of types
+    #: Instead of ``pair`` and ``wall``, where contacts need different numbers: {types} is their count,
+    #: {matrix:stiffness} a number for each two types, {matches:stiffness} the same as triples. Each size is a type,
+    #: the wall the last one.
+    matrix: str = ""
 
 
 @dataclass(frozen=True)
@@ -302,9 +310,12 @@ def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
 def pattern(text: str) -> re.Pattern[str]:
     """What finds a text with places in an input: any blanks between words, ``*`` for a word, ``…`` for any words."""
     parts = []
-    for part in re.split(r"(\{\w+\}|\s+…\s+|\s+\*|\s+)", text):
+    for part in re.split(r"(\{[\w:]+\}|\s+…\s+|\s+\*|\s+)", text):
         if part.startswith("{"):
-            parts.append(f"(?P<{part[1:-1]}>{NUMBER})")
+            kind, _, name = part[1:-1].rpartition(":")
+            count = r"[1-9]\d?\s+" if kind == "matrix" else ""
+            more = rf"(?:\s+{NUMBER})*" if kind else ""
+            parts.append(f"{count}(?P<{name}>{NUMBER}{more})")
         elif part.isspace():
             parts.append(r"\s+")
         elif part.strip() in ANY:

@@ -247,6 +247,7 @@ def obtained(
     pair = _pair(ball, ball if other is None else other, 1, 1)
     if not isinstance(text, str):
         raise ValueError(f"input: got {validation.shown(text)}, must be a text")
+    text = "\n".join(line for line in text.splitlines() if not line.lstrip().startswith(found.comment))
     written_in = found.model(model) if model is not None else _only_model(found, text, pair.wall)
     v = validation.number("speed", speed, 0.0)
     stepping = _stepping(restitution_error, time_step)
