@@ -203,6 +203,7 @@ KILLED_AT_EVERY_STEP = """
         return os.waitpid(child, 0)[1]
 
     sys.addaudithook(count)
+    hl.sweep(PAPER, gap=[1e-4])  # what xarray loads at first use, each child would load again
     assert run("whole", 0) == 0
     whole, at, killed = files(folder / "whole"), 1, 0
     while run(str(at), at) != 0:
