@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import columns, free_columns
 from hardlimit.cli import main
-from hardlimit.models import MODELS, solvable_exactly
+from hardlimit.models import MODELS
 from hardlimit.pictures import plots
 
 CORE = Path(__file__).resolve().parents[1] / "core"
@@ -62,8 +62,8 @@ def test_a_model_takes_what_it_applies_to(model, column):
 @settings(max_examples=30)
 @given(column=st.one_of(columns(least=1, most=3), free_columns(most=3)))
 def test_what_is_solvable_exactly(column):
-    assert hl.newton(column, until=1e-6).method.endswith("exact") == solvable_exactly(column)
-    if solvable_exactly(column):
+    assert hl.newton(column, until=1e-6).method.endswith("exact") == column.solvable_exactly
+    if column.solvable_exactly:
         assert "exact" in hl.newton(column, until=1e-6, method="exact").method
     else:
         with pytest.raises(ValueError, match="method: got 'exact', must be auto or general"):

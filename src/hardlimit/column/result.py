@@ -59,11 +59,15 @@ class Result:
     ) -> Result:
         """A result that is solved now, so that errors and interrupts come from the call that asked for it."""
         core = model.solve(column.core, math.nan if until is None else until, *options)
-        # Not through the constructor: a solve takes microseconds, and a frozen dataclass one more.
-        result = cls.__new__(cls)
-        vars(result).update(
-            column=column, model=model.name, method=method, until=until, options=options, _core=core
-        )
+        # One by one and not through the constructor: a solve takes microseconds, and a frozen dataclass one more.
+        result = object.__new__(cls)
+        values = result.__dict__
+        values["column"] = column
+        values["model"] = model.name
+        values["method"] = method
+        values["until"] = until
+        values["options"] = options
+        values["_core"] = core
         return result
 
     @cached_property

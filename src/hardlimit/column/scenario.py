@@ -317,6 +317,17 @@ class Column:
         return values.pop() if len(values) == 1 else math.nan
 
     @cached_property
+    def solvable_exactly(self) -> bool:
+        """Whether Newton's equations have a piecewise closed form: two balls on a floor under the linear law.
+
+        :meta private:
+        """
+        if not self.floor or len(self.balls) != 2:
+            return False
+        floor, pair = self.laws
+        return floor.record is pair.record and _core.has_exact_solver(floor.record["name"])
+
+    @cached_property
     def contacts(self) -> tuple[Contact, ...]:
         """All contacts, the floor's first (a cradle has none with a floor)."""
         lower: list[Ball | Floor] = [FLOOR, *self.balls[:-1]] if self.floor else list(self.balls[:-1])

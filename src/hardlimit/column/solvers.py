@@ -5,19 +5,20 @@ from __future__ import annotations
 from typing import Any, Final, Literal, get_args
 
 from .. import validation
-from ..models import ADIABATIC, INDEPENDENT, NEWTON, Model, solvable_exactly
+from ..models import ADIABATIC, INDEPENDENT, NEWTON, Model
 from .result import Result
 from .scenario import Column
 
 Method = Literal["auto", "exact", "general"]
 METHODS: Final = get_args(Method)
+AUTO: Final = "auto"
 
 #: Local error of the general solver, in units of the impact.
 TOLERANCE: Final = 1e-14
 
 
 def newton(
-    column: Column, until: float | None = None, *, method: Method = "auto", tolerance: float = TOLERANCE
+    column: Column, until: float | None = None, *, method: Method = AUTO, tolerance: float = TOLERANCE
 ) -> Result:
     """Newton's equations (Eq. 14): exact where the law allows, else integrated with every switch located.
 
@@ -56,16 +57,13 @@ def newton(
     0.074
     """
     end = _checked(NEWTON, column, until)
-    validation.one_of("method", method, METHODS)
-    exact = solvable_exactly(column)
-    if method == "exact" and not exact:
-        raise ValueError(
-            "method: got 'exact', must be auto or general unless two balls fall on a floor, linear law"
+    general = not column.solvable_exactly
+    if method is not AUTO:  # a default needs no check: a solve takes microseconds
+        general = _is_general(method, general)
+    if tolerance is not TOLERANCE:
+        tolerance = validation.number(
+            "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
         )
-    tolerance = validation.number(
-        "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
-    )
-    general = method == "general" or not exact
     words = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
     return Result._solved(column, NEWTON, words, end, (general, tolerance))
 
@@ -133,11 +131,22 @@ def independent(column: Column, until: float | None = None) -> Result:
     return Result._solved(column, INDEPENDENT, "event-driven", end)
 
 
+def _is_general(method: Any, only: bool) -> bool:
+    """Whether ``method`` means the general solver, which is the ``only`` one where no exact one applies."""
+    validation.one_of("method", method, METHODS)
+    if method == "exact" and only:
+        raise ValueError(
+            "method: got 'exact', must be auto or general unless two balls fall on a floor, linear law"
+        )
+    return method == "general" or only
+
+
 def _checked(model: Model, column: Any, until: Any) -> float | None:
     """The time to solve to, once the model is known to apply to the column."""
     if not isinstance(column, Column):
         raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
-    model.check(column)
+    if not model.applies(column):
+        raise ValueError(f"column: the {model.name} model is that of {model.needs}")
     if until is None:
         return None
     end, first = validation.number("until", until), column.release_time

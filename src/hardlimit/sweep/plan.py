@@ -221,7 +221,7 @@ def make_plan(
     densities, fixed = _numbers(column, alternative, taken)
     values, strides = _vary(fixed, taken, axes)
     _insist_on_law(column, alternative, values)
-    exact = model != "newton" or models.solvable_exactly(column)
+    exact = model != "newton" or column.solvable_exactly
     in_kernel = balls == 2 and _core.has_kernel(record["name"], MODELS.index(model))
     names = [p["name"] for p in [*record["common"], *record["alternatives"][alternative]]]
     per_ball = any(VARIABLES[name].dims for name in kept)
