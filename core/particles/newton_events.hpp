@@ -29,6 +29,7 @@
 #include "cells.hpp"
 #include "cluster.hpp"
 #include "contact_row.hpp"
+#include "look_ahead.hpp"
 #include "pair_laws.hpp"
 #include "prediction.hpp"
 #include "soft_contacts.hpp"
@@ -45,8 +46,6 @@ public:
 
     // A group with more members is not integrated: contacts last, and small steps are cheaper.
     static constexpr std::size_t most_members = 300;
-    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
-    static constexpr std::size_t smallest_to_fetch = 20'000;  // bodies; below, all lies in the caches
     // By which the line of centres turns in a contact that is solved as a whole [rad].
     static constexpr double widest_turn = 1.0;
     // Part of the sum of the radii up to which overlap at the start is rounding.
@@ -174,12 +173,17 @@ private:
 
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
 
-    // newton_events_ahead.hpp
-    void look_ahead() const;
-    void look_into_bin() const;
-    static Cells<3>::Surroundings surroundings(const Pending& e);
-    void fetch_cells(u32 i) const;
-    void fetch_neighbours(u32 i) const;
+    auto ahead() const {
+        return LookAhead{calendar_,
+                         cells_,
+                         pending_.data(),
+                         paths_.data(),
+                         [this](u32) { return level_; },
+                         [this](u32 id) {
+                             prefetch(&group_[id]);
+                             prefetch(&names_[id]);
+                         }};
+    }
 
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
@@ -311,7 +315,10 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
     paused_ = false;
     while (outcome_ == Outcome::ok) {
         const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
-                                        [this](u32 id) { return names_[id]; }, [this] { look_into_bin(); });
+                                        [this](u32 id) { return names_[id]; },
+                                        [this] {
+                                            if (fetches_) ahead().enter_bin();
+                                        });
         if (!due || due->time > until) break;
         if (events_ >= last || stop()) {
             paused_ = true;
@@ -320,7 +327,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
         now_ = math::max(now_, due->time);
         const int i = static_cast<int>(due->id);
         calendar_.pop();
-        look_ahead();
+        if (fetches_) ahead().step();
         ++events_;
         happen(i);
     }
@@ -399,7 +406,6 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
 
 }  // namespace hardlimit::particles
 
-#include "newton_events_ahead.hpp"
 #include "newton_events_flight.hpp"
 #include "newton_events_groups.hpp"
 #include "newton_events_lone_contact.hpp"

@@ -68,7 +68,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     }
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
-    fetches_ = n >= smallest_to_fetch;
+    fetches_ = n > most_in_caches;
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
         images_ = images_ || (box_.periodic[a] && g.cells[a] < 4);
