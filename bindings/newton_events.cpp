@@ -122,7 +122,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 3";
+    static constexpr const char* mark = "NewtonEvents 4";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 

@@ -25,12 +25,9 @@
 #include "../stop.hpp"
 #include "../surface.hpp"
 #include "cluster_series.hpp"
+#include "triangle.hpp"
 
 namespace hardlimit::particles {
-
-using Vector3 = std::array<double, 3>;  // disks move in the first two directions
-
-inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 struct Member {
     double mass, radius;  // [kg], [m]

@@ -91,6 +91,8 @@ private:
         Member before[2], after[2];
         double span;        // [s]
         double margin;      // of the relative path, from that on which the bodies fly on [m]
+        double turn;        // of the line of centres [rad]
+        Vector3 off;        // from that path to the true one at touch, as long as the margin [m]
         double dissipated;  // [J]
         double virial;      // [J s]
         EndedContact contact;
@@ -110,6 +112,9 @@ private:
     struct Live {
         int first, second;
         Touching<Law> pair;
+    };
+    struct Relative {
+        Vector3 place, velocity;
     };
     // Bodies whose contacts go on after their group has ended, until they form one again.
     struct Remnant {
@@ -203,6 +208,8 @@ private:
     void examine(int i, const hardlimit_abi::Touched& touched);
     void consider(int i, u32 id, double grown);
     double meeting(int i, int j, double grown) const;
+    Relative relative(int j) const;
+    bool passes(const Relative& between, int i, int member, double from, double other_radius) const;
     double touch_time(int j, double reach) const;
     void predict_own(int i);
     template <class F>
@@ -237,6 +244,7 @@ private:
     double margin_of(const Group& g, std::size_t m) const;
     void busy(int index, std::size_t m, const Member& before, const Member& after, double span,
               double margin);
+    static double share_of(const Group& g, std::size_t m);
     void fly_on_from(int index, std::size_t m, double margin);
     void make_room_for(int i, double margin);
     void intruders(int i, int index, std::vector<int>& near) const;

@@ -217,30 +217,65 @@ double NewtonEvents<Law>::meeting(int i, int j, double grown) const {
     if (group_[i] == group_[j]) return math::infinity;
     const bool i_first = free(j) || (!free(i) && end_[i] < end_[j]);
     const int first = i_first ? i : j, last = i_first ? j : i;
-    if (grown < end_[first]) return grown;
+    if (grown < end_[first]) {
+        const Relative r = relative(j);
+        const bool apart =
+            passes(r, i, first, now_, paths_[last].radius) || passes(r, i, last, now_, paths_[first].radius);
+        if (!apart) return grown;
+    }
     if (clustered(first)) return math::infinity;
     if (!free(last)) {
         const double time = touch_time(j, radius(first) + paths_[last].radius);
-        if (time < end_[last]) return time;
+        if (time < end_[last] && !passes(relative(j), i, last, end_[first], radius(first)))
+            return math::max(time, end_[first]);
         if (clustered(last)) return math::infinity;
     }
     return touch_time(j, radius(i) + radius(j));
 }
 
+// From the body that looks to body j, now.
+template <class Law>
+typename NewtonEvents<Law>::Relative NewtonEvents<Law>::relative(int j) const {
+    const Vector3 x = position(j, now_), v = velocity(j, now_);
+    Relative between;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double r = x[k] - query_.position[k];
+        between.place[k] =
+            r + (images_ ? query_.shift[k] : -query_.edge[k] * math::round_small(r * query_.per_edge[k]));
+        between.velocity[k] = v[k] - query_.velocity[k];
+    }
+    return between;
+}
+
+// Whether a member of an undisturbed contact, body i or j, is out of reach of the other one from then until its group
+// ends. How far its true path is off the one on which it flies on, b(s) ≤ ∫_s^∞ (t − s) |a| dt, is convex in s and zero
+// at the end, so that it is at most a share (T − s)/T of what it is at touch; and it leads away from the partner, up to
+// the angle by which the line of centres turns. So the true places, seen from the other body, lie in a triangle: its
+// corners are the two ends of that path, and the true place at its begin.
+template <class Law>
+bool NewtonEvents<Law>::passes(const Relative& between, int i, int member, double from,
+                               double other_radius) const {
+    if (free(member) || clustered(member)) return false;
+    const Group& g = group(group_[member]);
+    const std::size_t m = g.body[0] == member ? 0 : 1;
+    const double share = share_of(g, m), left = end_[member] - from, sign = member == i ? 1.0 : -1.0;
+    const double off = (m == 0 ? -share : share) * math::clamp(left / g.lone.span, 0.0, 1.0);
+    Vector3 begin, away, along;
+    for (std::size_t k = 0; k < 3; ++k) {
+        begin[k] = sign * (between.place[k] + (from - now_) * between.velocity[k]);
+        along[k] = sign * left * between.velocity[k];
+        away[k] = -off * g.lone.off[k];
+    }
+    const double reach = radius(member) + other_radius + share * g.lone.margin * g.lone.turn;
+    return square_to_triangle(begin, away, along) > reach * reach * (1.0 + rounding_of_touch);
+}
+
 // When the paths of the body that looks and of body j come so near to each other.
 template <class Law>
 double NewtonEvents<Law>::touch_time(int j, double reach) const {
-    const Vector3 x = position(j, now_), v = velocity(j, now_);
-    double a = 0.0, b = 0.0, square = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        double r = x[k] - query_.position[k];
-        r += images_ ? query_.shift[k] : -query_.edge[k] * math::round_small(r * query_.per_edge[k]);
-        const double u = v[k] - query_.velocity[k];
-        a += u * u;
-        b += r * u;
-        square += r * r;
-    }
-    const double c = square - reach * reach, discriminant = b * b - a * c;
+    const Relative between = relative(j);
+    const double a = dot(between.velocity, between.velocity), b = dot(between.place, between.velocity);
+    const double c = dot(between.place, between.place) - reach * reach, discriminant = b * b - a * c;
     if (!(b < 0.0 && discriminant > 0.0)) return math::infinity;
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }

@@ -170,11 +170,7 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
         drop(index);
         return false;
     }
-    for (std::size_t m = 0; m < members; ++m) {
-        const double share =
-            members == 1 ? 1.0 : l.before[1 - m].mass / (l.before[0].mass + l.before[1].mass);
-        fly_on_from(index, m, share * l.margin);
-    }
+    for (std::size_t m = 0; m < members; ++m) fly_on_from(index, m, share_of(g, m) * l.margin);
     for (const int k : g.body) {
         find(k);
         if (pending_[k].pair_time > now_) continue;
@@ -438,6 +434,13 @@ void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, con
     for (std::size_t a = 0; a < 3; ++a)
         paths_[i].velocity[a] =
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+}
+
+// Of what happens to the relative path, what happens to a member's own.
+template <class Law>
+double NewtonEvents<Law>::share_of(const Group& g, std::size_t m) {
+    const Member(&b)[2] = g.lone.before;
+    return g.body.size() == 1 ? 1.0 : b[1 - m].mass / (b[0].mass + b[1].mass);
 }
 
 // Until its contact ends, a member is a larger body on the path on which it flies on.
