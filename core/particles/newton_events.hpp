@@ -100,8 +100,13 @@ private:
     struct Ends {
         Cluster<Law> before, after;
     };
+    struct Border {
+        double time;  // [s]
+        Own which;
+    };
     struct Group {
         bool alive = false, isolated = false;
+        Border border{};  // where its first member leaves its cell, if its end comes before
         Vector3 origin{};
         std::vector<int> body;
         std::vector<Vector3> offset;    // [members] turns of the frame in which the member's place is given
@@ -202,6 +207,7 @@ private:
     void schedule(int i);
     void predict(int i);
     void find(int i);
+    void find_but(int i, int other);
     void look(int i);
     void make_room_for_candidates() const;
     void search(int i, const Place<3>& from, const Place<3>& to);
@@ -211,7 +217,7 @@ private:
     Relative relative(int j) const;
     bool passes(const Relative& between, int i, int member, double from, double other_radius) const;
     double touch_time(int j, double reach) const;
-    void predict_own(int i);
+    void predict_own(int i, const Place<3>& at);
     template <class F>
     void for_near(int i, const F& f) const;
     void happen(int i);

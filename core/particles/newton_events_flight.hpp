@@ -139,10 +139,20 @@ void NewtonEvents<Law>::find(int i) {
     e.pair_time = math::infinity;
     e.partner = nobody;
     look(i);
-    Place<3> from = cells_.place(level_, e.cell), to = from;
+    const Place<3> at = cells_.place(level_, e.cell);
+    Place<3> from = at, to = at;
     for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
     search(i, from, to);
-    predict_own(i);
+    predict_own(i, at);
+}
+
+// The same without a partner that would be found first and does not count: who is nowhere is not touched.
+template <class Law>
+void NewtonEvents<Law>::find_but(int i, int other) {
+    if (i == other) return find(i);
+    const double time = std::exchange(paths_[other].time, math::nan);
+    find(i);
+    paths_[other].time = time;
 }
 
 // The body that is to be met by the others.
@@ -186,8 +196,7 @@ void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
     const Pending& e = pending_[i];
     if (now_ + touched.time > e.pair_time || touched.time == math::infinity) return;
     consider(i, touched.id, now_ + touched.time);
-    const bool all_free = free(i) && group_[touched.id] < 0;
-    if (all_free && !touched.several) return;
+    if (!touched.several && (now_ + touched.next > e.pair_time || touched.next == math::infinity)) return;
     double last = e.pair_time;
     for (std::size_t k = 0; k < touched.n; ++k) {
         if (now_ + times_[k] > last || times_[k] == math::infinity || candidates_[k] == touched.id) continue;
@@ -280,36 +289,44 @@ double NewtonEvents<Law>::touch_time(int j, double reach) const {
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
-// Where the path leaves its cell, or where a free body meets a wall, or the end of the group of its first member.
+// Where the path leaves its cell, which is at this place, or where a free body meets a wall, or the end of the group of
+// its first member. Which border is the first, no processor can foresee: no branches but for gravity.
 template <class Law>
-void NewtonEvents<Law>::predict_own(int i) {
+void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     Pending& e = pending_[i];
     const Particle<3>& p = paths_[i];
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
-    const Place<3> at = cells_.place(level_, e.cell);
+    const double since = now_ - p.time;
+    const bool is_free = free(i);
     double in = math::infinity;
     Own which = Own::low_x;
-    const Vector3 x = position(i, now_), v = velocity(i, now_);
-    for (int a = 0; a < box_.dimension; ++a) {
+    const auto consider = [&](double time, int axis, bool up) {
+        which = time < in ? own_event(axis, up) : which;
+        in = math::min(in, time);
+    };
+    HL_UNROLL
+    for (int a = 0; a < 3; ++a) {
+        if (a == box_.dimension) break;
+        const double pull = box_.gravity[a], start = p.velocity[a];
+        const double x = p.position[a] + since * (start + 0.5 * since * pull), v = start + since * pull;
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
-        const auto k = static_cast<std::size_t>(a);
-        if (!box_.periodic[a] && at[a] == 0) low = free(i) ? p.radius : -math::infinity;
-        if (!box_.periodic[a] && at[a] == g.cells[a] - 1)
-            high = free(i) ? box_.edge[a] - p.radius : math::infinity;
-        const auto consider = [&](double time, bool up) {
-            if (time < in) in = time, which = own_event(a, up);
-        };
-        if (box_.gravity[a] == 0.0) {
-            const bool up = v[k] > 0.0;
-            if (v[k] != 0.0) consider(math::max(0.0, ((up ? high : low) - x[k]) / v[k]), up);
-            continue;
+        if (walled_ && !box_.periodic[a]) {
+            if (at[a] == 0) low = is_free ? p.radius : -math::infinity;
+            if (at[a] == g.cells[a] - 1) high = is_free ? box_.edge[a] - p.radius : math::infinity;
         }
-        consider(time_below(x[k], v[k], box_.gravity[a], high), true);
-        consider(time_below(-x[k], -v[k], -box_.gravity[a], -low), false);
+        if (pull == 0.0) {
+            const double borders[2] = {low, high};
+            const bool up = v > 0.0;
+            consider(time_to(borders[up] - x, v), a, up);
+        } else {
+            consider(time_below(x, v, pull, high), a, true);
+            consider(time_below(-x, -v, -pull, -low), a, false);
+        }
     }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 7u;
-    if (free(i) || group(group_[i]).body[0] != i || end_[i] > e.own_time) return;
+    if (is_free || group(group_[i]).body[0] != i || end_[i] > e.own_time) return;
+    group(group_[i]).border = {e.own_time, which};
     e.own_time = end_[i];
     e.own = static_cast<u32>(Own::ends) & 7u;
 }
@@ -375,7 +392,7 @@ void NewtonEvents<Law>::leave_cell(int i) {
     from[axis] = to[axis] = at[axis] + step;
     look(i);
     search(i, from, to);
-    predict_own(i);
+    predict_own(i, at);
     schedule(i);
 }
 

@@ -108,11 +108,13 @@ void NewtonEvents<Law>::finish_isolated(int index) {
         for (const int i : g.body) predict(i);
         return;
     }
-    for (const int i : g.body) {
-        if (i != g.body[0] && !walled_) continue;
-        predict_own(i);
-        schedule(i);
-    }
+    Pending& first = pending_[g.body[0]];
+    first.own_time = g.border.time;
+    first.own = static_cast<u32>(g.border.which) & 7u;
+    if (walled_)
+        for (const int i : g.body) predict_own(i, cells_.place(level_, pending_[i].cell));
+    for (const int i : g.body)
+        if (walled_ || i == g.body[0]) schedule(i);
 }
 
 template <class Law>
@@ -172,7 +174,7 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     }
     for (std::size_t m = 0; m < members; ++m) fly_on_from(index, m, share_of(g, m) * l.margin);
     for (const int k : g.body) {
-        find(k);
+        find_but(k, members == 1 ? k : g.body[k == i ? 1 : 0]);
         if (pending_[k].pair_time > now_) continue;
         intruder = static_cast<int>(pending_[k].partner);
         release(index);
