@@ -88,10 +88,11 @@ public:
     std::vector<Member> members;
     std::vector<Touching<Law>> pairs;
     Vector3 gravity{};
-    double base = 0.0;         // the instant from which `time` counts [s]
-    double time = 0.0;         // [s]
-    double dissipated = 0.0;   // [J]
-    double virial = 0.0;       // ∫ Σ r·F dt over pairs of bodies [J s]
+    const hardlimit_abi::SeriesKernels* kernels = nullptr;  // under a linear law
+    double base = 0.0;                                      // the instant from which `time` counts [s]
+    double time = 0.0;                                      // [s]
+    double dissipated = 0.0;                                // [J]
+    double virial = 0.0;                                    // ∫ Σ r·F dt over pairs of bodies [J s]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;
     std::vector<EndedContact> ended;
@@ -141,15 +142,6 @@ private:
         Vector3 normal;  // from the first body to the second
     };
 
-    // A pair of bodies or of a body and a wall that overlap, as series.
-    struct Followed {
-        int pair;
-        series::Pair bodies;
-        series::Terms depth, force;  // at a wall
-        double spring, damper, per_mass[2];
-
-        Followed() {}  // leaves its terms to those who find them
-    };
     // What a copy does not need.
     template <class T>
     struct Scratch : std::vector<T> {
@@ -164,9 +156,8 @@ private:
     Scratch<double> y_, k_, end_, k_end_, trial_, k_trial_, tolerance_;
     mutable Scratch<double> stages_, factor_;
     Scratch<series::Path> paths_;  // [members]
-    Scratch<series::Four> push_;   // [members] the acceleration of one order
     Scratch<double> travel_;       // [members] how far one can get within a step
-    Scratch<Followed> followed_;
+    Scratch<series::Followed> followed_;
     Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state
     Scratch<int> slot_;    // [pairs] the component of s
     bool known_ = false;   // whether k_ is the derivative of y_
@@ -551,23 +542,14 @@ private:
     bool lies_on_surface(const Touching<Law>& q) const;
     bool on_surface();
     void expand(double unit);
-    template <int n>
-    void expand_from(double unit);
     void take_up(int index, double unit);
-    template <int n>
-    void approach(Followed& f);
-    template <int n>
-    void push_of(Followed& f);
-    template <int n>
-    void press(Followed& f);
     double longest_step() const;
-    void find_end(const Followed& f, Found& found) const;
+    void find_end(const series::Followed& f, Found& found) const;
     void open_pairs(Found& found);
     void find_begin(int index, Found& found);
     void consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const;
     void move(double at, double unit);
-    series::Four fall_in(double unit) const;
-    void put_at(double at, double unit);
+    std::array<double, 4> pull() const { return {gravity[0], gravity[1], gravity[2], 0.0}; }
 
     // No pair pushes: the bodies fly to the next event of a pair, in closed form.
     void fly(double until) {

@@ -15,8 +15,8 @@ void Cluster<Law>::follow(double until) {
     const double rest = (until - y_[clock()]) / unit, step = longest_step();
     Found found{math::min(step, rest)};
     const bool last = rest <= step;
-    for (int i = 0; i < count(); ++i) travel_[i] = series::travel(paths_[i], found.at);
-    for (const Followed& f : followed_) find_end(f, found);
+    kernels->travel(paths_.data(), count(), found.at, travel_.data());
+    for (const series::Followed& f : followed_) find_end(f, found);
     for (std::size_t q = 0; q < pairs.size(); ++q)
         if (pairs[q].touch == Touch::open) find_begin(static_cast<int>(q), found);
     move(found.at, unit);
@@ -64,7 +64,6 @@ bool Cluster<Law>::on_surface() {
 template <class Law>
 void Cluster<Law>::expand(double unit) {
     paths_.resize(members.size());
-    push_.resize(members.size());
     travel_.resize(members.size());
     for (int i = 0; i < count(); ++i) {
         const double *x = &y_[3 * i], *v = &y_[3 * (count() + i)];
@@ -74,81 +73,29 @@ void Cluster<Law>::expand(double unit) {
     followed_.clear();
     for (std::size_t q = 0; q < pairs.size(); ++q)
         if (pairs[q].touch != Touch::open) take_up(static_cast<int>(q), unit);
-    expand_from<0>(unit);
-}
-
-// The terms from order n + 2 on.
-template <class Law>
-template <int n>
-void Cluster<Law>::expand_from(double unit) {
-    if constexpr (n + 2 > series::order) {
-        for (Followed& f : followed_) {
-            approach<n + 1>(f);
-            push_of<n>(f);
-        }
-    } else {
-        for (int i = 0; i < count(); ++i)
-            push_[i] = n == 0 ? series::Four{gravity[0], gravity[1], gravity[2], 0.0} : series::Four{};
-        for (Followed& f : followed_) press<n>(f);
-        const double share = unit * unit / ((n + 1) * (n + 2));
-        for (int i = 0; i < count(); ++i) paths_[i][n + 2] = share * push_[i];
-        expand_from<n + 1>(unit);
-    }
+    kernels->expand(paths_.data(), count(), followed_.data(), static_cast<int>(followed_.size()),
+                    pull().data(), unit);
 }
 
 template <class Law>
 void Cluster<Law>::take_up(int index, double unit) {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
     followed_.emplace_back();
-    Followed& f = followed_.back();
+    series::Followed& f = followed_.back();
     f.pair = index;
+    f.first = q.first;
+    f.second = q.second;
+    f.axis = q.axis;
+    f.closed = q.touch == Touch::closed;
+    f.side = q.side;
+    f.wall = q.wall;
+    f.image = series::Four{q.image[0], q.image[1], q.image[2], 0.0};
+    f.reach = f.bodies.touch = q.reach;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
     f.damper = f.bodies.damper = q.law.force(0.0, 1.0) / unit;
-    f.bodies.touch = q.reach;
-    f.per_mass[0] = 1.0 / members[q.first].mass;
+    f.mass = members[q.first].mass;
+    f.per_mass[0] = 1.0 / f.mass;
     f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
-    f.force[series::order] = f.bodies.force[series::order] = 0.0;
-    approach<0>(f);
-}
-
-template <class Law>
-template <int n>
-void Cluster<Law>::approach(Followed& f) {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-    const series::Four& first = paths_[q.first][n];
-    if (q.second < 0) {
-        f.depth[n] = n == 0 ? q.reach - q.side * (first[q.axis] - q.wall) : -q.side * first[q.axis];
-        return;
-    }
-    series::Four r = paths_[q.second][n] - first;
-    if constexpr (n == 0) r += series::Four{q.image[0], q.image[1], q.image[2], 0.0};
-    f.bodies.template approach<n>(r);
-}
-
-template <class Law>
-template <int n>
-void Cluster<Law>::push_of(Followed& f) {
-    if (pairs[static_cast<std::size_t>(f.pair)].second >= 0)
-        f.bodies.template push<n>();
-    else
-        f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
-}
-
-// Adds to the accelerations of order n what a pair does.
-template <class Law>
-template <int n>
-void Cluster<Law>::press(Followed& f) {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-    approach<n + 1>(f);
-    if (q.touch != Touch::closed) return push_of<n>(f);
-    if (q.second < 0) {
-        push_of<n>(f);
-        push_[q.first][q.axis] += q.side * f.force[n] / members[q.first].mass;
-        return;
-    }
-    const series::Four apart = f.bodies.template apart<n>();
-    push_[q.first] -= apart * f.per_mass[0];
-    push_[q.second] += apart * f.per_mass[1];
 }
 
 // Up to which the last two terms are about as small as the tolerance.
@@ -170,18 +117,18 @@ double Cluster<Law>::longest_step() const {
 // The end of a contact, or the begin of another one. A pair that overlaps without force does nothing until
 // then: the instant at which it opens is none of interest.
 template <class Law>
-void Cluster<Law>::find_end(const Followed& f, Found& found) const {
+void Cluster<Law>::find_end(const series::Followed& f, Found& found) const {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-    series::Terms force = q.second < 0 ? f.force : f.bodies.force;
-    if (q.touch == Touch::closed) return consider(f.pair, Event::ends, force, f.spring, found);
-    for (double& x : force) x = -x;
+    if (q.touch == Touch::closed) return consider(f.pair, Event::ends, f.push(), f.spring, found);
+    series::Terms force = f.push();
+    for (double& x : force.of) x = -x;
     consider(f.pair, Event::engages, force, f.spring, found);
 }
 
 // Whether a pair that has overlapped is apart after the step. Where it would push again it may be apart as well.
 template <class Law>
 void Cluster<Law>::open_pairs(Found& found) {
-    for (const Followed& f : followed_) {
+    for (const series::Followed& f : followed_) {
         Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
         if (q.touch != Touch::slack || geometry(q, y_.data()).depth > 0.0) continue;
         q.touch = Touch::open;
@@ -198,7 +145,7 @@ void Cluster<Law>::find_begin(int index, Found& found) {
     if (-g.depth > both) return;
     series::Terms gap;
     if (q.second < 0) {
-        for (std::size_t n = 0; n < gap.size(); ++n) gap[n] = q.side * paths_[q.first][n][q.axis];
+        for (std::size_t n = 0; n < series::length; ++n) gap[n] = q.side * paths_[q.first][n][q.axis];
         gap[0] = -g.depth;
     } else {
         gap = series::square(paths_[q.first], paths_[q.second], q.image);
@@ -219,34 +166,17 @@ void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, doubl
 // To a place in the step.
 template <class Law>
 void Cluster<Law>::move(double at, double unit) {
-    for (const Followed& f : followed_) {
-        const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-        if (q.touch != Touch::closed) continue;
-        const series::Terms& shape = q.second < 0 ? f.depth : f.bodies.distance;
-        const auto sum = series::integrals(shape, at, f.spring, f.damper, q.reach);
-        y_[loss()] += f.damper * sum.square;
-        if (q.second >= 0) y_[work()] += unit * sum.product;
+    double* bulge = nullptr;
+    if (record) {
+        trace.bulge.resize(trace.bulge.size() + members.size());
+        bulge = trace.bulge.data() + (trace.bulge.size() - members.size());
     }
-    if (record)
-        for (const series::Path& x : paths_) trace.bulge.push_back(series::bulge(x, at, fall_in(unit)));
-    put_at(at, unit);
+    double sums[2] = {y_[loss()], y_[work()]};
+    kernels->move(paths_.data(), count(), followed_.data(), static_cast<int>(followed_.size()), at, unit,
+                  pull().data(), y_.data(), sums, bulge);
+    y_[loss()] = sums[0];
+    y_[work()] = sums[1];
     y_[clock()] += at * unit;
-}
-
-template <class Law>
-series::Four Cluster<Law>::fall_in(double unit) const {
-    return series::Four{gravity[0], gravity[1], gravity[2], 0.0} * (unit * unit);
-}
-
-template <class Law>
-void Cluster<Law>::put_at(double at, double unit) {
-    for (int i = 0; i < count(); ++i) {
-        const series::State s = series::state(paths_[i], at);
-        for (int a = 0; a < 3; ++a) {
-            y_[3 * i + a] = s.place[a];
-            y_[3 * (count() + i) + a] = s.velocity[a] / unit;
-        }
-    }
 }
 
 }  // namespace hardlimit::particles

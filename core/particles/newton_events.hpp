@@ -147,6 +147,7 @@ private:
     int level_ = 0;
     Calendar calendar_;
     hardlimit_abi::TouchKernels::Of touch_{};
+    const hardlimit_abi::SeriesKernels* series_ = nullptr;
     hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
     mutable std::vector<u32> candidates_;
     mutable std::vector<double> times_;  // until they are touched [s]

@@ -55,6 +55,7 @@ double NewtonEvents<Law>::usual_margin(const std::vector<double>& velocity) cons
 // outside of its cell by the margin.
 template <class Law>
 void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
+    series_ = &kernels.series;
     touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
     const double most = 2.001 * (largest_ + 2.0 * widest_margin_);
     for (int a = 0; a < 3; ++a) {

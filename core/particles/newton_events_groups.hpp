@@ -261,6 +261,7 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     c = Cluster<Law>{};
     c.base = now_;
     c.gravity = gravity_;
+    c.kernels = series_;
     for (std::size_t m = 0; m < set.size(); ++m) c.members.push_back(member_of(g, m));
 }
 
@@ -602,6 +603,7 @@ Cluster<Law> NewtonEvents<Law>::start_of(const Group& g) const {
     Cluster<Law> c;
     c.base = g.lone.contact.begin;
     c.gravity = gravity_;
+    c.kernels = series_;
     for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.lone.before[m]);
     c.pairs.push_back(g.lone.pair);
     return c;

@@ -16,6 +16,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "cluster_series.hpp"
 #include "particle.hpp"
 
 namespace hardlimit_abi {
@@ -70,6 +71,7 @@ struct TouchKernels {
         TouchNear near, across;
     } of[2][3];
     Of reach[2];  // in three dimensions, by motion: straight or falling
+    SeriesKernels series;
 };
 
 }  // namespace hardlimit_abi
@@ -263,7 +265,8 @@ constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
              {touch_kernels_of<Real, 3, Motion::straight>(), touch_kernels_of<Real, 3, Motion::falling>(),
               touch_kernels_of<Real, 3, Motion::growing>()}},
             {touch_kernels_of<Real, 3, Motion::straight, true>(),
-             touch_kernels_of<Real, 3, Motion::falling, true>()}};
+             touch_kernels_of<Real, 3, Motion::falling, true>()},
+            series::kernels()};
 }
 
 }  // namespace hardlimit::particles
