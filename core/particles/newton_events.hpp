@@ -182,7 +182,8 @@ private:
     double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
     double smallest_edge() const;
 
-    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
+    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                 const hardlimit_abi::TouchKernels& kernels);
 
     auto ahead() const {
         return LookAhead{calendar_,
@@ -288,7 +289,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
                                 const hardlimit_abi::TouchKernels& kernels)
     : box_(box),
       laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, position.size() / 3)),
+      soft_(soft_contacts(laws_, position.size() / 3, kernels)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
     const std::size_t n = position.size() / 3;
@@ -305,7 +306,8 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
 // Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and
 // the largest body; any other pair that does not fit is solved by itself.
 template <class Law>
-SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count) {
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                         const hardlimit_abi::TouchKernels& kernels) {
     std::size_t least = 0, most = 0;
     for (std::size_t i = 1; i < count; ++i) {
         if (laws.radius(i) < laws.radius(least)) least = i;
@@ -321,7 +323,7 @@ SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& la
     const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
     const bool varies = differs(damping(least, least)) || differs(damping(least, most));
     const auto first = static_cast<std::int64_t>(most);
-    return {laws(first, first), mass(most, most), reach(most, most), varies};
+    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
 }
 
 template <class Law>

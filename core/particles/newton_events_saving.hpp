@@ -49,7 +49,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
                                 const hardlimit_abi::TouchKernels& kernels, Reader& reader)
     : box_(box),
       laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, count)),
+      soft_(soft_contacts(laws_, count, kernels)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
     note_radii(count);

@@ -18,6 +18,7 @@
 
 #include "cluster_series.hpp"
 #include "particle.hpp"
+#include "polynomial_cell.hpp"
 
 namespace hardlimit_abi {
 
@@ -72,6 +73,7 @@ struct TouchKernels {
     } of[2][3];
     Of reach[2];  // in three dimensions, by motion: straight or falling
     SeriesKernels series;
+    void (*read_cell)(const void* cell, const double* x, double* values);  // of contacts that are tabled
 };
 
 }  // namespace hardlimit_abi
@@ -266,7 +268,8 @@ constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
               touch_kernels_of<Real, 3, Motion::growing>()}},
             {touch_kernels_of<Real, 3, Motion::straight, true>(),
              touch_kernels_of<Real, 3, Motion::falling, true>()},
-            series::kernels()};
+            series::kernels(),
+            &read_wide_cell};
 }
 
 }  // namespace hardlimit::particles
