@@ -290,14 +290,12 @@ double NewtonEvents<Law>::touch_time(int j, double reach) const {
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
-// Where the path leaves its cell, which is at this place, or where a free body meets a wall, or the end of the group of
-// its first member. Which border is the first, no processor can foresee: no branches but for gravity.
+// Where the path of the body that looks leaves its cell, which is at this place, or where a free body meets a wall, or the
+// end of the group of its first member. Which border is the first, no processor can foresee: no branches but for gravity.
 template <class Law>
 void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     Pending& e = pending_[i];
-    const Particle<3>& p = paths_[i];
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
-    const double since = now_ - p.time;
     const bool is_free = free(i);
     double in = math::infinity;
     Own which = Own::low_x;
@@ -308,12 +306,11 @@ void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     HL_UNROLL
     for (int a = 0; a < 3; ++a) {
         if (a == box_.dimension) break;
-        const double pull = box_.gravity[a], start = p.velocity[a];
-        const double x = p.position[a] + since * (start + 0.5 * since * pull), v = start + since * pull;
+        const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
         if (walled_ && !box_.periodic[a]) {
-            if (at[a] == 0) low = is_free ? p.radius : -math::infinity;
-            if (at[a] == g.cells[a] - 1) high = is_free ? box_.edge[a] - p.radius : math::infinity;
+            if (at[a] == 0) low = is_free ? query_.radius : -math::infinity;
+            if (at[a] == g.cells[a] - 1) high = is_free ? box_.edge[a] - query_.radius : math::infinity;
         }
         if (pull == 0.0) {
             const double borders[2] = {low, high};

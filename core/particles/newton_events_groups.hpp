@@ -111,10 +111,13 @@ void NewtonEvents<Law>::finish_isolated(int index) {
     Pending& first = pending_[g.body[0]];
     first.own_time = g.border.time;
     first.own = static_cast<u32>(g.border.which) & 7u;
-    if (walled_)
-        for (const int i : g.body) predict_own(i, cells_.place(level_, pending_[i].cell));
-    for (const int i : g.body)
+    for (const int i : g.body) {
+        if (walled_) {
+            look(i);
+            predict_own(i, cells_.place(level_, pending_[i].cell));
+        }
         if (walled_ || i == g.body[0]) schedule(i);
+    }
 }
 
 template <class Law>
