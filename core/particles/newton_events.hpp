@@ -80,6 +80,9 @@ public:
         std::vector<Row> open;  // contacts that last, and those that are over in groups still together
     };
     Survey survey() const;
+    // What part of its margin the members of groups use, at most, at so many instants of each group: above 1, one would
+    // leave the space in which others look for it. Groups are integrated on the side.
+    double margin_used(int instants) const;
     std::vector<Row> take_log() { return std::exchange(log_, {}); }
 
     void save(Writer& writer) const;
@@ -269,6 +272,9 @@ private:
     Row row_of(const Group& g, const Touching<Law>& q, double begin, double end, double impact,
                double separation, bool overlapped) const;
 
+    // newton_events_margins.hpp
+    double margin_used(const Group& g, std::size_t m, const Vector3& place, double time) const;
+
     // newton_events_lone_contact.hpp
     bool solve_pair(Isolated& l);
     void part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal, const Vector3& across) const;
@@ -426,4 +432,5 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
 #include "newton_events_flight.hpp"
 #include "newton_events_groups.hpp"
 #include "newton_events_lone_contact.hpp"
+#include "newton_events_margins.hpp"
 #include "newton_events_saving.hpp"
