@@ -212,8 +212,8 @@ def begins(run: Any) -> dict[tuple[int, int], list[float]]:
     return found
 
 
-@draws(200, deadline=None)
-@given(seed=st.integers(0, 10_000))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(200))
 def test_no_contact_is_missed(seed: int) -> None:
     """Small steps find the same contacts in any box, whatever the contacts overlap: a third body that was missed would
     have its contact later or never."""
@@ -237,7 +237,7 @@ def test_no_contact_is_missed(seed: int) -> None:
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("boundary", ["periodic", "wall"])
 def test_no_path_leaves_its_margin(law: hl.Law, boundary: str) -> None:
-    """The space that others leave to a body in contact, whatever accelerates it, holds its true path, and not loosely."""
+    """The space that others leave to a body in contact, whatever accelerates it, holds its true path, closely."""
     used = []
     for seed in range(6):
         system = random_system(seed, n=60, phi=0.35, d=2 + seed % 2, boundary=boundary, mixed=seed > 2)
@@ -255,9 +255,10 @@ def test_energy_over_many_contacts(phi: float) -> None:
     system = hl.ParticleSystem.random(
         n=1000, packing_fraction=phi, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
     )
-    law = hl.LinearDashpot(stiffness=1e4, restitution=0.99)
     gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
     wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.99), hl.Ball(1e-3, mass=float(system.mass[0]))
+    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.03 * wait)) ** 2)
     run = hl.molecular_dynamics(system, law=law, until=300.0 * wait, samples=20)
     assert run.outcome == "ok" and run.n_contacts > 80_000
     assert run.energy_error < 1e-10

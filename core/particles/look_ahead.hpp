@@ -1,5 +1,5 @@
-// What the coming events will need is fetched while others are dealt with: a large box is otherwise a chain of waits for
-// memory. The calendar knows the events to come; those that are superseded meanwhile cost a useless fetch.
+// What the coming events will need is fetched while others are dealt with: a large box is otherwise a chain of waits
+// for memory. The calendar knows the events to come; those that are superseded meanwhile cost a useless fetch.
 #pragma once
 #include "calendar.hpp"
 #include "cells.hpp"

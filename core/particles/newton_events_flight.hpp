@@ -290,8 +290,8 @@ double NewtonEvents<Law>::touch_time(int j, double reach) const {
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
-// Where the path of the body that looks leaves its cell, which is at this place, or where a free body meets a wall, or the
-// end of the group of its first member. Which border is the first, no processor can foresee: no branches but for gravity.
+// Where the path of the body that looks leaves its cell, which is at this place, or where a free body meets a wall, or
+// the end of the group of its first member. Which border is the first, no processor can foresee: few branches.
 template <class Law>
 void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     Pending& e = pending_[i];
