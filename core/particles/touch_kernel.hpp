@@ -259,7 +259,8 @@ constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
             &touch_near<Real, d, motion, Image::nearest, reach>};
 }
 
-template <class Real>
+// `newton`: with what boxes of hard spheres do not need.
+template <class Real, bool newton = true>
 constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
     return {name,
             {{touch_kernels_of<Real, 2, Motion::straight>(), touch_kernels_of<Real, 2, Motion::falling>(),
@@ -268,8 +269,8 @@ constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
               touch_kernels_of<Real, 3, Motion::growing>()}},
             {touch_kernels_of<Real, 3, Motion::straight, true>(),
              touch_kernels_of<Real, 3, Motion::falling, true>()},
-            series::kernels(),
-            &read_wide_cell};
+            newton ? series::kernels() : hardlimit_abi::SeriesKernels{},
+            newton ? &read_wide_cell : nullptr};
 }
 
 }  // namespace hardlimit::particles
