@@ -28,8 +28,8 @@ double NewtonEvents<Law>::margin_used(int instants) const {
     return most;
 }
 
-// That of a member at a place where it is at this time. In an undisturbed contact what it may need shrinks as passes()
-// has it, and so does what it may need sideways.
+// That of a member at a place where it is at this time. In an undisturbed contact what it may need shrinks, and leads
+// one way: a point that flies along at its true place must not be told to pass.
 template <class Law>
 double NewtonEvents<Law>::margin_used(const Group& g, std::size_t m, const Vector3& place,
                                       double time) const {
@@ -38,15 +38,11 @@ double NewtonEvents<Law>::margin_used(const Group& g, std::size_t m, const Vecto
     const double rounding = 1e-10 * radius(i);  // and what a table of contacts is off
     Vector3 off;
     for (std::size_t a = 0; a < 3; ++a) off[a] = place[a] - path[a];
-    if (!g.isolated) return math::sqrt(dot(off, off)) / (paths_[i].radius - radius(i) + rounding);
+    const double far = math::sqrt(dot(off, off));
+    if (!g.isolated) return far / (paths_[i].radius - radius(i) + rounding);
+    if (passes({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;
     const double left = math::max(end_[i] - time, 0.0) / g.lone.span;
-    const double margin = share_of(g, m) * g.lone.margin * left;
-    const double length = (m == 0 ? -1.0 : 1.0) * math::sqrt(dot(g.lone.off, g.lone.off));
-    const double along = dot(off, g.lone.off) / length;
-    for (std::size_t a = 0; a < 3; ++a) off[a] -= along / length * g.lone.off[a];
-    if (along < -rounding) return math::infinity;
-    const double across = math::sqrt(dot(off, off));
-    return math::max(along / (margin + rounding), across / (margin * g.lone.turn + rounding));
+    return far / (share_of(g, m) * g.lone.margin * left + rounding);
 }
 
 }  // namespace hardlimit::particles
