@@ -39,6 +39,7 @@ public:
     virtual int largest_cluster() const = 0;
     virtual double cluster_share() const = 0;
     virtual Seen survey() const = 0;
+    virtual double margin_used(int instants) const = 0;
     virtual std::vector<hp::ContactRow> take_log() = 0;
     virtual void save(hp::Writer& writer) const = 0;
 };
@@ -77,6 +78,7 @@ public:
                 s.overlapped,
                 std::move(s.open)};
     }
+    double margin_used(int instants) const override { return run_.margin_used(instants); }
     std::vector<hp::ContactRow> take_log() override { return run_.take_log(); }
     void save(hp::Writer& writer) const override { run_.save(writer); }
 
@@ -122,7 +124,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 3";
+    static constexpr const char* mark = "NewtonEvents 4";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -175,6 +177,11 @@ void bind_newton_events(nb::module_& m) {
             "Contacts known to be over.")
         .def_prop_ro("largest_cluster",
                      [](const NewtonEvents& run) { return run.engine().largest_cluster(); })
+        .def(
+            "margin_used",
+            [](const NewtonEvents& run, int instants) { return run.engine().margin_used(instants); },
+            "instants"_a,
+            "The largest part that a body in contact uses, now, of the space that others leave it: at most 1.")
         .def_prop_ro("cluster_share", [](const NewtonEvents& run) { return run.engine().cluster_share(); })
         .def_prop_ro("outcome",
                      [](const NewtonEvents& run) {

@@ -36,7 +36,7 @@ enum RuleNumber { constant, tc, by_law, soft };
 // Why there is no run.
 enum Refusal { none, no_such_box, no_such_rule, no_such_start };
 
-const hardlimit_abi::TouchKernels kernels = box::touch_kernels<hl::Vector<2>::Real>("wasm");
+const hardlimit_abi::TouchKernels kernels = box::touch_kernels<hl::Vector<2>::Real, false>("wasm");
 
 struct Run {
     std::vector<double> setting;

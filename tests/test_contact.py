@@ -2,6 +2,8 @@
 
 import functools
 import math
+import subprocess
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -706,3 +708,18 @@ def test_shapes_follow_the_input():
     assert contact.restitution([[1.0, 2.0, 3.0]]).shape == (1, 3)
     assert contact.duration(np.ones((2, 2))).shape == (2, 2)
     assert contact.force(np.zeros((3, 1)), np.zeros(4)).shape == (3, 4)
+
+
+# ---- laws that say that they are linear --------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_laws_that_say_linear_are(tmp_path):
+    """Of the registry; and a law that only says so is found out."""
+    root, program = Path(__file__).resolve().parents[1], tmp_path / "linear_laws"
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
+    subprocess.run(["g++", *flags, str(root / "tests/linear_laws.cpp"), "-o", str(program)], check=True)
+    printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
+    departures = {name: float(value) for name, value in map(str.split, printed.splitlines())}
+    assert departures.pop("liar") > 0.1
+    assert "linear" in departures and max(departures.values()) < 1e-12

@@ -2,6 +2,9 @@
 
 import json
 import math
+import subprocess
+from collections import defaultdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +14,9 @@ from hypothesis import strategies as st
 
 import hardlimit as hl
 from conftest import DATA, draws
+from hardlimit import _core
+from hardlimit.particles.engines import choice, scene
+from hardlimit.particles.theory import Gas
 
 REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
 CASES = [(kind, k) for kind in ("newton", "dilute") for k in range(len(REFERENCE[kind]))]
@@ -174,6 +180,100 @@ def test_small_steps_find_the_same_contacts(seed: int) -> None:
         errors.append(np.abs(near.system.velocities - exact.system.velocities).max())
     assert [row[2:] for row in rows(near)] == [row[2:] for row in rows(exact)]
     assert errors[1] < 1e-3 and errors[1] < errors[0] / 5.0
+
+
+def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
+    """A random box, its law, the time between two contacts of a body, and how long one lasts: 0.01 to 0.3 of that."""
+    random = np.random.default_rng(seed)
+    d, wall, mixed, linear = int(random.integers(2, 4)), *random.integers(2, size=3).astype(bool)
+    system = hl.ParticleSystem.random(
+        n=25, packing_fraction=random.uniform(0.05, 0.4), radius=(0.7e-3, 1.4e-3) if mixed else 1e-3,
+        density=2500.0, rms_speed=1.0, dimension=d, seed=seed, boundary="wall" if wall else "periodic",
+        gravity=9.81 if wall else 0.0,
+    )  # fmt: skip
+    radius, mass = float(system.radius.mean()), float(system.mass.mean())
+    gas = Gas(system.n, radius, mass, float(np.prod(system.box)), d)
+    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    duration, ball = wait * 10.0 ** random.uniform(-2.0, math.log10(0.3)), hl.Ball(radius, mass=mass)
+    if linear:
+        soft = hl.LinearDashpot(stiffness=1.0, restitution=random.uniform(0.6, 1.0))
+        stiffness = (soft.between(ball, ball).duration() / duration) ** 2
+        return system, soft.replace(stiffness=stiffness), wait, duration
+    elastic = hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=0.0)
+    modulus = 1e7 * (elastic.between(ball, ball).duration(1.0) / duration) ** 2.5
+    return system, elastic.replace(youngs_modulus=modulus, dissipative_time=0.05 * duration), wait, duration
+
+
+def begins(run: Any) -> dict[tuple[int, int], list[float]]:
+    """Of the contacts of each pair."""
+    found: dict[tuple[int, int], list[float]] = defaultdict(list)
+    for begin, _, first, second in rows(run):
+        found[first, second].append(begin)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(200))
+def test_no_contact_is_missed(seed: int) -> None:
+    """Small steps find the same contacts in any box, whatever the contacts overlap: a third body that was missed would
+    have its contact later or never."""
+    system, law, wait, duration = frequent(seed)
+    exact = begins(hl.molecular_dynamics(system, law=law, until=1.5 * wait, log=True, samples=1))
+    near = begins(
+        hl.molecular_dynamics(
+            system, law=law, until=1.5 * wait, engine="steps", restitution_error=1e-6, log=True, samples=1,
+            threads=1,
+        )
+    )  # fmt: skip
+    assert {pair: len(times) for pair, times in exact.items()} == {pair: len(t) for pair, t in near.items()}
+    # Errors grow from contact to contact.
+    worst = max(
+        (abs(a - b) for pair in exact for a, b in zip(exact[pair], near[pair], strict=True)), default=0.0
+    )
+    assert worst < 0.1 * duration
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("boundary", ["periodic", "wall"])
+def test_no_path_leaves_its_margin(law: hl.Law, boundary: str) -> None:
+    """The space that others leave to a body in contact, whatever accelerates it, holds its true path, closely."""
+    used = []
+    for seed in range(6):
+        system = random_system(seed, n=60, phi=0.35, d=2 + seed % 2, boundary=boundary, mixed=seed > 2)
+        run = _core.NewtonEvents(*scene(system), choice(law), False)
+        for k in range(1, 40):
+            run.advance(4e-5 * k)
+            used.append(run.margin_used(29))
+    assert 0.9 < max(used) <= 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("phi", [0.1, 0.3, 0.5])
+def test_energy_over_many_contacts(phi: float) -> None:
+    """What is lost is known as well as what is left, contact after contact."""
+    system = hl.ParticleSystem.random(
+        n=1000, packing_fraction=phi, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
+    )
+    gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
+    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.99), hl.Ball(1e-3, mass=float(system.mass[0]))
+    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.03 * wait)) ** 2)
+    run = hl.molecular_dynamics(system, law=law, until=300.0 * wait, samples=20)
+    assert run.outcome == "ok" and run.n_contacts > 80_000
+    assert run.energy_error < 1e-10
+
+
+@pytest.mark.slow
+def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
+    """Who passes behind a body in contact is told by a triangle: beside the nearest of many of its points."""
+    root, program = Path(__file__).resolve().parents[1], tmp_path / "triangle"
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", f"-I{root / 'core'}"]
+    subprocess.run(["g++", *flags, str(root / "tests/triangle.cpp"), "-o", str(program)], check=True)
+    printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
+    compared, nearer, farther = printed.split()
+    assert int(compared) == 2000
+    assert float(nearer) < 1e-12 and float(farther) < 0.01
 
 
 def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:

@@ -8,11 +8,24 @@
 // is a good part of a contact, and all that has to be known within it, or where in it a contact begins or ends, is a
 // polynomial. Time counts in units in which the fastest contact oscillates with frequency 1.
 #pragma once
-#include <algorithm>
 #include <array>
-#include <vector>
+#include <cstddef>
 
 #include "../math.hpp"
+
+namespace hardlimit_abi {
+
+// What takes the time of a step, compiled once for each instruction set. `paths` [bodies] and `contacts` [n] are
+// arrays of series::Path and series::Followed; gravity [4]; bulge [bodies] or none; state: places, then velocities
+// [bodies, 3]; sums: what is lost, and ∫ Σ r·F dt.
+struct SeriesKernels {
+    void (*expand)(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit);
+    void (*travel)(const void* paths, int bodies, double at, double* out);
+    void (*move)(const void* paths, int bodies, const void* contacts, int n, double at, double unit,
+                 const double* gravity, double* state, double* sums, double* bulge);
+};
+
+}  // namespace hardlimit_abi
 
 namespace hardlimit::particles {
 
@@ -24,9 +37,19 @@ namespace series {
 inline constexpr int order = 16;
 inline constexpr int length = order + 1;
 
-using Terms = std::array<double, length>;
 using Four = Vector<4>::Real;  // three coordinates and nothing
-using Path = std::array<Four, length>;
+
+// A plain array: a function of the library's could be merged with its copy for another processor. Aligned as such a
+// vector is on a processor that has them, so that all copies agree.
+template <class T>
+struct alignas(sizeof(T)) Series {
+    T of[length];
+
+    T& operator[](std::size_t k) { return of[k]; }
+    const T& operator[](std::size_t k) const { return of[k]; }
+};
+using Terms = Series<double>;
+using Path = Series<Four>;
 
 inline double value(const Terms& f, double t) {
     double sum = f[order];
@@ -217,6 +240,120 @@ inline Integrals integrals(const Terms& d, double t, double spring, double dampe
     for (int i = 0; i < 8; ++i) sum.square += squares[i], sum.product += products[i];
     return {t * sum.square, t * sum.product};
 }
+
+// A pair of bodies, or of a body and a wall, that overlap.
+struct Followed {
+    int pair;           // its number
+    int first, second;  // second < 0: a wall
+    int axis;           // of the wall's normal
+    bool closed;        // pushes
+    double side, wall;  // as in Touching
+    double reach;
+    alignas(sizeof(Four)) Four image;
+    double spring, damper;  // time counting in the unit of the series
+    double mass, per_mass[2];
+    Pair bodies;
+    Terms depth, force;  // at a wall
+
+    const Terms& push() const { return second < 0 ? force : bodies.force; }
+
+    Followed() {}  // leaves its terms to those who find them
+};
+static_assert(alignof(Path) == 32 && alignof(Followed) == 32);
+
+template <int n>
+void approach(const Path* paths, Followed& f) {
+    const Four& first = paths[f.first][n];
+    if (f.second < 0) {
+        f.depth[n] = n == 0 ? f.reach - f.side * (first[f.axis] - f.wall) : -f.side * first[f.axis];
+        return;
+    }
+    Four r = paths[f.second][n] - first;
+    if constexpr (n == 0) r += f.image;
+    f.bodies.template approach<n>(r);
+}
+
+template <int n>
+void push_of(Followed& f) {
+    if (f.second >= 0)
+        f.bodies.template push<n>();
+    else
+        f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
+}
+
+// Adds to the accelerations of order n, which become the terms of order n + 2, what a pair does.
+template <int n>
+void press(Path* paths, Followed& f) {
+    approach<n + 1>(paths, f);
+    if (!f.closed) return push_of<n>(f);
+    if (f.second < 0) {
+        push_of<n>(f);
+        paths[f.first][n + 2][f.axis] += f.side * f.force[n] / f.mass;
+        return;
+    }
+    const Four apart = f.bodies.template apart<n>();
+    paths[f.first][n + 2] -= apart * f.per_mass[0];
+    paths[f.second][n + 2] += apart * f.per_mass[1];
+}
+
+// The terms from order n + 2 on.
+template <int n>
+void expand_from(Path* paths, int bodies, Followed* contacts, int count, const Four& gravity, double unit) {
+    if constexpr (n + 2 > order) {
+        for (int c = 0; c < count; ++c) {
+            approach<n + 1>(paths, contacts[c]);
+            push_of<n>(contacts[c]);
+        }
+    } else {
+        for (int i = 0; i < bodies; ++i) paths[i][n + 2] = n == 0 ? gravity : Four{};
+        for (int c = 0; c < count; ++c) press<n>(paths, contacts[c]);
+        const double share = unit * unit / ((n + 1) * (n + 2));
+        for (int i = 0; i < bodies; ++i) paths[i][n + 2] *= share;
+        expand_from<n + 1>(paths, bodies, contacts, count, gravity, unit);
+    }
+}
+
+inline Four load_four(const double* x) { return Four{x[0], x[1], x[2], x[3]}; }
+
+// From places and velocities, the first two terms, the series of all bodies and contacts.
+inline void expand(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit) {
+    Path* const path = static_cast<Path*>(paths);
+    Followed* const first = static_cast<Followed*>(contacts);
+    for (int c = 0; c < n; ++c) {
+        first[c].force[order] = first[c].bodies.force[order] = 0.0;
+        approach<0>(path, first[c]);
+    }
+    expand_from<0>(path, bodies, first, n, load_four(gravity), unit);
+}
+
+inline void travels(const void* paths, int bodies, double at, double* out) {
+    for (int i = 0; i < bodies; ++i) out[i] = travel(static_cast<const Path*>(paths)[i], at);
+}
+
+// To a place in the step.
+inline void move(const void* paths, int bodies, const void* contacts, int n, double at, double unit,
+                 const double* gravity, double* places, double* sums, double* bulges) {
+    const Path* const path = static_cast<const Path*>(paths);
+    for (int c = 0; c < n; ++c) {
+        const Followed& f = static_cast<const Followed*>(contacts)[c];
+        if (!f.closed) continue;
+        const Terms& shape = f.second < 0 ? f.depth : f.bodies.distance;
+        const Integrals sum = integrals(shape, at, f.spring, f.damper, f.reach);
+        sums[0] += f.damper * sum.square;
+        if (f.second >= 0) sums[1] += unit * sum.product;
+    }
+    const Four fall = load_four(gravity) * (unit * unit);
+    for (int i = 0; i < bodies; ++i) {
+        if (bulges) bulges[i] = bulge(path[i], at, fall);
+        const State s = state(path[i], at);
+        for (int a = 0; a < 3; ++a) {
+            places[3 * i + a] = s.place[a];
+            places[3 * (bodies + i) + a] = s.velocity[a] / unit;
+        }
+    }
+}
+
+constexpr hardlimit_abi::SeriesKernels kernels() { return {&expand, &travels, &move}; }
 
 }  // namespace series
 }  // namespace hardlimit::particles

@@ -18,6 +18,7 @@
 #include "cells.hpp"
 #include "collapse.hpp"
 #include "engine.hpp"
+#include "look_ahead.hpp"
 #include "prediction.hpp"
 #include "soft_rule.hpp"
 #include "touch_kernel.hpp"
@@ -88,8 +89,7 @@ private:
     Outcome outcome_ = Outcome::ok;
     Collapse collapse_{math::nan, -1, 0};
     hardlimit_abi::TouchKernels::Of touch_{};
-    hardlimit_abi::TouchQuery query_{};                                  // of the particle that looks now
-    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
+    hardlimit_abi::TouchQuery query_{};  // of the particle that looks now
     std::vector<u32> candidates_;
     std::vector<double> times_;  // until they are touched [s]
     i64 next_sort_ = 0;          // row of the log
@@ -129,7 +129,10 @@ private:
     }
     const Due* next_due() {
         return calendar_.next([this](u32 id) { return event_time(id); },
-                              [this](u32 id) { return names_[id]; }, [this] { look_into_bin(); });
+                              [this](u32 id) { return names_[id]; },
+                              [this] {
+                                  if (fetches_) ahead().enter_bin();
+                              });
     }
 
     // hard_spheres_start.hpp
@@ -171,12 +174,11 @@ private:
     // hard_spheres_sort.hpp
     void sort_along_cells();
 
-    // hard_spheres_ahead.hpp
-    void look_ahead();
-    void look_into_bin();
-    static typename Cells<d>::Surroundings surroundings(const Pending& e);
-    void fetch_cells(u32 i) const;
-    void fetch_neighbours(u32 i) const;
+    auto ahead() const {
+        return LookAhead{
+            calendar_, cells_, pending_.data(), particles_.data(), [this](u32 id) { return level(id); },
+            [](u32) {}};
+    }
 
     // hard_spheres_events.hpp
     void happen(u32 i);
@@ -215,7 +217,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& s
         now_ = math::max(now_, due->time);
         const u32 i = due->id;
         calendar_.pop();
-        look_ahead();
+        if (fetches_) ahead().step();
         happen(i);
     }
 }
@@ -235,7 +237,6 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
 
 }  // namespace hardlimit::particles
 
-#include "hard_spheres_ahead.hpp"
 #include "hard_spheres_events.hpp"
 #include "hard_spheres_search.hpp"
 #include "hard_spheres_soft.hpp"

@@ -71,7 +71,7 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::lay_cells(std::size_t n) {
     cells_ = Cells<d>(box_, n, 2.0 * smallest_radius_, 2.0 * largest_radius_);
     prepare_query();
-    fetches_ = n > 20'000;
+    fetches_ = n > most_in_caches;
 }
 
 // Particles in the order of their cells: neighbours in space are neighbours in memory.

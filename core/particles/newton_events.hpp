@@ -29,6 +29,7 @@
 #include "cells.hpp"
 #include "cluster.hpp"
 #include "contact_row.hpp"
+#include "look_ahead.hpp"
 #include "pair_laws.hpp"
 #include "prediction.hpp"
 #include "soft_contacts.hpp"
@@ -45,8 +46,6 @@ public:
 
     // A group with more members is not integrated: contacts last, and small steps are cheaper.
     static constexpr std::size_t most_members = 300;
-    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
-    static constexpr std::size_t smallest_to_fetch = 20'000;  // bodies; below, all lies in the caches
     // By which the line of centres turns in a contact that is solved as a whole [rad].
     static constexpr double widest_turn = 1.0;
     // Part of the sum of the radii up to which overlap at the start is rounding.
@@ -81,6 +80,9 @@ public:
         std::vector<Row> open;  // contacts that last, and those that are over in groups still together
     };
     Survey survey() const;
+    // What part of its margin the members of groups use, at most, at so many instants of each group: above 1, one would
+    // leave the space in which others look for it. Groups are integrated on the side.
+    double margin_used(int instants) const;
     std::vector<Row> take_log() { return std::exchange(log_, {}); }
 
     void save(Writer& writer) const;
@@ -92,6 +94,8 @@ private:
         Member before[2], after[2];
         double span;        // [s]
         double margin;      // of the relative path, from that on which the bodies fly on [m]
+        double turn;        // of the line of centres [rad]
+        Vector3 off;        // from that path to the true one at touch, as long as the margin [m]
         double dissipated;  // [J]
         double virial;      // [J s]
         EndedContact contact;
@@ -99,8 +103,13 @@ private:
     struct Ends {
         Cluster<Law> before, after;
     };
+    struct Border {
+        double time;  // [s]
+        Own which;
+    };
     struct Group {
         bool alive = false, isolated = false;
+        Border border{};  // where its first member leaves its cell, if its end comes before
         Vector3 origin{};
         std::vector<int> body;
         std::vector<Vector3> offset;    // [members] turns of the frame in which the member's place is given
@@ -111,6 +120,9 @@ private:
     struct Live {
         int first, second;
         Touching<Law> pair;
+    };
+    struct Relative {
+        Vector3 place, velocity;
     };
     // Bodies whose contacts go on after their group has ended, until they form one again.
     struct Remnant {
@@ -138,6 +150,7 @@ private:
     int level_ = 0;
     Calendar calendar_;
     hardlimit_abi::TouchKernels::Of touch_{};
+    const hardlimit_abi::SeriesKernels* series_ = nullptr;
     hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
     mutable std::vector<u32> candidates_;
     mutable std::vector<double> times_;  // until they are touched [s]
@@ -172,14 +185,20 @@ private:
     double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
     double smallest_edge() const;
 
-    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count);
+    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                 const hardlimit_abi::TouchKernels& kernels);
 
-    // newton_events_ahead.hpp
-    void look_ahead() const;
-    void look_into_bin() const;
-    static Cells<3>::Surroundings surroundings(const Pending& e);
-    void fetch_cells(u32 i) const;
-    void fetch_neighbours(u32 i) const;
+    auto ahead() const {
+        return LookAhead{calendar_,
+                         cells_,
+                         pending_.data(),
+                         paths_.data(),
+                         [this](u32) { return level_; },
+                         [this](u32 id) {
+                             prefetch(&group_[id]);
+                             prefetch(&names_[id]);
+                         }};
+    }
 
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
@@ -193,14 +212,17 @@ private:
     void schedule(int i);
     void predict(int i);
     void find(int i);
+    void find_but(int i, int other);
     void look(int i);
     void make_room_for_candidates() const;
     void search(int i, const Place<3>& from, const Place<3>& to);
     void examine(int i, const hardlimit_abi::Touched& touched);
     void consider(int i, u32 id, double grown);
     double meeting(int i, int j, double grown) const;
+    Relative relative(int j) const;
+    bool passes(const Relative& between, int i, int member, double from, double other_radius) const;
     double touch_time(int j, double reach) const;
-    void predict_own(int i);
+    void predict_own(int i, const Place<3>& at);
     template <class F>
     void for_near(int i, const F& f) const;
     void happen(int i);
@@ -233,6 +255,7 @@ private:
     double margin_of(const Group& g, std::size_t m) const;
     void busy(int index, std::size_t m, const Member& before, const Member& after, double span,
               double margin);
+    static double share_of(const Group& g, std::size_t m);
     void fly_on_from(int index, std::size_t m, double margin);
     void make_room_for(int i, double margin);
     void intruders(int i, int index, std::vector<int>& near) const;
@@ -248,6 +271,9 @@ private:
     Cluster<Law> start_of(const Group& g) const;
     Row row_of(const Group& g, const Touching<Law>& q, double begin, double end, double impact,
                double separation, bool overlapped) const;
+
+    // newton_events_margins.hpp
+    double margin_used(const Group& g, std::size_t m, const Vector3& place, double time) const;
 
     // newton_events_lone_contact.hpp
     bool solve_pair(Isolated& l);
@@ -269,7 +295,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
                                 const hardlimit_abi::TouchKernels& kernels)
     : box_(box),
       laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, position.size() / 3)),
+      soft_(soft_contacts(laws_, position.size() / 3, kernels)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
     const std::size_t n = position.size() / 3;
@@ -286,7 +312,8 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& posit
 // Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and
 // the largest body; any other pair that does not fit is solved by itself.
 template <class Law>
-SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count) {
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                         const hardlimit_abi::TouchKernels& kernels) {
     std::size_t least = 0, most = 0;
     for (std::size_t i = 1; i < count; ++i) {
         if (laws.radius(i) < laws.radius(least)) least = i;
@@ -302,7 +329,7 @@ SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& la
     const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
     const bool varies = differs(damping(least, least)) || differs(damping(least, most));
     const auto first = static_cast<std::int64_t>(most);
-    return {laws(first, first), mass(most, most), reach(most, most), varies};
+    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
 }
 
 template <class Law>
@@ -311,7 +338,10 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
     paused_ = false;
     while (outcome_ == Outcome::ok) {
         const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
-                                        [this](u32 id) { return names_[id]; }, [this] { look_into_bin(); });
+                                        [this](u32 id) { return names_[id]; },
+                                        [this] {
+                                            if (fetches_) ahead().enter_bin();
+                                        });
         if (!due || due->time > until) break;
         if (events_ >= last || stop()) {
             paused_ = true;
@@ -320,7 +350,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
         now_ = math::max(now_, due->time);
         const int i = static_cast<int>(due->id);
         calendar_.pop();
-        look_ahead();
+        if (fetches_) ahead().step();
         ++events_;
         happen(i);
     }
@@ -399,8 +429,8 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
 
 }  // namespace hardlimit::particles
 
-#include "newton_events_ahead.hpp"
 #include "newton_events_flight.hpp"
 #include "newton_events_groups.hpp"
 #include "newton_events_lone_contact.hpp"
+#include "newton_events_margins.hpp"
 #include "newton_events_saving.hpp"

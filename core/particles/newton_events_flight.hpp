@@ -55,6 +55,7 @@ double NewtonEvents<Law>::usual_margin(const std::vector<double>& velocity) cons
 // outside of its cell by the margin.
 template <class Law>
 void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
+    series_ = &kernels.series;
     touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
     const double most = 2.001 * (largest_ + 2.0 * widest_margin_);
     for (int a = 0; a < 3; ++a) {
@@ -68,7 +69,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     }
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
-    fetches_ = n >= smallest_to_fetch;
+    fetches_ = n > most_in_caches;
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
         images_ = images_ || (box_.periodic[a] && g.cells[a] < 4);
@@ -139,10 +140,20 @@ void NewtonEvents<Law>::find(int i) {
     e.pair_time = math::infinity;
     e.partner = nobody;
     look(i);
-    Place<3> from = cells_.place(level_, e.cell), to = from;
+    const Place<3> at = cells_.place(level_, e.cell);
+    Place<3> from = at, to = at;
     for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
     search(i, from, to);
-    predict_own(i);
+    predict_own(i, at);
+}
+
+// The same without a partner that would be found first and does not count: who is nowhere is not touched.
+template <class Law>
+void NewtonEvents<Law>::find_but(int i, int other) {
+    if (i == other) return find(i);
+    const double time = std::exchange(paths_[other].time, math::nan);
+    find(i);
+    paths_[other].time = time;
 }
 
 // The body that is to be met by the others.
@@ -186,8 +197,7 @@ void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
     const Pending& e = pending_[i];
     if (now_ + touched.time > e.pair_time || touched.time == math::infinity) return;
     consider(i, touched.id, now_ + touched.time);
-    const bool all_free = free(i) && group_[touched.id] < 0;
-    if (all_free && !touched.several) return;
+    if (!touched.several && (now_ + touched.next > e.pair_time || touched.next == math::infinity)) return;
     double last = e.pair_time;
     for (std::size_t k = 0; k < touched.n; ++k) {
         if (now_ + times_[k] > last || times_[k] == math::infinity || candidates_[k] == touched.id) continue;
@@ -217,64 +227,104 @@ double NewtonEvents<Law>::meeting(int i, int j, double grown) const {
     if (group_[i] == group_[j]) return math::infinity;
     const bool i_first = free(j) || (!free(i) && end_[i] < end_[j]);
     const int first = i_first ? i : j, last = i_first ? j : i;
-    if (grown < end_[first]) return grown;
+    if (grown < end_[first]) {
+        const Relative r = relative(j);
+        const bool apart =
+            passes(r, i, first, now_, paths_[last].radius) || passes(r, i, last, now_, paths_[first].radius);
+        if (!apart) return grown;
+    }
     if (clustered(first)) return math::infinity;
     if (!free(last)) {
         const double time = touch_time(j, radius(first) + paths_[last].radius);
-        if (time < end_[last]) return time;
+        if (time < end_[last] && !passes(relative(j), i, last, end_[first], radius(first)))
+            return math::max(time, end_[first]);
         if (clustered(last)) return math::infinity;
     }
     return touch_time(j, radius(i) + radius(j));
 }
 
+// From the body that looks to body j, now.
+template <class Law>
+typename NewtonEvents<Law>::Relative NewtonEvents<Law>::relative(int j) const {
+    const Vector3 x = position(j, now_), v = velocity(j, now_);
+    Relative between;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double r = x[k] - query_.position[k];
+        between.place[k] =
+            r + (images_ ? query_.shift[k] : -query_.edge[k] * math::round_small(r * query_.per_edge[k]));
+        between.velocity[k] = v[k] - query_.velocity[k];
+    }
+    return between;
+}
+
+// Whether a member of an undisturbed contact, body i or j, is out of reach of the other one from then until its group
+// ends. How far its true path is off the one on which it flies on, b(s) ≤ ∫_s^∞ (t − s) |a| dt, is convex in s and zero
+// at the end, so that it is at most a share (T − s)/T of what it is at touch; and it leads away from the partner, up to
+// the angle by which the line of centres turns. So the true places, seen from the other body, lie in a triangle: its
+// corners are the two ends of that path, and the true place at its begin.
+template <class Law>
+bool NewtonEvents<Law>::passes(const Relative& between, int i, int member, double from,
+                               double other_radius) const {
+    if (free(member) || clustered(member)) return false;
+    const Group& g = group(group_[member]);
+    const std::size_t m = g.body[0] == member ? 0 : 1;
+    const double share = share_of(g, m), left = end_[member] - from, sign = member == i ? 1.0 : -1.0;
+    const double off = (m == 0 ? -share : share) * math::clamp(left / g.lone.span, 0.0, 1.0);
+    Vector3 begin, away, along;
+    for (std::size_t k = 0; k < 3; ++k) {
+        begin[k] = sign * (between.place[k] + (from - now_) * between.velocity[k]);
+        along[k] = sign * left * between.velocity[k];
+        away[k] = -off * g.lone.off[k];
+    }
+    const double reach = radius(member) + other_radius + share * g.lone.margin * g.lone.turn;
+    return square_to_triangle(begin, away, along) > reach * reach * (1.0 + rounding_of_touch);
+}
+
 // When the paths of the body that looks and of body j come so near to each other.
 template <class Law>
 double NewtonEvents<Law>::touch_time(int j, double reach) const {
-    const Vector3 x = position(j, now_), v = velocity(j, now_);
-    double a = 0.0, b = 0.0, square = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        double r = x[k] - query_.position[k];
-        r += images_ ? query_.shift[k] : -query_.edge[k] * math::round_small(r * query_.per_edge[k]);
-        const double u = v[k] - query_.velocity[k];
-        a += u * u;
-        b += r * u;
-        square += r * r;
-    }
-    const double c = square - reach * reach, discriminant = b * b - a * c;
+    const Relative between = relative(j);
+    const double a = dot(between.velocity, between.velocity), b = dot(between.place, between.velocity);
+    const double c = dot(between.place, between.place) - reach * reach, discriminant = b * b - a * c;
     if (!(b < 0.0 && discriminant > 0.0)) return math::infinity;
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
-// Where the path leaves its cell, or where a free body meets a wall, or the end of the group of its first member.
+// Where the path of the body that looks leaves its cell, which is at this place, or where a free body meets a wall, or
+// the end of the group of its first member. Which border is the first, no processor can foresee: few branches.
 template <class Law>
-void NewtonEvents<Law>::predict_own(int i) {
+void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     Pending& e = pending_[i];
-    const Particle<3>& p = paths_[i];
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
-    const Place<3> at = cells_.place(level_, e.cell);
+    const bool is_free = free(i);
     double in = math::infinity;
     Own which = Own::low_x;
-    const Vector3 x = position(i, now_), v = velocity(i, now_);
-    for (int a = 0; a < box_.dimension; ++a) {
+    const auto consider = [&](double time, int axis, bool up) {
+        which = time < in ? own_event(axis, up) : which;
+        in = math::min(in, time);
+    };
+    HL_UNROLL
+    for (int a = 0; a < 3; ++a) {
+        if (a == box_.dimension) break;
+        const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
-        const auto k = static_cast<std::size_t>(a);
-        if (!box_.periodic[a] && at[a] == 0) low = free(i) ? p.radius : -math::infinity;
-        if (!box_.periodic[a] && at[a] == g.cells[a] - 1)
-            high = free(i) ? box_.edge[a] - p.radius : math::infinity;
-        const auto consider = [&](double time, bool up) {
-            if (time < in) in = time, which = own_event(a, up);
-        };
-        if (box_.gravity[a] == 0.0) {
-            const bool up = v[k] > 0.0;
-            if (v[k] != 0.0) consider(math::max(0.0, ((up ? high : low) - x[k]) / v[k]), up);
-            continue;
+        if (walled_ && !box_.periodic[a]) {
+            if (at[a] == 0) low = is_free ? query_.radius : -math::infinity;
+            if (at[a] == g.cells[a] - 1) high = is_free ? box_.edge[a] - query_.radius : math::infinity;
         }
-        consider(time_below(x[k], v[k], box_.gravity[a], high), true);
-        consider(time_below(-x[k], -v[k], -box_.gravity[a], -low), false);
+        if (pull == 0.0) {
+            const double borders[2] = {low, high};
+            const bool up = v > 0.0;
+            consider(time_to(borders[up] - x, v), a, up);
+        } else {
+            consider(time_below(x, v, pull, high), a, true);
+            consider(time_below(-x, -v, -pull, -low), a, false);
+        }
     }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 7u;
-    if (free(i) || group(group_[i]).body[0] != i || end_[i] > e.own_time) return;
+    if (is_free || group(group_[i]).body[0] != i || end_[i] > e.own_time) return;
+    group(group_[i]).border = {e.own_time, which};
     e.own_time = end_[i];
     e.own = static_cast<u32>(Own::ends) & 7u;
 }
@@ -340,7 +390,7 @@ void NewtonEvents<Law>::leave_cell(int i) {
     from[axis] = to[axis] = at[axis] + step;
     look(i);
     search(i, from, to);
-    predict_own(i);
+    predict_own(i, at);
     schedule(i);
 }
 

@@ -108,10 +108,15 @@ void NewtonEvents<Law>::finish_isolated(int index) {
         for (const int i : g.body) predict(i);
         return;
     }
+    Pending& first = pending_[g.body[0]];
+    first.own_time = g.border.time;
+    first.own = static_cast<u32>(g.border.which) & 7u;
     for (const int i : g.body) {
-        if (i != g.body[0] && !walled_) continue;
-        predict_own(i);
-        schedule(i);
+        if (walled_) {
+            look(i);
+            predict_own(i, cells_.place(level_, pending_[i].cell));
+        }
+        if (walled_ || i == g.body[0]) schedule(i);
     }
 }
 
@@ -170,13 +175,9 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
         drop(index);
         return false;
     }
-    for (std::size_t m = 0; m < members; ++m) {
-        const double share =
-            members == 1 ? 1.0 : l.before[1 - m].mass / (l.before[0].mass + l.before[1].mass);
-        fly_on_from(index, m, share * l.margin);
-    }
+    for (std::size_t m = 0; m < members; ++m) fly_on_from(index, m, share_of(g, m) * l.margin);
     for (const int k : g.body) {
-        find(k);
+        find_but(k, members == 1 ? k : g.body[k == i ? 1 : 0]);
         if (pending_[k].pair_time > now_) continue;
         intruder = static_cast<int>(pending_[k].partner);
         release(index);
@@ -263,6 +264,7 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     c = Cluster<Law>{};
     c.base = now_;
     c.gravity = gravity_;
+    c.kernels = series_;
     for (std::size_t m = 0; m < set.size(); ++m) c.members.push_back(member_of(g, m));
 }
 
@@ -440,6 +442,13 @@ void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, con
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
 }
 
+// Of what happens to the relative path, what happens to a member's own.
+template <class Law>
+double NewtonEvents<Law>::share_of(const Group& g, std::size_t m) {
+    const Member(&b)[2] = g.lone.before;
+    return g.body.size() == 1 ? 1.0 : b[1 - m].mass / (b[0].mass + b[1].mass);
+}
+
 // Until its contact ends, a member is a larger body on the path on which it flies on.
 template <class Law>
 void NewtonEvents<Law>::fly_on_from(int index, std::size_t m, double margin) {
@@ -597,6 +606,7 @@ Cluster<Law> NewtonEvents<Law>::start_of(const Group& g) const {
     Cluster<Law> c;
     c.base = g.lone.contact.begin;
     c.gravity = gravity_;
+    c.kernels = series_;
     for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.lone.before[m]);
     c.pairs.push_back(g.lone.pair);
     return c;

@@ -34,7 +34,9 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) {
     l.virial = q.mass *
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
     part_pair(l, end, normal, across);
-    return end.turn < widest_turn && l.span * (approach + sideways) <= travel() && l.margin <= widest_margin_;
+    const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
+    return end.turn < widest_turn && l.span * (approach + sideways) <= travel() &&
+           share * l.margin <= widest_margin_;
 }
 
 // On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
@@ -67,7 +69,9 @@ void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const V
     }
     const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
     const double cosine = 1.0 - 0.125 * end.turn * end.turn;  // or more
+    l.turn = end.turn;
     l.margin = 1.0001 * math::sqrt(off_n * off_n + off_t * off_t) / cosine;
+    for (std::size_t k = 0; k < 3; ++k) l.off[k] = -1.0001 / cosine * (off_n * normal[k] + off_t * across[k]);
 }
 
 template <class Law>
@@ -96,7 +100,11 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l) {
     q.impact_speed = approach;
     // The force per mass a points one way: what it does to the path is largest at touch, ∫ t a dt.
     const double out = end.radial_speed - weight * opening;
-    l.margin = 1.0001 * math::abs(l.span * (out + 0.5 * weight * l.span));
+    const double off = 1.0001 * (l.span * (out + 0.5 * weight * l.span));
+    l.turn = 0.0;
+    l.margin = math::abs(off);
+    l.off = {};
+    l.off[axis] = -q.side * off;
     return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin_;
 }
 

@@ -26,12 +26,12 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
-    archive(g.alive), archive(g.isolated), archive(g.origin), archive(g.body), archive(g.offset);
+    archive(g.alive), archive(g.isolated), archive(g.border), archive(g.origin), archive(g.body),
+        archive(g.offset);
     if (!g.alive) return;
     if (g.isolated) return archive(g.lone);
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
-    exchange(archive, g.cluster->before);
-    exchange(archive, g.cluster->after);
+    for (Cluster<Law>* c : {&g.cluster->before, &g.cluster->after}) exchange(archive, *c);
 }
 
 template <class Law>
@@ -49,7 +49,7 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
                                 const hardlimit_abi::TouchKernels& kernels, Reader& reader)
     : box_(box),
       laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, count)),
+      soft_(soft_contacts(laws_, count, kernels)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
     note_radii(count);
@@ -58,7 +58,10 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
     exchange(reader);
     std::size_t groups = 0;
     reader(groups);
-    for (std::size_t i = 0; i < groups && !reader.failed(); ++i) exchange(reader, groups_.emplace_back());
+    for (std::size_t i = 0; i < groups && !reader.failed(); ++i) {
+        exchange(reader, groups_.emplace_back());
+        if (const auto& ends = groups_.back().cluster) ends->before.kernels = ends->after.kernels = series_;
+    }
     if (reader.failed()) return;
     put_into_cells();
     restart_calendar();

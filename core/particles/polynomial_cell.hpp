@@ -48,7 +48,7 @@ private:
     static constexpr double leja[11] = {0.0,     0.98,     -0.98,   0.56546, -0.64582, 0.82222,
                                         -0.8526, -0.29988, 0.31556, 0.92414, -0.93394};
     static constexpr int count = dims == 2 ? side * (side + 1) / 2 : side * (side + 1) * (side + 2) / 6;
-    Values terms_[count];
+    alignas(sizeof(Values)) Values terms_[count];  // on any processor: its copies are read by kernels
 
     static int digit(int i, int dim) {
         for (int d = 0; d < dim; ++d) i /= side;
@@ -117,5 +117,11 @@ private:
         }
     }
 };
+
+// Those with eight functions are also read by kernels, compiled once for each instruction set.
+using WideCell = PolynomialCell<2, 8, 8>;
+inline void read_wide_cell(const void* cell, const double* x, double* values) {
+    store_lanes(values, (*static_cast<const WideCell*>(cell))(x));
+}
 
 }  // namespace hardlimit::particles

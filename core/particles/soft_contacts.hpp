@@ -22,6 +22,7 @@
 // calls before.
 #pragma once
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "planar_contact.hpp"
@@ -51,9 +52,13 @@ class SoftContacts {
 public:
     static constexpr double accuracy = 1e-10;  // of duration, speeds and turn, relative to the impact
 
-    // For pairs like this one; `damping_varies` where D is not one for all pairs.
-    SoftContacts(const Law& law, double effective_mass, double distance, bool damping_varies)
+    using ReadCell = void (*)(const void* cell, const double* x, double* values);
+
+    // For pairs like this one; `damping_varies` where D is not one for all pairs. `reads`: a copy of read_wide_cell.
+    SoftContacts(const Law& law, double effective_mass, double distance, bool damping_varies,
+                 ReadCell reads = nullptr)
         : law_(law),
+          reads_(reads),
           mass_(effective_mass),
           distance_(distance),
           own_(reduce(law, effective_mass, distance)),
@@ -125,6 +130,7 @@ private:
     };
 
     Law law_;
+    ReadCell reads_;
     double mass_, distance_;
     Reduced own_;
     bool varies_;
@@ -210,6 +216,12 @@ private:
         if (!slot.asked) fit(slot, at);
         if (!slot.cell) return solve_planar_contact(law, a);
         const double x[3] = {at.slant.x, at.speed.x, at.damping.x};
+        if constexpr (std::is_same_v<Cell, WideCell>)
+            if (reads_) {
+                double values[functions];
+                reads_(slot.cell.get(), x, values);
+                return scaled(a, part, load_lanes<Values>(values));
+            }
         return scaled(a, part, (*slot.cell)(x));
     }
 

@@ -16,7 +16,9 @@
 #include <cstddef>
 #include <cstring>
 
+#include "cluster_series.hpp"
 #include "particle.hpp"
+#include "polynomial_cell.hpp"
 
 namespace hardlimit_abi {
 
@@ -47,6 +49,7 @@ struct CellBlock {
 // What of a number of particles is touched first. `several`: more than one is touched at this time.
 struct Touched {
     double time;  // from now [s]; infinity: nothing is
+    double next;  // until another one is, where `reach` is asked for and there are not several
     unsigned id;
     unsigned several;
     std::size_t n;  // particles examined
@@ -69,6 +72,8 @@ struct TouchKernels {
         TouchNear near, across;
     } of[2][3];
     Of reach[2];  // in three dimensions, by motion: straight or falling
+    SeriesKernels series;
+    void (*read_cell)(const void* cell, const double* x, double* values);  // of contacts that are tabled
 };
 
 }  // namespace hardlimit_abi
@@ -144,14 +149,15 @@ HL_FN double least_lane(const Real& x) {
     }
 }
 
-// Which of the times are the least, found in the lanes of `least`.
-template <class Real>
-HL_FN hardlimit_abi::Touched touched_first(const Real& least, const unsigned* ids, const double* times,
-                                           std::size_t n) {
+// Which of the times are the least, found in the lanes of `least`; those of `second` are the least but for these.
+template <class Real, bool reach>
+HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second, const unsigned* ids,
+                                           const double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double time = least_lane<Real>(least);
-    hardlimit_abi::Touched touched{time, particles::nobody, 0, n};
+    hardlimit_abi::Touched touched{time, time, particles::nobody, 0, n};
     if (!(time < math::infinity)) return touched;
+    if constexpr (reach) touched.next = least_lane<Real>(select<Real>(least == time, second, least));
     for (std::size_t begin = 0; begin < n; begin += 64) {
         const std::size_t end = begin + 64 < n ? begin + 64 : n;
         u64 same = 0;
@@ -171,16 +177,17 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
     const double* const lines = static_cast<const double*>(particles);
     // What is left of the last group of lanes is the particle itself, which it never touches.
     for (std::size_t k = 0; k + 1 < lanes; ++k) ids[n + k] = self;
-    Real least = broadcast<Real>(math::infinity);
+    Real least = broadcast<Real>(math::infinity), second = least;
     for (std::size_t k = 0; k < n; k += lanes) {
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
         const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row));
         store_lanes(times + k, time);
+        if constexpr (reach) second = math::min<Real>(second, math::max<Real>(least, time));
         least = math::min<Real>(least, time);
     }
-    return touched_first<Real>(least, ids, times, n);
+    return touched_first<Real, reach>(least, second, ids, times, n);
 }
 
 constexpr unsigned words_of_cell = 4, inline_ids = 3;
@@ -252,7 +259,8 @@ constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
             &touch_near<Real, d, motion, Image::nearest, reach>};
 }
 
-template <class Real>
+// `newton`: with what boxes of hard spheres do not need.
+template <class Real, bool newton = true>
 constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
     return {name,
             {{touch_kernels_of<Real, 2, Motion::straight>(), touch_kernels_of<Real, 2, Motion::falling>(),
@@ -260,7 +268,9 @@ constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
              {touch_kernels_of<Real, 3, Motion::straight>(), touch_kernels_of<Real, 3, Motion::falling>(),
               touch_kernels_of<Real, 3, Motion::growing>()}},
             {touch_kernels_of<Real, 3, Motion::straight, true>(),
-             touch_kernels_of<Real, 3, Motion::falling, true>()}};
+             touch_kernels_of<Real, 3, Motion::falling, true>()},
+            newton ? series::kernels() : hardlimit_abi::SeriesKernels{},
+            newton ? &read_wide_cell : nullptr};
 }
 
 }  // namespace hardlimit::particles

@@ -1,0 +1,48 @@
+// Whether the space that busy bodies claim holds their true paths: for tests.
+#pragma once
+#include "newton_events.hpp"
+
+namespace hardlimit::particles {
+
+template <class Law>
+double NewtonEvents<Law>::margin_used(int instants) const {
+    double most = 0.0;
+    for (const Group& g : groups_) {
+        if (!g.alive) continue;
+        Cluster<Law> c = start_of(g);
+        const double span = end_[g.body[0]] - c.base;
+        for (int k = 0; k <= instants; ++k) {
+            const double time = span * k / instants;
+            Stop never;
+            c.run(time, never);
+            // Where all have parted before, they fly on.
+            const double after = time - c.time;
+            for (std::size_t m = 0; m < g.body.size(); ++m) {
+                Vector3 x = c.members[m].position;
+                for (std::size_t a = 0; a < 3; ++a)
+                    x[a] += after * (c.members[m].velocity[a] + 0.5 * after * gravity_[a]);
+                most = math::max(most, margin_used(g, m, place(g, m, x), c.base + time));
+            }
+        }
+    }
+    return most;
+}
+
+// That of a member at a place where it is at this time. In an undisturbed contact what it may need shrinks, and leads
+// one way: a point that flies along at its true place must not be told to pass.
+template <class Law>
+double NewtonEvents<Law>::margin_used(const Group& g, std::size_t m, const Vector3& place,
+                                      double time) const {
+    const int i = g.body[m];
+    const Vector3 path = position(i, time);
+    const double rounding = 1e-10 * radius(i);  // and what a table of contacts is off
+    Vector3 off;
+    for (std::size_t a = 0; a < 3; ++a) off[a] = place[a] - path[a];
+    const double far = math::sqrt(dot(off, off));
+    if (!g.isolated) return far / (paths_[i].radius - radius(i) + rounding);
+    if (passes({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;
+    const double left = math::max(end_[i] - time, 0.0) / g.lone.span;
+    return far / (share_of(g, m) * g.lone.margin * left + rounding);
+}
+
+}  // namespace hardlimit::particles
