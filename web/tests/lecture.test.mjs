@@ -319,7 +319,8 @@ test("A beside B, in one link", async (t) => {
   const newton = before.find((r) => r[0] === "Top ball rises to, Newton");
   assert.match(newton[1], /^0\.99\d m$/);
   assert.match(newton[2], /^4\.\d\d m$/);
-  await page.waitForFunction(() => new URL(location.href).searchParams.get("a.example") === "basketball" && new URL(location.href).searchParams.get("gap") === "0.05");
+  const inLink = { "a.example": "basketball", gap: "0.05", e: "0.8" };
+  await page.waitForFunction((wanted) => Object.entries(wanted).every(([name, value]) => new URL(location.href).searchParams.get(name) === value), inLink);
   const other = await open(t, new URL(page.url()).search);
   await other.waitForFunction(() => document.getElementById("compare").dataset.ready === "true");
   assert.deepEqual(await other.$$eval("#compare-table tbody tr", (list) => list.map((tr) => [...tr.children].map((c) => c.textContent))), before);
