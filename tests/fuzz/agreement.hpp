@@ -139,9 +139,9 @@ inline bool explained_by_tolerance(const LinearColumn& c, long max_steps, Agreem
     return true;
 }
 
-// Whether the force of the exact solution vanishes, and v'_r is that of the general one, where that has the ends of its
-// contacts; nothing but these instants then differs. What is known to `rounding` are velocities and compressions, and so
-// the force as well.
+// Whether the force of the exact solution vanishes, and v'_r is that of the general one, where that has the ends
+// of its contacts; nothing but these instants then differs. What is known to `rounding` are velocities and
+// compressions, and so the force as well.
 inline bool explained_by_flat_force(const LinearColumn& c, Agreement& a) {
     const Measure unit(c);
     const Differences found = differences(a.exact, a.general, unit);
