@@ -132,7 +132,7 @@ public:
     }
 
     // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids, and keeps it.
-    std::size_t collect(u32 cell, std::vector<u32>& list, std::size_t n) const {
+    std::size_t collect(u32 cell, Scratch<u32>& list, std::size_t n) const {
         const Cell* c = &cells_[cell];
         u32* to = list.data() + n;
         to[0] = c->id[0], to[1] = c->id[1], to[2] = c->id[2];
@@ -315,7 +315,7 @@ private:
         return last;
     }
 
-    std::size_t collect_chain(const Cell* c, std::vector<u32>& list, std::size_t n) const {
+    std::size_t collect_chain(const Cell* c, Scratch<u32>& list, std::size_t n) const {
         for (;;) {
             if (list.size() < n + slack) list.resize(2 * n + slack);
             for (u32 k = 0; k < inline_ids; ++k) list[n + k] = c->id[k];

@@ -18,8 +18,8 @@ namespace hardlimit::particles {
 
 struct Impact {
     double time;     // [s]
-    u32 first;       // id of a user
-    i64 second;      // id, or number of a wall
+    u32 first;       // particle
+    i64 second;      // particle, or number of a wall
     double speed;    // of approach [m/s]
     double waited;   // since the last collision of either, the longer of the two [s]
     bool shrinking;  // whether speeds may shrink for ever: not under the rule tc
@@ -27,23 +27,26 @@ struct Impact {
 
 class CollapseWatch {
 public:
-    // typical: root mean square speed of all particles [m/s]; only asked where needed.
-    template <class Typical>
-    bool collapses(const Impact& c, double radius, const Typical& typical) {
+    // typical: root mean square speed of all particles [m/s]; name: the user's number of a particle, by which it is
+    // known here. Both are only asked for where needed.
+    template <class Typical, class Name>
+    bool collapses(const Impact& c, double radius, const Typical& typical, const Name& name) {
+        const auto other = [&] { return name(static_cast<u32>(c.second)); };
         if (c.time > instant_ + window_)
             start_instant(c.time, radius, typical());
         else if (++at_once_ > many_at_once &&
-                 (++times_[c.first] > of_one || (c.second >= 0 && ++times_[other(c)] > of_one)))
+                 (++times_[name(c.first)] > of_one || (c.second >= 0 && ++times_[other()] > of_one)))
             return true;
         if (!(c.shrinking && c.waited * c.speed < soon * radius)) {
             if (!streaks_.empty()) {
-                streaks_.erase(c.first);
-                if (c.second >= 0) streaks_.erase(other(c));
+                streaks_.erase(name(c.first));
+                if (c.second >= 0) streaks_.erase(other());
             }
             return false;
         }
         if (!(c.speed > rounding * typical())) return false;
-        const bool first = shrinks(c.first, c.speed), second = c.second >= 0 && shrinks(other(c), c.speed);
+        const bool first = shrinks(name(c.first), c.speed);
+        const bool second = c.second >= 0 && shrinks(other(), c.speed);
         return first || second;
     }
 
@@ -65,8 +68,6 @@ private:
     int at_once_ = 0;
     std::unordered_map<u32, int> times_;
     std::unordered_map<u32, Streak> streaks_;
-
-    static u32 other(const Impact& c) { return static_cast<u32>(c.second); }
 
     template <class Archive, class Map>
     static void archive_map(Archive& a, Map& map) {

@@ -90,8 +90,8 @@ private:
     Collapse collapse_{math::nan, -1, 0};
     hardlimit_abi::TouchKernels::Of touch_{};
     hardlimit_abi::TouchQuery query_{};  // of the particle that looks now
-    std::vector<u32> candidates_;
-    std::vector<double> times_;  // until they are touched [s]
+    Scratch<u32> candidates_;
+    Scratch<double> times_;  // until they are touched [s]
     i64 next_sort_ = 0;          // row of the log
     i64 until_refresh_ = 0;      // particles' collisions before energy and momentum are summed anew
     Records<double> rescans_;    // time of the next look for smaller particles [s]

@@ -136,24 +136,27 @@ PairGeometry HardSpheres<d, motion, mixed>::geometry(u32 i, u32 j) const {
     return {0.5 * mass_, 0.5 * largest_radius_};
 }
 
-// The bookkeeping of a collision, before it is counted: i has met another particle or a wall.
+// The bookkeeping of a collision, before it is counted: i has met another particle or a wall, which is negative.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double lost, double waited) {
-    i64 first = names_[i];
-    if (second >= 0 && second < first) std::swap(first, second);
     if (lost != 0.0) tally_.dissipated.add(lost);
+    const auto name = [this](u32 id) { return names_[id]; };
+    const auto pair = [&] {
+        const i64 a = name(i), b = second < 0 ? second : name(static_cast<u32>(second));
+        return second < 0 ? std::pair{a, b} : std::pair{std::min(a, b), std::max(a, b)};
+    };
     if (keep_log_) {
         log_.time.push_back(now_);
-        log_.first.push_back(first);
-        log_.second.push_back(second);
+        log_.first.push_back(pair().first);
+        log_.second.push_back(pair().second);
         log_.impact_speed.push_back(speed);
     }
     if (rule_.elastic_always()) return;
     const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
-    const Impact impact{now_, static_cast<u32>(first), second, speed, waited, !rule_.is_tc()};
-    if (!watch_.collapses(impact, largest_radius_, typical)) return;
+    const Impact impact{now_, i, second, speed, waited, !rule_.is_tc()};
+    if (!watch_.collapses(impact, largest_radius_, typical, name)) return;
     outcome_ = Outcome::collapse;
-    collapse_ = {now_, first, second};
+    collapse_ = {now_, pair().first, pair().second};
 }
 
 template <int d, Motion motion, bool mixed>
@@ -202,7 +205,7 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
             tally_.advance(now_);
             tally_.kinetic -= lost;
         }
-        note(i, names_[j], speed, lost, math::max(waited[0], waited[1]));
+        note(i, j, speed, lost, math::max(waited[0], waited[1]));
     }
     for (int k = 0; k < d; ++k) {
         const double impulse = reduced * gain * r[k];

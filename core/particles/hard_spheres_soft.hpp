@@ -64,7 +64,7 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     shift_body(i, -mass(j) / whole, change, shift);
     shift_body(j, mass(i) / whole, change, shift);
     remember(i, j, impact.duration);
-    note(i, names_[j], speed, 0.5 * pair.effective_mass * (before - after), math::infinity);
+    note(i, j, speed, 0.5 * pair.effective_mass * (before - after), math::infinity);
     ++tally_.pairs;
 }
 

@@ -152,8 +152,8 @@ private:
     hardlimit_abi::TouchKernels::Of touch_{};
     const hardlimit_abi::SeriesKernels* series_ = nullptr;
     hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
-    mutable std::vector<u32> candidates_;
-    mutable std::vector<double> times_;  // until they are touched [s]
+    mutable Scratch<u32> candidates_;
+    mutable Scratch<double> times_;  // until they are touched [s]
     Vector3 gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double widest_margin_ = 0.0;  // that cells are wide enough for [m]
