@@ -55,7 +55,7 @@ static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 // Brings a cache line near before it is needed. gcc takes a function that only does this for one that does nothing, and
 // drops the calls of it; the empty instruction is something that it must keep.
 __attribute__((always_inline)) inline void prefetch(const void* p) {
-    __builtin_prefetch(p);
+    __builtin_prefetch(p, 0, 2);
     __asm__ volatile("" : : "r"(p));
 }
 

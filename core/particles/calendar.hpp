@@ -19,6 +19,8 @@ struct Due {
     u32 id;
 };
 
+inline constexpr u32 most_in_caches = 20'000;  // particles; of fewer, all lies in the caches of a core
+
 class Calendar {
 public:
     // Takes up the events of n particles. Key: time of the next event of an id; Name: what orders simultaneous events.
@@ -96,7 +98,9 @@ private:
         u32 id[15];
         u32 next;  // the full chunk after it
     };
-    static constexpr double per_bin = 24.0;  // events in a bin, about
+    // Events in a bin, about. What those of a new bin need is fetched when it is entered, all at once: a wait that
+    // fewer, larger bins make rarer.
+    static constexpr double per_small_bin = 24.0, per_large_bin = 256.0;
     static constexpr u32 none = 0;  // of a bucket: chunk index · 16 + number of ids in it, never 0 with ids
     static constexpr double last_bin = 4e18;
 
@@ -110,6 +114,7 @@ private:
     double origin_ = 0.0, per_time_ = 1.0;
     bool unfit_ = false;  // the bins have become far too narrow or too wide for the rate of events
 
+    double per_bin() const { return n_ > most_in_caches ? per_large_bin : per_small_bin; }
     u64 bin_of(double time) const {
         return static_cast<u64>(math::min(math::max((time - origin_) * per_time_, 0.0), last_bin));
     }
@@ -129,7 +134,7 @@ private:
         unfit_ = false;
     }
 
-    // Of a bin that holds per_bin events: a quarter of the particles have theirs before the first quartile of the
+    // Of a bin that holds per_bin() events: a quarter of the particles have theirs before the first quartile of the
     // times.
     template <class Key>
     double width(const Key& key) const {
@@ -142,7 +147,7 @@ private:
         for (std::size_t at = sample.size() / 4; at < sample.size(); ++at)
             if (sample[at] > 0.0) {
                 const double share = (static_cast<double>(at) + 1.0) / static_cast<double>(sample.size());
-                return math::max(per_bin * sample[at] / (share * finite), 1e-300);
+                return math::max(per_bin() * sample[at] / (share * finite), 1e-300);
             }
         return 1.0;
     }
@@ -212,7 +217,7 @@ private:
     template <class Key>
     void start_year(const Key& key) {
         const double mean = static_cast<double>(taken_) / static_cast<double>(buckets_.size());
-        unfit_ = mean > 3.0 * per_bin || mean < per_bin / 3.0;
+        unfit_ = mean > 3.0 * per_bin() || mean < per_bin() / 3.0;
         taken_ = 0;
         year_end_ += buckets_.size();
         std::size_t kept = 0;

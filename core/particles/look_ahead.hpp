@@ -7,8 +7,6 @@
 
 namespace hardlimit::particles {
 
-inline constexpr std::size_t most_in_caches = 20'000;  // bodies; of fewer, all lies in the caches of a core
-
 // level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event.
 template <int d, class Level, class More>
 struct LookAhead {
@@ -19,7 +17,7 @@ struct LookAhead {
     Level level;
     More more;
 
-    static constexpr std::size_t cells_ahead = 7, neighbours_ahead = 3;  // events before theirs
+    static constexpr std::size_t cells_ahead = 14, neighbours_ahead = 6;  // events before theirs
 
     // Called once for each event: those that come somewhat later move on by one stage.
     void step() const {
@@ -56,7 +54,7 @@ private:
     // The bodies in those cells.
     void fetch_neighbours(u32 i) const {
         const Pending& e = pending[i];
-        cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) { prefetch(&bodies[id]); });
+        cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) { prefetch(&bodies[id]); prefetch(&pending[id]); });
     }
 };
 template <int d, class Level, class More>

@@ -87,7 +87,7 @@ enum class Image { as_it_is, nearest, shifted };
 inline constexpr double rounding_of_touch = 4e-9;
 
 template <class Real, int d, Motion motion, Image image, bool reach>
-HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p) {
+HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p, bool lone) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
     HL_UNROLL
@@ -127,7 +127,7 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         Mask<Real> now{};
         // The particle itself, which is where it is, does not count.
         if constexpr (reach) now = (c < -rounding_of_touch * (touch * touch)) & (square > 0.0);
-        if (!any(will | now)) return never;
+        if (lone && !any(will | now)) return never;
         const Real time =
             math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
         if constexpr (reach) return select<Real>(now, Real{}, select<Real>(will, time, never));
@@ -182,7 +182,7 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
-        const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row));
+        const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row), n <= lanes);
         store_lanes(times + k, time);
         if constexpr (reach) second = math::min<Real>(second, math::max<Real>(least, time));
         least = math::min<Real>(least, time);
