@@ -52,7 +52,8 @@ using u64 = unsigned long long;
 static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 
 #if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
-// Brings a cache line near before it is needed. gcc takes a function that only does this for one that does nothing, and
+// Brings a cache line near before it is needed: not nearest, where many at once would wait for the few places that the
+// first cache has for lines on their way. gcc takes a function that only does this for one that does nothing, and
 // drops the calls of it; the empty instruction is something that it must keep.
 __attribute__((always_inline)) inline void prefetch(const void* p) {
     __builtin_prefetch(p, 0, 2);

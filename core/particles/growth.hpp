@@ -53,7 +53,7 @@ private:
     std::vector<u32> order_;
     bool alike_ = false;
     Cells<d> cells_;
-    std::vector<u32> list_ = std::vector<u32>(256);
+    Scratch<u32> list_ = Scratch<u32>(256);
 
     bool throw_in(u32 i, double share, std::vector<double>& position) {
         const double radius = share * s_.radius[i];

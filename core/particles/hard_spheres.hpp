@@ -91,11 +91,11 @@ private:
     hardlimit_abi::TouchKernels::Of touch_{};
     hardlimit_abi::TouchQuery query_{};  // of the particle that looks now
     Scratch<u32> candidates_;
-    Scratch<double> times_;  // until they are touched [s]
-    i64 next_sort_ = 0;          // row of the log
-    i64 until_refresh_ = 0;      // particles' collisions before energy and momentum are summed anew
-    Records<double> rescans_;    // time of the next look for smaller particles [s]
-    double fastest_ = 0.0;       // bound of the speeds of all particles [m/s]
+    Scratch<double> times_;    // until they are touched [s]
+    i64 next_sort_ = 0;        // row of the log
+    i64 until_refresh_ = 0;    // particles' collisions before energy and momentum are summed anew
+    Records<double> rescans_;  // time of the next look for smaller particles [s]
+    double fastest_ = 0.0;     // bound of the speeds of all particles [m/s]
     // The last contact of a particle under the soft rule.
     struct SoftContact {
         double until;  // [s]

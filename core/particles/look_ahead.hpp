@@ -54,7 +54,10 @@ private:
     // The bodies in those cells.
     void fetch_neighbours(u32 i) const {
         const Pending& e = pending[i];
-        cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) { prefetch(&bodies[id]); prefetch(&pending[id]); });
+        cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
+            prefetch(&bodies[id]);
+            prefetch(&pending[id]);
+        });
     }
 };
 template <int d, class Level, class More>

@@ -86,6 +86,8 @@ enum class Image { as_it_is, nearest, shifted };
 // Part of the square of the distance up to which overlap is rounding.
 inline constexpr double rounding_of_touch = 4e-9;
 
+// `lone`: the only group. Where it often holds nobody who is touched, it pays to ask; of several groups no processor
+// can foresee which do, and a wrong guess costs more than the root and the quotient.
 template <class Real, int d, Motion motion, Image image, bool reach>
 HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p, bool lone) {
     const Real after = q.now - p.of[2 * d];
@@ -182,7 +184,8 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
         const double* row[lanes];
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
-        const Real time = touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row), n <= lanes);
+        const Real time =
+            touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row), n <= lanes);
         store_lanes(times + k, time);
         if constexpr (reach) second = math::min<Real>(second, math::max<Real>(least, time));
         least = math::min<Real>(least, time);
