@@ -7,6 +7,7 @@ MINUIT, which fits use, knows no common constraint, and makes of a bound a curve
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -73,10 +74,9 @@ def descend(function: Callable[[Floats], float], start: Floats, domain: Domain) 
     search.set_ftol_abs(ENOUGH)
     search.set_xtol_abs(SHORTEST)
     search.set_maxeval(MOST_VALUES)
-    try:
+    # A jump has no gradient; the lowest point that was seen holds.
+    with suppress(nlopt.RoundoffLimited, RuntimeError):
         search.optimize(at)
-    except (nlopt.RoundoffLimited, RuntimeError):
-        pass  # a jump has no gradient: the lowest point that was seen holds
     return at, value
 
 
