@@ -22,9 +22,11 @@ OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
 def blocks(page: Path, kind: str) -> list[str]:
-    return re.findall(
-        rf"^```{kind}\n(.*?)^```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    """Those in a list as well, less what they are indented by."""
+    found = re.findall(
+        rf"^( *)```{kind}\n(.*?)^\1```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
     )
+    return [textwrap.dedent(text) for _, text in found]
 
 
 def commands(session: str) -> list[tuple[str, str]]:
