@@ -1,7 +1,7 @@
 """The minimum of a smooth function in a box, of arguments whose sum may be given; bounds are kept exactly.
 
-The steps are those of SLSQP (Kraft, Tech. Rep. DFVLR-FB 88-28 (1988)) in NLopt; the gradient is a difference quotient.
-MINUIT, which fits use, knows no common constraint, and makes of a bound a curve on which the slope vanishes.
+The steps are those of SLSQP (Kraft, ACM Trans. Math. Softw. 20, 262 (1994)) in NLopt; the gradient is a difference
+quotient. MINUIT, which fits use, knows no common constraint, and makes of a bound a curve on which the slope vanishes.
 """
 
 from __future__ import annotations
