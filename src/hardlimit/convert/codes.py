@@ -37,6 +37,7 @@ class Spring:
     factor: float = 1.0
     wall_factor: float | None = None  #: at a wall, where it is another one
     radius: float = 0.0
+    shortest: float = 0.0  #: √(m/K) [s] below which the code has another spring
 
 
 @dataclass(frozen=True)
@@ -241,7 +242,7 @@ class Written:
         mass = self._mass({})
         spring = SPRINGS[self.model.spring.given]
         found = spring.numbers(stiffness / self._spring_factor(), self._where(mass, number))
-        if found is None:
+        if found is None or mass < self.model.spring.shortest**2 * stiffness:
             return None
         if self.model.mass.number:
             found[self.model.mass.number] = mass / self.model.mass.share
