@@ -5,12 +5,19 @@ from __future__ import annotations
 from itertools import combinations
 from typing import Any
 
+import numpy as np
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from hardlimit.pictures.style import style
+
+
+def along(axis: Axis, values: Any) -> Any:
+    """Where values lie along an axis, which may be logarithmic."""
+    return axis.get_transform().transform(np.asarray(values, dtype=float))
 
 
 def boxes(figure: Figure) -> list[tuple[str, Bbox]]:
@@ -21,9 +28,9 @@ def boxes(figure: Figure) -> list[tuple[str, Bbox]]:
         label: axis.get_visible() and low - 1e-9 * (high - low) <= at <= high + 1e-9 * (high - low)
         for ax in axes
         for i, axis in enumerate((ax.xaxis, ax.yaxis))
-        for low, high in [sorted(axis.get_view_interval())]
+        for low, high in [sorted(along(axis, axis.get_view_interval()))]
         for label in axis.get_ticklabels(which="both")
-        for at in [label.get_position()[i]]
+        for at in along(axis, [label.get_position()[i]])
     }
     found = []
     for text in figure.findobj(Text):

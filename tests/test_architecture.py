@@ -185,3 +185,12 @@ def test_no_line_of_cpp_is_too_long() -> None:
         if sum(not unicodedata.combining(letter) for letter in line) > 120
     ]
     assert long == []
+
+
+def test_usable_processors_are_counted_in_one_place() -> None:
+    asked = [
+        p.name
+        for p in PACKAGE.rglob("*.py")
+        if re.search(r"sched_getaffinity|cpu_count", p.read_text("utf-8"))
+    ]
+    assert asked == ["processors.py"]

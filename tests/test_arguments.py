@@ -722,7 +722,7 @@ def test_shapes_of_arrays():
 
 
 @pytest.mark.parametrize(
-    "value", [1.0, True, "1", None, 0, 11, 10**400, np.timedelta64(3), 1.5, np.float64(2)]
+    "value", [1.0, True, "1", None, 0, 11, 10**400, np.timedelta64(3, "s"), 1.5, np.float64(2)]
 )
 def test_whole_refuses(value):
     with pytest.raises(ValueError, match=r"^n: got .*, must be a whole number in \[1, 10\]$"):

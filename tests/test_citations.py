@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from click import Context
 from click.testing import CliRunner
 
 import hardlimit as hl
@@ -18,6 +19,8 @@ def test_all_that_has_a_name_has_a_topic() -> None:
     assert set(topics["laws"]) == set(hl.LAWS)
     assert set(topics["rules"]) == {rule for rules in event_driven.RULES.values() for rule in rules}
     assert set(topics["engines"]) == {*contact_course.ENGINES, "lammps"}
+    commands = {name.replace("-", "_") for name in main.list_commands(Context(main))}
+    assert set(topics["tools"]) <= commands & set(hl.__all__)
     folder = Path(hl.__file__).parent / "paper"
     assert {f"fig{f.stem.removeprefix('figure')}" for f in folder.glob("figure*.py")} == set(
         topics["figures"]

@@ -1,8 +1,7 @@
-"""The search in a box with a given sum, against scipy's and against the conditions of an optimum."""
+"""The search in a box with a given sum, against the conditions of an optimum."""
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
 
 from hardlimit.descent import Domain, descend
 
@@ -12,28 +11,11 @@ def banana(x):
     return float(np.sum(100.0 * (x[1:] - x[:-1] ** 2) ** 2 + (1.0 - x[:-1]) ** 2))
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_a_step_is_the_minimum_of_its_model(seed):
-    """Against scipy, for random convex models, bounds that bind, and points on bounds."""
-    rng = np.random.default_rng(seed)
-    n, summed = int(rng.integers(1, 12)), bool(seed % 2)
-    domain = Domain(-1.0, 0.5, summed)
-    root = rng.normal(size=(n, n))
-    curvature, gradient = root @ root.T + 0.1 * np.eye(n), 3.0 * rng.normal(size=n)
-    at = np.clip(rng.uniform(-1.5, 1.0, n), -1.0, 0.5)
-    step = domain.step(at, gradient, curvature)
-
-    def model(d):
-        return float(gradient @ d + 0.5 * d @ curvature @ d)
-
-    same = [{"type": "eq", "fun": np.sum, "jac": np.ones_like}] if summed else []
-    bounds = [(-1.0 - x, 0.5 - x) for x in at]
-    found = minimize(model, np.zeros(n), jac=lambda d: gradient + curvature @ d, bounds=bounds, constraints=same,
-                     method="SLSQP", options={"ftol": 1e-15, "maxiter": 500})  # fmt: skip
-    assert np.all(at + step >= -1.0 - 1e-12) and np.all(at + step <= 0.5 + 1e-12)
-    assert not summed or abs(step.sum()) < 1e-12
-    assert model(step) <= found.fun + 1e-10
-    np.testing.assert_allclose(step, found.x, atol=1e-5)
+def banana_slope(x):
+    slope = np.zeros_like(x)
+    slope[1:] += 200.0 * (x[1:] - x[:-1] ** 2)
+    slope[:-1] -= 400.0 * x[:-1] * (x[1:] - x[:-1] ** 2) + 2.0 * (1.0 - x[:-1])
+    return slope
 
 
 @pytest.mark.parametrize("bounds", [(-5.0, 5.0), (-5.0, 0.8), (-5.0, 0.3)])
@@ -43,10 +25,12 @@ def test_a_curved_valley_is_followed_to_its_end(bounds, total):
     domain = Domain(*bounds, total is not None)
     start = domain.nearest(np.full(n, 0.2), total)
     at, value = descend(banana, start, domain)
-    same = [{"type": "eq", "fun": lambda x: np.sum(x) - total}] if total is not None else []
-    found = minimize(banana, start, bounds=[bounds] * n, constraints=same, method="SLSQP",
-                     options={"ftol": 1e-14, "maxiter": 2000})  # fmt: skip
-    assert value <= found.fun + 1e-6  # what difference quotients leave
+    assert value == banana(at) < banana(start)
+    slope = banana_slope(at)
+    free = (at > bounds[0] + 1e-9) & (at < bounds[1] - 1e-9)
+    level = slope[free].mean() if total is not None else 0.0
+    np.testing.assert_allclose(slope[free], level, atol=5e-3)  # what difference quotients leave
+    assert np.all(slope[at >= bounds[1] - 1e-9] <= level + 5e-3)
     assert total is None or at.sum() == pytest.approx(total, abs=1e-10)
     assert np.all((at >= bounds[0]) & (at <= bounds[1]))
 
@@ -79,3 +63,18 @@ def test_jumps_do_no_harm(seed):
 
     at, value = descend(stairs, start, domain)
     assert value <= stairs(start) and np.all((at >= -3.0) & (at <= 0.0))
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ZeroDivisionError])
+def test_what_a_function_raises_ends_the_search(error):
+    calls = []
+
+    def stops(x):
+        calls.append(1)
+        if len(calls) == 7:
+            raise error
+        return banana(x)
+
+    with pytest.raises(error):
+        descend(stops, np.full(4, 0.2), Domain(-1.0, 1.0, True))
+    assert len(calls) == 7

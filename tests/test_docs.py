@@ -10,6 +10,7 @@ import re
 import shlex
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -21,9 +22,11 @@ OPTIONS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
 def blocks(page: Path, kind: str) -> list[str]:
-    return re.findall(
-        rf"^```{kind}\n(.*?)^```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
+    """Those in a list as well, less what they are indented by."""
+    found = re.findall(
+        rf"^( *)```{kind}\n(.*?)^\1```$", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
     )
+    return [textwrap.dedent(text) for _, text in found]
 
 
 def commands(session: str) -> list[tuple[str, str]]:
@@ -82,6 +85,67 @@ def test_sessions(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         for command, output in commands(session):
             found = difference(output, obtained(command, tmp_path))
             assert not found, f"{command}\n{found}"
+
+
+#: What a page takes for granted, as a reader would have it.
+AT_HAND = {
+    "fit": "Path('impacts.csv').write_text(subprocess.run([sys.executable, '-m', 'hardlimit', 'fit', '--example'],"
+    " capture_output=True, text=True, check=True).stdout)\n",
+    "grains": "positions = 0.09 * np.random.default_rng(1).random((10, 3)) + 0.005\n"
+    "velocities, radius, density = 0.0 * positions, 1e-4, 2500.0\n",
+    "sweeps": "restitutions, gaps = np.linspace(0.5, 1, 12), np.geomspace(1e-5, 1e-2, 10)\n",
+}
+#: Blocks with these words ask for a machine that is not here.
+ELSEWHERE = {'engine="cuda"': "a GPU", "tcp://node1": "a cluster"}
+#: What a reader waits for, made smaller.
+SMALLER = {
+    "lammps": {"n=5000": "n=300", "until=0.05": "until=1e-3"},
+    "grains": {
+        "n=2000": "n=200",
+        "random(2000": "random(200",
+        "until=10.0": "until=0.1",
+        "replicas=8": "replicas=3",
+        "16": "3",
+    },
+}
+#: What the reader does between blocks: this stands before the one with these words.
+BETWEEN = {
+    "lammps_result(": "from hardlimit.particles.lammps import program\n"
+    "lmp = program.find(1)\n"
+    "subprocess.run(lmp.command(1, '-in', 'in.hardlimit'), cwd='box', env=lmp.environment(), check=True)\n"
+}
+SCRIPTS = [page for page in sorted(DOCS.glob("*.md")) if blocks(page, "python")]
+
+
+def scripts(page: Path) -> list[str]:
+    """The blocks of Python one after the other; one with processes of its own is a script by itself."""
+    here = [b for b in blocks(page, "python") if not any(words in b for words in ELSEWHERE)]
+    for words, before in BETWEEN.items():
+        here = [before + b if words in b else b for b in here]
+    for words, smaller in SMALLER.get(page.stem, {}).items():
+        assert any(words in b for b in here)
+        here = [b.replace(words, smaller) for b in here]
+    whole = AT_HAND.get(page.stem, "") + "\n".join(b for b in here if "__main__" not in b)
+    guarded = "if __name__ == '__main__':\n" + textwrap.indent(whole, "    ")
+    head = "import subprocess, sys\nfrom pathlib import Path\nimport numpy as np\n"
+    return [head + guarded, *("import hardlimit as hl\n" + b for b in here if "__main__" in b)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", SCRIPTS, ids=lambda page: page.stem)
+def test_blocks_of_python_run(page: Path, tmp_path: Path) -> None:
+    if page.stem == "lammps":
+        pytest.importorskip("lammps")
+    for script in scripts(page):
+        (tmp_path / "page.py").write_text(script, encoding="utf-8")
+        ran = subprocess.run(
+            [sys.executable, "page.py"],
+            capture_output=True,
+            cwd=tmp_path,
+            encoding="utf-8",
+            env={**os.environ, "MPLBACKEND": "agg", "PYTHONUTF8": "1"},
+        )
+        assert ran.returncode == 0, f"{script}\n{ran.stderr}"
 
 
 def test_validation_names_tests_and_counts_rows_that_exist() -> None:

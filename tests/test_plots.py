@@ -10,13 +10,14 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from PIL import Image
 
 import hardlimit as hl
 from conftest import law_of, slow
 from hardlimit.column.comparison import compare
 from hardlimit.pictures import animation, forces, heights, labels, maps, plots, stage, storyboard, style
-from legible import assert_legible
+from legible import assert_legible, boxes
 
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.7, impact_speed=3.0)
 STEEL = hl.Ball(0.02, density=7800.0)
@@ -492,3 +493,13 @@ def test_the_end_of_one_ball_is_that_of_its_first_bounce() -> None:
     result = hl.newton(ball, until=1.0)
     assert len(result.contacts.pair) > 1
     assert result.t_end == result.t_floor_end == result.contacts.end.values[0]
+
+
+def test_a_tick_outside_a_log_axis_is_not_seen() -> None:
+    """For the tests of legible pictures: it is not drawn, however near to the end of the axis in its own unit."""
+    figure = Figure()
+    ax = figure.add_subplot(xscale="log")
+    ax.set_xticks([1e-13, 1e-12, 1.0], ["outside", "first", "last"])
+    ax.set_xlim(1e-12, 1.0)
+    seen = [text for text, _ in boxes(figure)]
+    assert "first" in seen and "last" in seen and "outside" not in seen

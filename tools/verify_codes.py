@@ -1,11 +1,12 @@
-"""What LIGGGHTS, YADE and Kratos make of their numbers: two spheres, and a sphere and a wall, run and written down.
+"""What LIGGGHTS, YADE, Kratos and MuJoCo make of their numbers: two spheres, and a sphere and a wall, run and written
+down.
 
-    python tools/verify_codes.py --kratos-python PATH tests/data/code_restitution.csv
+    python tools/verify_codes.py --kratos-python PATH --mujoco-python PATH tests/data/code_restitution.csv
 
 Each run takes the numbers that one would take who does not know the code (``usual`` in ``hl.convert``), for several
 restitutions and speeds. ``tests/test_convert.py`` compares what came out with what ``hardlimit`` says of these numbers.
-Needed are the programs ``liggghts`` and ``yade`` in PATH (Debian has both) and a Python with the wheel
-KratosDEMApplication; a code that is missing is left as it stands in the file. LAMMPS is run by the tests themselves.
+Needed are the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Python with KratosDEMApplication
+and one with mujoco (wheels); a code that is missing is left as it stands in the file. LAMMPS is run by the tests.
 """
 
 import argparse
@@ -389,6 +390,44 @@ def kratos(case: Case, folder: Path, python: str) -> Measured:
     return Measured.of(results([python, "two.py", repr(case.speed)], folder), case.time_step)
 
 
+MUJOCO = """
+import sys
+import mujoco
+
+model = mujoco.MjModel.from_xml_path("two.xml")
+data = mujoco.MjData(model)
+speed = float(sys.argv[1])
+axes = [2, 8][: model.nv // 6]
+data.qvel[axes[0]] = speed * (0.5 if len(axes) == 2 else -1.0)
+data.qvel[axes[1:]] = -0.5 * speed
+for step in range(int(sys.argv[2]) + 1):
+    found = data.qvel[axes]
+    print("RESULT", repr(float(found[-1] - (found[0] if len(axes) == 2 else 0.0)) / speed))
+    mujoco.mj_step(model, data)
+"""
+
+
+def mujoco(case: Case, folder: Path, python: str) -> Measured:
+    """One run; balls move along z, without gravity."""
+    at_wall = case.pair.wall
+    heights = [RADIUS + case.gap] if at_wall else [0.0, 2 * RADIUS + case.gap]
+    # One line of input is for two balls of a size, whichever they are.
+    names = ["ball1"] if at_wall else ["ball1", "other"]
+    lines = [line.replace('geom2="ball1"', 'geom2="other"') for line in case.text().splitlines()]
+    balls = [
+        f'<body pos="0 0 {z!r}"><freejoint/><geom name="{name}" type="sphere" size="{RADIUS}" density="{DENSITY}"/>'
+        "</body>"
+        for name, z in zip(names, heights, strict=True)
+    ]
+    floor = ['<geom name="floor" type="plane" size="1 1 1"/>'] if at_wall else []
+    body = ["<worldbody>", *floor, *balls, "</worldbody>"]
+    # The step to all its digits, which the text rounds.
+    lines = [re.sub(r'timestep="[^"]*"', f'timestep="{case.time_step!r}" gravity="0 0 0"', x) for x in lines]
+    (folder / "two.xml").write_text("\n".join(["<mujoco>", *body, *lines, "</mujoco>"]))
+    (folder / "two.py").write_text(MUJOCO)
+    return Measured.of(results([python, "two.py", repr(case.speed), str(case.end)], folder), case.time_step)
+
+
 def results(command: list[str], folder: Path) -> list[float]:
     """The numbers behind RESULT in what a program says."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -446,6 +485,7 @@ def main() -> None:
     )
     parser.add_argument("file", type=Path)
     parser.add_argument("--kratos-python", help="a Python that has the wheel KratosDEMApplication")
+    parser.add_argument("--mujoco-python", help="a Python that has the wheel mujoco")
     given = parser.parse_args()
     runs: dict[str, Iterator[dict[str, object]]] = {}
     if shutil.which("liggghts"):
@@ -455,6 +495,9 @@ def main() -> None:
     if given.kratos_python:
         python = given.kratos_python
         runs["kratos"] = rows("kratos", each(lambda case, folder: kratos(case, folder, python)))
+    if given.mujoco_python:
+        simulator = given.mujoco_python
+        runs["mujoco"] = rows("mujoco", each(lambda case, folder: mujoco(case, folder, simulator)))
     for name, lines in runs.items():
         write(given.file, list(lines))
         print(f"{name}: done", flush=True)

@@ -134,10 +134,10 @@ def said_and_found(row):
 
 
 def other_codes(ax, rows):
-    """What LIGGGHTS, YADE and Kratos made of their input, over what this package says they would."""
+    """What LIGGGHTS, YADE, Kratos and MuJoCo made of their input, over what this package says they would."""
     runs = table("code_restitution", rows)
-    names = {"liggghts": "LIGGGHTS", "yade": "YADE", "kratos": "Kratos"}
-    for (name, title), colour, mark in zip(names.items(), COLOURS, "os^", strict=False):
+    names = {"liggghts": "LIGGGHTS", "yade": "YADE", "kratos": "Kratos", "mujoco": "MuJoCo"}
+    for (name, title), colour, mark in zip(names.items(), COLOURS, "os^v", strict=False):
         pairs = np.array([said_and_found(row) for row in runs if row["code"] == name])
         ax.plot(
             pairs[:, 0],
@@ -156,7 +156,7 @@ def other_codes(ax, rows):
         ylim=(-2e-3, 3e-3),
     )
     ax.ticklabel_format(axis="y", scilimits=(-3, -3))
-    ax.legend(loc="upper left", ncols=3, columnspacing=1.0, handletextpad=0.2)
+    ax.legend(loc="upper left", ncols=2, columnspacing=1.0, handletextpad=0.2)
 
 
 def contacts(rows):

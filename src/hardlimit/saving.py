@@ -42,7 +42,7 @@ def whole(path: str | Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
-def write(path: str | Path, content: bytes | memoryview) -> Path:
+def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
     """Write a file.
 
     Raises
@@ -50,11 +50,20 @@ def write(path: str | Path, content: bytes | memoryview) -> Path:
     OSError
         If it cannot be written; names it.
     """
-    with whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
-        rest = memoryview(content)
-        while rest:
-            rest = rest[file.write(rest) :]
+    with memoryview(content) as view, whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
+        done = 0
+        while done < len(view):
+            done += file.write(view[done:])
     return Path(path)
+
+
+def _write_and_release(path: str | Path, content: Any) -> Path:
+    """The same; after an error as well nothing looks into what xarray has made in memory, which could not be freed."""
+    try:
+        return write(path, content)
+    finally:
+        if isinstance(content, memoryview):
+            content.release()
 
 
 def dataset(
@@ -70,7 +79,7 @@ def dataset(
         If it cannot be written; names it.
     """
     content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
-    return write(path, memoryview(content))
+    return _write_and_release(path, content)
 
 
 def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
@@ -84,4 +93,4 @@ def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
     import xarray as xr
 
     content = xr.DataTree.from_dict(dict(data)).to_netcdf(None, engine="h5netcdf")
-    return write(path, memoryview(content))
+    return _write_and_release(path, content)

@@ -229,8 +229,8 @@ def stack(
     progression of ratio r (the sum of ln(1 + e^x) over x = ln m_{k+1}/m_k is convex), and the top ball leaves with
     v/V = (1 + ε)^n/(1 + r)^(n−1) − 1. With r > ε it leaves so slowly that it is hit again; the masses are those for its
     first collision nevertheless. Where ε depends on the speed, and under Newton's equations, the masses are searched,
-    by sequential quadratic programming from several starts (Nocedal & Wright, Numerical Optimization (2006),
-    chapter 18); the search ends in masses of which no neighbour is better.
+    by sequential quadratic programming from several starts (SLSQP: Kraft, ACM Trans. Math. Softw. 20, 262 (1994), in
+    NLopt); the search ends in masses of which no neighbour is better.
 
     Examples
     --------

@@ -166,7 +166,9 @@ struct Motion {
             square += factor[j] * factor[j];
         }
         const double norm = math::sqrt(square);
-        for (int j = 0; j < balls(); ++j) factor[j] /= norm;
+        for (int j = 0; j < balls(); ++j) {
+            if (rooted[j]) factor[j] /= norm;  // one that is left over would become subnormal, which is slow
+        }
         return smallest / norm;
     }
 

@@ -27,6 +27,7 @@ models = [  # code, model, law
     ("mercurydpm", "hertz", "tsuji"),
     ("mfix", "lsd", "linear"),
     ("mfix", "hertzian", "tsuji"),
+    ("mujoco", "direct", "linear"),
     ("yade", "viscel-tc-en", "linear"),
     ("yade", "viscel-young-en", "linear"),
     ("yade", "hertz-en", "tsuji"),

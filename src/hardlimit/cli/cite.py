@@ -14,8 +14,8 @@ from .program import Command
 def cite(topics: tuple[str, ...]) -> None:
     """Print BibTeX of the package and of what its results rest on.
 
-    A topic is a model, a law, a rule of collision, an engine, a box or a figure. Without one, a table of all topics is
-    printed.
+    A topic is a model, a law, a rule of collision, an engine, a box, a tool or a figure. Without one, a table of all
+    topics is printed.
     """
     if topics:
         return click.echo(citations.bibtex(*topics), nl=False)

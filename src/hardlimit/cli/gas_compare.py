@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any, Final
 
 import click
 
-from .. import validation
+from .. import processors, validation
 from ..contact import Law
 from ..laws import LinearDashpot
 from ..particles.fidelity import MODELS, Fidelity, fidelity
@@ -156,7 +155,7 @@ def make_job(file: str | None, given: dict[str, Any]) -> Job:
         run["seed"] = source.given.get("seed", 0)
     run.setdefault("replicas", USUAL_REPLICAS)
     if "scheduler" not in run:
-        run.setdefault("workers", _processors())
+        run.setdefault("workers", processors.usable())
     return Job(source, start, law, run, outputs)
 
 
@@ -179,10 +178,6 @@ def _law(present: Law | None, name: str | None, parameters: dict[str, float], of
     if present is None and linear and parameters.keys() <= usual.keys():
         return LinearDashpot(**(usual | parameters))
     return gas_job.law_of(present, name, parameters)
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 # --- what is printed ----------------------------------------------------------------------------------------

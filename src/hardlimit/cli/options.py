@@ -215,7 +215,7 @@ def file_name(option: str, path: str) -> Path:
         if target.name and target.parent.is_dir():
             return target
     except (OSError, ValueError) as error:  # too long, or with a null character
-        because = error.strerror if isinstance(error, OSError) else error
+        because = error.strerror if isinstance(error, OSError) else "embedded null character"
         raise ValueError(f"--{option}: got {shown}, must be the name of a file: {because}") from None
     if not target.name:
         raise ValueError(f"--{option}: got {shown}, must be the name of a file")

@@ -22,7 +22,8 @@ from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers, Where
 ELASTIC: Final = {"hooke": 4, "hertz": 6}
 
 #: In patterns: a number, and what stands for any words.
-NUMBER: Final = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
+UNSIGNED: Final = r"(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
+NUMBER: Final = rf"[+-]?{UNSIGNED}"
 
 
 ANY: Final = {"…": r"\s(?:[^\n]*?\s)?", "*": r"\s+\S+"}
@@ -36,6 +37,7 @@ class Spring:
     factor: float = 1.0
     wall_factor: float | None = None  #: at a wall, where it is another one
     radius: float = 0.0
+    shortest: float = 0.0  #: √(m/K) [s] below which the code has another spring
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ class Input:
     """Texts with places such as {stiffness}; ``reads`` are what a given input is searched for.
 
     A place of ``reads`` such as {list:stiffness} takes a number for each type, {matrix:stiffness} their count and one
-    for each two types; both must be the same number throughout.
+    for each two types; both must be the same number throughout. {unsigned:timeconst} takes one without a sign,
+    {negative:stiffness} one that is negative or 0, less its sign.
     """
 
     reads: list[str]
@@ -142,6 +145,7 @@ class Code:
     scheme: Literal["half step"]  #: damping at the velocity of half a step before
     models: list[Model]  #: its contact models
     comment: str = "#"  #: begins a comment of its input
+    comment_end: str = ""  #: ends it, where the end of the line does not
 
     def model(self, name: str) -> Model:
         """The model of this name.
@@ -234,10 +238,12 @@ class Written:
         usual = factor * FORMULAS["usual"](restitution) * (self.pair.mass * stiffness) ** 0.5
         return self._all_numbers(stiffness, usual / self._damping_scale(self._mass({}), stiffness))
 
-    def _all_numbers(self, stiffness: float, number: float) -> Numbers:
+    def _all_numbers(self, stiffness: float, number: float) -> Numbers | None:
         mass = self._mass({})
         spring = SPRINGS[self.model.spring.given]
         found = spring.numbers(stiffness / self._spring_factor(), self._where(mass, number))
+        if found is None or mass < self.model.spring.shortest**2 * stiffness:
+            return None
         if self.model.mass.number:
             found[self.model.mass.number] = mass / self.model.mass.share
         return {**found, self.model.damping.number: number}
@@ -250,8 +256,7 @@ class Written:
         return self.pair.mass * (rule.wall_factor if self.pair.wall else 1.0)
 
     def _where(self, mass: float, number: float) -> Where:
-        given = None if self.model.damping.formula == "given" else number
-        return Where(mass, self.pair.radius, self.speed, given, self.poisson_ratio)
+        return Where(mass, self.pair.radius, self.speed, number, self.poisson_ratio)
 
     def _spring_factor(self) -> float:
         spring = self.model.spring
@@ -314,8 +319,10 @@ def pattern(text: str) -> re.Pattern[str]:
         if part.startswith("{"):
             kind, _, name = part[1:-1].rpartition(":")
             count = r"[1-9]\d?\s+" if kind == "matrix" else ""
-            more = rf"(?:\s+{NUMBER})*" if kind else ""
-            parts.append(f"{count}(?P<{name}>{NUMBER}{more})")
+            more = rf"(?:\s+{NUMBER})*" if kind in ("list", "matrix") else ""
+            sign = r"(?:-|(?=0*\.?0*[^\w.]))" if kind == "negative" else ""
+            number = UNSIGNED if kind in ("unsigned", "negative") else NUMBER
+            parts.append(f"{count}{sign}(?P<{name}>{number}{more})")
         elif part.isspace():
             parts.append(r"\s+")
         elif part.strip() in ANY:

@@ -13,7 +13,7 @@ from ..particles.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
 from .force import Force, Powers
-from .springs import DEFAULT_POISSON_RATIO, Numbers
+from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers
 from .wanted import LAWS, Wanted
 
 #: More sizes than this make a table that nobody reads.
@@ -288,7 +288,8 @@ def _check_numbers(model: Model, numbers: Numbers) -> None:
         elif name == "poisson_ratio":
             validation.number(name, value, -1.0, 0.5, highest_allowed=True)
         else:
-            validation.number(name, value, 0.0, lowest_allowed=name == model.damping.number)
+            undamped = name == model.damping.number and not SPRINGS[model.spring.given].damped
+            validation.number(name, value, 0.0, lowest_allowed=undamped)
 
 
 def _pairs(balls: Any, wall: bool) -> list[Pair]:

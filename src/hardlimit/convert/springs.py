@@ -19,7 +19,7 @@ class Where:
     mass: float  #: effective, as the code's formula has it [kg]
     radius: float  #: effective [m]
     speed: float  #: of impact [m/s]
-    restitution: float | None  #: as the code is given it
+    number: float | None  #: that gives the damping: a restitution, where the code is given one
     poisson_ratio: float
 
 
@@ -31,7 +31,8 @@ class Spring:
     """One way to give a stiffness."""
 
     value: Callable[[Mapping[str, float], Where], float]
-    numbers: Callable[[float, Where], Numbers]
+    numbers: Callable[[float, Where], Numbers | None]  #: None if no numbers give this stiffness
+    damped: bool = False  #: whether there is none without damping
 
 
 def modulus(youngs_modulus: float, poisson_ratio: float) -> float:
@@ -67,8 +68,13 @@ def _impact_numbers(stiffness: float, where: Where) -> Numbers:
 
 
 def _decay(where: Where) -> float:
-    assert where.restitution is not None
-    return where.mass * (math.pi**2 + math.log(where.restitution) ** 2)
+    assert where.number is not None
+    return where.mass * (math.pi**2 + math.log(where.number) ** 2)
+
+
+def _relaxation(stiffness: float, where: Where) -> Numbers | None:
+    """τ of K = m/(τζ)²; without damping there is none."""
+    return {"timeconst": math.sqrt(where.mass / stiffness) / where.number} if where.number else None
 
 
 SPRINGS: Final[dict[str, Spring]] = {
@@ -79,5 +85,11 @@ SPRINGS: Final[dict[str, Spring]] = {
     "contact_time": Spring(
         lambda n, where: _decay(where) / n["contact_time"] ** 2,
         lambda value, where: {"contact_time": math.sqrt(_decay(where) / value)},
+    ),
+    "stiffness_by_mass": Spring(
+        lambda n, where: n["stiffness"] * where.mass, lambda value, where: {"stiffness": value / where.mass}
+    ),
+    "relaxation": Spring(
+        lambda n, where: where.mass / (n["timeconst"] * n["dampratio"]) ** 2, _relaxation, damped=True
     ),
 }

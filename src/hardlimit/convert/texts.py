@@ -27,16 +27,16 @@ def written(
     """
     texts = model.input
     keyword = f" {model.keyword}" if model.attracts == "unless" and not attraction else ""
-    lines = [f"{code.comment} {code.title} {code.version}: {model.title}", *texts.head.splitlines()]
+    lines = [_comment(code, f"{code.title} {code.version}: {model.title}"), *texts.head.splitlines()]
     places = [{name: f"{value:.12g}" for name, value in numbers.items()} for _, numbers in contacts]
     choice = texts.shared and any(one != places[0] for one in places)
     matrix = _matrix(model, contacts, places) if choice else []
     if matrix:
-        lines += [f"{code.comment} {matrix[0]}", *matrix[1:]]
+        lines += [_comment(code, matrix[0]), *matrix[1:]]
         contacts = []
     elif choice:
         lines.append(
-            f"{code.comment} these numbers hold for all contacts: choose those of one, or separate types"
+            _comment(code, "these numbers hold for all contacts: choose those of one, or separate types")
         )
     bodies = max((pair.second for pair, _ in contacts), default=1)
     for k, (pair, _) in enumerate(contacts):
@@ -44,10 +44,15 @@ def written(
         new = [
             line for line in _filled(text, pair, bodies, places[k]).splitlines() if line and line not in lines
         ]
-        mark = f"{code.comment} " if choice and k > 0 else ""
-        lines += [f"{code.comment} {pair.name}", *(mark + line for line in new)] if new else []
+        if choice and k > 0:
+            new = [_comment(code, line) for line in new]
+        lines += [_comment(code, pair.name), *new] if new else []
     lines += texts.foot.replace("{time_step}", f"{time_step:.4g}").splitlines()
     return "\n".join(line.replace("{keyword}", keyword) for line in lines)
+
+
+def _comment(code: Code, text: str) -> str:
+    return f"{code.comment} {text} {code.comment_end}".rstrip()
 
 
 def read(model: Model, text: str, wall: bool = False) -> tuple[Numbers, bool]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any, Final
 
-from .. import validation
+from .. import processors, validation
 from ..contact import Law
 from ..progress import Report, reporter
 from . import time_step as steps
@@ -207,5 +206,4 @@ def checked_threads(threads: Any, n: int) -> int:
     """
     if threads is not None:
         return validation.whole("threads", threads, 1, MOST_THREADS)
-    found = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min(found, n // LEAST_SHARE, MOST_THREADS))
+    return max(1, min(processors.usable(), n // LEAST_SHARE, MOST_THREADS))

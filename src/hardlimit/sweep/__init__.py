@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Sequence
 from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import validation
+from .. import processors, validation
 from ..column.scenario import Column
 from ..progress import reporter
 from .chunks import Chunks
@@ -163,4 +162,4 @@ def _threads(threads: Any, engine: Engine) -> int:
         return validation.whole("threads", threads, 1, 1024)
     if engine.many_tasks:
         return 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return processors.usable()
