@@ -100,6 +100,18 @@ public:
     bool unresolved = false;
     long begun = 0, begun_pairs = 0;  // contacts since the start of this object; those between two bodies
 
+    // As a new one, but for its storage.
+    void clear() {
+        members.clear();
+        pairs.clear();
+        ended.clear();
+        trace.clear();
+        base = time = dissipated = virial = 0.0;
+        record = unresolved = known_ = false;
+        begun = begun_pairs = steps_ = 0;
+        h_ = 0.0;
+    }
+
     // Goes on to `until`, or to the instant at which the last pair has opened if that comes first.
     void run(double until, Stop& stop) {
         gather();

@@ -72,8 +72,8 @@ void Cluster<Law>::expand(double unit) {
     for (std::size_t q = 0; q < pairs.size(); ++q)
         if (pairs[q].touch != Touch::open) take_up(static_cast<int>(q), unit);
     put_in_order();
-    kernels->expand(paths_.data(), order_.data(), pushed_, count(), followed_.data(),
-                    static_cast<int>(followed_.size()), pull().data(), unit);
+    kernels->expand(paths_.data(), count(), followed_.data(), static_cast<int>(followed_.size()),
+                    pull().data(), unit);
 }
 
 // The bodies in contact, then those that fly.
@@ -108,24 +108,20 @@ void Cluster<Law>::take_up(int index, double unit) {
     f.reach = f.bodies.touch = q.reach;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
     f.damper = f.bodies.damper = q.law.force(0.0, 1.0) / unit;
-    f.mass = members[q.first].mass;
-    f.per_mass[0] = 1.0 / f.mass;
+    f.per_mass[0] = 1.0 / members[q.first].mass;
     f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
 }
 
 // Up to which the last two terms are about as small as the tolerance.
 template <class Law>
 double Cluster<Law>::longest_step() const {
-    double depth = math::infinity, far = 0.0, last[2] = {0.0, 0.0};
+    static_assert(series::order == 16);
+    double depth = math::infinity, far = 0.0;
     for (const Touching<Law>& q : pairs)
         if (q.touch == Touch::closed) depth = math::min(depth, q.depth_unit);
-    for (const series::Path& x : paths_) {
-        far = math::max(far, series::largest(x[0]));
-        for (int k : {0, 1}) last[k] = math::max(last[k], series::largest(x[series::order - k]));
-    }
+    for (const series::Path& x : paths_) far = math::max(far, series::largest(x[0]));
     const double allowed = math::max(0.1 * tolerance * depth, math::epsilon * far);
-    static_assert(series::order == 16);
-    const double most = math::max(last[0], last[1]);
+    const double most = kernels->last_terms(paths_.data(), order_.data(), pushed_);
     return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
 }
 

@@ -20,8 +20,8 @@ namespace hardlimit_abi {
 // contacts, while the others fly; gravity [4]; bulge [bodies] or none; state: places, then velocities [bodies, 3];
 // sums: what is lost, and ∫ Σ r·F dt.
 struct SeriesKernels {
-    void (*expand)(void* paths, const int* order, int pushed, int bodies, void* contacts, int n,
-                   const double* gravity, double unit);
+    void (*expand)(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit);
+    double (*last_terms)(const void* paths, const int* order, int pushed);
     void (*travel)(const void* paths, const int* order, int pushed, int bodies, double at, double* out);
     // Of the distance of two paths; image [3].
     void (*square)(const void* first, const void* second, const double* image, double* out);
@@ -272,7 +272,7 @@ struct Followed {
     double reach;
     alignas(sizeof(Four)) Four image;
     double spring, damper;  // time counting in the unit of the series
-    double mass, per_mass[2];
+    double per_mass[2];
     Pair bodies;
     Terms depth, force;  // at a wall
 
@@ -302,55 +302,62 @@ void push_of(Followed& f) {
         f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
 }
 
-// Adds to the accelerations of order n, which become the terms of order n + 2, what a pair does.
+// Adds to the terms of order n + 2 what a pair does. `share`: of an acceleration of order n, in them.
 template <int n>
-void press(Path* paths, Followed& f) {
+void press(Path* paths, Followed& f, double share) {
     approach<n + 1>(paths, f);
     if (!f.closed) return push_of<n>(f);
     if (f.second < 0) {
         push_of<n>(f);
-        paths[f.first][n + 2][f.axis] += f.side * f.force[n] / f.mass;
+        paths[f.first][n + 2][f.axis] += (share * f.per_mass[0]) * (f.side * f.force[n]);
         return;
     }
     const Four apart = f.bodies.template apart<n>();
-    paths[f.first][n + 2] -= apart * f.per_mass[0];
-    paths[f.second][n + 2] += apart * f.per_mass[1];
+    paths[f.first][n + 2] -= (share * f.per_mass[0]) * apart;
+    paths[f.second][n + 2] += (share * f.per_mass[1]) * apart;
 }
 
-// The terms from order n + 2 on of the bodies in contact.
+// The terms from order n + 2 on.
 template <int n>
-void expand_from(Path* paths, const int* pushed, int bodies, Followed* contacts, int count,
-                 const Four& gravity, double unit) {
+void expand_from(Path* paths, Followed* contacts, int count, double unit) {
     if constexpr (n + 2 > order) {
         for (int c = 0; c < count; ++c) {
             approach<n + 1>(paths, contacts[c]);
             push_of<n>(contacts[c]);
         }
     } else {
-        for (int i = 0; i < bodies; ++i) paths[pushed[i]][n + 2] = n == 0 ? gravity : Four{};
-        for (int c = 0; c < count; ++c) press<n>(paths, contacts[c]);
         const double share = unit * unit / ((n + 1) * (n + 2));
-        for (int i = 0; i < bodies; ++i) paths[pushed[i]][n + 2] *= share;
-        expand_from<n + 1>(paths, pushed, bodies, contacts, count, gravity, unit);
+        for (int c = 0; c < count; ++c) press<n>(paths, contacts[c], share);
+        expand_from<n + 1>(paths, contacts, count, unit);
     }
 }
 
 // From places and velocities, the first two terms, the series of all bodies and contacts.
-inline void expand(void* paths, const int* bodies_of, int pushed, int bodies, void* contacts, int n,
-                   const double* gravity, double unit) {
+inline void expand(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit) {
     Path* const path = static_cast<Path*>(paths);
     Followed* const first = static_cast<Followed*>(contacts);
-    const Four pull = load_four(gravity);
-    for (int i = pushed; i < bodies; ++i) {
-        Path& x = path[bodies_of[i]];
-        x[2] = pull * (0.5 * unit * unit);
-        for (std::size_t k = 3; k < length; ++k) x[k] = Four{};
+    const Four fall = load_four(gravity) * (0.5 * unit * unit);
+    for (Path* x = path; x != path + bodies; ++x) {
+        (*x)[2] = fall;
+        HL_UNROLL
+        for (std::size_t k = 3; k < length; ++k) (*x)[k] = Four{};
     }
     for (int c = 0; c < n; ++c) {
         first[c].force[order] = first[c].bodies.force[order] = 0.0;
         approach<0>(path, first[c]);
     }
-    expand_from<0>(path, bodies_of, pushed, first, n, pull, unit);
+    expand_from<0>(path, first, n, unit);
+}
+
+// The largest coordinate of the last two terms of the bodies in contact.
+inline double last_terms(const void* paths, const int* bodies_of, int pushed) {
+    Four most{};
+    for (int i = 0; i < pushed; ++i) {
+        const Path& x = static_cast<const Path*>(paths)[bodies_of[i]];
+        for (std::size_t k = order - 1; k <= order; ++k)
+            most = math::max<Four>(most, math::max<Four>(x[k], -x[k]));
+    }
+    return math::max(math::max(most[0], most[1]), most[2]);
 }
 
 inline void travels(const void* paths, const int* bodies_of, int pushed, int bodies, double at, double* out) {
@@ -388,7 +395,7 @@ inline void move(const void* paths, const int* bodies_of, int pushed, int bodies
 }
 
 constexpr hardlimit_abi::SeriesKernels kernels() {
-    return {&expand, &travels, &square, &first_zero, &next_zero, &move};
+    return {&expand, &last_terms, &travels, &square, &first_zero, &next_zero, &move};
 }
 
 }  // namespace series
