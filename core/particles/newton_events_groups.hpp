@@ -160,9 +160,10 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     const int index = spare_group();
     Group& g = group(index);
     g.alive = g.isolated = true;
-    g.body.assign({i});
-    if (j >= 0) g.body.push_back(j);
-    const std::size_t members = g.body.size();
+    const std::size_t members = j >= 0 ? 2 : 1;
+    g.body.resize(members);
+    g.body[0] = i;
+    if (j >= 0) g.body[1] = j;
     std::copy_n(paths_[i].position, 3, g.origin.begin());
     g.offset.resize(members);
     Isolated& l = g.lone;

@@ -82,8 +82,9 @@ public:
 
     PlanarContact operator()(const Law& law, const Approach& a) {
         const bool simple = a.gravity == 0.0 && a.normal_speed > 0.0 && a.tangential_speed >= 0.0;
-        const Reduced reduced = reduce(law, a.effective_mass, length_of(a));
-        if (!simple || !covers(law, a, reduced)) return solve_planar_contact(law, a);
+        const bool own = is_own(law, a);
+        const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
+        if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);
         const double speed = math::log(a.effective_mass * a.normal_speed * a.normal_speed / reduced.energy);
         Places at{};
         if (varies_) at.damping = damping_of(reduced);
@@ -176,10 +177,17 @@ private:
         const auto stored = [&](double s) { return law_.energy(s); };
         return column::newton::power<p>(column::newton::solve_power(stored, energy)) / distance_;
     }
-    // λ, which only has to be near the depth, but is smooth.
+    // The first terms of the exponential function, two at a time: a short chain of dependent operations.
+    static double near_exp(double g) {
+        const double g2 = g * g, g4 = g2 * g2;
+        const double a = (1.0 + g) + g2 * (1.0 / 2.0 + g * (1.0 / 6.0));
+        const double b = (1.0 / 24.0 + g * (1.0 / 120.0)) + g2 * (1.0 / 720.0 + g * (1.0 / 5040.0));
+        return a + g4 * (b + g4 * (1.0 / 40320.0 + g * (1.0 / 362880.0)));
+    }
+    // λ, which only has to be near the depth. What is off leaves the functions as smooth as they are.
     static double depth_at(const Level& level, const Place& speed) {
         const Depth& depth = level.depths[speed.cell];
-        return depth.middle * math::exp(depth.growth * speed.x);
+        return depth.middle * near_exp(depth.growth * speed.x);
     }
 
     // Head-on nothing depends on l, so that for a wall any will do.
@@ -193,17 +201,18 @@ private:
         return {energy, (law.force(s, speed) - law.force(s, 0.0)) * distance / energy};
     }
 
-    bool covers(const Law& law, const Approach& a, const Reduced& reduced) const {
-        if constexpr (similar) {
-            return varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping;
-        }
+    // Whether this is the pair of the constructor.
+    bool is_own(const Law& law, const Approach& a) const {
         if (a.effective_mass != mass_ || a.distance != distance_) return false;
         double values[max_parameters] = {};
         law.values(values);
-        for (int i = 0; i < Law::record.n_constants; ++i) {
+        for (int i = 0; i < Law::record.n_constants; ++i)
             if (values[i] != values_[i]) return false;
-        }
         return true;
+    }
+    // Whether the polynomials are those of another pair as well.
+    bool covers(const Reduced& reduced) const {
+        return similar && (varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping);
     }
 
     // `at` counts cells. Outside of them x is beyond 1.
