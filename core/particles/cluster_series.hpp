@@ -103,8 +103,15 @@ double sum_of_powers(const Four* f, double t) {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-// The first zero in (0, end] of a polynomial [20] that is positive at 0; infinity where there is none. From a place
-// where it is positive no zero lies nearer than that of the parabola that bends down as much as it can anywhere.
+// From a place where a function is positive, `value`, no zero lies nearer than that of the parabola that bends down as
+// much as it does anywhere.
+inline double free_of_zeros(double value, double slope, double bend) {
+    const double root = math::sqrt(slope * slope + 2.0 * bend * value);
+    return slope > 0.0 ? (root + slope) / bend : 2.0 * value / (root - slope);
+}
+
+// The first zero in (0, end] of a polynomial [20] that is positive at 0; infinity where there is none. In most cases
+// there is none, which shows as soon as the parabolas from both ends meet.
 inline double first_zero_of(const double* f, double end) {
     static_assert(order == 16);
     constexpr Four index = {1.0, 2.0, 3.0, 4.0};
@@ -118,13 +125,18 @@ inline double first_zero_of(const double* f, double end) {
     }
     value[4] = load_four(f + 16);
     const double bend = sum_of_powers<4>(bends, end);
-    double t = 0.0, at = f[0], rate = f[1];
+    double t = 0.0, at = f[0], rate = f[1], last = end;
     for (int i = 0; i < 1000; ++i) {
         if (!(at > 0.0)) return t;
-        const double step = 2.0 * at / (math::sqrt(rate * rate + 2.0 * bend * at) - rate);
-        if (!(t + step <= end)) return math::infinity;
+        const double step = free_of_zeros(at, rate, bend);
+        if (!(t + step <= last)) return math::infinity;
         if (t + step <= t * (1.0 + 2.0 * math::epsilon)) return t;
         t += step;
+        if (i == 0) {
+            at = sum_of_powers<5>(value, end);
+            if (at > 0.0) last = end - free_of_zeros(at, -sum_of_powers<4>(slope, end), bend);
+            if (!(t <= last)) return math::infinity;
+        }
         at = sum_of_powers<5>(value, t);
         rate = sum_of_powers<4>(slope, t);
     }
