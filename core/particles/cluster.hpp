@@ -277,8 +277,12 @@ private:
 
     void scale(Touching<Law>& q) const {
         if (q.scaled) return;
-        const double energy = 0.5 * q.mass * speed_unit_ * speed_unit_;
-        q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
+        if constexpr (LinearLaw<Law>) {
+            q.s_unit = speed_unit_ * math::sqrt(q.mass / q.law.elastic_force(1.0));
+        } else {
+            const double energy = 0.5 * q.mass * speed_unit_ * speed_unit_;
+            q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
+        }
         q.depth_unit = power(q.s_unit, p);
         q.scaled = true;
     }
