@@ -83,15 +83,6 @@ inline double bulge(const Path& x, double t, const Four& gravity) {
 
 inline Four load_four(const double* x) { return load_lanes<Four>(x); }
 
-// A series with zeros behind it, so that groups of four, and what is left of it without its first terms, can be read.
-struct Padded {
-    double of[2 * length + 6];
-
-    explicit Padded(const double* f) : of{} {
-        for (int k = 0; k < length; ++k) of[k] = f[k];
-    }
-};
-
 // Σ f_k t^k, four terms at a time: the processor need not wait for one product after the other.
 template <int groups>
 double sum_of_powers(const Four* f, double t) {
@@ -110,20 +101,21 @@ inline double free_of_zeros(double value, double slope, double bend) {
     return slope > 0.0 ? (root + slope) / bend : 2.0 * value / (root - slope);
 }
 
-// The first zero in (0, end] of a polynomial [20] that is positive at 0; infinity where there is none. In most cases
-// there is none, which shows as soon as the parabolas from both ends meet.
-inline double first_zero_of(const double* f, double end) {
+// The first zero in (0, end] of a polynomial that is positive at 0; infinity where there is none. In most cases there
+// is none, which shows as soon as the parabolas from both ends meet.
+inline double first_zero(const double* f, double end) {
     static_assert(order == 16);
     constexpr Four index = {1.0, 2.0, 3.0, 4.0};
-    Four value[5], slope[4], bends[4];
+    Four value[5], slope[4], bends[4];  // f, f' and a bound of |f''|
     HL_UNROLL
     for (int g = 0; g < 4; ++g) {
         value[g] = load_four(f + 4 * g);
         slope[g] = (index + 4.0 * g) * load_four(f + 4 * g + 1);
-        const Four bend = (index + 4.0 * g) * (index + (4.0 * g + 1.0)) * load_four(f + 4 * g + 2);
+        const Four two_on = g < 3 ? load_four(f + 4 * g + 2) : Four{f[14], f[15], f[16], 0.0};
+        const Four bend = (index + 4.0 * g) * (index + (4.0 * g + 1.0)) * two_on;
         bends[g] = math::max<Four>(bend, -bend);
     }
-    value[4] = load_four(f + 16);
+    value[4] = Four{f[16], 0.0, 0.0, 0.0};
     const double bend = sum_of_powers<4>(bends, end);
     double t = 0.0, at = f[0], rate = f[1], last = end;
     for (int i = 0; i < 1000; ++i) {
@@ -142,18 +134,19 @@ inline double first_zero_of(const double* f, double end) {
     }
     return t;
 }
-inline double first_zero(const double* f, double end) { return first_zero_of(Padded(f).of, end); }
 
 // The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none.
 inline double next_zero(const double* f, double end, double rounding) {
-    const Padded padded(f);
     double whole = 0.0;
     for (int k = 1; k < length; ++k) whole += math::abs(f[k]);
-    if (math::abs(f[0]) > math::max(1e-9 * whole, rounding))
-        return f[0] > 0.0 ? first_zero_of(padded.of, end) : 0.0;
-    for (int k = 1; k < length; ++k)
-        if (math::abs(f[k]) > 1e-10 * whole) return f[k] < 0.0 ? 0.0 : first_zero_of(padded.of + k, end);
-    return math::infinity;
+    if (math::abs(f[0]) > math::max(1e-9 * whole, rounding)) return f[0] > 0.0 ? first_zero(f, end) : 0.0;
+    int k = 1;
+    while (k < length && !(math::abs(f[k]) > 1e-10 * whole)) ++k;
+    if (k == length) return math::infinity;
+    if (f[k] < 0.0) return 0.0;
+    double rest[length] = {};
+    for (int n = k; n < length; ++n) rest[n - k] = f[n];
+    return first_zero(rest, end);
 }
 
 // How far a body can get up to t.
