@@ -17,9 +17,10 @@
 // contact has zeros for the second and the third, and loses nothing.
 //
 // A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses
-// the accuracy is not used. Of two variables there are two sets of cells, which differ in how many speeds a cell holds:
+// the accuracy is not used. Of two variables there are several sets of cells, which differ in how many speeds a cell holds:
 // slow contacts depend on their speed so little that one wide cell serves, and where that misses the accuracy narrow
-// ones do. Where none does, beyond the cells, at a wall across gravity and for pairs of another kind the
+// ones do. Where λ = v_n/v_l exactly, and the damping is one for all speeds, the contact depends on λ smoothly down to 0:
+// then λ itself is the variable of the first set, and one cell holds all slow contacts. Where none does, beyond the cells, at a wall across gravity and for pairs of another kind the
 // solver itself answers. What a call returns depends on its arguments and those of the constructor alone, not on the
 // calls before.
 #pragma once
@@ -70,6 +71,7 @@ public:
         if (varies_) {
             levels_.push_back(level(1.0, speeds, 0.2));
         } else {
+            if (depth_grows_with_speed()) levels_.push_back(level_of_depths(0.02, 16, 0.02));
             levels_.push_back(level(2.0, speeds / 4, 0.02));
             levels_.push_back(level(0.5, speeds, 0.2));
         }
@@ -85,15 +87,17 @@ public:
         const bool own = is_own(law, a);
         const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
         if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);
-        const double speed = math::log(a.effective_mass * a.normal_speed * a.normal_speed / reduced.energy);
+        const double speed2 = a.effective_mass * a.normal_speed * a.normal_speed / reduced.energy;
         Places at{};
         if (varies_) at.damping = damping_of(reduced);
         for (Level& level : levels_) {
-            at.speed = place_of(level.cells + (speed - highest) / level.width, level.cells);
+            double depth = math::sqrt(speed2);
+            at.speed = level.of_depths ? place_of(depth / level.width, level.cells) : place_of(level, speed2);
             if (!(math::abs(at.speed.x) <= 1.0 && math::abs(at.damping.x) <= 1.0)) continue;
             const int row = row_of(at);
             if (!(level.bends[row] > 0.0)) level.bends[row] = bend(level, at);
-            const Slant slant = slant_of(a, depth_at(level, at.speed), level.bends[row]);
+            if (!level.of_depths) depth = depth_at(level, at.speed);
+            const Slant slant = slant_of(a, depth, level.bends[row]);
             at.slant = slant.at;
             const int slot = row * slants + slant.at.cell;
             if (varies_ ? fitted(deep_[slot], level, at) : fitted(level.flat[slot], level, at))
@@ -136,9 +140,10 @@ private:
         bool asked = false;
     };
     struct Level {
-        double width;  // of a cell of speeds, in ln v_n²
-        int cells;     // of them
-        double error;  // in units of the accuracy, that is admitted where it is looked for
+        double width;    // of a cell of speeds, in ln v_n², or in λ
+        int cells;       // of them
+        double error;    // in units of the accuracy, that is admitted where it is looked for
+        bool of_depths;  // the variable is λ = v_n/v_l
         std::vector<Depth> depths;
         std::vector<double> bends;     // [cells or cells × dampings] b; 0 where not yet known
         std::vector<Slot<Flat>> flat;  // where D is one for all pairs
@@ -154,7 +159,7 @@ private:
     std::vector<Slot<Deep>> deep_;
 
     Level level(double width, int cells, double error) const {
-        Level made{width, cells, error, {}, {}, {}};
+        Level made{width, cells, error, false, {}, {}, {}};
         made.bends.resize(cells * (varies_ ? dampings : 1), 0.0);
         made.flat.resize(varies_ ? 0 : cells * slants);
         for (int i = 0; i < cells; ++i) {
@@ -162,6 +167,18 @@ private:
             made.depths.push_back({math::sqrt(begin * end), 0.5 * math::log(end / begin)});
         }
         return made;
+    }
+    Level level_of_depths(double width, int cells, double error) const {
+        Level made{width, cells, error, true, {}, {}, {}};
+        made.bends.resize(cells, 0.0);
+        made.flat.resize(cells * slants);
+        return made;
+    }
+    // Whether an elastic impact is as deep as it is fast.
+    bool depth_grows_with_speed() const {
+        for (const double speed2 : {0.1, 1e-9})
+            if (!(math::abs(elastic_depth(speed2) / math::sqrt(speed2) - 1.0) < 1e-12)) return false;
+        return true;
     }
     int row_of(const Places& at) const {
         return varies_ ? at.speed.cell * dampings + at.damping.cell : at.speed.cell;
@@ -171,10 +188,14 @@ private:
     static double speed_at(const Level& level, double cell) {
         return highest + level.width * (cell - level.cells);
     }
-    // At the lower edge of a cell of speeds, in units of l.
+    // At the lower edge of a cell of speeds.
     double elastic_depth(const Level& level, int cell) const {
-        const double energy = 0.5 * own_.energy * math::exp(speed_at(level, cell));
+        return elastic_depth(math::exp(speed_at(level, cell)));
+    }
+    // In units of l, from (v_n/v_l)².
+    double elastic_depth(double speed2) const {
         const auto stored = [&](double s) { return law_.energy(s); };
+        const double energy = 0.5 * own_.energy * speed2;
         return column::newton::power<p>(column::newton::solve_power(stored, energy)) / distance_;
     }
     // The first terms of the exponential function, two at a time: a short chain of dependent operations.
@@ -186,6 +207,7 @@ private:
     }
     // λ, which only has to be near the depth. What is off leaves the functions as smooth as they are.
     static double depth_at(const Level& level, const Place& speed) {
+        if (level.of_depths) return level.width * (speed.cell + 0.5 * (speed.x + 1.0));
         const Depth& depth = level.depths[speed.cell];
         return depth.middle * near_exp(depth.growth * speed.x);
     }
@@ -219,6 +241,9 @@ private:
     static Place place_of(double at, int cells) {
         const int cell = static_cast<int>(math::clamp(at, 0.0, cells - 1.0));
         return {cell, 2.0 * (at - cell) - 1.0};
+    }
+    static Place place_of(const Level& level, double speed2) {
+        return place_of(level.cells + (math::log(speed2) - highest) / level.width, level.cells);
     }
     static Place damping_of(const Reduced& reduced) {
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
@@ -296,7 +321,8 @@ private:
     }
     double normal_speed(const Level& level, const Places& at) const {
         const double place = at.speed.cell + 0.5 * (at.speed.x + 1.0);
-        return math::sqrt(own_.energy / mass_) * math::exp(0.5 * speed_at(level, place));
+        const double part = level.of_depths ? level.width * place : math::exp(0.5 * speed_at(level, place));
+        return math::sqrt(own_.energy / mass_) * part;
     }
     // The pair of the constructor, where the damping varies with another one.
     PlanarContact solve(const Approach& a, const Places& at) const {
