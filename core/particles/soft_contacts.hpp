@@ -17,12 +17,12 @@
 // contact has zeros for the second and the third, and loses nothing.
 //
 // A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses
-// the accuracy is not used. Of two variables there are several sets of cells, which differ in how many speeds a cell holds:
-// slow contacts depend on their speed so little that one wide cell serves, and where that misses the accuracy narrow
-// ones do. Where λ = v_n/v_l exactly, and the damping is one for all speeds, the contact depends on λ smoothly down to 0:
-// then λ itself is the variable of the first set, and one cell holds all slow contacts. Where none does, beyond the cells, at a wall across gravity and for pairs of another kind the
-// solver itself answers. What a call returns depends on its arguments and those of the constructor alone, not on the
-// calls before.
+// the accuracy is not used. Of two variables there are several sets of cells, which differ in how many speeds a cell
+// holds: slow contacts depend on their speed so little that one wide cell serves, and where that misses the accuracy
+// narrow ones do. Where λ = v_n/v_l exactly, as under a linear law, the contact depends on λ smoothly down to 0: then λ
+// itself is the variable of the first set, and one cell holds all slow ones. Where no cell serves, beyond the cells,
+// at a wall across gravity and for pairs of another kind the solver itself answers. What a call returns depends on its
+// arguments and those of the constructor alone, not on the calls before.
 #pragma once
 #include <memory>
 #include <type_traits>
