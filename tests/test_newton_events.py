@@ -276,6 +276,50 @@ def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
     assert float(nearer) < 1e-12 and float(farther) < 0.01
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        hl.LinearDashpot(stiffness=5e5, restitution=0.8),
+        hl.Viscoelastic(youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("high", [False, True])
+def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
+    """A ball is pushed towards a wall: it touches it while it is pushed, or after that; small steps find the same. Only
+    in the first case must both contacts be integrated together."""
+    radius, speed, edge = 1e-3, 1.0, 0.1
+    ball = hl.Ball(radius, density=2500.0)
+    duration = float(law.between(ball, ball).duration(speed))
+    clustered = []
+    for gap in (0.01, 0.1, 0.3, 0.9, 3.0):  # in units of how far the pair moves while it is in contact
+        positions, velocities = np.full((2, 2), 0.5 * edge), np.zeros((2, 2))
+        positions[:, axis] = radius + gap * 0.5 * speed * duration
+        positions[1, axis] += 2.0 * radius + 1e-6
+        velocities[1, axis] = -speed
+        if high:
+            positions[:, axis], velocities[:, axis] = edge - positions[:, axis], -velocities[:, axis]
+        system = hl.ParticleSystem(
+            positions=positions, velocities=velocities, radius=radius, density=2500.0, box=[edge, edge],
+            boundary="wall",
+        )  # fmt: skip
+        run = hl.molecular_dynamics(system, law=law, until=4.0 * duration, log=True, samples=1)
+        near = hl.molecular_dynamics(
+            system, law=law, until=4.0 * duration, engine="steps", restitution_error=1e-6, log=True, samples=1,
+            threads=1,
+        )  # fmt: skip
+        assert [row[2:] for row in rows(run)] == [row[2:] for row in rows(near)]
+        assert rows(run)[1][3] == -1 - 2 * axis - high
+        for row, other in zip(rows(run), rows(near), strict=True):
+            assert row[:2] == pytest.approx(other[:2], abs=2e-4 * duration, nan_ok=True)
+        assert run.energy_error < 1e-11
+        engine = _core.NewtonEvents(*scene(system), choice(law), False)
+        engine.advance(4.0 * duration)
+        clustered.append(engine.cluster_share > 0.0)
+    assert clustered == [True, True, True, True, False]
+
+
 def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
     """However often it is stopped, saved and resumed, in the middle of contacts too."""
     system = random_system(5, n=60, phi=0.3, d=3, boundary="periodic", mixed=True)

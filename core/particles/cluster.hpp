@@ -100,6 +100,18 @@ public:
     bool unresolved = false;
     long begun = 0, begun_pairs = 0;  // contacts since the start of this object; those between two bodies
 
+    // As a new one, but for its storage.
+    void clear() {
+        members.clear();
+        pairs.clear();
+        ended.clear();
+        trace.clear();
+        base = time = dissipated = virial = 0.0;
+        record = unresolved = known_ = false;
+        begun = begun_pairs = steps_ = 0;
+        h_ = 0.0;
+    }
+
     // Goes on to `until`, or to the instant at which the last pair has opened if that comes first.
     void run(double until, Stop& stop) {
         gather();
@@ -142,14 +154,14 @@ private:
         Vector3 normal;  // from the first body to the second
     };
 
-    // What a copy does not need.
+    // What a copy does not need: everyone keeps his own storage.
     template <class T>
     struct Scratch : std::vector<T> {
         Scratch() = default;
         Scratch(const Scratch&) : std::vector<T>() {}
         Scratch& operator=(const Scratch&) { return *this; }
-        Scratch(Scratch&&) noexcept = default;
-        Scratch& operator=(Scratch&&) noexcept = default;
+        Scratch(Scratch&&) noexcept : std::vector<T>() {}
+        Scratch& operator=(Scratch&&) noexcept { return *this; }
         ~Scratch() = default;
     };
 
@@ -157,6 +169,8 @@ private:
     mutable Scratch<double> stages_, factor_;
     Scratch<series::Path> paths_;  // [members]
     Scratch<double> travel_;       // [members] how far one can get within a step
+    Scratch<int> order_;           // [members] those in contact, then the others
+    int pushed_ = 0;               // how many are in contact
     Scratch<series::Followed> followed_;
     Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state
     Scratch<int> slot_;    // [pairs] the component of s
@@ -263,8 +277,12 @@ private:
 
     void scale(Touching<Law>& q) const {
         if (q.scaled) return;
-        const double energy = 0.5 * q.mass * speed_unit_ * speed_unit_;
-        q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
+        if constexpr (LinearLaw<Law>) {
+            q.s_unit = speed_unit_ * math::sqrt(q.mass / q.law.elastic_force(1.0));
+        } else {
+            const double energy = 0.5 * q.mass * speed_unit_ * speed_unit_;
+            q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
+        }
         q.depth_unit = power(q.s_unit, p);
         q.scaled = true;
     }
@@ -424,7 +442,7 @@ private:
             pairs[chosen[i]].rooted = true;
             slot_[chosen[i]] = first_root() + static_cast<int>(i);
         }
-        y_ = std::move(y);
+        y_.swap(y);
         known_ = false;
         resize();
         h_ = math::min(h_, 0.25 * time_unit());
@@ -546,6 +564,8 @@ private:
     double longest_step() const;
     void find_end(const series::Followed& f, Found& found) const;
     void open_pairs(Found& found);
+    void put_in_order();
+    void find_begins(Found& found);
     void find_begin(int index, Found& found);
     void consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const;
     void move(double at, double unit);

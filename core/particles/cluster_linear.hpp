@@ -15,10 +15,8 @@ void Cluster<Law>::follow(double until) {
     const double rest = (until - y_[clock()]) / unit, step = longest_step();
     Found found{math::min(step, rest)};
     const bool last = rest <= step;
-    kernels->travel(paths_.data(), count(), found.at, travel_.data());
     for (const series::Followed& f : followed_) find_end(f, found);
-    for (std::size_t q = 0; q < pairs.size(); ++q)
-        if (pairs[q].touch == Touch::open) find_begin(static_cast<int>(q), found);
+    if (followed_.size() < pairs.size()) find_begins(found);
     move(found.at, unit);
     if (last && found.what == Event::none) y_[clock()] = until;
     time = y_[clock()];
@@ -73,8 +71,25 @@ void Cluster<Law>::expand(double unit) {
     followed_.clear();
     for (std::size_t q = 0; q < pairs.size(); ++q)
         if (pairs[q].touch != Touch::open) take_up(static_cast<int>(q), unit);
+    put_in_order();
     kernels->expand(paths_.data(), count(), followed_.data(), static_cast<int>(followed_.size()),
                     pull().data(), unit);
+}
+
+// The bodies in contact, then those that fly.
+template <class Law>
+void Cluster<Law>::put_in_order() {
+    order_.clear();
+    const auto add = [&](int body) {
+        if (std::find(order_.begin(), order_.end(), body) == order_.end()) order_.push_back(body);
+    };
+    for (const series::Followed& f : followed_) {
+        add(f.first);
+        if (f.second >= 0) add(f.second);
+    }
+    pushed_ = static_cast<int>(order_.size());
+    if (pushed_ == count()) return;
+    for (int i = 0; i < count(); ++i) add(i);
 }
 
 template <class Law>
@@ -93,24 +108,20 @@ void Cluster<Law>::take_up(int index, double unit) {
     f.reach = f.bodies.touch = q.reach;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
     f.damper = f.bodies.damper = q.law.force(0.0, 1.0) / unit;
-    f.mass = members[q.first].mass;
-    f.per_mass[0] = 1.0 / f.mass;
+    f.per_mass[0] = 1.0 / members[q.first].mass;
     f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
 }
 
 // Up to which the last two terms are about as small as the tolerance.
 template <class Law>
 double Cluster<Law>::longest_step() const {
-    double depth = math::infinity, far = 0.0, last[2] = {0.0, 0.0};
+    static_assert(series::order == 16);
+    double depth = math::infinity, far = 0.0;
     for (const Touching<Law>& q : pairs)
         if (q.touch == Touch::closed) depth = math::min(depth, q.depth_unit);
-    for (const series::Path& x : paths_) {
-        far = math::max(far, series::largest(x[0]));
-        for (int k : {0, 1}) last[k] = math::max(last[k], series::largest(x[series::order - k]));
-    }
+    for (const series::Path& x : paths_) far = math::max(far, series::largest(x[0]));
     const double allowed = math::max(0.1 * tolerance * depth, math::epsilon * far);
-    static_assert(series::order == 16);
-    const double most = math::max(last[0], last[1]);
+    const double most = kernels->last_terms(paths_.data(), order_.data(), pushed_);
     return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
 }
 
@@ -138,6 +149,13 @@ void Cluster<Law>::open_pairs(Found& found) {
 }
 
 template <class Law>
+void Cluster<Law>::find_begins(Found& found) {
+    kernels->travel(paths_.data(), order_.data(), pushed_, count(), found.at, travel_.data());
+    for (std::size_t q = 0; q < pairs.size(); ++q)
+        if (pairs[q].touch == Touch::open) find_begin(static_cast<int>(q), found);
+}
+
+template <class Law>
 void Cluster<Law>::find_begin(int index, Found& found) {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
     const Geometry g = geometry(q, y_.data());
@@ -148,7 +166,7 @@ void Cluster<Law>::find_begin(int index, Found& found) {
         for (std::size_t n = 0; n < series::length; ++n) gap[n] = q.side * paths_[q.first][n][q.axis];
         gap[0] = -g.depth;
     } else {
-        gap = series::square(paths_[q.first], paths_[q.second], q.image);
+        kernels->square(&paths_[q.first], &paths_[q.second], q.image.data(), gap.of);
         gap[0] = -g.depth * (g.distance + q.reach);
     }
     consider(index, Event::begins, gap, q.second < 0 ? 1.0 : q.reach, found);
@@ -159,7 +177,8 @@ template <class Law>
 void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
     const double rounding = 4.0 * math::epsilon * q.reach * unit;
-    const double zero = q.fresh ? series::next_zero(f, found.at, rounding) : series::first_zero(f, found.at);
+    const double zero =
+        q.fresh ? kernels->next_zero(f.of, found.at, rounding) : kernels->first_zero(f.of, found.at);
     if (zero <= found.at) found = {zero, kind, index};
 }
 
@@ -172,8 +191,8 @@ void Cluster<Law>::move(double at, double unit) {
         bulge = trace.bulge.data() + (trace.bulge.size() - members.size());
     }
     double sums[2] = {y_[loss()], y_[work()]};
-    kernels->move(paths_.data(), count(), followed_.data(), static_cast<int>(followed_.size()), at, unit,
-                  pull().data(), y_.data(), sums, bulge);
+    kernels->move(paths_.data(), order_.data(), pushed_, count(), followed_.data(),
+                  static_cast<int>(followed_.size()), at, unit, pull().data(), y_.data(), sums, bulge);
     y_[loss()] = sums[0];
     y_[work()] = sums[1];
     y_[clock()] += at * unit;

@@ -16,13 +16,19 @@
 namespace hardlimit_abi {
 
 // What takes the time of a step, compiled once for each instruction set. `paths` [bodies] and `contacts` [n] are
-// arrays of series::Path and series::Followed; gravity [4]; bulge [bodies] or none; state: places, then velocities
-// [bodies, 3]; sums: what is lost, and ∫ Σ r·F dt.
+// arrays of series::Path and series::Followed; order [bodies]: the bodies, the first `pushed` of them those in the
+// contacts, while the others fly; gravity [4]; bulge [bodies] or none; state: places, then velocities [bodies, 3];
+// sums: what is lost, and ∫ Σ r·F dt.
 struct SeriesKernels {
     void (*expand)(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit);
-    void (*travel)(const void* paths, int bodies, double at, double* out);
-    void (*move)(const void* paths, int bodies, const void* contacts, int n, double at, double unit,
-                 const double* gravity, double* state, double* sums, double* bulge);
+    double (*last_terms)(const void* paths, const int* order, int pushed);
+    void (*travel)(const void* paths, const int* order, int pushed, int bodies, double at, double* out);
+    // Of the distance of two paths; image [3].
+    void (*square)(const void* first, const void* second, const double* image, double* out);
+    double (*first_zero)(const double* series, double end);
+    double (*next_zero)(const double* series, double end, double rounding);
+    void (*move)(const void* paths, const int* order, int pushed, int bodies, const void* contacts, int n,
+                 double at, double unit, const double* gravity, double* state, double* sums, double* bulge);
 };
 
 }  // namespace hardlimit_abi
@@ -51,31 +57,13 @@ struct alignas(sizeof(T)) Series {
 using Terms = Series<double>;
 using Path = Series<Four>;
 
-inline double value(const Terms& f, double t) {
-    double sum = f[order];
-    for (int k = order - 1; k >= 0; --k) sum = sum * t + f[static_cast<std::size_t>(k)];
-    return sum;
-}
-
-// f and its first derivative.
-struct Slope {
-    double value, slope;
-};
-inline Slope slope(const Terms& f, double t) {
-    Slope s{f[order], 0.0};
-    for (int k = order - 1; k >= 0; --k) {
-        s.slope = s.slope * t + s.value;
-        s.value = s.value * t + f[static_cast<std::size_t>(k)];
-    }
-    return s;
-}
-
 struct State {
     Four place, velocity;
 };
-inline State state(const Path& x, double t) {
-    State s{x[order], {}};
-    for (int k = order - 1; k >= 0; --k) {
+template <int top = order>
+State state(const Path& x, double t) {
+    State s{x[top], {}};
+    for (int k = top - 1; k >= 0; --k) {
         s.velocity = s.velocity * t + s.place;
         s.place = s.place * t + x[static_cast<std::size_t>(k)];
     }
@@ -93,47 +81,79 @@ inline double bulge(const Path& x, double t, const Four& gravity) {
     return 0.125 * t * t * math::sqrt(bend[0] * bend[0] + bend[1] * bend[1] + bend[2] * bend[2]);
 }
 
-// Σ |f_k| but for the first term.
-inline double most(const Terms& f) {
-    double sum = 0.0;
-    for (std::size_t k = 1; k < length; ++k) sum += math::abs(f[k]);
-    return sum;
+inline Four load_four(const double* x) { return load_lanes<Four>(x); }
+
+// Σ f_k t^k, four terms at a time: the processor need not wait for one product after the other.
+template <int groups>
+double sum_of_powers(const Four* f, double t) {
+    const double t2 = t * t, t4 = t2 * t2;
+    Four sum = f[groups - 1];
+    HL_UNROLL
+    for (int g = groups - 2; g >= 0; --g) sum = sum * t4 + f[g];
+    sum *= Four{1.0, t, t2, t2 * t};
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-// The first zero in (0, end] of a polynomial that is positive at 0; beyond `end` where there is none. From a place
-// where it is positive no zero lies nearer than that of the parabola that bends down as much as it can anywhere.
-inline double first_zero(const Terms& f, double end) {
-    double bend = 0.0;
-    for (int k = order; k >= 2; --k)
-        bend = bend * end + k * (k - 1) * math::abs(f[static_cast<std::size_t>(k)]);
-    double t = 0.0;
+// From a place where a function is positive, `value`, no zero lies nearer than that of the parabola that bends down as
+// much as it does anywhere.
+inline double free_of_zeros(double value, double slope, double bend) {
+    const double root = math::sqrt(slope * slope + 2.0 * bend * value);
+    return slope > 0.0 ? (root + slope) / bend : 2.0 * value / (root - slope);
+}
+
+// The first zero in (0, end] of a polynomial that is positive at 0; infinity where there is none. In most cases there
+// is none, which shows as soon as the parabolas from both ends meet.
+inline double first_zero(const double* f, double end) {
+    static_assert(order == 16);
+    constexpr Four index = {1.0, 2.0, 3.0, 4.0};
+    Four value[5], slope[4], bends[4];  // f, f' and a bound of |f''|
+    HL_UNROLL
+    for (int g = 0; g < 4; ++g) {
+        value[g] = load_four(f + 4 * g);
+        slope[g] = (index + 4.0 * g) * load_four(f + 4 * g + 1);
+        const Four two_on = g < 3 ? load_four(f + 4 * g + 2) : Four{f[14], f[15], f[16], 0.0};
+        const Four bend = (index + 4.0 * g) * (index + (4.0 * g + 1.0)) * two_on;
+        bends[g] = math::max<Four>(bend, -bend);
+    }
+    value[4] = Four{f[16], 0.0, 0.0, 0.0};
+    const double bend = sum_of_powers<4>(bends, end);
+    double t = 0.0, at = f[0], rate = f[1], last = end;
     for (int i = 0; i < 1000; ++i) {
-        const Slope s = slope(f, t);
-        if (!(s.value > 0.0)) return t;
-        const double step = 2.0 * s.value / (math::sqrt(s.slope * s.slope + 2.0 * bend * s.value) - s.slope);
-        if (!(t + step <= end)) return math::infinity;
+        if (!(at > 0.0)) return t;
+        const double step = free_of_zeros(at, rate, bend);
+        if (!(t + step <= last)) return math::infinity;
         if (t + step <= t * (1.0 + 2.0 * math::epsilon)) return t;
         t += step;
+        if (i == 0) {
+            at = sum_of_powers<5>(value, end);
+            if (at > 0.0) last = end - free_of_zeros(at, -sum_of_powers<4>(slope, end), bend);
+            if (!(t <= last)) return math::infinity;
+        }
+        at = sum_of_powers<5>(value, t);
+        rate = sum_of_powers<4>(slope, t);
     }
     return t;
 }
 
 // The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none.
-inline double next_zero(Terms f, double end, double rounding) {
-    const double whole = most(f);
+inline double next_zero(const double* f, double end, double rounding) {
+    double whole = 0.0;
+    for (int k = 1; k < length; ++k) whole += math::abs(f[k]);
     if (math::abs(f[0]) > math::max(1e-9 * whole, rounding)) return f[0] > 0.0 ? first_zero(f, end) : 0.0;
-    for (int k = 1; k <= order; ++k) {
-        for (std::size_t j = 0; j < order; ++j) f[j] = f[j + 1];
-        f[order] = 0.0;
-        if (math::abs(f[0]) > 1e-10 * whole) return f[0] < 0.0 ? 0.0 : first_zero(f, end);
-    }
-    return math::infinity;
+    int k = 1;
+    while (k < length && !(math::abs(f[k]) > 1e-10 * whole)) ++k;
+    if (k == length) return math::infinity;
+    if (f[k] < 0.0) return 0.0;
+    double rest[length] = {};
+    for (int n = k; n < length; ++n) rest[n - k] = f[n];
+    return first_zero(rest, end);
 }
 
 // How far a body can get up to t.
-inline double travel(const Path& x, double t) {
+template <int top = order>
+double travel(const Path& x, double t) {
     Four sum{};
-    for (int k = order; k >= 1; --k) {
+    for (int k = top; k >= 1; --k) {
         const Four& term = x[static_cast<std::size_t>(k)];
         sum = (sum + math::max<Four>(term, -term)) * t;
     }
@@ -146,37 +166,32 @@ inline double largest(const Four& x) {
 inline double sum_of(const Four& x) { return (x[0] + x[1]) + x[2]; }
 
 // Two bodies. The terms are found in turn: those of the distance up to n + 1 before those of the force of order n. The
-// order is known to the compiler, which makes one line of operations of each sum.
+// order is known to the compiler, which makes one line of operations of each sum. The distance stands behind the three
+// coordinates of r, so that one sum of products serves r·r and d², another one w r and w d; what has to wait for the
+// last terms comes last in both.
 struct Pair {
-    Path between;                  // r
-    Terms square, distance;        // d², d
-    Terms weight, force;           // w, F
-    double spring, damper, touch;  // k, γ and l, time counting in its unit
+    Path between;                   // r, d
+    Terms distance;                 // d
+    Terms weight, force;            // w, F
+    double spring, damper, touch;   // k, γ and l, time counting in its unit
+    double per_distance, pressing;  // 1/d and F/d at the begin
 
-    // r, d² and d of order n.
+    // r and d of order n: r·r = d². The fourth place of `r` is zero.
     template <int n>
-    void approach(const Four& r) {
-        between[n] = r;
-        squared<n>();
+    void approach(Four r) {
         if constexpr (n == 0) {
-            distance[0] = math::sqrt(square[0]);
+            distance[0] = math::sqrt(sum_of(r * r));
+            per_distance = 1.0 / distance[0];
         } else {
-            double sum = 0.0;
+            Four sum{};
             HL_UNROLL
-            for (std::size_t j = 1; 2 * j < n; ++j) sum += distance[j] * distance[n - j];
-            sum *= 2.0;
-            if constexpr (n % 2 == 0) sum += distance[n / 2] * distance[n / 2];
-            distance[n] = (square[n] - sum) / (2.0 * distance[0]);
+            for (std::size_t j = 1; 2 * j < n; ++j) sum += between[j] * between[n - j];
+            if constexpr (n % 2 == 0) sum += 0.5 * (between[n / 2] * between[n / 2]);
+            sum += between[0] * r;
+            distance[n] = (sum_of(sum) - sum[3]) * per_distance;
         }
-    }
-    template <int n>
-    void squared() {
-        Four sum{};
-        HL_UNROLL
-        for (std::size_t j = 0; 2 * j < n; ++j) sum += between[j] * between[n - j];
-        sum *= 2.0;
-        if constexpr (n % 2 == 0) sum += between[n / 2] * between[n / 2];
-        square[n] = sum_of(sum);
+        r[3] = distance[n];
+        between[n] = r;
     }
     // F of order n; returns q.
     template <int n>
@@ -189,31 +204,42 @@ struct Pair {
     // numbers.
     template <int n>
     Four apart() {
-        double sum = push<n>();
+        Four along{};
         HL_UNROLL
-        for (std::size_t j = 1; j <= n; ++j) sum -= distance[j] * weight[n - j];
-        weight[n] = sum / distance[0];
-        Four along = (force[0] / distance[0]) * between[n];
-        HL_UNROLL
-        for (std::size_t j = 1; j <= n; ++j) along += weight[j] * between[n - j];
+        for (std::size_t j = 1; j < n; ++j) along += weight[j] * between[n - j];
+        const double q = push<n>();
+        if constexpr (n == 0) {
+            pressing = force[0] * per_distance;
+            weight[0] = q * per_distance;
+        } else {
+            weight[n] = ((q - along[3]) - weight[0] * distance[n]) * per_distance;
+            along += weight[n] * between[0];
+        }
+        along += pressing * between[n];
+        along[3] = 0.0;
         return along;
     }
 };
 
 // The square of the distance of two bodies.
 template <int n = 0>
-void square_from(Pair& pair) {
+void square_from(const Path& between, double* out) {
     if constexpr (n < length) {
-        pair.squared<n>();
-        square_from<n + 1>(pair);
+        Four sum{};
+        HL_UNROLL
+        for (std::size_t j = 0; 2 * j < n; ++j) sum += between[j] * between[n - j];
+        sum *= 2.0;
+        if constexpr (n % 2 == 0) sum += between[n / 2] * between[n / 2];
+        out[n] = sum_of(sum);
+        square_from<n + 1>(between, out);
     }
 }
-inline Terms square(const Path& first, const Path& second, const std::array<double, 3>& image) {
-    Pair pair;
-    for (std::size_t n = 0; n < length; ++n) pair.between[n] = second[n] - first[n];
-    pair.between[0] += Four{image[0], image[1], image[2], 0.0};
-    square_from(pair);
-    return pair.square;
+inline void square(const void* first, const void* second, const double* image, double* out) {
+    const Path &from = *static_cast<const Path*>(first), &to = *static_cast<const Path*>(second);
+    Path between;
+    for (std::size_t n = 0; n < length; ++n) between[n] = to[n] - from[n];
+    between[0] += Four{image[0], image[1], image[2], 0.0};
+    square_from(between, out);
 }
 
 // ∫ (dd/dt)² dt and ∫ F d dt, F = k (l − d) − γ dd/dt, from 0 to t: by Gauss's rule, whose error over a step, in which
@@ -251,7 +277,7 @@ struct Followed {
     double reach;
     alignas(sizeof(Four)) Four image;
     double spring, damper;  // time counting in the unit of the series
-    double mass, per_mass[2];
+    double per_mass[2];
     Pair bodies;
     Terms depth, force;  // at a wall
 
@@ -281,58 +307,76 @@ void push_of(Followed& f) {
         f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
 }
 
-// Adds to the accelerations of order n, which become the terms of order n + 2, what a pair does.
+// Adds to the terms of order n + 2 what a pair does. `share`: of an acceleration of order n, in them.
 template <int n>
-void press(Path* paths, Followed& f) {
+void press(Path* paths, Followed& f, double share) {
     approach<n + 1>(paths, f);
     if (!f.closed) return push_of<n>(f);
     if (f.second < 0) {
         push_of<n>(f);
-        paths[f.first][n + 2][f.axis] += f.side * f.force[n] / f.mass;
+        paths[f.first][n + 2][f.axis] += (share * f.per_mass[0]) * (f.side * f.force[n]);
         return;
     }
     const Four apart = f.bodies.template apart<n>();
-    paths[f.first][n + 2] -= apart * f.per_mass[0];
-    paths[f.second][n + 2] += apart * f.per_mass[1];
+    paths[f.first][n + 2] -= (share * f.per_mass[0]) * apart;
+    paths[f.second][n + 2] += (share * f.per_mass[1]) * apart;
 }
 
 // The terms from order n + 2 on.
 template <int n>
-void expand_from(Path* paths, int bodies, Followed* contacts, int count, const Four& gravity, double unit) {
+void expand_from(Path* paths, Followed* contacts, int count, double unit) {
     if constexpr (n + 2 > order) {
         for (int c = 0; c < count; ++c) {
             approach<n + 1>(paths, contacts[c]);
             push_of<n>(contacts[c]);
         }
     } else {
-        for (int i = 0; i < bodies; ++i) paths[i][n + 2] = n == 0 ? gravity : Four{};
-        for (int c = 0; c < count; ++c) press<n>(paths, contacts[c]);
         const double share = unit * unit / ((n + 1) * (n + 2));
-        for (int i = 0; i < bodies; ++i) paths[i][n + 2] *= share;
-        expand_from<n + 1>(paths, bodies, contacts, count, gravity, unit);
+        for (int c = 0; c < count; ++c) press<n>(paths, contacts[c], share);
+        expand_from<n + 1>(paths, contacts, count, unit);
     }
 }
-
-inline Four load_four(const double* x) { return Four{x[0], x[1], x[2], x[3]}; }
 
 // From places and velocities, the first two terms, the series of all bodies and contacts.
 inline void expand(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit) {
     Path* const path = static_cast<Path*>(paths);
     Followed* const first = static_cast<Followed*>(contacts);
+    const Four fall = load_four(gravity) * (0.5 * unit * unit);
+    for (Path* x = path; x != path + bodies; ++x) {
+        (*x)[2] = fall;
+        HL_UNROLL
+        for (std::size_t k = 3; k < length; ++k) (*x)[k] = Four{};
+    }
     for (int c = 0; c < n; ++c) {
         first[c].force[order] = first[c].bodies.force[order] = 0.0;
         approach<0>(path, first[c]);
     }
-    expand_from<0>(path, bodies, first, n, load_four(gravity), unit);
+    expand_from<0>(path, first, n, unit);
 }
 
-inline void travels(const void* paths, int bodies, double at, double* out) {
-    for (int i = 0; i < bodies; ++i) out[i] = travel(static_cast<const Path*>(paths)[i], at);
+// The largest coordinate of the last two terms of the bodies in contact.
+inline double last_terms(const void* paths, const int* bodies_of, int pushed) {
+    Four most{};
+    for (int i = 0; i < pushed; ++i) {
+        const Path& x = static_cast<const Path*>(paths)[bodies_of[i]];
+        for (std::size_t k = order - 1; k <= order; ++k)
+            most = math::max<Four>(most, math::max<Four>(x[k], -x[k]));
+    }
+    return math::max(math::max(most[0], most[1]), most[2]);
+}
+
+inline void travels(const void* paths, const int* bodies_of, int pushed, int bodies, double at, double* out) {
+    const Path* const path = static_cast<const Path*>(paths);
+    for (int i = 0; i < bodies; ++i) {
+        const int body = bodies_of[i];
+        out[body] = i < pushed ? travel(path[body], at) : travel<2>(path[body], at);
+    }
 }
 
 // To a place in the step.
-inline void move(const void* paths, int bodies, const void* contacts, int n, double at, double unit,
-                 const double* gravity, double* places, double* sums, double* bulges) {
+inline void move(const void* paths, const int* bodies_of, int pushed, int bodies, const void* contacts, int n,
+                 double at, double unit, const double* gravity, double* places, double* sums,
+                 double* bulges) {
     const Path* const path = static_cast<const Path*>(paths);
     for (int c = 0; c < n; ++c) {
         const Followed& f = static_cast<const Followed*>(contacts)[c];
@@ -343,17 +387,21 @@ inline void move(const void* paths, int bodies, const void* contacts, int n, dou
         if (f.second >= 0) sums[1] += unit * sum.product;
     }
     const Four fall = load_four(gravity) * (unit * unit);
+    const double per_unit = 1.0 / unit;
     for (int i = 0; i < bodies; ++i) {
-        if (bulges) bulges[i] = bulge(path[i], at, fall);
-        const State s = state(path[i], at);
+        const int body = bodies_of[i];
+        if (bulges) bulges[body] = i < pushed ? bulge(path[body], at, fall) : 0.0;
+        const State s = i < pushed ? state(path[body], at) : state<2>(path[body], at);
         for (int a = 0; a < 3; ++a) {
-            places[3 * i + a] = s.place[a];
-            places[3 * (bodies + i) + a] = s.velocity[a] / unit;
+            places[3 * body + a] = s.place[a];
+            places[3 * (bodies + body) + a] = s.velocity[a] * per_unit;
         }
     }
 }
 
-constexpr hardlimit_abi::SeriesKernels kernels() { return {&expand, &travels, &move}; }
+constexpr hardlimit_abi::SeriesKernels kernels() {
+    return {&expand, &last_terms, &travels, &square, &first_zero, &next_zero, &move};
+}
 
 }  // namespace series
 }  // namespace hardlimit::particles

@@ -239,7 +239,7 @@ private:
     void part(const std::vector<int>& bodies, const std::vector<Live>& live);
     void go_on_together(int index);
     bool isolate(int i, int j, int side, int& intruder);
-    void form(std::vector<int> set, std::vector<Live> live);
+    void form(std::vector<int>& set, std::vector<Live>& live);
     void build(int index, const std::vector<int>& set, std::vector<Live>& live);
     int spare_group();
     void open_group(Group& g, const std::vector<int>& set) const;
@@ -268,7 +268,7 @@ private:
     void set_free(int i);
     void put(const Group& g, std::size_t m, const Member& at);
     Vector3 place(const Group& g, std::size_t m, Vector3 x) const;
-    Cluster<Law> start_of(const Group& g) const;
+    void start(const Group& g, Cluster<Law>& c) const;
     Row row_of(const Group& g, const Touching<Law>& q, double begin, double end, double impact,
                double separation, bool overlapped) const;
 
@@ -400,9 +400,10 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
     };
     for (int i = 0; i < static_cast<int>(n); ++i)
         if (free(i)) write(i, position(i, now_), velocity(i, now_));
+    Cluster<Law> c;
     for (const Group& g : groups_) {
         if (!g.alive) continue;
-        Cluster<Law> c = start_of(g);
+        start(g, c);
         Stop never;
         c.run(now_ - c.base, never);
         s.contact += c.contact_energy();

@@ -123,7 +123,7 @@ void NewtonEvents<Law>::finish_isolated(int index) {
 template <class Law>
 void NewtonEvents<Law>::form_remnants() {
     while (!remnants_.empty()) {
-        const Remnant next = std::move(remnants_.back());
+        Remnant next = std::move(remnants_.back());
         remnants_.pop_back();
         form(next.body, next.live);
     }
@@ -160,9 +160,10 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     const int index = spare_group();
     Group& g = group(index);
     g.alive = g.isolated = true;
-    g.body.assign({i});
-    if (j >= 0) g.body.push_back(j);
-    const std::size_t members = g.body.size();
+    const std::size_t members = j >= 0 ? 2 : 1;
+    g.body.resize(members);
+    g.body[0] = i;
+    if (j >= 0) g.body[1] = j;
     std::copy_n(paths_[i].position, 3, g.origin.begin());
     g.offset.resize(members);
     Isolated& l = g.lone;
@@ -189,7 +190,7 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
 
 // The set becomes a group, with all bodies that are so near that they may touch one of it.
 template <class Law>
-void NewtonEvents<Law>::form(std::vector<int> set, std::vector<Live> live) {
+void NewtonEvents<Law>::form(std::vector<int>& set, std::vector<Live>& live) {
     for (;;) {
         const int index = spare_group();
         build(index, set, live);
@@ -209,7 +210,7 @@ void NewtonEvents<Law>::form(std::vector<int> set, std::vector<Live> live) {
 
 template <class Law>
 void NewtonEvents<Law>::go_on_together(int index) {
-    const std::vector<int> set = group(index).body;
+    const std::vector<int>& set = group(index).body;
     if (group(index).cluster->after.time == 0.0) {  // nothing is closed any more
         std::vector<Live> none;
         settle(index, true, none);
@@ -261,7 +262,7 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     g.offset.assign(set.size(), {});
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
     Cluster<Law>& c = g.cluster->before;
-    c = Cluster<Law>{};
+    c.clear();
     c.base = now_;
     c.gravity = gravity_;
     c.kernels = series_;
@@ -325,7 +326,7 @@ void NewtonEvents<Law>::adopt(Touching<Law>& q, Touching<Law>& old, const Cluste
 
 template <class Law>
 double NewtonEvents<Law>::nearest(double x, int axis) const {
-    return box_.wraps(axis) ? math::round_small(x / box_.edge[axis]) : 0.0;
+    return math::round_small(x * query_.per_edge[axis]);
 }
 
 template <class Law>
@@ -522,7 +523,7 @@ void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) 
     Group& g = group(index);
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
     if (!at_end) {
-        g.cluster->after = start_of(g);
+        start(g, g.cluster->after);
         Stop never;
         g.cluster->after.run(now_ - g.cluster->after.base, never);
     }
@@ -599,17 +600,19 @@ Vector3 NewtonEvents<Law>::place(const Group& g, std::size_t m, Vector3 x) const
     return x;
 }
 
-// The group at its begin, ready to be integrated.
+// The group at its begin, ready to be integrated, into c.
 template <class Law>
-Cluster<Law> NewtonEvents<Law>::start_of(const Group& g) const {
-    if (!g.isolated) return g.cluster->before;
-    Cluster<Law> c;
+void NewtonEvents<Law>::start(const Group& g, Cluster<Law>& c) const {
+    if (!g.isolated) {
+        c = g.cluster->before;
+        return;
+    }
+    c.clear();
     c.base = g.lone.contact.begin;
     c.gravity = gravity_;
     c.kernels = series_;
     for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.lone.before[m]);
     c.pairs.push_back(g.lone.pair);
-    return c;
 }
 
 template <class Law>

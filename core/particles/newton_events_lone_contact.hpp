@@ -14,13 +14,14 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) {
         normal[k] = (b.position[k] - a.position[k]) + q.image[k];
         v[k] = b.velocity[k] - a.velocity[k];
     }
-    const double distance = math::sqrt(dot(normal, normal));
-    for (double& x : normal) x /= distance;
+    const double per_distance = 1.0 / math::sqrt(dot(normal, normal));
+    for (double& x : normal) x *= per_distance;
     const double approach = -dot(normal, v);
     for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
     const double sideways = math::sqrt(dot(across, across));
     if (!(approach > 0.0)) return false;
-    for (double& x : across) x = sideways > 0.0 ? x / sideways : 0.0;
+    const double per_sideways = sideways > 0.0 ? 1.0 / sideways : 0.0, distance = q.reach;
+    for (double& x : across) x *= per_sideways;
     const Approach touch{q.mass, distance, approach, sideways};
     const PlanarContact end = soft_(q.law, touch);
     if (end.outcome != Outcome::ok) return false;
@@ -55,23 +56,23 @@ void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const V
     const auto turn = math::sincos(end.turn);
     const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
     const double rn = r * turn.cos + vn * parting, rt = r * turn.sin + vt * parting;
-    const double total = a.mass + b.mass;
-    for (std::size_t m = 0; m < 2; ++m) {
-        Member& to = l.after[m] = l.before[m];
-        const double share = m == 0 ? -b.mass / total : a.mass / total;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double mean = (a.mass * a.velocity[k] + b.mass * b.velocity[k]) / total;
-            const double fall = box_.gravity[k] * l.span;
-            to.position[k] +=
-                l.span * (mean + 0.5 * fall) + share * ((rn - distance) * normal[k] + rt * across[k]);
-            to.velocity[k] = (mean + fall) + share * (vn * normal[k] + vt * across[k]);
-        }
+    const double per_total = 1.0 / (a.mass + b.mass), of_a = a.mass * per_total, of_b = b.mass * per_total;
+    l.after[0] = a, l.after[1] = b;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double mean = of_a * a.velocity[k] + of_b * b.velocity[k], fall = box_.gravity[k] * l.span;
+        const double moved = l.span * (mean + 0.5 * fall);
+        const double place = (rn - distance) * normal[k] + rt * across[k];
+        const double velocity = vn * normal[k] + vt * across[k];
+        l.after[0].position[k] += moved - of_b * place;
+        l.after[1].position[k] += moved + of_a * place;
+        l.after[0].velocity[k] = (mean + fall) - of_b * velocity;
+        l.after[1].velocity[k] = (mean + fall) + of_a * velocity;
     }
     const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
-    const double cosine = 1.0 - 0.125 * end.turn * end.turn;  // or more
+    const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // or less
     l.turn = end.turn;
-    l.margin = 1.0001 * math::sqrt(off_n * off_n + off_t * off_t) / cosine;
-    for (std::size_t k = 0; k < 3; ++k) l.off[k] = -1.0001 / cosine * (off_n * normal[k] + off_t * across[k]);
+    l.margin = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
+    for (std::size_t k = 0; k < 3; ++k) l.off[k] = -per_cosine * (off_n * normal[k] + off_t * across[k]);
 }
 
 template <class Law>
@@ -108,16 +109,28 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l) {
     return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin_;
 }
 
-// Whether the members stay away from all walls but that of the contact.
+// Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
+// margin, on the parabola on which it flies on: seen from a wall, that is nearest at one of its ends or at its vertex.
 template <class Law>
 bool NewtonEvents<Law>::far_from_walls(const Group& g, const Isolated& l) const {
-    for (int m = 0; m < static_cast<int>(g.body.size()); ++m)
-        for (int axis = 0; axis < box_.dimension; ++axis)
-            for (const bool high : {false, true}) {
-                const bool own = l.pair.second < 0 && l.pair.axis == axis && (l.pair.side < 0.0) == high;
-                if (box_.walled(axis) && !own && near_wall(g.body[static_cast<std::size_t>(m)], axis, high))
-                    return false;
-            }
+    if (!walled_) return true;
+    for (std::size_t m = 0; m < g.body.size(); ++m) {
+        const double room = radius(g.body[m]) + share_of(g, m) * l.margin;
+        for (int axis = 0; axis < box_.dimension; ++axis) {
+            if (!box_.walled(axis)) continue;
+            const auto a = static_cast<std::size_t>(axis);
+            const double end = g.origin[a] + l.after[m].position[a], v = l.after[m].velocity[a];
+            const double pull = box_.gravity[axis], back = v / pull;  // to the vertex
+            const double begin = end - l.span * (v - 0.5 * pull * l.span);
+            const double vertex = back > 0.0 && back < l.span ? end - 0.5 * v * back : end;
+            const double least = math::min(math::min(begin, end), vertex);
+            const double most = math::max(math::max(begin, end), vertex);
+            const double needed = room * (1.0 + rounding_of_touch);
+            const bool own = l.pair.second < 0 && l.pair.axis == axis, at_low = own && l.pair.side > 0.0;
+            if (!at_low && !(least > needed)) return false;
+            if (!(own && !at_low) && !(box_.edge[axis] - most > needed)) return false;
+        }
+    }
     return true;
 }
 

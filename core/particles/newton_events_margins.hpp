@@ -7,9 +7,10 @@ namespace hardlimit::particles {
 template <class Law>
 double NewtonEvents<Law>::margin_used(int instants) const {
     double most = 0.0;
+    Cluster<Law> c;
     for (const Group& g : groups_) {
         if (!g.alive) continue;
-        Cluster<Law> c = start_of(g);
+        start(g, c);
         const double span = end_[g.body[0]] - c.base;
         for (int k = 0; k <= instants; ++k) {
             const double time = span * k / instants;

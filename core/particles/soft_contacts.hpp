@@ -17,9 +17,12 @@
 // contact has zeros for the second and the third, and loses nothing.
 //
 // A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses
-// the accuracy is not used. There, beyond the cells, at a wall across gravity and for pairs of another kind the
-// solver itself answers. What a call returns depends on its arguments and those of the constructor alone, not on the
-// calls before.
+// the accuracy is not used. Of two variables there are several sets of cells, which differ in how many speeds a cell
+// holds: slow contacts depend on their speed so little that one wide cell serves, and where that misses the accuracy
+// narrow ones do. Where λ = v_n/v_l exactly, as under a linear law, the contact depends on λ smoothly down to 0: then λ
+// itself is the variable of the first set, and one cell holds all slow ones. Where no cell serves, beyond the cells,
+// at a wall across gravity and for pairs of another kind the solver itself answers. What a call returns depends on its
+// arguments and those of the constructor alone, not on the calls before.
 #pragma once
 #include <memory>
 #include <type_traits>
@@ -63,14 +66,14 @@ public:
           distance_(distance),
           own_(reduce(law, effective_mass, distance)),
           varies_(damping_varies && similar && own_.damping > 0.0),
-          speed_width_(varies_ ? 1.0 : 0.5),
-          bends_(speeds * (varies_ ? dampings : 1), 0.0),
-          flat_(varies_ ? 0 : speeds * slants),
           deep_(varies_ ? speeds * slants * dampings : 0) {
         law.values(values_);
-        for (int i = 0; i < speeds; ++i) {
-            const double begin = elastic_depth(i), end = elastic_depth(i + 1);
-            depths_[i] = {math::sqrt(begin * end), 0.5 * math::log(end / begin)};
+        if (varies_) {
+            levels_.push_back(level(1.0, speeds, 0.2));
+        } else {
+            if (depth_grows_with_speed()) levels_.push_back(level_of_depths(0.02, 16, 0.02));
+            levels_.push_back(level(2.0, speeds / 4, 0.02));
+            levels_.push_back(level(0.5, speeds, 0.2));
         }
     }
 
@@ -81,19 +84,27 @@ public:
 
     PlanarContact operator()(const Law& law, const Approach& a) {
         const bool simple = a.gravity == 0.0 && a.normal_speed > 0.0 && a.tangential_speed >= 0.0;
-        const Reduced reduced = reduce(law, a.effective_mass, length_of(a));
-        Places at;
-        at.speed = speed_of(a, reduced);
-        at.damping = varies_ ? damping_of(reduced) : Place{0, 0.0};
-        const bool inside = math::abs(at.speed.x) <= 1.0 && math::abs(at.damping.x) <= 1.0;
-        if (!simple || !inside || !covers(law, a, reduced)) return solve_planar_contact(law, a);
-        const int row = at.speed.cell * (varies_ ? dampings : 1) + at.damping.cell;
-        if (!(bends_[row] > 0.0)) bends_[row] = bend(at);
-        const Slant slant = slant_of(a, depth_at(at.speed), bends_[row]);
-        at.slant = slant.at;
-        const int slot = row * slants + slant.at.cell;
-        return varies_ ? read(deep_[slot], law, a, at, slant.part)
-                       : read(flat_[slot], law, a, at, slant.part);
+        const bool own = is_own(law, a);
+        const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
+        if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);
+        const double speed2 = a.effective_mass * a.normal_speed * a.normal_speed / reduced.energy;
+        Places at{};
+        if (varies_) at.damping = damping_of(reduced);
+        for (Level& level : levels_) {
+            double depth = math::sqrt(speed2);
+            at.speed = level.of_depths ? place_of(depth / level.width, level.cells) : place_of(level, speed2);
+            if (!(math::abs(at.speed.x) <= 1.0 && math::abs(at.damping.x) <= 1.0)) continue;
+            const int row = row_of(at);
+            if (!(level.bends[row] > 0.0)) level.bends[row] = bend(level, at);
+            if (!level.of_depths) depth = depth_at(level, at.speed);
+            const Slant slant = slant_of(a, depth, level.bends[row]);
+            at.slant = slant.at;
+            const int slot = row * slants + slant.at.cell;
+            if (varies_ ? fitted(deep_[slot], level, at) : fitted(level.flat[slot], level, at))
+                return varies_ ? read(*deep_[slot].cell, a, at, slant.part)
+                               : read(*level.flat[slot].cell, a, at, slant.part);
+        }
+        return solve_planar_contact(law, a);
     }
 
 private:
@@ -128,31 +139,77 @@ private:
         std::unique_ptr<Cell> cell;
         bool asked = false;
     };
+    struct Level {
+        double width;    // of a cell of speeds, in ln v_n², or in λ
+        int cells;       // of them
+        double error;    // in units of the accuracy, that is admitted where it is looked for
+        bool of_depths;  // the variable is λ = v_n/v_l
+        std::vector<Depth> depths;
+        std::vector<double> bends;     // [cells or cells × dampings] b; 0 where not yet known
+        std::vector<Slot<Flat>> flat;  // where D is one for all pairs
+    };
 
     Law law_;
     ReadCell reads_;
     double mass_, distance_;
     Reduced own_;
     bool varies_;
-    double speed_width_;  // of a cell, in ln v_n²
     double values_[max_parameters] = {};
-    Depth depths_[speeds];
-    std::vector<double> bends_;  // [speeds or speeds × dampings] b; 0 where not yet known
-    std::vector<Slot<Flat>> flat_;
+    std::vector<Level> levels_;  // the widest cells first
     std::vector<Slot<Deep>> deep_;
 
-    // At the lower edge of a cell of speeds, in units of l.
-    double elastic_depth(int cell) const {
-        const double energy = 0.5 * own_.energy * math::exp(highest + speed_width_ * (cell - speeds));
+    Level level(double width, int cells, double error) const {
+        Level made{width, cells, error, false, {}, {}, {}};
+        made.bends.resize(cells * (varies_ ? dampings : 1), 0.0);
+        made.flat.resize(varies_ ? 0 : cells * slants);
+        for (int i = 0; i < cells; ++i) {
+            const double begin = elastic_depth(made, i), end = elastic_depth(made, i + 1);
+            made.depths.push_back({math::sqrt(begin * end), 0.5 * math::log(end / begin)});
+        }
+        return made;
+    }
+    Level level_of_depths(double width, int cells, double error) const {
+        Level made{width, cells, error, true, {}, {}, {}};
+        made.bends.resize(cells, 0.0);
+        made.flat.resize(cells * slants);
+        return made;
+    }
+    // Whether an elastic impact is as deep as it is fast.
+    bool depth_grows_with_speed() const {
+        for (const double speed2 : {0.1, 1e-9})
+            if (!(math::abs(elastic_depth(speed2) / math::sqrt(speed2) - 1.0) < 1e-12)) return false;
+        return true;
+    }
+    int row_of(const Places& at) const {
+        return varies_ ? at.speed.cell * dampings + at.damping.cell : at.speed.cell;
+    }
+
+    // ln(v_n/v_l)² somewhere in the cells.
+    static double speed_at(const Level& level, double cell) {
+        return highest + level.width * (cell - level.cells);
+    }
+    // At the lower edge of a cell of speeds.
+    double elastic_depth(const Level& level, int cell) const {
+        return elastic_depth(math::exp(speed_at(level, cell)));
+    }
+    // In units of l, from (v_n/v_l)².
+    double elastic_depth(double speed2) const {
         const auto stored = [&](double s) { return law_.energy(s); };
+        const double energy = 0.5 * own_.energy * speed2;
         return column::newton::power<p>(column::newton::solve_power(stored, energy)) / distance_;
     }
-    // λ, which only has to be near the depth: the first terms of the exponential function.
-    double depth_at(const Place& speed) const {
-        const Depth& depth = depths_[speed.cell];
-        const double g = depth.growth * speed.x;
-        return depth.middle *
-               (1.0 + g * (1.0 + g * (0.5 + g * (1.0 / 6.0 + g * (1.0 / 24.0 + g * (1.0 / 120.0))))));
+    // The first terms of the exponential function, two at a time: a short chain of dependent operations.
+    static double near_exp(double g) {
+        const double g2 = g * g, g4 = g2 * g2;
+        const double a = (1.0 + g) + g2 * (1.0 / 2.0 + g * (1.0 / 6.0));
+        const double b = (1.0 / 24.0 + g * (1.0 / 120.0)) + g2 * (1.0 / 720.0 + g * (1.0 / 5040.0));
+        return a + g4 * (b + g4 * (1.0 / 40320.0 + g * (1.0 / 362880.0)));
+    }
+    // λ, which only has to be near the depth. What is off leaves the functions as smooth as they are.
+    static double depth_at(const Level& level, const Place& speed) {
+        if (level.of_depths) return level.width * (speed.cell + 0.5 * (speed.x + 1.0));
+        const Depth& depth = level.depths[speed.cell];
+        return depth.middle * near_exp(depth.growth * speed.x);
     }
 
     // Head-on nothing depends on l, so that for a wall any will do.
@@ -166,17 +223,18 @@ private:
         return {energy, (law.force(s, speed) - law.force(s, 0.0)) * distance / energy};
     }
 
-    bool covers(const Law& law, const Approach& a, const Reduced& reduced) const {
-        if constexpr (similar) {
-            return varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping;
-        }
+    // Whether this is the pair of the constructor.
+    bool is_own(const Law& law, const Approach& a) const {
         if (a.effective_mass != mass_ || a.distance != distance_) return false;
         double values[max_parameters] = {};
         law.values(values);
-        for (int i = 0; i < Law::record.n_constants; ++i) {
+        for (int i = 0; i < Law::record.n_constants; ++i)
             if (values[i] != values_[i]) return false;
-        }
         return true;
+    }
+    // Whether the polynomials are those of another pair as well.
+    bool covers(const Reduced& reduced) const {
+        return similar && (varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping);
     }
 
     // `at` counts cells. Outside of them x is beyond 1.
@@ -184,9 +242,8 @@ private:
         const int cell = static_cast<int>(math::clamp(at, 0.0, cells - 1.0));
         return {cell, 2.0 * (at - cell) - 1.0};
     }
-    Place speed_of(const Approach& a, const Reduced& reduced) const {
-        const double energy = a.effective_mass * a.normal_speed * a.normal_speed;
-        return place_of(speeds + (math::log(energy / reduced.energy) - highest) / speed_width_, speeds);
+    static Place place_of(const Level& level, double speed2) {
+        return place_of(level.cells + (math::log(speed2) - highest) / level.width, level.cells);
     }
     static Place damping_of(const Reduced& reduced) {
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
@@ -203,26 +260,24 @@ private:
         return {place_of(slants * y, slants), depth * (normal / (normal + across))};
     }
     // b, in the middle of a cell.
-    double bend(const Places& cell) const {
+    double bend(const Level& level, const Places& cell) const {
         const Places middle{{0, 0.0}, {cell.speed.cell, 0.0}, {cell.damping.cell, 0.0}};
-        const Approach a{mass_, distance_, normal_speed(middle), 0.0, 0.0};
+        const Approach a{mass_, distance_, normal_speed(level, middle), 0.0, 0.0};
         const PlanarContact end = solve(a, middle);
         return end.outcome == Outcome::ok ? math::clamp(0.5 * end.radial_speed / a.normal_speed, 0.005, 0.5)
                                           : 0.5;
     }
 
     template <class Cell>
-    PlanarContact read(Slot<Cell>& slot, const Law& law, const Approach& a, const Places& at, double part) {
-        if (!slot.asked) fit(slot, at);
-        if (!slot.cell) return solve_planar_contact(law, a);
+    PlanarContact read(const Cell& cell, const Approach& a, const Places& at, double part) const {
         const double x[3] = {at.slant.x, at.speed.x, at.damping.x};
         if constexpr (std::is_same_v<Cell, WideCell>)
             if (reads_) {
                 double values[functions];
-                reads_(slot.cell.get(), x, values);
+                reads_(&cell, x, values);
                 return scaled(a, part, load_lanes<Values>(values));
             }
-        return scaled(a, part, (*slot.cell)(x));
+        return scaled(a, part, cell(x));
     }
 
     // From the four functions, `part` being the unit of length in units of l.
@@ -253,20 +308,21 @@ private:
         double part;
         PlanarContact end;
     };
-    Point solve_at(Places at, const double* x, int dims) const {
+    Point solve_at(const Level& level, Places at, const double* x, int dims) const {
         at.slant.x = x[0];
         at.speed.x = x[1];
         if (dims == 3) at.damping.x = x[2];
-        const double depth = depth_at(at.speed), normal = normal_speed(at);
-        const double bent = bends_[at.speed.cell * (dims == 3 ? dampings : 1) + at.damping.cell];
+        const double depth = depth_at(level, at.speed), normal = normal_speed(level, at);
+        const double bent = level.bends[row_of(at)];
         const double y = (at.slant.cell + 0.5 * (at.slant.x + 1.0)) / slants;
         const double t = column::newton::power<p>(y), swing = bent * (1.0 - t) / t;  // λ v_t²/v_n²
         const Approach a{mass_, distance_, normal, normal * math::sqrt(swing / depth), 0.0};
         return {a, depth / (1.0 + swing), solve(a, at)};
     }
-    double normal_speed(const Places& at) const {
-        const double place = at.speed.cell + 0.5 * (at.speed.x + 1.0) - speeds;
-        return math::sqrt(own_.energy / mass_) * math::exp(0.5 * (highest + speed_width_ * place));
+    double normal_speed(const Level& level, const Places& at) const {
+        const double place = at.speed.cell + 0.5 * (at.speed.x + 1.0);
+        const double part = level.of_depths ? level.width * place : math::exp(0.5 * speed_at(level, place));
+        return math::sqrt(own_.energy / mass_) * part;
     }
     // The pair of the constructor, where the damping varies with another one.
     PlanarContact solve(const Approach& a, const Places& at) const {
@@ -280,8 +336,14 @@ private:
         return solve_planar_contact(law_, a);
     }
 
+    // Whether there is a cell.
     template <class Cell>
-    void fit(Slot<Cell>& slot, const Places& at) {
+    bool fitted(Slot<Cell>& slot, const Level& level, const Places& at) const {
+        if (!slot.asked) fit(slot, level, at);
+        return slot.cell != nullptr;
+    }
+    template <class Cell>
+    void fit(Slot<Cell>& slot, const Level& level, const Places& at) const {
         constexpr int dims = Cell::dimensions;
         slot.asked = true;
         std::vector<Values> values(Cell::grid);
@@ -289,24 +351,25 @@ private:
             if (!Cell::wanted(i)) continue;
             double x[3] = {};
             for (int d = 0; d < dims; ++d) x[d] = Cell::coordinate(i, d);
-            const Point point = solve_at(at, x, dims);
+            const Point point = solve_at(level, at, x, dims);
             if (point.end.outcome != Outcome::ok) return;
             values[i] = functions_of(point.approach, point.part, point.end);
         }
         const Cell cell = Cell::through(values.data());
-        if (holds(cell, at)) slot.cell = std::make_unique<Cell>(cell);
+        if (holds(cell, level, at)) slot.cell = std::make_unique<Cell>(cell);
     }
 
     // Whether the polynomials are as accurate as they have to be: near the corners, where they are worst, and inside.
     template <class Cell>
-    bool holds(const Cell& cell, const Places& at) const {
+    bool holds(const Cell& cell, const Level& level, const Places& at) const {
         constexpr int dims = Cell::dimensions, corners = 1 << dims;
         for (int i = 0; i <= corners; ++i) {
             double x[3] = {0.1, -0.15, 0.2};
             for (int d = 0; i < corners && d < dims; ++d) x[d] = (i >> d & 1) ? 0.97 : -0.97;
-            const Point point = solve_at(at, x, dims);
+            const Point point = solve_at(level, at, x, dims);
             if (point.end.outcome != Outcome::ok) return false;
-            if (!(error(scaled(point.approach, point.part, cell(x)), point) <= 0.2 * accuracy)) return false;
+            if (!(error(scaled(point.approach, point.part, cell(x)), point) <= level.error * accuracy))
+                return false;
         }
         return true;
     }
