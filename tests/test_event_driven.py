@@ -285,6 +285,57 @@ def test_soft_contacts_are_counted_and_resumed(tmp_path):
     assert math.isnan(whole.elastic_share) and whole.settings.rule == "soft"
 
 
+@pytest.mark.parametrize("speed", [1e-3, 0.0045, 0.02, 0.1])
+@pytest.mark.parametrize("away", [0, 1])
+def test_a_body_that_just_reaches_a_ceiling(speed, away):
+    """Drawn back, its parabola lies in the wall and leads on into it: the wall is not met again before t_c."""
+    radius, law = 1e-4, hl.LinearDashpot(stiffness=1e6, damping=10.0)
+    height, down = 8e-4, 3.5 * (1 if away else -1)
+    start = radius if away else height - radius  # gravity leads away from the wall that it touches
+    system = hl.ParticleSystem(
+        positions=[[4e-4, start]],
+        velocities=[[0.0, -speed if away else speed]],
+        radius=radius,
+        mass=1.0,
+        box=[8e-4, height],
+        boundary=("periodic", "wall"),
+        gravity=(0.0, down),
+    )
+    until = 0.8 * (
+        math.sqrt(2.0 * (height - 2.0 * radius) / abs(down) + (speed / down) ** 2) - speed / abs(down)
+    )
+    soft = hl.event_driven(system, law=law, rule="soft", until=until, log=True)
+    newton = hl.molecular_dynamics(system, law=law, engine="events", until=until, log=True)
+    assert soft.outcome_name == "ok" and soft.n_collisions == newton.n_contacts == 1
+    assert not math.isnan(float(newton.contacts.end[0])) and float(newton.contacts.end[0]) < until
+    assert soft.system.positions == pytest.approx(newton.system.positions, abs=1e-9 * height)
+    assert soft.system.velocities == pytest.approx(newton.system.velocities, abs=1e-9)
+    lost = (
+        system.kinetic_energy - soft.system.kinetic_energy + down * float(soft.system.positions[0, 1] - start)
+    )
+    assert float(soft.series.dissipated_energy[-1]) == pytest.approx(lost, abs=1e-12)
+
+
+def test_what_the_soft_rule_cannot_describe_ends_the_run():
+    """A contact that goes through the centre; a body at rest on a floor."""
+    radius, law = 1e-3, hl.LinearDashpot(stiffness=1e6, damping=10.0)
+    heavy = hl.ParticleSystem(
+        positions=[[0.005, 0.01], [0.01, 0.01]],
+        velocities=[[10.0, 0.0], [0.0, 0.0]],
+        radius=radius,
+        mass=1e3,
+        box=[0.02] * 2,
+    )
+    through = hl.event_driven(heavy, law=law, rule="soft", until=1.0)
+    assert through.outcome_name == "invalid" and "too soft" in through.outcome
+    assert np.isfinite(through.system.positions).all() and through.time == pytest.approx(0.003 / 10.0)
+    lying = hl.ParticleSystem(
+        positions=[[0.01, radius]], velocities=[[0.0, 0.0]], radius=radius, mass=1.0, box=[0.02] * 2,
+        boundary=("periodic", "wall"), gravity=(0.0, -9.81),
+    )  # fmt: skip
+    assert hl.event_driven(lying, law=law, rule="soft", until=1.0).outcome_name == "at_rest"
+
+
 def test_a_run_may_be_resumed_anywhere(tmp_path):
     """At ends that fall between two samples, and by collisions: samples stay where they are."""
     system, path = lattice(64), tmp_path / "run.checkpoint"

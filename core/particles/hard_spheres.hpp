@@ -100,6 +100,7 @@ private:
     struct SoftContact {
         double until;  // [s]
         u32 partner;   // nobody: a wall, or none yet
+        u32 wall = 0;  // one more than the event at which it was met; 0: another particle, or none yet
     };
     std::unique_ptr<SoftRule> soft_;
     Records<SoftContact> softs_;  // under the soft rule only
@@ -152,7 +153,8 @@ private:
     void meet_wall_softly(u32 i, int axis, double away, double speed);
     void shift_body(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]);
     void settle(u32 i);
-    void remember(u32 i, u32 j, double duration);
+    void remember(u32 i, u32 j, double duration, u32 wall = 0);
+    double free_of_wall(u32 i, int axis, bool high) const;
     u32 last_met(u32 i) const;
 
     // hard_spheres_search.hpp

@@ -72,12 +72,15 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
     const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
     advance_to_now(i);
     const double size = radius(i) * growth_.at(now_);
-    p.position[axis] = is_high(own) ? box_.edge[axis] - size : size;
+    const double place = is_high(own) ? box_.edge[axis] - size : size;
+    const double moved = place - p.position[axis];  // by rounding, or where a soft contact was cut short
+    p.position[axis] = place;
     const double before = p.velocity[axis], speed = math::abs(before);
     if constexpr (motion == Motion::growing) {
         p.velocity[axis] = away * math::max(speed, separation * radius(i) * growth_.rate);
         ++tally_.walls;
     } else if (soft_) {
+        tally_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
         meet_wall_softly(i, axis, away, speed);
     } else {
         const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)});

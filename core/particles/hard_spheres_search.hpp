@@ -202,11 +202,16 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i, const Place<d>& at) {
         const double highest = walls && at[k] == g.cells[k] - 1 ? box_.edge[k] - size : high;
         if constexpr (motion == Motion::falling) {
             // From now on: a border passed on the way up is not to be met again in the past.
-            const double since = now_ - p.time, g = box_.gravity[k];
-            const double x_now = position_after<motion>(p, k, since, box_);
-            const double v_now = velocity_after<motion>(p, k, since, box_);
-            consider(since + time_below(x_now, v_now, g, highest), k, true);
-            consider(since + time_below(-x_now, -v_now, -g, -lowest), k, false);
+            for (const bool upper : {true, false}) {
+                const bool wall = walls && at[k] == (upper ? g.cells[k] - 1 : 0);
+                const double since = (wall ? free_of_wall(i, k, upper) : now_) - p.time;
+                const double x_then = position_after<motion>(p, k, since, box_);
+                const double v_then = velocity_after<motion>(p, k, since, box_);
+                const double pull = box_.gravity[k];
+                consider(since + (upper ? time_below(x_then, v_then, pull, highest)
+                                        : time_below(-x_then, -v_then, -pull, -lowest)),
+                         k, upper);
+            }
         } else {
             const double borders[2] = {lowest, highest};
             const bool up = v > 0.0;

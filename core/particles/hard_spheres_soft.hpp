@@ -47,6 +47,14 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     const PairGeometry pair = geometry(i, j);
     const double touch = radius(i) + radius(j);
     const SoftImpact impact = (*soft_)({pair.effective_mass, touch, speed, sideways, 0.0}, pair);
+    if (impact.outcome != Outcome::ok) {
+        const auto [first, second] = std::minmax(names_[i], names_[j]);
+        outcome_ = impact.outcome;
+        collapse_ = {now_, first, second};
+        note(i, j, speed, 0.0, math::infinity);
+        ++tally_.pairs;
+        return;
+    }
     const DrawnBack& end = impact.drawn_back;
     double change[d], shift[d];
     for (int k = 0; k < d; ++k) {
@@ -75,9 +83,9 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
     const SoftImpact impact = (*soft_)({m, math::infinity, speed, 0.0, pressing}, {m, radius(i)});
     const i64 wall = -1 - 2 * axis - (away < 0.0 ? 1 : 0);
     ++tally_.walls;
-    if (impact.outcome != Outcome::ok) {
+    if (impact.outcome != Outcome::ok || speed == 0.0) {
         note(i, wall, speed, 0.0, math::infinity);
-        outcome_ = impact.outcome;
+        outcome_ = speed == 0.0 ? Outcome::at_rest : impact.outcome;
         collapse_ = {now_, names_[i], wall};
         return;
     }
@@ -90,20 +98,28 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
     tally_.kinetic -= lost;
     tally_.momentum[axis] += m * change[axis];
     shift_body(i, 1.0, change, shift);
-    remember(i, nobody, impact.duration);
+    remember(i, nobody, impact.duration, 1 + static_cast<u32>(own_event(axis, away < 0.0)));
     note(i, wall, speed, lost - m * pressing * end.normal_shift, math::infinity);
 }
 
 // Until either has met something else a pair is not to collide again, though drawn back it may overlap and approach.
 // Where a body is hit before its last contact is over, both contacts are more than the rule knows of.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::remember(u32 i, u32 j, double duration) {
+void HardSpheres<d, motion, mixed>::remember(u32 i, u32 j, double duration, u32 wall) {
     bool third = now_ < softs_[i].until;
     if (j != nobody) third = third || now_ < softs_[j].until;
     ++soft_contacts_;
     if (third) ++soft_third_body_;
-    softs_[i] = {now_ + duration, j};
-    if (j != nobody) softs_[j] = {now_ + duration, i};
+    softs_[i] = {now_ + duration, j, wall};
+    if (j != nobody) softs_[j] = {now_ + duration, i, 0};
+}
+
+// From when on a particle may meet this wall: not before its contact with it is over, though the parabola drawn back
+// may lie behind the wall and lead on into it, where gravity pulls the particle off (a ceiling that it just reaches).
+template <int d, Motion motion, bool mixed>
+double HardSpheres<d, motion, mixed>::free_of_wall(u32 i, int axis, bool high) const {
+    const bool met = !softs_.empty() && softs_[i].wall == 1 + static_cast<u32>(own_event(axis, high));
+    return met ? math::max(now_, softs_[i].until) : now_;
 }
 
 // The particle that this one must not meet, or nobody.

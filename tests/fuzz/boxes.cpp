@@ -66,7 +66,7 @@ private:
         if (kind == 1) rule.contact_duration = time * draw.decades(1e-6, 1.0);
         if (kind < 2) return;
         rule.soft = kind == 3;
-        rule.law = 0;  // linear, by stiffness and damping: stiff beside the speeds and weights that there are
+        rule.law = 0, rule.alternative = 1;  // linear, by stiffness and damping
         rule.parameters[0] = 1e6;
         rule.parameters[1] = draw.often({0.0}, [&] { return draw.decades(1e-3, 10.0); });
     }
@@ -85,7 +85,8 @@ double energy(const Observation& o) { return o.kinetic_energy + o.potential_ener
 void check(const Case& c, const Engine& e, const Observation& start) {
     const State now(e);
     for (std::size_t i = 0; i < now.position.size(); ++i)
-        require(math::is_finite(now.position[i]) && math::is_finite(now.velocity[i]), "finite places and velocities");
+        require(math::is_finite(now.position[i]) && math::is_finite(now.velocity[i]),
+                "finite places and velocities");
     const Observation o = e.observe();
     // Along a periodic axis a fall goes on for ever: there is no potential.
     bool closed = true, free = true;
@@ -94,7 +95,11 @@ void check(const Case& c, const Engine& e, const Observation& start) {
         free = free && c.s.gravity[k] == 0.0 && c.s.periodic[k];
     }
     double scale = start.kinetic_energy + math::abs(start.potential_energy), impulse = 0.0;
-    for (std::size_t i = 0; i < c.s.n; ++i) impulse += c.s.mass[i];
+    for (std::size_t i = 0; i < c.s.n; ++i) {
+        impulse += c.s.mass[i];
+        for (int k = 0; k < c.s.dimension; ++k)
+            scale += c.s.mass[i] * math::abs(c.s.gravity[k]) * c.s.edge[k];
+    }
     impulse = math::sqrt(2.0 * scale * impulse);
     if (closed)
         require(math::abs(energy(start) - energy(o) - o.dissipated_energy) <= 1e-9 * scale + 1e-300,

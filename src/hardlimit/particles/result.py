@@ -164,6 +164,8 @@ class ParticleResult:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
+        if self.outcome_name == "invalid":
+            return "invalid: a contact compressed as far as its bodies are wide; the law is too soft for such speeds"
         if self.collapse is None:
             return OUTCOMES.get(self.outcome_name, self.outcome_name)
         at = ", ".join(f"{x:.6g}" for x in self.collapse.position)
