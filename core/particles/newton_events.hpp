@@ -132,7 +132,7 @@ private:
 
     Box box_;
     particles::Box<3> cell_box_{};  // a two-dimensional one is one cell deep
-    PairLaws<Law> laws_;
+    PairLaws<Law> laws_;  // by place in memory, once it is known
     SoftContacts<Law, true> soft_;
     bool keep_log_;
     // By place in memory. A path is a parabola that starts at its `time`, in the frame of the cell; its radius is that
@@ -168,12 +168,10 @@ private:
     std::vector<Row> log_;
 
     u32 size32() const { return static_cast<u32>(paths_.size()); }
-    double radius(int i) const { return laws_.radius(names_[i]); }
-    double mass(int i) const { return laws_.mass(names_[i]); }
+    double radius(int i) const { return laws_.radius(static_cast<std::size_t>(i)); }
+    double mass(int i) const { return laws_.mass(static_cast<std::size_t>(i)); }
     // second < 0: a wall.
-    Law law(int first, int second) const {
-        return laws_(names_[first], second < 0 ? std::int64_t{-1} : std::int64_t{names_[second]});
-    }
+    Law law(int first, int second) const { return laws_(first, second); }
     bool free(int i) const { return group_[i] < 0; }
     // Whether its path ends with its group.
     bool clustered(int i) const { return !free(i) && !group(group_[i]).isolated; }

@@ -93,6 +93,7 @@ void NewtonEvents<Law>::take(const std::vector<double>& position, const std::vec
     pending_.resize(n);
     turns_.resize(n, {});
     names_.assign(order.begin(), order.end());
+    laws_.reorder(names_);
     group_.assign(n, -1);
     end_.assign(n, math::infinity);
     for (u32 i = 0; i < n; ++i) {
@@ -101,7 +102,7 @@ void NewtonEvents<Law>::take(const std::vector<double>& position, const std::vec
         std::copy_n(position.data() + 3 * std::size_t{from}, 3, p.position);
         std::copy_n(velocity.data() + 3 * std::size_t{from}, 3, p.velocity);
         p.time = 0.0;
-        p.radius = laws_.radius(from);
+        p.radius = radius(static_cast<int>(i));
         pending_[i].cell = cell[from] & (most_cells - 1);
     }
     put_into_cells();

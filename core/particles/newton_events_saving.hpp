@@ -56,6 +56,8 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
     reader(widest_margin_);
     make_cells(count, kernels);
     exchange(reader);
+    if (reader.failed()) return;
+    laws_.reorder(names_);
     std::size_t groups = 0;
     reader(groups);
     for (std::size_t i = 0; i < groups && !reader.failed(); ++i) {

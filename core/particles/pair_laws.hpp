@@ -17,30 +17,48 @@ public:
 
     PairLaws(int alternative, std::vector<double> parameters, const std::vector<double>& mass,
              const std::vector<double>& radius)
-        : alternative_(alternative), parameters_(std::move(parameters)), kind_(mass.size()) {
-        for (std::size_t i = 0; i < mass.size(); ++i) bodies_.push_back({mass[i], radius[i]});
-        std::vector<Body> kinds = bodies_;
-        std::sort(kinds.begin(), kinds.end());
-        kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
-        if (kinds.size() > most_kinds) return;
-        kinds_ = kinds.size();
-        for (std::size_t i = 0; i < bodies_.size(); ++i)
-            kind_[i] = static_cast<std::uint32_t>(std::lower_bound(kinds.begin(), kinds.end(), bodies_[i]) -
-                                                  kinds.begin());
-        for (const Body& a : kinds) {
-            for (const Body& b : kinds) table_.push_back(make(a, b));
+        : alternative_(alternative), parameters_(std::move(parameters)) {
+        std::vector<Body> bodies;
+        for (std::size_t i = 0; i < mass.size(); ++i) bodies.push_back({mass[i], radius[i]});
+        kinds_ = bodies;
+        std::sort(kinds_.begin(), kinds_.end());
+        kinds_.erase(std::unique(kinds_.begin(), kinds_.end()), kinds_.end());
+        if (kinds_.size() > most_kinds) {
+            kinds_ = std::move(bodies);
+            return;
+        }
+        kinds_.shrink_to_fit();
+        if (kinds_.size() > 1)
+            for (const Body& body : bodies)
+                kind_.push_back(static_cast<std::uint32_t>(
+                    std::lower_bound(kinds_.begin(), kinds_.end(), body) - kinds_.begin()));
+        for (const Body& a : kinds_) {
+            for (const Body& b : kinds_) table_.push_back(make(a, b));
             table_.push_back(make(a, wall));
         }
     }
 
+    // Counts the bodies anew: the one that was number from[i] becomes number i.
+    template <class Numbers>
+    void reorder(const Numbers& from) {
+        const auto follow = [&](auto& of) {
+            auto moved = of;
+            for (std::size_t i = 0; i < of.size(); ++i) moved[i] = of[from[i]];
+            of = std::move(moved);
+        };
+        if (table_.empty()) follow(kinds_);
+        follow(kind_);
+    }
+
     // second < 0: a wall.
     Law operator()(std::int64_t first, std::int64_t second) const {
-        const auto i = static_cast<std::size_t>(first), j = static_cast<std::size_t>(second);
-        if (kinds_ == 0) return make(bodies_[i], second < 0 ? wall : bodies_[j]);
-        return table_[kind_[i] * (kinds_ + 1) + (second < 0 ? kinds_ : kind_[j])];
+        const std::size_t a = kind(static_cast<std::size_t>(first));
+        const std::size_t b = second < 0 ? kinds_.size() : kind(static_cast<std::size_t>(second));
+        if (table_.empty()) return make(kinds_[a], second < 0 ? wall : kinds_[b]);
+        return table_[a * (kinds_.size() + 1) + b];
     }
-    double mass(std::size_t i) const { return bodies_[i].first; }
-    double radius(std::size_t i) const { return bodies_[i].second; }
+    double mass(std::size_t i) const { return kinds_[kind(i)].first; }
+    double radius(std::size_t i) const { return kinds_[kind(i)].second; }
 
 private:
     using Body = std::pair<double, double>;  // mass [kg], radius [m]
@@ -48,10 +66,15 @@ private:
 
     int alternative_;
     std::vector<double> parameters_;
-    std::vector<Body> bodies_;
-    std::vector<std::uint32_t> kind_;
-    std::size_t kinds_ = 0;  // 0: too many for a table
+    std::vector<Body> kinds_;          // or all bodies, where there are too many for a table
+    std::vector<std::uint32_t> kind_;  // of each body, where there are several in a table
     std::vector<Law> table_;
+
+    // Where all are alike nothing is read of a body: it would be another cache line.
+    std::size_t kind(std::size_t i) const {
+        if (!kind_.empty()) return kind_[i];
+        return kinds_.size() == 1 ? 0 : i;
+    }
 
     Law make(const Body& a, const Body& b) const {
         const PairGeometry pair = {effective(a.first, b.first), effective(a.second, b.second)};
