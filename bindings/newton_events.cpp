@@ -124,7 +124,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 4";
+    static constexpr const char* mark = "NewtonEvents 5";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 

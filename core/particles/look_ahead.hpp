@@ -8,11 +8,11 @@
 namespace hardlimit::particles {
 
 // level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event.
-template <int d, class Level, class More>
+template <int d, class Held, class Level, class More>
 struct LookAhead {
     const Calendar& calendar;
     const Cells<d>& cells;
-    const Pending* pending;
+    const Held* pending;  // records of Pending, and what may be held beside it
     const Particle<d>* bodies;
     Level level;
     More more;
@@ -60,8 +60,8 @@ private:
         });
     }
 };
-template <int d, class Level, class More>
-LookAhead(const Calendar&, const Cells<d>&, const Pending*, const Particle<d>*, Level, More)
-    -> LookAhead<d, Level, More>;
+template <int d, class Held, class Level, class More>
+LookAhead(const Calendar&, const Cells<d>&, const Held*, const Particle<d>*, Level, More)
+    -> LookAhead<d, Held, Level, More>;
 
 }  // namespace hardlimit::particles

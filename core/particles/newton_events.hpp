@@ -124,6 +124,15 @@ private:
     struct Relative {
         Vector3 place, velocity;
     };
+    // What is held of a body beside its path: one cache line as well.
+    struct alignas(64) Held : Pending {          // `count`: how often the body has been deflected
+        double end = math::infinity;             // of its group [s]
+        int group = -1;                          // or -1
+        std::array<int, 3> turns{};              // how often the path has left the box through an edge
+        u32 name = 0;                            // the user's number
+        u32 unused = 0;
+    };
+    static_assert(sizeof(Held) == 64);
     // Bodies whose contacts go on after their group has ended, until they form one again.
     struct Remnant {
         std::vector<int> body;
@@ -138,11 +147,7 @@ private:
     // By place in memory. A path is a parabola that starts at its `time`, in the frame of the cell; its radius is that
     // of the space a busy body needs.
     Records<Particle<3>> paths_;
-    Records<Pending> pending_;           // `count`: how often the body has been deflected
-    Records<std::array<int, 3>> turns_;  // how often the path has left the box through an edge
-    Records<u32> names_;                 // the user's number
-    Records<int> group_;                 // or -1
-    Records<double> end_;                // of the group [s]
+    Records<Held> pending_;
     std::vector<Group> groups_;
     std::vector<int> spare_;
     std::vector<Remnant> remnants_;  // empty between events
@@ -172,9 +177,9 @@ private:
     double mass(int i) const { return laws_.mass(static_cast<std::size_t>(i)); }
     // second < 0: a wall.
     Law law(int first, int second) const { return laws_(first, second); }
-    bool free(int i) const { return group_[i] < 0; }
+    bool free(int i) const { return pending_[i].group < 0; }
     // Whether its path ends with its group.
-    bool clustered(int i) const { return !free(i) && !group(group_[i]).isolated; }
+    bool clustered(int i) const { return !free(i) && !group(pending_[i].group).isolated; }
     Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
     const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
 
@@ -192,10 +197,7 @@ private:
                          pending_.data(),
                          paths_.data(),
                          [this](u32) { return level_; },
-                         [this](u32 id) {
-                             prefetch(&group_[id]);
-                             prefetch(&names_[id]);
-                         }};
+                         [](u32) {}};
     }
 
     // newton_events_flight.hpp
@@ -336,7 +338,7 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
     paused_ = false;
     while (outcome_ == Outcome::ok) {
         const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
-                                        [this](u32 id) { return names_[id]; },
+                                        [this](u32 id) { return pending_[id].name; },
                                         [this] {
                                             if (fetches_) ahead().enter_bin();
                                         });
@@ -386,10 +388,10 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
              overlapped_,
              {}};
     const auto write = [&](int i, const Vector3& x, const Vector3& v) {
-        const std::size_t at = 3 * std::size_t{names_[i]};
+        const std::size_t at = 3 * std::size_t{pending_[i].name};
         const double m = mass(i);
         for (std::size_t a = 0; a < 3; ++a) {
-            s.position[at + a] = x[a] + turns_[i][a] * box_.edge[a];
+            s.position[at + a] = x[a] + pending_[i].turns[a] * box_.edge[a];
             s.velocity[at + a] = v[a];
             s.kinetic += 0.5 * m * v[a] * v[a];
             s.potential -= m * box_.gravity[a] * s.position[at + a];

@@ -91,11 +91,7 @@ void NewtonEvents<Law>::take(const std::vector<double>& position, const std::vec
     std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return cell[a] < cell[b]; });
     paths_.resize(n);
     pending_.resize(n);
-    turns_.resize(n, {});
-    names_.assign(order.begin(), order.end());
-    laws_.reorder(names_);
-    group_.assign(n, -1);
-    end_.assign(n, math::infinity);
+    laws_.reorder(order);
     for (u32 i = 0; i < n; ++i) {
         const u32 from = order[i];
         Particle<3>& p = paths_[i];
@@ -103,6 +99,7 @@ void NewtonEvents<Law>::take(const std::vector<double>& position, const std::vec
         std::copy_n(velocity.data() + 3 * std::size_t{from}, 3, p.velocity);
         p.time = 0.0;
         p.radius = radius(static_cast<int>(i));
+        pending_[i].name = from;
         pending_[i].cell = cell[from] & (most_cells - 1);
     }
     put_into_cells();
@@ -117,7 +114,7 @@ void NewtonEvents<Law>::put_into_cells() {
 template <class Law>
 void NewtonEvents<Law>::restart_calendar() {
     calendar_.rebuild(
-        size32(), [this](u32 id) { return pending_[id].time(); }, [this](u32 id) { return names_[id]; });
+        size32(), [this](u32 id) { return pending_[id].time(); }, [this](u32 id) { return pending_[id].name; });
 }
 
 // ---- the next event --------------------------------------------------------------------------------------------
@@ -125,7 +122,7 @@ void NewtonEvents<Law>::restart_calendar() {
 template <class Law>
 void NewtonEvents<Law>::schedule(int i) {
     const u32 id = static_cast<u32>(i);
-    calendar_.push(id, pending_[i].time(), [this](u32 id) { return names_[id]; });
+    calendar_.push(id, pending_[i].time(), [this](u32 id) { return pending_[id].name; });
 }
 
 template <class Law>
@@ -211,10 +208,10 @@ void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
 template <class Law>
 void NewtonEvents<Law>::consider(int i, u32 id, double grown) {
     Pending& e = pending_[i];
-    const bool all_free = free(i) && group_[id] < 0;
+    const bool all_free = free(i) && pending_[id].group < 0;
     const double time = all_free ? grown : meeting(i, static_cast<int>(id), grown);
     if (time > e.pair_time || time == math::infinity) return;
-    if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[id]) return;
+    if (time == e.pair_time && e.partner != nobody && pending_[e.partner].name < pending_[id].name) return;
     e.pair_time = time;
     e.partner = id;
     e.partner_count = pending_[id].count;
@@ -225,10 +222,10 @@ void NewtonEvents<Law>::consider(int i, u32 id, double grown) {
 // Members of one group do not meet here.
 template <class Law>
 double NewtonEvents<Law>::meeting(int i, int j, double grown) const {
-    if (group_[i] == group_[j]) return math::infinity;
-    const bool i_first = free(j) || (!free(i) && end_[i] < end_[j]);
+    if (pending_[i].group == pending_[j].group) return math::infinity;
+    const bool i_first = free(j) || (!free(i) && pending_[i].end < pending_[j].end);
     const int first = i_first ? i : j, last = i_first ? j : i;
-    if (grown < end_[first]) {
+    if (grown < pending_[first].end) {
         const Relative r = relative(j);
         const bool apart =
             passes(r, i, first, now_, paths_[last].radius) || passes(r, i, last, now_, paths_[first].radius);
@@ -237,8 +234,8 @@ double NewtonEvents<Law>::meeting(int i, int j, double grown) const {
     if (clustered(first)) return math::infinity;
     if (!free(last)) {
         const double time = touch_time(j, radius(first) + paths_[last].radius);
-        if (time < end_[last] && !passes(relative(j), i, last, end_[first], radius(first)))
-            return math::max(time, end_[first]);
+        if (time < pending_[last].end && !passes(relative(j), i, last, pending_[first].end, radius(first)))
+            return math::max(time, pending_[first].end);
         if (clustered(last)) return math::infinity;
     }
     return touch_time(j, radius(i) + radius(j));
@@ -267,9 +264,9 @@ template <class Law>
 bool NewtonEvents<Law>::passes(const Relative& between, int i, int member, double from,
                                double other_radius) const {
     if (free(member) || clustered(member)) return false;
-    const Group& g = group(group_[member]);
+    const Group& g = group(pending_[member].group);
     const std::size_t m = g.body[0] == member ? 0 : 1;
-    const double share = share_of(g, m), left = end_[member] - from, sign = member == i ? 1.0 : -1.0;
+    const double share = share_of(g, m), left = pending_[member].end - from, sign = member == i ? 1.0 : -1.0;
     const double off = (m == 0 ? -share : share) * math::clamp(left / g.lone.span, 0.0, 1.0);
     Vector3 begin, away, along;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -324,9 +321,9 @@ void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 7u;
-    if (is_free || group(group_[i]).body[0] != i || end_[i] > e.own_time) return;
-    group(group_[i]).border = {e.own_time, which};
-    e.own_time = end_[i];
+    if (is_free || group(pending_[i].group).body[0] != i || pending_[i].end > e.own_time) return;
+    group(pending_[i].group).border = {e.own_time, which};
+    e.own_time = pending_[i].end;
     e.own = static_cast<u32>(Own::ends) & 7u;
 }
 
@@ -361,7 +358,7 @@ void NewtonEvents<Law>::happen(int i) {
         return free(i) && free(j) ? meet(i, j, 0) : conflict(i, j);
     }
     const Own own = static_cast<Own>(e.own);
-    if (own == Own::ends) return finish(group_[i]);
+    if (own == Own::ends) return finish(pending_[i].group);
     const int axis = axis_of(own);
     const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
     if (!box_.periodic[axis] && cells_.place(level_, e.cell)[axis] == last)
@@ -382,7 +379,7 @@ void NewtonEvents<Law>::leave_cell(int i) {
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
         paths_[i].position[axis] -= step * box_.edge[axis];
-        turns_[i][static_cast<std::size_t>(axis)] += step;
+        pending_[i].turns[static_cast<std::size_t>(axis)] += step;
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);
     cells_.insert(e.cell, static_cast<u32>(i));

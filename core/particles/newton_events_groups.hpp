@@ -280,7 +280,7 @@ Member NewtonEvents<Law>::member_of(Group& g, std::size_t m) const {
         const double turn = nearest(x, static_cast<int>(a));
         member.position[a] = x - turn * box_.edge[a];
         member.velocity[a] = p.velocity[a];
-        g.offset[m][a] = turns_[i][a] + turn;
+        g.offset[m][a] = pending_[i].turns[a] + turn;
     }
     return member;
 }
@@ -434,8 +434,8 @@ template <class Law>
 void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, const Member& after, double span,
                              double margin) {
     const int i = group(index).body[m];
-    group_[i] = index;
-    end_[i] = now_ + span;
+    pending_[i].group = index;
+    pending_[i].end = now_ + span;
     make_room_for(i, margin);
     if (!(span > 0.0)) return;
     for (std::size_t a = 0; a < 3; ++a)
@@ -456,8 +456,8 @@ void NewtonEvents<Law>::fly_on_from(int index, std::size_t m, double margin) {
     const Group& g = group(index);
     const Isolated& l = g.lone;
     const int i = g.body[m];
-    group_[i] = index;
-    end_[i] = now_ + l.span;
+    pending_[i].group = index;
+    pending_[i].end = now_ + l.span;
     make_room_for(i, margin);
     for (std::size_t a = 0; a < 3; ++a) {
         const double v = l.after[m].velocity[a] - l.span * box_.gravity[a];
@@ -477,7 +477,7 @@ template <class Law>
 void NewtonEvents<Law>::intruders(int i, int index, std::vector<int>& near) const {
     for_near(i, [&](int j, const Vector3& r) {
         const double reach = paths_[i].radius + paths_[j].radius;
-        if (group_[j] != index && dot(r, r) < reach * reach &&
+        if (pending_[j].group != index && dot(r, r) < reach * reach &&
             std::find(near.begin(), near.end(), j) == near.end())
             near.push_back(j);
     });
@@ -500,7 +500,7 @@ template <class Law>
 void NewtonEvents<Law>::gather(int i, std::vector<int>& set, std::vector<Live>& live) {
     if (std::find(set.begin(), set.end(), i) != set.end()) return;
     if (!free(i)) {
-        const int index = group_[i];
+        const int index = pending_[i].group;
         settle(index, false, live);
         set.insert(set.end(), group(index).body.begin(), group(index).body.end());
         return;
@@ -574,8 +574,8 @@ void NewtonEvents<Law>::release(int index) {
 
 template <class Law>
 void NewtonEvents<Law>::set_free(int i) {
-    group_[i] = -1;
-    end_[i] = math::infinity;
+    pending_[i].group = -1;
+    pending_[i].end = math::infinity;
     paths_[i].radius = radius(i);
 }
 
@@ -595,7 +595,7 @@ void NewtonEvents<Law>::put(const Group& g, std::size_t m, const Member& at) {
 // A member's place in the frame of its body's cell.
 template <class Law>
 Vector3 NewtonEvents<Law>::place(const Group& g, std::size_t m, Vector3 x) const {
-    const std::array<int, 3>& turns = turns_[g.body[m]];
+    const std::array<int, 3>& turns = pending_[g.body[m]].turns;
     for (std::size_t a = 0; a < 3; ++a) x[a] += g.origin[a] + (g.offset[m][a] - turns[a]) * box_.edge[a];
     return x;
 }
@@ -620,7 +620,7 @@ typename NewtonEvents<Law>::Row NewtonEvents<Law>::row_of(const Group& g, const 
                                                           double begin, double end, double impact,
                                                           double separation, bool overlapped) const {
     const auto name = [&](int member) {
-        return static_cast<int>(names_[g.body[static_cast<std::size_t>(member)]]);
+        return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].name);
     };
     int first = name(q.first),
         second = q.second >= 0 ? name(q.second) : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;

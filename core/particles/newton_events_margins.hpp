@@ -11,7 +11,7 @@ double NewtonEvents<Law>::margin_used(int instants) const {
     for (const Group& g : groups_) {
         if (!g.alive) continue;
         start(g, c);
-        const double span = end_[g.body[0]] - c.base;
+        const double span = pending_[g.body[0]].end - c.base;
         for (int k = 0; k <= instants; ++k) {
             const double time = span * k / instants;
             Stop never;
@@ -42,7 +42,7 @@ double NewtonEvents<Law>::margin_used(const Group& g, std::size_t m, const Vecto
     const double far = math::sqrt(dot(off, off));
     if (!g.isolated) return far / (paths_[i].radius - radius(i) + rounding);
     if (passes({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;
-    const double left = math::max(end_[i] - time, 0.0) / g.lone.span;
+    const double left = math::max(pending_[i].end - time, 0.0) / g.lone.span;
     return far / (share_of(g, m) * g.lone.margin * left + rounding);
 }
 

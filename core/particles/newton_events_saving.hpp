@@ -16,8 +16,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
-    archive(paths_), archive(pending_), archive(turns_), archive(names_), archive(group_), archive(end_);
-    archive(spare_), archive(log_);
+    archive(paths_), archive(pending_), archive(spare_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(paused_), archive(outcome_);
@@ -57,7 +56,9 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
     make_cells(count, kernels);
     exchange(reader);
     if (reader.failed()) return;
-    laws_.reorder(names_);
+    std::vector<u32> names;
+    for (const Held& e : pending_) names.push_back(e.name);
+    laws_.reorder(names);
     std::size_t groups = 0;
     reader(groups);
     for (std::size_t i = 0; i < groups && !reader.failed(); ++i) {
