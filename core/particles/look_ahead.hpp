@@ -33,6 +33,10 @@ struct LookAhead {
     }
 
 private:
+    // Whether the next event is the end of a group, which looks nowhere if the contact was undisturbed.
+    static bool ends(const Pending& e) {
+        return e.own_time < e.pair_time && static_cast<Own>(e.own) == Own::ends;
+    }
     // Where a body will look at its next event.
     static typename Cells<d>::Surroundings surroundings(const Pending& e) {
         const Own own = static_cast<Own>(e.own);
@@ -43,6 +47,7 @@ private:
     void fetch_cells(u32 i) const {
         const Pending& e = pending[i];
         prefetch(&bodies[i]);
+        if (ends(e)) return;
         more(i);
         if (e.pair_time <= e.own_time) {
             prefetch(&bodies[e.partner]);
@@ -54,6 +59,7 @@ private:
     // The bodies in those cells.
     void fetch_neighbours(u32 i) const {
         const Pending& e = pending[i];
+        if (ends(e)) return;
         cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
             prefetch(&bodies[id]);
             prefetch(&pending[id]);
