@@ -88,33 +88,38 @@ public:
     void save(Writer& writer) const;
 
 private:
-    // A contact with which nothing interferes: its two ends.
-    struct Isolated {
-        Touching<Law> pair;
-        Member before[2], after[2];
-        double span;        // [s]
-        double margin;      // of the relative path, from that on which the bodies fly on [m]
-        double turn;        // of the line of centres [rad]
-        Vector3 off;        // from that path to the true one at touch, as long as the margin [m]
-        double dissipated;  // [J]
-        double virial;      // [J s]
-        EndedContact contact;
-    };
-    struct Ends {
-        Cluster<Law> before, after;
-    };
     struct Border {
         double time;  // [s]
         Own which;
     };
+    // A contact with which nothing interferes. In a large box each cache line is a wait: the first has what its end
+    // needs, the second what is needed where somebody comes near.
+    struct Isolated {
+        int body[2];        // second < 0: a wall
+        Border border;      // where the first member leaves its cell, if the contact ends before
+        double dissipated;  // [J]
+        double virial;      // [J s]
+        alignas(64) double span;  // [s]
+        double share[2];          // of what happens to the relative path, that of each member
+        double room[2];           // by which a member's path can leave the triangle of passes() [m]
+        Vector3 off;  // from the relative path on which the bodies fly on to the true one at touch, as long as the margin [m]
+        double margin;  // [m]
+        double turn;    // of the line of centres [rad]
+        Member before[2];
+        Touching<Law> pair;
+        EndedContact contact;
+    };
+    using Parted = std::array<Member, 2>;  // the members at the end of such a contact
+    struct Ends {
+        Cluster<Law> before, after;
+    };
     struct Group {
+        Isolated lone{};  // if isolated
         bool alive = false, isolated = false;
-        Border border{};  // where its first member leaves its cell, if its end comes before
         Vector3 origin{};
         std::vector<int> body;
         std::vector<Vector3> offset;    // [members] turns of the frame in which the member's place is given
-        Isolated lone{};                // if isolated
-        std::unique_ptr<Ends> cluster;  // else
+        std::unique_ptr<Ends> cluster;  // unless isolated
     };
     // A pair of a group that is not open, by its bodies.
     struct Live {
@@ -130,7 +135,9 @@ private:
         int group = -1;                          // or -1
         std::array<int, 3> turns{};              // how often the path has left the box through an edge
         u32 name = 0;                            // the user's number
-        u32 unused = 0;
+        bool first = false;                      // of its group, whose end is an event of its own
+        bool clustered = false;                  // its path ends with its group
+        std::uint16_t unused = 0;
     };
     static_assert(sizeof(Held) == 64);
     // Bodies whose contacts go on after their group has ended, until they form one again.
@@ -178,8 +185,7 @@ private:
     // second < 0: a wall.
     Law law(int first, int second) const { return laws_(first, second); }
     bool free(int i) const { return pending_[i].group < 0; }
-    // Whether its path ends with its group.
-    bool clustered(int i) const { return !free(i) && !group(pending_[i].group).isolated; }
+    bool clustered(int i) const { return pending_[i].clustered; }
     Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
     const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
 
@@ -234,7 +240,7 @@ private:
     Live touching(int i, int j, int side) const;
     void conflict(int i, int j);
     void form_remnants();
-    void finish(int index);
+    void finish(int i);
     void finish_isolated(int index);
     void part(const std::vector<int>& bodies, const std::vector<Live>& live);
     void go_on_together(int index);
@@ -255,8 +261,9 @@ private:
     double margin_of(const Group& g, std::size_t m) const;
     void busy(int index, std::size_t m, const Member& before, const Member& after, double span,
               double margin);
-    static double share_of(const Group& g, std::size_t m);
-    void fly_on_from(int index, std::size_t m, double margin);
+    void note_shares(Isolated& l) const;
+    void fly_on_from(int index, std::size_t m, const Member& after);
+    void join(int i, int index, std::size_t m, double span);
     void make_room_for(int i, double margin);
     void intruders(int i, int index, std::vector<int>& near) const;
     void stop_at_now(int i);
@@ -269,17 +276,17 @@ private:
     void put(const Group& g, std::size_t m, const Member& at);
     Vector3 place(const Group& g, std::size_t m, Vector3 x) const;
     void start(const Group& g, Cluster<Law>& c) const;
-    Row row_of(const Group& g, const Touching<Law>& q, double begin, double end, double impact,
-               double separation, bool overlapped) const;
+    Row row_of(const Group& g, const Touching<Law>& q, const EndedContact& e) const;
 
     // newton_events_margins.hpp
     double margin_used(const Group& g, std::size_t m, const Vector3& place, double time) const;
 
     // newton_events_lone_contact.hpp
-    bool solve_pair(Isolated& l);
-    void part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal, const Vector3& across) const;
-    bool solve_wall(Isolated& l);
-    bool far_from_walls(const Group& g, const Isolated& l) const;
+    bool solve_pair(Isolated& l, Parted& after);
+    void part_pair(Isolated& l, Parted& after, const PlanarContact& end, const Vector3& normal,
+                   const Vector3& across) const;
+    bool solve_wall(Isolated& l, Parted& after);
+    bool far_from_walls(const Group& g, const Parted& after) const;
 
     template <class Archive>
     void exchange(Archive& archive);
@@ -416,13 +423,12 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
         for (const EndedContact& e : c.ended) {
             ++s.ended;
             s.overlapped += e.overlapped;
-            s.open.push_back(row_of(g, c.pairs[static_cast<std::size_t>(e.pair)], e.begin, e.end,
-                                    e.impact_speed, e.separation_speed, e.overlapped));
+            s.open.push_back(row_of(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
         }
         for (const Touching<Law>& q : c.pairs) {
             if (q.touch != Touch::closed) continue;
             ++s.in_contact;
-            s.open.push_back(row_of(g, q, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped));
+            s.open.push_back(row_of(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
         }
     }
     return s;

@@ -264,17 +264,18 @@ template <class Law>
 bool NewtonEvents<Law>::passes(const Relative& between, int i, int member, double from,
                                double other_radius) const {
     if (free(member) || clustered(member)) return false;
-    const Group& g = group(pending_[member].group);
-    const std::size_t m = g.body[0] == member ? 0 : 1;
-    const double share = share_of(g, m), left = pending_[member].end - from, sign = member == i ? 1.0 : -1.0;
-    const double off = (m == 0 ? -share : share) * math::clamp(left / g.lone.span, 0.0, 1.0);
+    const Held& e = pending_[member];
+    const Isolated& l = group(e.group).lone;
+    const std::size_t m = e.first ? 0 : 1;
+    const double share = l.share[m], left = e.end - from, sign = member == i ? 1.0 : -1.0;
+    const double off = (m == 0 ? -share : share) * math::clamp(left / l.span, 0.0, 1.0);
     Vector3 begin, away, along;
     for (std::size_t k = 0; k < 3; ++k) {
         begin[k] = sign * (between.place[k] + (from - now_) * between.velocity[k]);
         along[k] = sign * left * between.velocity[k];
-        away[k] = -off * g.lone.off[k];
+        away[k] = -off * l.off[k];
     }
-    const double reach = radius(member) + other_radius + share * g.lone.margin * g.lone.turn;
+    const double reach = radius(member) + other_radius + l.room[m];
     return square_to_triangle(begin, away, along) > reach * reach * (1.0 + rounding_of_touch);
 }
 
@@ -292,7 +293,7 @@ double NewtonEvents<Law>::touch_time(int j, double reach) const {
 // the end of the group of its first member. Which border is the first, no processor can foresee: few branches.
 template <class Law>
 void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
-    Pending& e = pending_[i];
+    Held& e = pending_[i];
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     const bool is_free = free(i);
     double in = math::infinity;
@@ -321,9 +322,9 @@ void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 7u;
-    if (is_free || group(pending_[i].group).body[0] != i || pending_[i].end > e.own_time) return;
-    group(pending_[i].group).border = {e.own_time, which};
-    e.own_time = pending_[i].end;
+    if (!e.first || e.end > e.own_time) return;
+    if (!e.clustered) group(e.group).lone.border = {e.own_time, which};
+    e.own_time = e.end;
     e.own = static_cast<u32>(Own::ends) & 7u;
 }
 
@@ -358,7 +359,7 @@ void NewtonEvents<Law>::happen(int i) {
         return free(i) && free(j) ? meet(i, j, 0) : conflict(i, j);
     }
     const Own own = static_cast<Own>(e.own);
-    if (own == Own::ends) return finish(pending_[i].group);
+    if (own == Own::ends) return finish(i);
     const int axis = axis_of(own);
     const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
     if (!box_.periodic[axis] && cells_.place(level_, e.cell)[axis] == last)

@@ -83,8 +83,9 @@ void NewtonEvents<Law>::conflict(int i, int j) {
 }
 
 template <class Law>
-void NewtonEvents<Law>::finish(int index) {
-    if (group(index).isolated) return finish_isolated(index);
+void NewtonEvents<Law>::finish(int first) {
+    const int index = pending_[first].group;
+    if (!clustered(first)) return finish_isolated(index);
     std::vector<Live> live;
     settle(index, true, live);
     const std::vector<int> bodies = group(index).body;
@@ -98,26 +99,28 @@ void NewtonEvents<Law>::finish(int index) {
 // in a small box, which image of each other.
 template <class Law>
 void NewtonEvents<Law>::finish_isolated(int index) {
-    const Group& g = group(index);
-    log(g, g.lone.pair, g.lone.contact);
-    dissipated_ += g.lone.dissipated;
-    virial_ += g.lone.virial;
-    for (const int i : g.body) set_free(i);
+    const Isolated& l = group(index).lone;
+    ++ended_;
+    if (keep_log_) log_.push_back(row_of(group(index), l.pair, l.contact));
+    dissipated_ += l.dissipated;
+    virial_ += l.virial;
+    const int first = l.body[0], second = l.body[1];
+    const auto for_both = [&](const auto& f) {
+        f(first);
+        if (second >= 0) f(second);
+    };
+    for_both([&](int i) { set_free(i); });
     drop(index);
-    if (images_) {
-        for (const int i : g.body) predict(i);
-        return;
-    }
-    Pending& first = pending_[g.body[0]];
-    first.own_time = g.border.time;
-    first.own = static_cast<u32>(g.border.which) & 7u;
-    for (const int i : g.body) {
+    if (images_) return for_both([&](int i) { predict(i); });
+    pending_[first].own_time = l.border.time;
+    pending_[first].own = static_cast<u32>(l.border.which) & 7u;
+    for_both([&](int i) {
         if (walled_) {
             look(i);
             predict_own(i, cells_.place(level_, pending_[i].cell));
         }
-        if (walled_ || i == g.body[0]) schedule(i);
-    }
+        if (walled_ || i == first) schedule(i);
+    });
 }
 
 template <class Law>
@@ -167,16 +170,20 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     std::copy_n(paths_[i].position, 3, g.origin.begin());
     g.offset.resize(members);
     Isolated& l = g.lone;
+    Parted after;
+    l.body[0] = i, l.body[1] = j;
     for (std::size_t m = 0; m < members; ++m) l.before[m] = member_of(g, m);
     l.pair = j >= 0 ? pair_of(g, 0, 1, l.before[0], l.before[1]) : wall_of(g, 0, side / 2, side % 2 != 0);
     l.pair.touch = Touch::closed;
     l.pair.fresh = true;
     l.pair.begin = now_;
-    if (!(j >= 0 ? solve_pair(l) : solve_wall(l)) || !far_from_walls(g, l)) {
+    const bool solved = j >= 0 ? solve_pair(l, after) : solve_wall(l, after);
+    if (solved) note_shares(l);
+    if (!solved || !far_from_walls(g, after)) {
         drop(index);
         return false;
     }
-    for (std::size_t m = 0; m < members; ++m) fly_on_from(index, m, share_of(g, m) * l.margin);
+    for (std::size_t m = 0; m < members; ++m) fly_on_from(index, m, after[m]);
     for (const int k : g.body) {
         find_but(k, members == 1 ? k : g.body[k == i ? 1 : 0]);
         if (pending_[k].pair_time > now_) continue;
@@ -434,8 +441,7 @@ template <class Law>
 void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, const Member& after, double span,
                              double margin) {
     const int i = group(index).body[m];
-    pending_[i].group = index;
-    pending_[i].end = now_ + span;
+    join(i, index, m, span);
     make_room_for(i, margin);
     if (!(span > 0.0)) return;
     for (std::size_t a = 0; a < 3; ++a)
@@ -443,25 +449,35 @@ void NewtonEvents<Law>::busy(int index, std::size_t m, const Member& before, con
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
 }
 
+template <class Law>
+void NewtonEvents<Law>::join(int i, int index, std::size_t m, double span) {
+    Held& e = pending_[i];
+    e.group = index;
+    e.end = now_ + span;
+    e.first = m == 0;
+    e.clustered = !group(index).isolated;
+}
+
 // Of what happens to the relative path, what happens to a member's own.
 template <class Law>
-double NewtonEvents<Law>::share_of(const Group& g, std::size_t m) {
-    const Member(&b)[2] = g.lone.before;
-    return g.body.size() == 1 ? 1.0 : b[1 - m].mass / (b[0].mass + b[1].mass);
+void NewtonEvents<Law>::note_shares(Isolated& l) const {
+    const Member(&b)[2] = l.before;
+    for (std::size_t m = 0; m < 2; ++m) {
+        l.share[m] = l.body[1] < 0 ? 1.0 : b[1 - m].mass / (b[0].mass + b[1].mass);
+        l.room[m] = l.share[m] * l.margin * l.turn;
+    }
 }
 
 // Until its contact ends, a member is a larger body on the path on which it flies on.
 template <class Law>
-void NewtonEvents<Law>::fly_on_from(int index, std::size_t m, double margin) {
-    const Group& g = group(index);
-    const Isolated& l = g.lone;
-    const int i = g.body[m];
-    pending_[i].group = index;
-    pending_[i].end = now_ + l.span;
-    make_room_for(i, margin);
+void NewtonEvents<Law>::fly_on_from(int index, std::size_t m, const Member& after) {
+    const Isolated& l = group(index).lone;
+    const int i = l.body[m];
+    join(i, index, m, l.span);
+    make_room_for(i, l.share[m] * l.margin);
     for (std::size_t a = 0; a < 3; ++a) {
-        const double v = l.after[m].velocity[a] - l.span * box_.gravity[a];
-        const double x = l.after[m].position[a] - l.span * (v + 0.5 * l.span * box_.gravity[a]);
+        const double v = after.velocity[a] - l.span * box_.gravity[a];
+        const double x = after.position[a] - l.span * (v + 0.5 * l.span * box_.gravity[a]);
         paths_[i].velocity[a] = v;
         paths_[i].position[a] += x - l.before[m].position[a];
     }
@@ -553,8 +569,7 @@ template <class Law>
 void NewtonEvents<Law>::log(const Group& g, const Touching<Law>& q, const EndedContact& e) {
     ++ended_;
     overlapped_ += e.overlapped;
-    if (keep_log_)
-        log_.push_back(row_of(g, q, e.begin, e.end, e.impact_speed, e.separation_speed, e.overlapped));
+    if (keep_log_) log_.push_back(row_of(g, q, e));
 }
 
 // Undoes build: the members are free bodies at their places now.
@@ -574,8 +589,10 @@ void NewtonEvents<Law>::release(int index) {
 
 template <class Law>
 void NewtonEvents<Law>::set_free(int i) {
-    pending_[i].group = -1;
-    pending_[i].end = math::infinity;
+    Held& e = pending_[i];
+    e.group = -1;
+    e.end = math::infinity;
+    e.first = e.clustered = false;
     paths_[i].radius = radius(i);
 }
 
@@ -617,15 +634,14 @@ void NewtonEvents<Law>::start(const Group& g, Cluster<Law>& c) const {
 
 template <class Law>
 typename NewtonEvents<Law>::Row NewtonEvents<Law>::row_of(const Group& g, const Touching<Law>& q,
-                                                          double begin, double end, double impact,
-                                                          double separation, bool overlapped) const {
+                                                          const EndedContact& e) const {
     const auto name = [&](int member) {
         return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].name);
     };
     int first = name(q.first),
         second = q.second >= 0 ? name(q.second) : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
     if (second >= 0 && second < first) std::swap(first, second);
-    return {begin, end, first, second, impact, separation, overlapped};
+    return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
 }
 
 }  // namespace hardlimit::particles

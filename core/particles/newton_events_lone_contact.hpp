@@ -6,7 +6,7 @@ namespace hardlimit::particles {
 
 // In the plane of approach. False where there is no such end, or where a member would get too far.
 template <class Law>
-bool NewtonEvents<Law>::solve_pair(Isolated& l) {
+bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
     Touching<Law>& q = l.pair;
     const Member &a = l.before[0], &b = l.before[1];
     Vector3 normal, v, across;
@@ -34,7 +34,7 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) {
     const double left = distance - end.compression;
     l.virial = q.mass *
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
-    part_pair(l, end, normal, across);
+    part_pair(l, after, end, normal, across);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
     return end.turn < widest_turn && l.span * (approach + sideways) <= travel() &&
            share * l.margin <= widest_margin_;
@@ -44,8 +44,8 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l) {
 // that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
 // touch, divided by the cosine of half of that angle.
 template <class Law>
-void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const Vector3& normal,
-                                  const Vector3& across) const {
+void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContact& end,
+                                  const Vector3& normal, const Vector3& across) const {
     const Member &a = l.before[0], &b = l.before[1];
     const double distance = l.pair.reach, r = distance - end.compression;
     const double out = end.radial_speed, swing = end.tangential_speed;
@@ -57,16 +57,16 @@ void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const V
     const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
     const double rn = r * turn.cos + vn * parting, rt = r * turn.sin + vt * parting;
     const double per_total = 1.0 / (a.mass + b.mass), of_a = a.mass * per_total, of_b = b.mass * per_total;
-    l.after[0] = a, l.after[1] = b;
+    after[0] = a, after[1] = b;
     for (std::size_t k = 0; k < 3; ++k) {
         const double mean = of_a * a.velocity[k] + of_b * b.velocity[k], fall = box_.gravity[k] * l.span;
         const double moved = l.span * (mean + 0.5 * fall);
         const double place = (rn - distance) * normal[k] + rt * across[k];
         const double velocity = vn * normal[k] + vt * across[k];
-        l.after[0].position[k] += moved - of_b * place;
-        l.after[1].position[k] += moved + of_a * place;
-        l.after[0].velocity[k] = (mean + fall) - of_b * velocity;
-        l.after[1].velocity[k] = (mean + fall) + of_a * velocity;
+        after[0].position[k] += moved - of_b * place;
+        after[1].position[k] += moved + of_a * place;
+        after[0].velocity[k] = (mean + fall) - of_b * velocity;
+        after[1].velocity[k] = (mean + fall) + of_a * velocity;
     }
     const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
     const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // or less
@@ -76,7 +76,7 @@ void NewtonEvents<Law>::part_pair(Isolated& l, const PlanarContact& end, const V
 }
 
 template <class Law>
-bool NewtonEvents<Law>::solve_wall(Isolated& l) {
+bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
     Touching<Law>& q = l.pair;
     const auto axis = static_cast<std::size_t>(q.axis);
     const Member& a = l.before[0];
@@ -89,7 +89,7 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l) {
     const double opening =
         end.compression > 0.0 ? 2.0 * end.compression / (end.radial_speed + math::sqrt(square)) : 0.0;
     l.span = end.duration + opening;
-    Member& to = l.after[0] = a;
+    Member& to = after[0] = a;
     for (std::size_t k = 0; k < 3; ++k) {
         to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
         to.velocity[k] += box_.gravity[k] * l.span;
@@ -112,14 +112,15 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l) {
 // Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
 // margin, on the parabola on which it flies on: seen from a wall, that is nearest at one of its ends or at its vertex.
 template <class Law>
-bool NewtonEvents<Law>::far_from_walls(const Group& g, const Isolated& l) const {
+bool NewtonEvents<Law>::far_from_walls(const Group& g, const Parted& after) const {
     if (!walled_) return true;
+    const Isolated& l = g.lone;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        const double room = radius(g.body[m]) + share_of(g, m) * l.margin;
+        const double room = radius(g.body[m]) + l.share[m] * l.margin;
         for (int axis = 0; axis < box_.dimension; ++axis) {
             if (!box_.walled(axis)) continue;
             const auto a = static_cast<std::size_t>(axis);
-            const double end = g.origin[a] + l.after[m].position[a], v = l.after[m].velocity[a];
+            const double end = g.origin[a] + after[m].position[a], v = after[m].velocity[a];
             const double pull = box_.gravity[axis], back = v / pull;  // to the vertex
             const double begin = end - l.span * (v - 0.5 * pull * l.span);
             const double vertex = back > 0.0 && back < l.span ? end - 0.5 * v * back : end;

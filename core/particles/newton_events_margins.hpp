@@ -43,7 +43,7 @@ double NewtonEvents<Law>::margin_used(const Group& g, std::size_t m, const Vecto
     if (!g.isolated) return far / (paths_[i].radius - radius(i) + rounding);
     if (passes({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;
     const double left = math::max(pending_[i].end - time, 0.0) / g.lone.span;
-    return far / (share_of(g, m) * g.lone.margin * left + rounding);
+    return far / (g.lone.share[pending_[i].first ? 0 : 1] * g.lone.margin * left + rounding);
 }
 
 }  // namespace hardlimit::particles

@@ -25,8 +25,7 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
-    archive(g.alive), archive(g.isolated), archive(g.border), archive(g.origin), archive(g.body),
-        archive(g.offset);
+    archive(g.alive), archive(g.isolated), archive(g.origin), archive(g.body), archive(g.offset);
     if (!g.alive) return;
     if (g.isolated) return archive(g.lone);
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
