@@ -7,7 +7,8 @@
 
 namespace hardlimit::particles {
 
-// level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event.
+// level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event. Where groups end,
+// more.group(id) fetches what is held of the one that the body's event ends, and more.members(id), later, its members.
 template <int d, class Held, class Level, class More>
 struct LookAhead {
     const Calendar& calendar;
@@ -47,7 +48,8 @@ private:
     void fetch_cells(u32 i) const {
         const Pending& e = pending[i];
         prefetch(&bodies[i]);
-        if (ends(e)) return;
+        if constexpr (requires { more.group(i); })
+            if (ends(e)) return more.group(i);
         more(i);
         if (e.pair_time <= e.own_time) {
             prefetch(&bodies[e.partner]);
@@ -59,7 +61,8 @@ private:
     // The bodies in those cells.
     void fetch_neighbours(u32 i) const {
         const Pending& e = pending[i];
-        if (ends(e)) return;
+        if constexpr (requires { more.members(i); })
+            if (ends(e)) return more.members(i);
         cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
             prefetch(&bodies[id]);
             prefetch(&pending[id]);

@@ -197,13 +197,30 @@ private:
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
                                                  const hardlimit_abi::TouchKernels& kernels);
 
+    // What else the coming events will need.
+    struct Fetching {
+        const NewtonEvents* run;
+
+        void operator()(u32 id) const { run->laws_.fetch(id); }
+        void group(u32 id) const {
+            if (const int index = run->pending_[id].group; index >= 0) prefetch(&run->group(index));
+        }
+        void members(u32 id) const {
+            const Held& e = run->pending_[id];
+            if (e.group < 0 || e.clustered) return;
+            const int second = run->group(e.group).lone.body[1];
+            if (second < 0) return;
+            prefetch(&run->paths_[second]);
+            prefetch(&run->pending_[second]);
+        }
+    };
     auto ahead() const {
         return LookAhead{calendar_,
                          cells_,
                          pending_.data(),
                          paths_.data(),
                          [this](u32) { return level_; },
-                         [](u32) {}};
+                         Fetching{this}};
     }
 
     // newton_events_flight.hpp

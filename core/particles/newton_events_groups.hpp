@@ -559,10 +559,14 @@ void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) 
     drop(index);
 }
 
+// The next group to be is this one again, soon.
 template <class Law>
 void NewtonEvents<Law>::drop(int index) {
-    group(index).alive = false;
+    Group& g = group(index);
+    g.alive = false;
     spare_.push_back(index);
+    if (!fetches_) return;
+    for (std::size_t k = 0; k < sizeof g; k += 64) prefetch(reinterpret_cast<const char*>(&g) + k);
 }
 
 template <class Law>

@@ -60,6 +60,12 @@ public:
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
 
+    // Fetches what is read of a body.
+    void fetch(std::size_t i) const {
+        if (table_.empty()) return prefetch(&kinds_[i]);
+        if (!kind_.empty()) prefetch(&kind_[i]);
+    }
+
 private:
     using Body = std::pair<double, double>;  // mass [kg], radius [m]
     static constexpr Body wall = {math::infinity, math::infinity};
