@@ -117,8 +117,8 @@ private:
         Isolated lone{};  // if isolated
         bool alive = false, isolated = false;
         Vector3 origin{};
-        std::vector<int> body;
-        std::vector<Vector3> offset;    // [members] turns of the frame in which the member's place is given
+        Few<int, 2> body;
+        Few<Vector3, 2> offset;         // [members] turns of the frame in which the member's place is given
         std::unique_ptr<Ends> cluster;  // unless isolated
     };
     // A pair of a group that is not open, by its bodies.
@@ -155,7 +155,7 @@ private:
     // of the space a busy body needs.
     Records<Particle<3>> paths_;
     Records<Held> pending_;
-    std::vector<Group> groups_;
+    Records<Group> groups_;
     std::vector<int> spare_;
     std::vector<Remnant> remnants_;  // empty between events
     Cells<3> cells_;
@@ -309,6 +309,8 @@ private:
     void exchange(Archive& archive);
     template <class Archive>
     static void exchange(Archive& archive, Group& g);
+    template <class Archive, class T, std::size_t most_in_place>
+    static void exchange(Archive& archive, Few<T, most_in_place>& list);
     template <class Archive>
     static void exchange(Archive& archive, Cluster<Law>& c);
 };

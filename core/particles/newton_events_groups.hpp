@@ -88,7 +88,7 @@ void NewtonEvents<Law>::finish(int first) {
     if (!clustered(first)) return finish_isolated(index);
     std::vector<Live> live;
     settle(index, true, live);
-    const std::vector<int> bodies = group(index).body;
+    const std::vector<int> bodies(group(index).body.begin(), group(index).body.end());
     part(bodies, live);
     form_remnants();
     for (const int i : bodies)
@@ -217,7 +217,7 @@ void NewtonEvents<Law>::form(std::vector<int>& set, std::vector<Live>& live) {
 
 template <class Law>
 void NewtonEvents<Law>::go_on_together(int index) {
-    const std::vector<int>& set = group(index).body;
+    const auto& set = group(index).body;
     if (group(index).cluster->after.time == 0.0) {  // nothing is closed any more
         std::vector<Live> none;
         settle(index, true, none);
@@ -264,9 +264,9 @@ template <class Law>
 void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const {
     g.alive = true;
     g.isolated = false;
-    g.body = set;
+    g.body.assign(set);
     std::copy_n(paths_[set[0]].position, 3, g.origin.begin());
-    g.offset.assign(set.size(), {});
+    g.offset.resize(set.size());
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
     Cluster<Law>& c = g.cluster->before;
     c.clear();

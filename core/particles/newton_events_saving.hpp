@@ -23,9 +23,19 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
 }
 
 template <class Law>
+template <class Archive, class T, std::size_t most_in_place>
+void NewtonEvents<Law>::exchange(Archive& archive, Few<T, most_in_place>& list) {
+    std::vector<T> held(list.begin(), list.end());
+    archive(held);
+    list.assign(held);
+}
+
+template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
-    archive(g.alive), archive(g.isolated), archive(g.origin), archive(g.body), archive(g.offset);
+    archive(g.alive), archive(g.isolated), archive(g.origin);
+    exchange(archive, g.body);
+    exchange(archive, g.offset);
     if (!g.alive) return;
     if (g.isolated) return archive(g.lone);
     if (!g.cluster) g.cluster = std::make_unique<Ends>();

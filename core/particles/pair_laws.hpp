@@ -54,8 +54,8 @@ public:
     Law operator()(std::int64_t first, std::int64_t second) const {
         const std::size_t a = kind(static_cast<std::size_t>(first));
         const std::size_t b = second < 0 ? kinds_.size() : kind(static_cast<std::size_t>(second));
-        if (table_.empty()) return make(kinds_[a], second < 0 ? wall : kinds_[b]);
-        return table_[a * (kinds_.size() + 1) + b];
+        if (!table_.empty()) return table_[a * (kinds_.size() + 1) + b];
+        return make(kinds_[a], second < 0 ? wall : kinds_[b]);
     }
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
@@ -82,7 +82,7 @@ private:
         return kinds_.size() == 1 ? 0 : i;
     }
 
-    Law make(const Body& a, const Body& b) const {
+    HL_FN_APART Law make(const Body& a, const Body& b) const {
         const PairGeometry pair = {effective(a.first, b.first), effective(a.second, b.second)};
         return Law::from_parameters(alternative_, parameters_.data(), pair);
     }

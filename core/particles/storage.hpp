@@ -1,5 +1,6 @@
 // Arrays of many millions of records: on huge pages where the system has them, and without the slack of doubling.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <new>
 #include <vector>
@@ -57,5 +58,34 @@ void make_room(Records<T>& records) {
     if (records.size() == records.capacity() && records.size() > 1000)
         records.reserve(records.size() + records.size() / 4);
 }
+
+// A list that is held in place as long as it is short: no other memory is read for it.
+template <class T, std::size_t most_in_place>
+class Few {
+public:
+    std::size_t size() const { return size_; }
+    T* begin() { return size_ <= most_in_place ? few_ : many_.data(); }
+    T* end() { return begin() + size_; }
+    const T* begin() const { return size_ <= most_in_place ? few_ : many_.data(); }
+    const T* end() const { return begin() + size_; }
+    T& operator[](std::size_t i) { return begin()[i]; }
+    const T& operator[](std::size_t i) const { return begin()[i]; }
+
+    // What was held is lost.
+    void resize(std::size_t size) {
+        size_ = size;
+        if (size > most_in_place) many_.assign(size, T{});
+    }
+    template <class List>
+    void assign(const List& list) {
+        resize(list.size());
+        std::copy(list.begin(), list.end(), begin());
+    }
+
+private:
+    std::size_t size_ = 0;
+    T few_[most_in_place] = {};
+    std::vector<T> many_;
+};
 
 }  // namespace hardlimit::particles
