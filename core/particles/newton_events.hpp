@@ -269,8 +269,8 @@ private:
     void pair_up(Group& g, std::vector<Live>& live) const;
     void adopt(Touching<Law>& q, Touching<Law>& old, const Cluster<Law>& c) const;
     double nearest(double x, int axis) const;
-    Member member_of(Group& g, std::size_t m) const;
-    Touching<Law> pair_of(const Group& g, int i, int j, const Member& a, const Member& b) const;
+    void put_member(Group& g, std::size_t m, Member& member) const;
+    void put_pair(const Group& g, int i, int j, const Member& a, const Member& b, Touching<Law>& q) const;
     bool near_wall(int i, int axis, bool high) const;
     Touching<Law> wall_of(const Group& g, int i, int axis, bool high) const;
     double horizon_of(const Cluster<Law>& c) const;

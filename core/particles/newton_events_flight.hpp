@@ -157,11 +157,14 @@ void NewtonEvents<Law>::find_but(int i, int other) {
 // The body that is to be met by the others.
 template <class Law>
 void NewtonEvents<Law>::look(int i) {
-    const Vector3 x = position(i, now_), v = velocity(i, now_);
+    const Particle<3>& p = paths_[i];
+    const double s = now_ - p.time;
     query_.now = now_;
-    query_.radius = paths_[i].radius;
-    std::copy_n(x.data(), 3, query_.position);
-    std::copy_n(v.data(), 3, query_.velocity);
+    query_.radius = p.radius;
+    for (int a = 0; a < 3; ++a) {
+        query_.position[a] = p.position[a] + s * (p.velocity[a] + 0.5 * s * box_.gravity[a]);
+        query_.velocity[a] = p.velocity[a] + s * box_.gravity[a];
+    }
 }
 
 template <class Law>

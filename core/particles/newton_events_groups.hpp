@@ -172,8 +172,11 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
     Isolated& l = g.lone;
     Parted after;
     l.body[0] = i, l.body[1] = j;
-    for (std::size_t m = 0; m < members; ++m) l.before[m] = member_of(g, m);
-    l.pair = j >= 0 ? pair_of(g, 0, 1, l.before[0], l.before[1]) : wall_of(g, 0, side / 2, side % 2 != 0);
+    for (std::size_t m = 0; m < members; ++m) put_member(g, m, l.before[m]);
+    if (j >= 0)
+        put_pair(g, 0, 1, l.before[0], l.before[1], l.pair);
+    else
+        l.pair = wall_of(g, 0, side / 2, side % 2 != 0);
     l.pair.touch = Touch::closed;
     l.pair.fresh = true;
     l.pair.begin = now_;
@@ -273,15 +276,17 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     c.base = now_;
     c.gravity = gravity_;
     c.kernels = series_;
-    for (std::size_t m = 0; m < set.size(); ++m) c.members.push_back(member_of(g, m));
+    for (std::size_t m = 0; m < set.size(); ++m) put_member(g, m, c.members.emplace_back());
 }
 
-// A member as it is now, by the image that is near the group's origin; notes which one that is.
+// A member as it is now, by the image that is near the group's origin; notes which one that is. Written where it stays:
+// what is copied in larger pieces than it was written in has to wait until it is in the cache.
 template <class Law>
-Member NewtonEvents<Law>::member_of(Group& g, std::size_t m) const {
+void NewtonEvents<Law>::put_member(Group& g, std::size_t m, Member& member) const {
     const int i = g.body[m];
     const Particle<3>& p = paths_[i];
-    Member member{mass(i), radius(i), {}, {}};
+    member.mass = mass(i);
+    member.radius = radius(i);
     for (std::size_t a = 0; a < 3; ++a) {
         const double x = p.position[a] - g.origin[a];
         const double turn = nearest(x, static_cast<int>(a));
@@ -289,7 +294,6 @@ Member NewtonEvents<Law>::member_of(Group& g, std::size_t m) const {
         member.velocity[a] = p.velocity[a];
         g.offset[m][a] = pending_[i].turns[a] + turn;
     }
-    return member;
 }
 
 // The pairs that can touch while the group lasts.
@@ -299,8 +303,8 @@ void NewtonEvents<Law>::pair_up(Group& g, std::vector<Live>& live) const {
     const int n = static_cast<int>(g.body.size());
     for (int i = 0; i < n; ++i) {
         for (int j = i + 1; j < n; ++j) {
-            const Touching<Law> q = pair_of(g, i, j, c.members[static_cast<std::size_t>(i)],
-                                            c.members[static_cast<std::size_t>(j)]);
+            Touching<Law> q;
+            put_pair(g, i, j, c.members[static_cast<std::size_t>(i)], c.members[static_cast<std::size_t>(j)], q);
             if (c.gap(q) < 2.0 * travel()) c.pairs.push_back(q);
         }
         for (int axis = 0; axis < box_.dimension; ++axis)
@@ -337,9 +341,9 @@ double NewtonEvents<Law>::nearest(double x, int axis) const {
 }
 
 template <class Law>
-Touching<Law> NewtonEvents<Law>::pair_of(const Group& g, int i, int j, const Member& a,
-                                         const Member& b) const {
-    Touching<Law> q{};
+void NewtonEvents<Law>::put_pair(const Group& g, int i, int j, const Member& a, const Member& b,
+                                 Touching<Law>& q) const {
+    q = {};
     q.first = i;
     q.second = j;
     for (int k = 0; k < 3; ++k) {
@@ -349,7 +353,6 @@ Touching<Law> NewtonEvents<Law>::pair_of(const Group& g, int i, int j, const Mem
     q.reach = a.radius + b.radius;
     q.mass = effective(a.mass, b.mass);
     q.law = law(g.body[static_cast<std::size_t>(i)], g.body[static_cast<std::size_t>(j)]);
-    return q;
 }
 
 template <class Law>
@@ -504,9 +507,11 @@ template <class Law>
 void NewtonEvents<Law>::stop_at_now(int i) {
     if (!free(i)) return;
     Particle<3>& p = paths_[i];
-    const Vector3 x = position(i, now_), v = velocity(i, now_);
-    std::copy_n(x.data(), 3, p.position);
-    std::copy_n(v.data(), 3, p.velocity);
+    const double s = now_ - p.time;
+    for (int a = 0; a < 3; ++a) {
+        p.position[a] += s * (p.velocity[a] + 0.5 * s * box_.gravity[a]);
+        p.velocity[a] += s * box_.gravity[a];
+    }
     p.time = now_;
     ++pending_[i].count;
 }
