@@ -302,7 +302,9 @@ void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     double in = math::infinity;
     Own which = Own::low_x;
     const auto consider = [&](double time, int axis, bool up) {
-        which = time < in ? own_event(axis, up) : which;
+        const auto sooner = 0u - static_cast<u32>(time < in);  // a mask: gcc would make a branch of a choice
+        which = static_cast<Own>((static_cast<u32>(own_event(axis, up)) & sooner) |
+                                 (static_cast<u32>(which) & ~sooner));
         in = math::min(in, time);
     };
     HL_UNROLL
