@@ -320,9 +320,11 @@ def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
     assert clustered == [True, True, True, True, False]
 
 
-def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any) -> None:
-    """However often it is stopped, saved and resumed, in the middle of contacts too."""
-    system = random_system(5, n=60, phi=0.3, d=3, boundary="periodic", mixed=True)
+@pytest.mark.parametrize(("n", "mixed"), [(60, True), (80, True), (60, False), (21_000, False)])
+def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any, n: int, mixed: bool) -> None:
+    """However often it is stopped, saved and resumed, in the middle of contacts too; with equal bodies, with kinds that
+    have a table of laws, and with too many for it (64); in a box so large that what events need is fetched ahead."""
+    system = random_system(5, n=n, phi=0.3, d=3, boundary="periodic", mixed=mixed)
     law = LAWS[3]
     whole = hl.molecular_dynamics(system, law=law, until=2e-3, log=True, samples=8)
     path = tmp_path / "run"

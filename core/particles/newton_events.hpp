@@ -95,15 +95,15 @@ private:
     // A contact with which nothing interferes. In a large box each cache line is a wait: the first has what its end
     // needs, the second what is needed where somebody comes near.
     struct Isolated {
-        int body[2];        // second < 0: a wall
-        Border border;      // where the first member leaves its cell, if the contact ends before
-        double dissipated;  // [J]
-        double virial;      // [J s]
+        int body[2];              // second < 0: a wall
+        Border border;            // where the first member leaves its cell, if the contact ends before
+        double dissipated;        // [J]
+        double virial;            // [J s]
         alignas(64) double span;  // [s]
         double share[2];          // of what happens to the relative path, that of each member
         double room[2];           // by which a member's path can leave the triangle of passes() [m]
-        Vector3 off;  // from the relative path on which the bodies fly on to the true one at touch, as long as the margin [m]
-        double margin;  // [m]
+        Vector3 off;    // at touch, from the relative path on which the bodies fly on to the true one [m]
+        double margin;  // its length, the most by which the true path is off [m]
         double turn;    // of the line of centres [rad]
         Member before[2];
         Touching<Law> pair;
@@ -130,13 +130,13 @@ private:
         Vector3 place, velocity;
     };
     // What is held of a body beside its path: one cache line as well.
-    struct alignas(64) Held : Pending {          // `count`: how often the body has been deflected
-        double end = math::infinity;             // of its group [s]
-        int group = -1;                          // or -1
-        std::array<int, 3> turns{};              // how often the path has left the box through an edge
-        u32 name = 0;                            // the user's number
-        bool first = false;                      // of its group, whose end is an event of its own
-        bool clustered = false;                  // its path ends with its group
+    struct alignas(64) Held : Pending {  // `count`: how often the body has been deflected
+        double end = math::infinity;     // of its group [s]
+        int group = -1;                  // or -1
+        std::array<int, 3> turns{};      // how often the path has left the box through an edge
+        u32 name = 0;                    // the user's number
+        bool first = false;              // of its group, whose end is an event of its own
+        bool clustered = false;          // its path ends with its group
         std::uint16_t unused = 0;
     };
     static_assert(sizeof(Held) == 64);
@@ -148,7 +148,7 @@ private:
 
     Box box_;
     particles::Box<3> cell_box_{};  // a two-dimensional one is one cell deep
-    PairLaws<Law> laws_;  // by place in memory, once it is known
+    PairLaws<Law> laws_;            // by place in memory, once it is known
     SoftContacts<Law, true> soft_;
     bool keep_log_;
     // By place in memory. A path is a parabola that starts at its `time`, in the frame of the cell; its radius is that
@@ -215,12 +215,9 @@ private:
         }
     };
     auto ahead() const {
-        return LookAhead{calendar_,
-                         cells_,
-                         pending_.data(),
-                         paths_.data(),
-                         [this](u32) { return level_; },
-                         Fetching{this}};
+        return LookAhead{
+            calendar_,     cells_, pending_.data(), paths_.data(), [this](u32) { return level_; },
+            Fetching{this}};
     }
 
     // newton_events_flight.hpp

@@ -114,7 +114,8 @@ void NewtonEvents<Law>::put_into_cells() {
 template <class Law>
 void NewtonEvents<Law>::restart_calendar() {
     calendar_.rebuild(
-        size32(), [this](u32 id) { return pending_[id].time(); }, [this](u32 id) { return pending_[id].name; });
+        size32(), [this](u32 id) { return pending_[id].time(); },
+        [this](u32 id) { return pending_[id].name; });
 }
 
 // ---- the next event --------------------------------------------------------------------------------------------

@@ -304,7 +304,8 @@ void NewtonEvents<Law>::pair_up(Group& g, std::vector<Live>& live) const {
     for (int i = 0; i < n; ++i) {
         for (int j = i + 1; j < n; ++j) {
             Touching<Law> q;
-            put_pair(g, i, j, c.members[static_cast<std::size_t>(i)], c.members[static_cast<std::size_t>(j)], q);
+            put_pair(g, i, j, c.members[static_cast<std::size_t>(i)], c.members[static_cast<std::size_t>(j)],
+                     q);
             if (c.gap(q) < 2.0 * travel()) c.pairs.push_back(q);
         }
         for (int axis = 0; axis < box_.dimension; ++axis)

@@ -44,8 +44,8 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
 // that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
 // touch, divided by the cosine of half of that angle.
 template <class Law>
-void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContact& end,
-                                  const Vector3& normal, const Vector3& across) const {
+void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContact& end, const Vector3& normal,
+                                  const Vector3& across) const {
     const Member &a = l.before[0], &b = l.before[1];
     const double distance = l.pair.reach, r = distance - end.compression;
     const double out = end.radial_speed, swing = end.tangential_speed;

@@ -62,8 +62,8 @@ public:
 
     // Fetches what is read of a body.
     void fetch(std::size_t i) const {
-        if (table_.empty()) return prefetch(&kinds_[i]);
-        if (!kind_.empty()) prefetch(&kind_[i]);
+        if (table_.empty()) return prefetch(kinds_.data() + i);
+        if (!kind_.empty()) prefetch(kind_.data() + i);
     }
 
 private:
