@@ -501,6 +501,7 @@ void NewtonEvents<Law>::intruders(int i, int index, std::vector<int>& near) cons
             std::find(near.begin(), near.end(), j) == near.end())
             near.push_back(j);
     });
+    std::sort(near.begin(), near.end());  // a saved run has lost the order within a cell
 }
 
 // The body's parabola starts here.
