@@ -60,6 +60,25 @@ __attribute__((always_inline)) inline void prefetch(const void* p) {
     __asm__ volatile("" : : "r"(p));
 }
 
+// The same for a line that will be written, which other processors then have no longer.
+__attribute__((always_inline)) inline void prefetch_to_write(const void* p) {
+#if defined(__x86_64__) || defined(__i386__)
+    __asm__ volatile("prefetchw %0" : : "m"(*static_cast<const char*>(p)));
+#else
+    __builtin_prefetch(p, 1, 2);
+    __asm__ volatile("" : : "r"(p));
+#endif
+}
+
+// In a loop that waits for another thread: the processor need not run ahead, nor use up what a sibling on it could.
+inline void relax() {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__)
+    __asm__ volatile("yield");
+#endif
+}
+
 // Fewer entries of the page table for a large array; a hint that may be ignored.
 inline void advise_huge_pages(void* p, unsigned long bytes) {
 #if defined(__linux__)

@@ -48,6 +48,7 @@ RANK_OF_FILE = {
     "column/rebound.hpp": 4,
     "particles/pair_laws.hpp": 3,
     "particles/contact_row.hpp": 3,
+    "particles/storage.hpp": 3,
 }
 
 

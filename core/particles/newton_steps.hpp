@@ -6,8 +6,8 @@
 // miss (steps/onset.hpp). So positions, velocities, energies and ε are all of second order in h.
 //
 // A step is a sweep over the list of neighbours, which finds the few pairs in contact, and a pass that moves all
-// bodies. An advance begins and ends with half a step of the velocities: between two calls they belong to the time
-// of the positions.
+// bodies, slab by slab (steps/schedule.hpp). An advance begins and ends with half a step of the velocities: between
+// two calls they belong to the time of the positions.
 //
 // The list is made anew once a body may have moved by half the skin. The sum of the largest speeds bounds that; where
 // the bound says so, distances are measured, since in a dense box bodies do not get far.
@@ -24,6 +24,7 @@
 #include "archive.hpp"
 #include "steps/crew.hpp"
 #include "steps/forces.hpp"
+#include "steps/schedule.hpp"
 #include "steps/sorting.hpp"
 
 namespace hardlimit::particles {
@@ -75,7 +76,7 @@ public:
         if (paused_ && until != until_) planned_ = done_;
         if (paused_) {
             Stop never;
-            begin_sweep(never);
+            begin_step(never);
             go(threads, period, watch);
         }
         if (paused_ || !(until > time_) || outcome_ != Outcome::ok) return;
@@ -151,7 +152,24 @@ private:
     using Slab = steps::Slab<Law>;
     using Touch = steps::Touch<Law>;
     using Four = steps::Four;
-    enum class Phase { go_on, move, measure, cells, gather, list, even, odd, settle, over };
+    enum class Phase { go_on, move, measure, cells, gather, list, step, over };
+    static constexpr std::size_t most_slabs = 128;
+
+    // What the tasks of a slab say in a step to other threads.
+    struct alignas(64) Report {
+        std::atomic<std::uint64_t> swept{0};  // the step at which it was swept last
+        double fastest;                       // the square of a speed [m²/s²]
+        bool changes;                         // contacts have begun or ended
+    };
+    // What the threads of a crew do.
+    struct Job {
+        NewtonSteps& of;
+
+        void next(Stop& stop) const { of.next(stop); }
+        std::uint32_t tasks(std::uint32_t share) const { return of.tasks(share); }
+        bool ready(std::uint32_t share, std::uint32_t task) const { return of.ready(share, task); }
+        void perform(std::uint32_t share, std::uint32_t task) const { of.perform(share, task); }
+    };
 
     Box box_;
     PairLaws<Law> laws_;
@@ -160,20 +178,27 @@ private:
     steps::Grid grid_;
     std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
     std::vector<Slab> slabs_;
-    std::vector<Touch> moving_;  // while the list is made
+    std::vector<Report> reports_;                      // [most_slabs]
+    std::vector<std::uint32_t> cuts_;                  // [shares + 1] first slab of each
+    std::vector<std::vector<steps::Chore>> schedule_;  // of each share
+    std::vector<Touch> moving_;                        // while the list is made
     std::vector<std::pair<std::uint32_t, steps::Push>> moving_pushes_;
 
     double time_step_;                                                    // the longest [s]
     double widest_ = 0.0, mean_width_ = 0.0, smallest_ = math::infinity;  // diameters [m]
     double filled_ = 0.0;                                                 // share of the box
-    double time_ = 0.0, h_ = 0.0;
+    double h_ = 0.0;                                                      // this one [s]
+
+    // Between two phases one thread writes, here and below; in a phase all read, here and above.
+    alignas(64) steps::Instant now_{};
+    double kick_ = 0.0;  // the time by which velocities go on in this phase [s]
+    Phase phase_ = Phase::cells;
+
+    alignas(64) double time_ = 0.0;
     double from_ = 0.0, until_ = 0.0;  // of this advance
     std::uint64_t planned_ = 0, done_ = 0, taken_ = 0;
     std::uint64_t quota_ = 0;  // steps until it pauses
     bool paused_ = false;
-    Phase phase_ = Phase::cells;
-    steps::Instant now_{};
-    double kick_ = 0.0;  // the time by which velocities go on in this phase [s]
     Outcome outcome_ = Outcome::ok;
 
     double skin_ = 0.0;                         // [m]
@@ -188,7 +213,12 @@ private:
     std::atomic<std::uint64_t> contacts_{0};
 
     NewtonSteps(const Box& box, PairLaws<Law> laws, std::size_t bodies, double time_step, bool log)
-        : box_(box), laws_(std::move(laws)), sorting_(bodies), time_step_(time_step), log_(bodies, log) {
+        : box_(box),
+          laws_(std::move(laws)),
+          sorting_(bodies),
+          reports_(most_slabs),
+          time_step_(time_step),
+          log_(bodies, log) {
         for (std::size_t i = 0; i < bodies; ++i) {
             const double width = 2.0 * laws_.radius(i);
             widest_ = math::max(widest_, width);
@@ -209,11 +239,11 @@ private:
     }
     template <class Watch>
     void go(int threads, std::chrono::milliseconds period, const Watch& watch) {
-        steps::Crew crew(threads, tasks());
-        const auto work = [&](Stop& stop) {
-            crew.work(
-                stop, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
-        };
+        steps::Crew crew(threads);
+        Job job{*this};
+        divide(static_cast<std::uint32_t>(threads));
+        crew.begin(job);
+        const auto work = [&](Stop& stop) { crew.work(stop, job); };
         try {
             Team().run(threads, period, work, watch);
         } catch (...) {  // a task was left half done, for want of memory say
@@ -230,63 +260,86 @@ private:
     // --- phases ---------------------------------------------------------------------------------------------------
 
     std::uint32_t slabs() const { return static_cast<std::uint32_t>(slabs_.size()); }
-    std::uint32_t blocks() const { return static_cast<std::uint32_t>(bodies_.count() / 4096) + 1; }
+    std::uint32_t before(std::uint32_t slab) const { return (slab + slabs() - 1) % slabs(); }
+    std::uint32_t shares() const { return static_cast<std::uint32_t>(schedule_.size()); }
+    std::uint32_t blocks() const { return static_cast<std::uint32_t>(bodies_.count() / 1024) + 1; }
+    std::uint32_t first_block(std::uint32_t share) const {
+        return static_cast<std::uint32_t>(std::uint64_t{blocks()} * share / shares());
+    }
     std::pair<std::size_t, std::size_t> block(std::uint32_t index) const {
         return {bodies_.count() * index / blocks(), bodies_.count() * (index + 1) / blocks()};
     }
 
-    std::uint32_t tasks() const {
+    // Deals the slabs out.
+    void divide(std::uint32_t shares) {
+        schedule_.resize(shares);
+        cuts_ = steps::cuts(slabs_, bodies_.count(), shares);
+        const bool alone = cuts_[1] == slabs();
+        for (std::uint32_t k = 0; k < shares; ++k)
+            schedule_[k] = steps::schedule(cuts_[k], cuts_[k + 1], alone);
+    }
+    std::uint32_t tasks(std::uint32_t share) const {
         switch (phase_) {
-            case Phase::move:
-            case Phase::settle:
-                return slabs() + 1;
             case Phase::go_on:
+            case Phase::move:
             case Phase::measure:
             case Phase::list:
-                return slabs();
+                return cuts_[share + 1] - cuts_[share];
             case Phase::cells:
             case Phase::gather:
-                return blocks();
-            case Phase::even:
-                return (slabs() + 1) / 2;
-            case Phase::odd:
-                return slabs() / 2;
+                return first_block(share + 1) - first_block(share);
+            case Phase::step:
+                return static_cast<std::uint32_t>(schedule_[share].size());
             case Phase::over:
                 break;
         }
         return 0;
     }
-
-    void perform(std::uint32_t task) {
+    bool ready(std::uint32_t share, std::uint32_t task) const {
+        if (phase_ != Phase::step) return true;
+        const auto swept = [&](std::uint32_t slab) {
+            return reports_[slab].swept.load(std::memory_order_acquire) == now_.step;
+        };
+        return steps::ready(schedule_[share][task], slabs(), swept);
+    }
+    void perform(std::uint32_t share, std::uint32_t task) {
         switch (phase_) {
             case Phase::go_on:
-                return steps::Forces<Law>::go_on(slabs_[task], bodies_, h_);
+                return steps::Forces<Law>::go_on(slabs_[cuts_[share] + task], bodies_, h_);
             case Phase::move:
-                return task == 0 ? note_changes() : move(task - 1);
-            case Phase::settle:
-                return task == 0 ? note_changes() : kick(task - 1);
+                return move(cuts_[share] + task);
             case Phase::measure:
-                return measure(slabs_[task]);
+                return measure(slabs_[cuts_[share] + task]);
             case Phase::list:
-                return list(slabs_[task]);
+                return list(slabs_[cuts_[share] + task]);
             case Phase::cells:
-                return find_cells(task);
+                return find_cells(first_block(share) + task);
             case Phase::gather:
-                return gather(task);
-            case Phase::even:
-                return sweep(2 * task);
-            case Phase::odd:
-                return sweep(2 * task + 1);
+                return gather(first_block(share) + task);
+            case Phase::step:
+                return perform(schedule_[share][task]);
             case Phase::over:
                 return;
         }
     }
 
-    // Ends one phase and begins the next one; the number of its tasks.
-    std::uint32_t next(Stop& stop) {
+    void perform(steps::Chore chore) {
+        switch (chore.kind) {
+            case steps::Chore::sweep:
+                return sweep(chore.slab);
+            case steps::Chore::move:
+                return move(chore.slab);
+            case steps::Chore::fetch:
+                return fetch(slabs_[chore.slab], slabs_[before(chore.slab)]);
+        }
+    }
+
+    // Ends one phase and begins the next one.
+    void next(Stop& stop) {
         switch (phase_) {
             case Phase::go_on:
-                begin_move(0.5 * h_);
+                kick_ = 0.5 * h_;
+                phase_ = Phase::move;
                 break;
             case Phase::move:
                 end_move(stop);
@@ -302,23 +355,18 @@ private:
                 break;
             case Phase::list:
                 restore_touches();
-                begin_sweep(stop);
+                begin_step(stop);
                 break;
-            case Phase::even:
-                if (slabs() > 1)
-                    phase_ = Phase::odd;
+            case Phase::step:
+                note_changes();
+                if (now_.closing)
+                    phase_ = Phase::over;
                 else
-                    end_sweep();
+                    end_move(stop);
                 break;
-            case Phase::odd:
-                end_sweep();
-                break;
-            case Phase::settle:
             case Phase::over:
-                phase_ = Phase::over;
                 break;
         }
-        return tasks();
     }
 
     // The forces at the start, for which velocities are not behind.
@@ -326,22 +374,36 @@ private:
         phase_ = Phase::cells;
         begin_cells();
         Stop never;
-        steps::Crew crew(1, tasks());
-        crew.work(
-            never, [&](Stop& asked) { return next(asked); }, [&](std::uint32_t task) { perform(task); });
+        steps::Crew crew(1);
+        Job job{*this};
+        divide(1);
+        crew.begin(job);
+        crew.work(never, job);
     }
 
     // --- moving ---------------------------------------------------------------------------------------------------
 
-    void begin_move(double kick) {
-        phase_ = Phase::move;
-        kick_ = kick;
-    }
-
-    // Velocities of the slab's bodies go on by kick_. Few have been pushed; all feel gravity.
-    void kick(std::uint32_t index) {
+    // The bodies of a slab, after all their pushes: velocities go on by kick_, then positions by h_, unless this is
+    // where the advance ends.
+    void move(std::uint32_t index) {
         Slab& slab = slabs_[index];
-        const Slab& previous = slabs_[(index + slabs() - 1) % slabs()];
+        slab.vacant.insert(slab.vacant.end(), slab.vacated.begin(), slab.vacated.end());
+        slab.vacated.clear();
+        kick(slab, slabs_[before(index)]);
+        reports_[index].fastest = slab.fastest;
+        slab.fastest = 0.0;
+        if (phase_ == Phase::move || !now_.closing) drift(slab);
+    }
+    // Where two threads meet, they take cache lines from each other, and so does the hardware that reads ahead. Fetched
+    // one by one, as they are needed, those of the places would take as long as several slabs.
+    void fetch(const Slab& slab, const Slab& previous) {
+        constexpr std::size_t line = 64 / sizeof(Four);
+        for (std::size_t i = slab.first_body; i < slab.last_body; i += line)
+            prefetch_to_write(&bodies_.place[i]);
+        prefetch(previous.pushed_beyond.data()), prefetch(previous.jolts.data());
+    }
+    // Few have been pushed; all feel gravity.
+    void kick(Slab& slab, const Slab& previous) {
         for (const std::uint32_t i : slab.pushed_here) kick_body(slab, i);
         for (const std::uint32_t i : previous.pushed_beyond)
             if (slab.holds(i)) kick_body(slab, i);
@@ -363,9 +425,7 @@ private:
                 math::max(slab.fastest, steps::dot(bodies_.motion[j.body], bodies_.motion[j.body]));
         }
     }
-    void move(std::uint32_t index) {
-        kick(index);
-        const Slab& slab = slabs_[index];
+    void drift(const Slab& slab) {
         // By numbers and not by vectors of four, which a compiler for vectors of two takes through memory.
         const double h[4] = {h_, h_, h_, 0.0};
         double* place = steps::numbers(bodies_.place);
@@ -379,20 +439,18 @@ private:
         time_ = done_ == planned_ ? until_ : from_ + static_cast<double>(done_) * h_;
         reached_.store(time_, std::memory_order_relaxed);
         contacts_.store(log_.begun(), std::memory_order_relaxed);
-        for (Slab& s : slabs_) {
-            fastest_ = math::max(fastest_, math::sqrt(s.fastest));
-            s.fastest = 0.0;
-        }
+        for (std::uint32_t k = 0; k < slabs(); ++k)
+            fastest_ = math::max(fastest_, math::sqrt(reports_[k].fastest));
         fastest_ += math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
         travelled_ += fastest_ * h_;
-        if (travelled_ <= allowance_) return begin_sweep(stop);
+        if (travelled_ <= allowance_) return begin_step(stop);
         phase_ = Phase::measure;
     }
 
     // --- the list of neighbours -----------------------------------------------------------------------------------
 
     void measure(Slab& slab) {
-        const std::vector<Four>& from = sorting_.reference();
+        const Records<Four>& from = sorting_.reference();
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) {
             const Four d = bodies_.place[i] - from[i], v = bodies_.motion[i];
             const double way = steps::dot(d, d), speed = steps::dot(v, v);
@@ -414,9 +472,9 @@ private:
         allowance_ = 0.5 * skin_ - farthest;
         if (!(sane && fastest * h_ < 0.25 * smallest_)) {  // bodies could pass through each other
             outcome_ = Outcome::unresolved;
-            begin_sweep(stop);
+            begin_step(stop);
         } else if (allowance_ > 0.05 * skin_) {
-            begin_sweep(stop);
+            begin_step(stop);
         } else {
             begin_cells();
         }
@@ -479,7 +537,7 @@ private:
     // last one reaches into the first.
     void share_out() {
         const std::uint32_t layers = grid_.layers(), in_layer = grid_.cells_in_layer();
-        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 256, 2, 128);
+        const std::size_t n = bodies_.count(), wanted = std::clamp<std::size_t>(n / 256, 2, most_slabs);
         const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(layers, wanted));
         const std::uint32_t count = most < 2 ? 1 : most & ~1u;
         slabs_.resize(count);
@@ -495,6 +553,7 @@ private:
             s.clear_step();
             s.dissipated = s.virial = s.farthest = s.fastest = 0.0;
         }
+        divide(shares());
     }
 
     void list(Slab& slab) {
@@ -556,7 +615,7 @@ private:
 
     // --- forces ---------------------------------------------------------------------------------------------------
 
-    void begin_sweep(Stop& stop) {
+    void begin_step(Stop& stop) {
         const bool first = now_.step == 0;
         const bool closing = first || done_ == planned_ || outcome_ != Outcome::ok;
         paused_ = !closing && !paused_ && (quota_ == 0 || stop.now());
@@ -564,29 +623,26 @@ private:
             phase_ = Phase::over;
             return;
         }
-        phase_ = Phase::even;
+        phase_ = Phase::step;
         --quota_;
         const double share = closing ? 0.5 : 1.0, h = first ? 0.0 : h_;
         now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, share * h, closing};
+        kick_ = closing ? now_.ahead : h_;
     }
     void sweep(std::uint32_t index) {
         steps::Forces<Law>(box_, grid_, bodies_, laws_, now_).of(slabs_[index], index);
-    }
-    void end_sweep() {
-        if (now_.closing) {
-            phase_ = Phase::settle;
-            kick_ = now_.ahead;
-        } else {
-            begin_move(h_);
-        }
-        for (Slab& s : slabs_) {
-            changes_.insert(changes_.end(), s.changes.begin(), s.changes.end());
-            s.changes.clear();
-        }
+        reports_[index].changes = !slabs_[index].changes.empty();
+        reports_[index].swept.store(now_.step, std::memory_order_release);
     }
 
     // What began and ended since the step before, in the order of time.
     void note_changes() {
+        for (std::uint32_t k = 0; k < slabs(); ++k) {
+            if (!reports_[k].changes) continue;
+            std::vector<steps::Change>& of = slabs_[k].changes;
+            changes_.insert(changes_.end(), of.begin(), of.end());
+            of.clear();
+        }
         const auto touch = [&](const steps::Change& c) -> Touch& { return slabs_[c.slab].touches[c.slot]; };
         std::sort(changes_.begin(), changes_.end(), [&](const steps::Change& a, const steps::Change& b) {
             if (a.time != b.time) return a.time < b.time;
@@ -599,10 +655,6 @@ private:
             else
                 log_.ends(touch(c), c.time, c.separation_speed);
         changes_.clear();
-        for (Slab& s : slabs_) {
-            s.vacant.insert(s.vacant.end(), s.vacated.begin(), s.vacated.end());
-            s.vacated.clear();
-        }
     }
 
     // --- all of it, as bytes --------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "../../math.hpp"
+#include "../storage.hpp"
 
 namespace hardlimit::particles::steps {
 
@@ -14,10 +15,8 @@ inline constexpr Four four(double x, double y, double z, double w) { return Four
 inline double dot(Four a, Four b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 
 // The same as plain numbers, four for each.
-inline double* numbers(std::vector<Four>& of) { return reinterpret_cast<double*>(of.data()); }
-inline const double* numbers(const std::vector<Four>& of) {
-    return reinterpret_cast<const double*>(of.data());
-}
+inline double* numbers(Records<Four>& of) { return reinterpret_cast<double*>(of.data()); }
+inline const double* numbers(const Records<Four>& of) { return reinterpret_cast<const double*>(of.data()); }
 
 // Edges from 0 [m], what the sides are, gravity [m/s²]. Two-dimensional boxes have z = 0 everywhere.
 struct Box {
@@ -65,10 +64,10 @@ struct Label {
 };
 
 struct Bodies {
-    std::vector<Four> place;   // [N] x, y, z [m] in the box, radius [m]
-    std::vector<Four> motion;  // [N] velocity [m/s], 1/mass [1/kg]
-    std::vector<Label> label;  // [N]
-    std::vector<Push> push;    // [N]
+    Records<Four> place;   // [N] x, y, z [m] in the box, radius [m]
+    Records<Four> motion;  // [N] velocity [m/s], 1/mass [1/kg]
+    Records<Label> label;  // [N]
+    Records<Push> push;    // [N]
 
     std::size_t count() const { return place.size(); }
 };

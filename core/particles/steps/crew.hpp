@@ -1,84 +1,138 @@
 // Threads that go through one phase of tasks after the other together.
 #pragma once
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <thread>
 #include <vector>
 
+#include "../../portable.hpp"
 #include "../../stop.hpp"
 
 namespace hardlimit::particles::steps {
 
+// Waiting: at first as attentive as can be, since most phases take microseconds, then ever less at others' expense.
+class Wait {
+public:
+    // Whether to look after those who are waited for: once soon, and whenever they are late.
+    bool looks() const { return turns_ == soon || late(); }
+    bool late() const { return turns_ >= lateness; }
+    // false: the work is given up.
+    bool turn(Stop& stop) {
+        if (++turns_ < lateness) return relax(), true;
+        if (stop.now()) return false;
+        if (turns_ < drowsy)
+            std::this_thread::yield();
+        else
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+        return true;
+    }
+
+private:
+    static constexpr int soon = 50, lateness = 1000, drowsy = 1500;  // a turn takes some 20 ns, later more
+    int turns_ = 0;
+};
+
 // Any number of threads may join, also late, and one alone does all the work: a phase is over when its tasks are,
-// not when threads have arrived. Who ends the last task of a phase calls next(stop), which returns the number of
-// tasks of the next phase, 0 at the end.
+// not when threads have arrived.
 //
-// Tasks are dealt out in shares, the same part of all tasks in every phase. A thread takes those of its own share
-// first, so that what it needs is still in its cache, and then helps the others.
+// Tasks are dealt out in shares, one for each thread. Each keeps to its own, so that what it needs stays in its cache,
+// unless the owner of another one does not come or is late: the system may have given its processor to somebody else.
+//
+// The job is asked
+//   next(stop)            to begin the next phase, by who has ended one
+//   tasks(share)          how many tasks there are in this phase; at the end none in all shares
+//   ready(share, task)    whether those that it needs are done; the first of a share needs none
+//   perform(share, task)
 class Crew {
 public:
-    Crew(int shares, std::uint32_t first) : shares_(static_cast<std::size_t>(shares)) { begin(first); }
+    explicit Crew(int shares) : shares_(static_cast<std::size_t>(shares)) {}
 
-    template <class Next, class Task>
-    void work(Stop& stop, const Next& next, const Task& task) {
-        const std::size_t own = joined_.fetch_add(1, std::memory_order_relaxed) % shares_.size();
-        for (std::uint64_t phase = phase_.load(std::memory_order_acquire); !over_;) {
-            for (std::size_t k = 0; k < shares_.size(); ++k) {
-                Share& share = shares_[(own + k) % shares_.size()];
-                for (std::uint32_t index; share.take(index);) {
-                    task(index);
-                    if (left_.fetch_sub(1, std::memory_order_acq_rel) == 1) begin(next(stop));
-                }
-            }
-            if (!changed(phase, stop)) return;
-            phase = phase_.load(std::memory_order_acquire);
+    template <class Job>
+    void begin(Job& job) {
+        std::uint32_t tasks = 0, last = 0;
+        for (std::uint32_t k = 0; k < count(); ++k)
+            if (job.tasks(k) > 0) tasks += job.tasks(k), last = k;
+        if (tasks == 0) {
+            over_ = true;
+            return;
+        }
+        left_.store(tasks, std::memory_order_release);
+        // Once the last of them is dealt out, others may end the phase and begin the next one.
+        for (std::uint32_t k = 0; k <= last; ++k)
+            if (job.tasks(k) > 0)
+                shares_[k].tickets.store(std::uint64_t{job.tasks(k)} << 32, std::memory_order_release);
+    }
+
+    template <class Job>
+    void work(Stop& stop, Job& job) {
+        const std::uint32_t own = joined_.fetch_add(1, std::memory_order_relaxed) % count();
+        for (Wait wait; !over_.load(std::memory_order_acquire);) {
+            if (takes_part(own, stop, job) || (wait.looks() && helps(own, wait.late(), stop, job)))
+                wait = {};
+            else if (!wait.turn(stop))
+                return;
         }
     }
 
 private:
-    // The next task and the end of the share, in one number, so that nobody takes a task of another phase.
+    // The next task and how many there are, in one number, so that nobody takes a task of another phase.
     struct alignas(64) Share {
         std::atomic<std::uint64_t> tickets{0};
-
-        void deal(std::uint32_t first, std::uint32_t last) {
-            tickets.store(std::uint64_t{last} << 32 | first, std::memory_order_release);
-        }
-        bool take(std::uint32_t& index) {
-            std::uint64_t ticket = tickets.load(std::memory_order_acquire);
-            while (static_cast<std::uint32_t>(ticket) < ticket >> 32)
-                if (tickets.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) {
-                    index = static_cast<std::uint32_t>(ticket);
-                    return true;
-                }
-            return false;
-        }
     };
 
     std::vector<Share> shares_;
-    std::atomic<std::size_t> joined_{0};
-    alignas(64) std::atomic<std::uint32_t> left_{0};
-    alignas(64) std::atomic<std::uint64_t> phase_{0};
-    std::atomic<bool> over_{false};
+    std::atomic<std::uint32_t> joined_{0};
+    alignas(64) std::atomic<bool> over_{false};
+    alignas(64) std::atomic<std::uint32_t> left_{0};  // tasks to be reported as done, and guests
 
-    void begin(std::uint32_t tasks) {
-        left_.store(tasks, std::memory_order_relaxed);
-        if (tasks == 0) over_ = true;
-        const std::uint64_t n = shares_.size();
-        for (std::uint64_t k = 0; k < n; ++k)
-            shares_[k].deal(static_cast<std::uint32_t>(tasks * k / n),
-                            static_cast<std::uint32_t>(tasks * (k + 1) / n));
-        phase_.fetch_add(1, std::memory_order_release);
+    std::uint32_t count() const { return static_cast<std::uint32_t>(shares_.size()); }
+
+    template <class Job>
+    bool helps(std::uint32_t own, bool late, Stop& stop, Job& job) {
+        for (std::uint32_t k = 1; k < count(); ++k) {
+            const std::uint32_t share = (own + k) % count();
+            const std::uint64_t ticket = shares_[share].tickets.load(std::memory_order_relaxed);
+            if ((late || static_cast<std::uint32_t>(ticket) == 0) && takes_part(share, stop, job))
+                return true;
+        }
+        return false;
     }
 
-    // Waits for the next phase; false where the work is given up. Those who have tasks end it without this thread.
-    bool changed(std::uint64_t phase, Stop& stop) const {
-        constexpr int spins = 4000;  // some microseconds, longer than most phases
-        for (int turn = 0; phase_.load(std::memory_order_acquire) == phase; ++turn) {
-            if (turn < spins) continue;
-            if (stop.now()) return false;
-            std::this_thread::yield();
+    // Does the tasks of a share until none is ready, and ends the phase after its last task; whether it did any. The
+    // job may be asked what is ready only while the phase lasts: before a task is reported as done, or by a guest.
+    template <class Job>
+    bool takes_part(std::uint32_t share, Stop& stop, Job& job) {
+        std::atomic<std::uint64_t>& tickets = shares_[share].tickets;
+        std::uint64_t ticket = tickets.load(std::memory_order_acquire);
+        std::uint32_t reports = 0;
+        const auto task = [&] { return static_cast<std::uint32_t>(ticket); };
+        const auto any = [&] { return task() < ticket >> 32; };
+        const auto take = [&] {
+            if (!tickets.compare_exchange_strong(ticket, ticket + 1, std::memory_order_acq_rel)) return;
+            job.perform(share, task());
+            ++ticket, ++reports;
+        };
+        if (!any()) return false;
+        if (task() == 0) take();
+        const bool guest = reports == 0;
+        if (guest) {
+            if (!enters()) return false;
+            ++reports;
+            ticket = tickets.load(std::memory_order_acquire);
         }
-        return true;
+        while (any() && job.ready(share, task())) take();
+        if (left_.fetch_sub(reports, std::memory_order_acq_rel) == reports) {
+            job.next(stop);
+            begin(job);
+        }
+        return !guest || reports > 1;
+    }
+    bool enters() {
+        std::uint32_t left = left_.load(std::memory_order_relaxed);
+        while (left > 0)
+            if (left_.compare_exchange_weak(left, left + 1, std::memory_order_acq_rel)) return true;
+        return false;
     }
 };
 

@@ -2,8 +2,8 @@
 //
 // Bodies are sorted by cell, layer by layer along the axis with the most cells. Pairs belong to the body of the lower
 // cell, so those of a layer reach into this layer and the next one only. Layers are gathered in slabs. The even
-// slabs share no body among each other, nor do the odd ones: threads take slabs of one kind, then of the other, and
-// every body receives its pushes in one order, whatever the number of threads.
+// slabs share no body among each other, nor do the odd ones: with those of one kind before their neighbours of the
+// other, every body receives its pushes in one order, whatever the number of threads (schedule.hpp).
 #pragma once
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@ struct Pair {
 inline constexpr std::uint32_t no_image = 13;
 
 // The image of the second body along the unfolded paths, in edges: the same as long as the two stay together.
-inline std::array<std::int32_t, 3> unfolded(Pair p, const std::vector<Label>& label) {
+inline std::array<std::int32_t, 3> unfolded(Pair p, const Records<Label>& label) {
     std::array<std::int32_t, 3> turns{};
     std::uint32_t code = p.image();
     for (std::size_t axis = 0; axis < 3; ++axis, code /= 3)
@@ -132,9 +132,8 @@ private:
 
 // Appends the pairs of the bodies first … last − 1 of `cell` that are no further apart than touch and `skin`.
 // start [cells + 1]: the first body of each cell.
-inline void list_pairs(const Grid& grid, const std::vector<Four>& place,
-                       const std::vector<std::uint32_t>& start, std::uint32_t cell, double skin,
-                       std::vector<Pair>& pairs) {
+inline void list_pairs(const Grid& grid, const Records<Four>& place, const std::vector<std::uint32_t>& start,
+                       std::uint32_t cell, double skin, std::vector<Pair>& pairs) {
     struct Run {
         std::uint32_t first, last, image;
     };
@@ -161,8 +160,8 @@ inline void list_pairs(const Grid& grid, const std::vector<Four>& place,
 }
 
 // Appends the walls that each of the bodies first … last − 1 may touch while it moves by less than half the skin.
-inline void list_walls(const Box& box, const std::vector<Four>& place, std::uint32_t first,
-                       std::uint32_t last, double skin, std::vector<AtWall>& walls) {
+inline void list_walls(const Box& box, const Records<Four>& place, std::uint32_t first, std::uint32_t last,
+                       double skin, std::vector<AtWall>& walls) {
     for (std::uint32_t i = first; i < last; ++i)
         for (int axis = 0; axis < box.dimension; ++axis) {
             if (!box.walled(axis)) continue;

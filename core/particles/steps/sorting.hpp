@@ -50,12 +50,12 @@ public:
             where_[bodies.label[i].number] = static_cast<std::uint32_t>(i);
     }
     // The places at which the list was made share their memory with that of the bodies' next order.
-    std::vector<Four>& reference() { return place_; }
+    Records<Four>& reference() { return place_; }
 
 private:
     std::vector<std::uint32_t> cell_, where_;  // [N]
-    std::vector<Four> place_, motion_;
-    std::vector<Label> label_;
+    Records<Four> place_, motion_;
+    Records<Label> label_;
 
     static void fold(Four& place, Label& label, int axis, double edge) {
         if (place[axis] < 0.0) place[axis] += edge, --label.turns[axis];
