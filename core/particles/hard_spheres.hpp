@@ -123,6 +123,16 @@ private:
         if constexpr (mixed) return cells_.level_for(2.0 * radius(i));
         return 0;
     }
+    u32 collisions(u32 i) const {
+        if constexpr (mixed) return pending_[i].count;
+        return collisions_in(particles_[i].radius);
+    }
+    void count_collision(u32 i) {
+        if constexpr (mixed)
+            ++pending_[i].count;
+        else
+            particles_[i].radius = one_more_collision(particles_[i].radius);
+    }
     double event_time(u32 i) const { return pending_[i].time(); }
 
     void schedule(u32 i) {
@@ -177,9 +187,15 @@ private:
     void sort_along_cells();
 
     auto ahead() const {
-        return LookAhead{
-            calendar_, cells_, pending_.data(), particles_.data(), [this](u32 id) { return level(id); },
-            [](u32) {}};
+        return LookAhead{calendar_,
+                         cells_,
+                         pending_.data(),
+                         particles_.data(),
+                         [this](u32 id) { return level(id); },
+                         [](u32) {},
+                         [this](u32 id) {
+                             if constexpr (mixed) prefetch(&pending_[id]);
+                         }};
     }
 
     // hard_spheres_events.hpp

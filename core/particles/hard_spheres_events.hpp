@@ -8,7 +8,7 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::happen(u32 i) {
     const Pending& e = pending_[i];
     if (e.pair_time <= e.own_time) {
-        if (pending_[e.partner].count == e.partner_count)
+        if (collisions(e.partner) == e.partner_count)
             collide(i, e.partner);
         else
             predict(i, last_met(i));
@@ -92,7 +92,7 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
         ++tally_.walls;
         note(i, -1 - 2 * axis - (is_high(own) ? 1 : 0), speed, lost, waited);
     }
-    ++pending_[i].count;
+    count_collision(i);
     keep_bounds(i);
     predict(i, nobody);
 }
@@ -121,7 +121,7 @@ void HardSpheres<d, motion, mixed>::nearest(u32 i, u32 j, double (&r)[d]) const 
 // Whether i collided less than t_c ago.
 template <int d, Motion motion, bool mixed>
 bool HardSpheres<d, motion, mixed>::had_before(u32 i, double waited) const {
-    return rule_.is_tc() && waited < rule_.contact_duration() && pending_[i].count > 0;
+    return rule_.is_tc() && waited < rule_.contact_duration() && collisions(i) > 0;
 }
 
 template <int d, Motion motion, bool mixed>
@@ -176,8 +176,8 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
         collide_softly(i, j, r, v, distance, speed);
     else
         collide_at_once(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
-    ++pending_[i].count;
-    ++pending_[j].count;
+    count_collision(i);
+    count_collision(j);
     keep_bounds(i);
     keep_bounds(j);
     predict(i, except_for(i, j));

@@ -8,7 +8,8 @@ namespace hardlimit::particles {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::prepare_query() {
     query_ = {};
-    query_.radius = largest_radius_;
+    query_.radius = mixed ? 0.0 : 2.0 * largest_radius_;
+    query_.others = mixed ? 1.0 : 0.0;
     query_.share = 1.0;
     query_.rate = growth_.rate;
     for (int k = 0; k < d; ++k) {
@@ -43,7 +44,7 @@ bool HardSpheres<d, motion, mixed>::in_touch(u32 id, bool nearest) const {
         if (nearest) r -= query_.edge[k] * math::round_small(r * query_.per_edge[k]);
         square += r * r;
     }
-    const double touch = (query_.radius + radius(id)) * query_.share;
+    const double touch = (query_.radius + query_.others * radius(id)) * query_.share;
     return square <= touch * touch * (1.0 + 1e-9);
 }
 
@@ -108,7 +109,7 @@ void HardSpheres<d, motion, mixed>::keep(const Look& found) {
     if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[found.partner]) return;
     e.pair_time = time;
     e.partner = found.partner;
-    e.partner_count = pending_[found.partner].count;
+    e.partner_count = collisions(found.partner);
 }
 
 template <int d, Motion motion, bool mixed>

@@ -106,7 +106,7 @@ void HardSpheres<d, motion, mixed>::take(const Setting& s) {
         for (int k = 0; k < d; ++k)
             p.velocity[k] = s.velocity[std::size_t{from} * d + static_cast<std::size_t>(k)];
         p.time = 0.0;
-        p.radius = s.radius[from];
+        p.radius = mixed ? s.radius[from] : collision_count;
         if constexpr (mixed) masses_[i] = s.mass[from];
         pending_[i].cell = cell[from] & (most_cells - 1);
         fastest_ = math::max(fastest_, frame_speed(p.velocity));

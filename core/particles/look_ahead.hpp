@@ -7,10 +7,10 @@
 
 namespace hardlimit::particles {
 
-// level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event. Where groups
-// end, more.group(id) fetches what is held of the one that the body's event ends, and more.members(id), later, its
-// members.
-template <int d, class Held, class Level, class More>
+// level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event; beside(id): and
+// of its neighbours, besides where they are. Where groups end, more.group(id) fetches what is held of the one that the
+// body's event ends, and more.members(id), later, its members.
+template <int d, class Held, class Level, class More, class Beside>
 struct LookAhead {
     const Calendar& calendar;
     const Cells<d>& cells;
@@ -18,6 +18,7 @@ struct LookAhead {
     const Particle<d>* bodies;
     Level level;
     More more;
+    Beside beside;
 
     static constexpr std::size_t cells_ahead = 14, neighbours_ahead = 6;  // events before theirs
 
@@ -66,12 +67,12 @@ private:
             if (ends(e)) return more.members(i);
         cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
             prefetch(&bodies[id]);
-            prefetch(&pending[id]);
+            beside(id);
         });
     }
 };
-template <int d, class Held, class Level, class More>
-LookAhead(const Calendar&, const Cells<d>&, const Held*, const Particle<d>*, Level, More)
-    -> LookAhead<d, Held, Level, More>;
+template <int d, class Held, class Level, class More, class Beside>
+LookAhead(const Calendar&, const Cells<d>&, const Held*, const Particle<d>*, Level, More, Beside)
+    -> LookAhead<d, Held, Level, More, Beside>;
 
 }  // namespace hardlimit::particles

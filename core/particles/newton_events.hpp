@@ -215,9 +215,13 @@ private:
         }
     };
     auto ahead() const {
-        return LookAhead{
-            calendar_,     cells_, pending_.data(), paths_.data(), [this](u32) { return level_; },
-            Fetching{this}};
+        return LookAhead{calendar_,
+                         cells_,
+                         pending_.data(),
+                         paths_.data(),
+                         [this](u32) { return level_; },
+                         Fetching{this},
+                         [this](u32 id) { prefetch(&pending_[id]); }};
     }
 
     // newton_events_flight.hpp

@@ -58,6 +58,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     series_ = &kernels.series;
     touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
     const double most = 2.001 * (largest_ + 2.0 * widest_margin_);
+    query_.others = 1.0;
     for (int a = 0; a < 3; ++a) {
         const bool used = a < box_.dimension;
         cell_box_.edge[a] = used ? box_.edge[a] : most;

@@ -15,9 +15,18 @@ struct alignas(64) Particle {
     double position[d];  // [m] at `time`; folded into the box when a border of the box is crossed
     double velocity[d];  // [m/s] at `time`
     double time;         // of the last collision [s]; 0 before the first
-    double radius;       // [m]
+    double radius;       // [m]; of equal particles, whose radius is held once, a `collision_count`
 };
 static_assert(sizeof(Particle<3>) == 64 && sizeof(Particle<2>) == 64);
+
+// A number of collisions as a double that is as good as any: the last 32 bits of one that begins as 1. It lies where a
+// search reads anyway.
+inline constexpr double collision_count = 1.0;
+HL_FN u32 collisions_in(double count) { return static_cast<u32>(bits_of(count)); }
+HL_FN double one_more_collision(double count) {
+    const u64 bits = bits_of(count), low = 0xffffffff;
+    return real_of<double>((bits & ~low) | ((bits + 1) & low));
+}
 
 // What a particle does by itself.
 enum class Own : u32 {
@@ -41,7 +50,7 @@ struct Pending {
     double own_time = math::infinity;   // [s]
     u32 partner = nobody;
     u32 partner_count = 0;
-    u32 count = 0;      // collisions so far
+    u32 count = 0;      // collisions so far, unless they are counted beside the place
     u32 cell : 29 = 0;  // that the particle is in
     u32 own : 3 = 0;
 

@@ -27,7 +27,7 @@ struct TouchQuery {
     double now;                          // [s]
     double position[3];                  // [m]
     double velocity[3];                  // [m/s]
-    double radius;                       // [m]
+    double radius, others;               // touches at this distance and `others` radii of the other [m]
     double shift[3];                     // of all neighbours [m]
     double edge[3];                      // L [m]
     double per_edge[3];                  // 1/L where the nearest image is meant, else 0
@@ -110,7 +110,7 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         b = k == 0 ? r * v : b + r * v;
         square = k == 0 ? r * r : square + r * r;
     }
-    const Real touch = q.radius + p.of[2 * d + 1], never = broadcast<Real>(math::infinity);
+    const Real touch = q.radius + q.others * p.of[2 * d + 1], never = broadcast<Real>(math::infinity);
     if constexpr (motion == Motion::growing) {
         const Real distance = touch * q.share, speed = touch * q.rate;
         a = a - speed * speed;
