@@ -486,9 +486,50 @@ def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
         assert virial == pytest.approx(work, rel=1e-4)
 
 
+def test_a_group_holds_what_hangs_together() -> None:
+    """Bodies that have parted leave, though others join: else a group of a dense gas grows without end."""
+    system = hl.ParticleSystem.random(
+        n=4000, packing_fraction=0.3, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
+    )
+    gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
+    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.95), hl.Ball(1e-3, mass=float(system.mass[0]))
+    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.4 * wait)) ** 2)
+    run = hl.molecular_dynamics(system, law=law, until=2.0 * wait, samples=2)
+    assert run.outcome == "ok" and run.energy_error < 1e-11
+    assert run.largest_cluster is not None and run.largest_cluster < 60
+
+
+@pytest.mark.parametrize(
+    "gap", [1e-3, pytest.param(0.0, marks=pytest.mark.slow), pytest.param(1e-2, marks=pytest.mark.slow)]
+)
+def test_a_long_row_meets_a_wall(gap: float) -> None:
+    """All of 320 balls are in contact at once, and part again; in the end some creep. Momentum as small steps find it."""
+    count = 320
+    law, ball = hl.LinearDashpot(stiffness=2000.0, restitution=0.9), hl.Ball(UNIT, density=2500.0)
+    duration = float(law.between(ball, ball).duration(1.0))
+    system = hl.ParticleSystem(
+        positions=[[8.0 * UNIT, (1.5 + 2.0 * i * (1.0 + gap)) * UNIT] for i in range(count)],
+        velocities=[[0.0, -1.0]] * count, radius=UNIT, density=2500.0,
+        box=[16.0 * UNIT, (2.0 * count * (1.0 + gap) + 60.0) * UNIT], boundary="wall",
+    )  # fmt: skip
+    until = (0.5 + 2.0 * count * gap) * UNIT + 1.2 * count * duration
+    run = hl.molecular_dynamics(system, law=law, until=until, samples=10)
+    assert run.outcome == "ok" and run.largest_cluster == count
+    assert run.energy_error < 1e-11
+    assert run.series.n_in_contact.values.max() > 0.9 * count
+    near = hl.molecular_dynamics(
+        system, law=law, until=until, engine="steps", time_step=0.02 * duration, samples=10, threads=1
+    )
+    assert run.system.momentum == pytest.approx(near.system.momentum, rel=1e-3, abs=1e-12)
+    assert run.series.kinetic_energy.values == pytest.approx(
+        near.series.kinetic_energy.values, abs=1e-3 * float(run.series.kinetic_energy.values[0])
+    )
+
+
 @pytest.mark.slow
 def test_a_heap_is_told_to_take_steps() -> None:
-    """Contacts that last hang together; beyond some size this is an outcome, not hours of work."""
+    """Contacts that last hang together; where none begins any more this is an outcome, not hours of work."""
     x, y = np.meshgrid(np.arange(30) * 2.00002e-3 + 1.1e-3, np.arange(11) * 2.00002e-3 + 1.00002e-3)
     system = hl.ParticleSystem(
         positions=np.column_stack([x.ravel(), y.ravel()]), velocities=np.zeros((330, 2)), radius=1e-3,

@@ -17,6 +17,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "../column/general/events.hpp"
@@ -80,6 +81,8 @@ struct Trace {
     }
 };
 
+inline constexpr long no_limit = std::numeric_limits<long>::max();
+
 template <class Law>
 class Cluster {
 public:
@@ -112,9 +115,12 @@ public:
         h_ = 0.0;
     }
 
-    // Goes on to `until`, or to the instant at which the last pair has opened if that comes first.
-    void run(double until, Stop& stop) {
+    // Goes on to `until`, or to the instant at which the last pair has opened if that comes first; or after so many steps
+    // to where it is then.
+    void run(double until, Stop& stop, long most_steps = no_limit) {
         gather();
+        const double from = time;
+        const long before = steps_;
         while (time < until && !unresolved && !stop()) {
             if (all(Touch::open)) break;
             if (!any(Touch::closed))
@@ -124,9 +130,13 @@ public:
             else
                 integrate(until);
             if (++steps_ > 10'000'000) unresolved = true;
+            if (steps_ - before >= most_steps && time > from) break;
         }
         scatter();
     }
+
+    // So far.
+    long steps() const { return steps_; }
 
     // Approach of a pair now [m/s].
     double rate(const Touching<Law>& q) const { return geometry_of_members(q).rate; }
@@ -170,6 +180,7 @@ private:
     Scratch<series::Path> paths_;  // [members]
     Scratch<double> travel_;       // [members] how far one can get within a step
     Scratch<int> order_;           // [members] those in contact, then the others
+    Scratch<char> ordered_;        // [members]
     int pushed_ = 0;               // how many are in contact
     Scratch<series::Followed> followed_;
     Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state

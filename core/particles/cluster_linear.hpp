@@ -1,6 +1,8 @@
 // A step of a cluster under a linear law: a power series in time (cluster_series.hpp), in which contacts begin and end
 // at zeros of polynomials.
 #pragma once
+#include <utility>
+
 #include "cluster.hpp"
 
 namespace hardlimit::particles {
@@ -80,8 +82,9 @@ void Cluster<Law>::expand(double unit) {
 template <class Law>
 void Cluster<Law>::put_in_order() {
     order_.clear();
+    ordered_.assign(members.size(), 0);
     const auto add = [&](int body) {
-        if (std::find(order_.begin(), order_.end(), body) == order_.end()) order_.push_back(body);
+        if (!std::exchange(ordered_[body], 1)) order_.push_back(body);
     };
     for (const series::Followed& f : followed_) {
         add(f.first);
@@ -176,9 +179,14 @@ void Cluster<Law>::find_begin(int index, Found& found) {
 template <class Law>
 void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
-    const double rounding = 4.0 * math::epsilon * q.reach * unit;
-    const double zero =
+    // What is put on a surface is off it by the rounding of places, which in a large group may lie far from its origin.
+    double far = math::max(q.reach, series::largest(paths_[q.first][0]));
+    if (q.second >= 0) far = math::max(far, series::largest(paths_[q.second][0]));
+    const double rounding = 4.0 * math::epsilon * far * unit;
+    double zero =
         q.fresh ? kernels->next_zero(f.of, found.at, rounding) : kernels->first_zero(f.of, found.at);
+    // A force as small as rounding may fall for its own damping, and not to zero: without it, it would rise at once.
+    if (zero == 0.0 && kind != Event::begins && f[0] > 0.0) zero = kernels->first_zero(f.of, found.at);
     if (zero <= found.at) found = {zero, kind, index};
 }
 

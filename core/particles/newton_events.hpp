@@ -20,6 +20,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -44,8 +45,17 @@ public:
     using Box = steps::Box;
     using Row = ContactRow;
 
-    // A group with more members is not integrated: contacts last, and small steps are cheaper.
-    static constexpr std::size_t most_members = 300;
+    // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step of
+    // all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,
+    static constexpr std::size_t large_group = 50;
+    static constexpr long steps_of_large_group = 64;
+    // and the steps of its members are counted. Where they are so many for each body and each contact that has begun,
+    // contacts last, and small steps are cheaper.
+    static constexpr double most_work = 1e4;
+    // A group that others join goes on as if it had formed just then, up to so many members. A larger one ends when it was
+    // to, and falls apart into what hangs together: else bodies that have parted long ago stay, more of them join than
+    // leave, and in a large gas such a group grows without end.
+    static constexpr std::size_t most_lasting = 8;
     // By which the line of centres turns in a contact that is solved as a whole [rad].
     static constexpr double widest_turn = 1.0;
     // Part of the sum of the radii up to which overlap at the start is rounding.
@@ -116,6 +126,7 @@ private:
     struct Group {
         Isolated lone{};  // if isolated
         bool alive = false, isolated = false;
+        double until = 0.0;  // a large one falls apart [s]
         Vector3 origin{};
         Few<int, 2> body;
         Few<Vector3, 2> offset;         // [members] turns of the frame in which the member's place is given
@@ -125,6 +136,26 @@ private:
     struct Live {
         int first, second;
         Touching<Law> pair;
+    };
+    // Which member of a group a body is.
+    class MemberOf {
+    public:
+        explicit MemberOf(std::span<const int> bodies) : bodies_(bodies) {
+            if (bodies.size() < few) return;
+            for (std::size_t m = 0; m < bodies.size(); ++m) sorted_.emplace_back(bodies[m], m);
+            std::sort(sorted_.begin(), sorted_.end());
+        }
+        std::size_t operator()(int body) const {
+            if (sorted_.empty())
+                return static_cast<std::size_t>(std::find(bodies_.begin(), bodies_.end(), body) -
+                                                bodies_.begin());
+            return std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{body, std::size_t{0}})->second;
+        }
+
+    private:
+        static constexpr std::size_t few = 16;
+        std::span<const int> bodies_;
+        std::vector<std::pair<int, std::size_t>> sorted_;
     };
     struct Relative {
         Vector3 place, velocity;
@@ -140,10 +171,11 @@ private:
         std::uint16_t unused = 0;
     };
     static_assert(sizeof(Held) == 64);
-    // Bodies whose contacts go on after their group has ended, until they form one again.
-    struct Remnant {
+    // Bodies that are to form a group, and when it is to end at the latest.
+    struct Joined {
         std::vector<int> body;
         std::vector<Live> live;
+        double until = math::infinity;  // [s]
     };
 
     Box box_;
@@ -157,7 +189,7 @@ private:
     Records<Held> pending_;
     Records<Group> groups_;
     std::vector<int> spare_;
-    std::vector<Remnant> remnants_;  // empty between events
+    std::vector<Joined> remnants_;  // whose contacts go on after their group has ended; empty between events
     Cells<3> cells_;
     int level_ = 0;
     Calendar calendar_;
@@ -175,6 +207,8 @@ private:
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
+    double work_ = 0.0;               // that counts, of large groups [steps of a body]
+    std::uint64_t begun_before_ = 0;  // contacts, when it was counted last
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<Row> log_;
@@ -263,11 +297,14 @@ private:
     void part(const std::vector<int>& bodies, const std::vector<Live>& live);
     void go_on_together(int index);
     bool isolate(int i, int j, int side, int& intruder);
-    void form(std::vector<int>& set, std::vector<Live>& live);
-    void build(int index, const std::vector<int>& set, std::vector<Live>& live);
+    void form(Joined& set);
+    void gather_touching(std::size_t last, Joined& set);
+    void build(int index, Joined& set);
+    bool takes_too_long(const Cluster<Law>& c);
     int spare_group();
     void open_group(Group& g, const std::vector<int>& set) const;
     void pair_up(Group& g, std::vector<Live>& live) const;
+    bool may_touch(const Member& a, const Member& b) const;
     void adopt(Touching<Law>& q, Touching<Law>& old, const Cluster<Law>& c) const;
     double nearest(double x, int axis) const;
     void put_member(Group& g, std::size_t m, Member& member) const;
@@ -285,7 +322,7 @@ private:
     void make_room_for(int i, double margin);
     void intruders(int i, int index, std::vector<int>& near) const;
     void stop_at_now(int i);
-    void gather(int i, std::vector<int>& set, std::vector<Live>& live);
+    void gather(int i, Joined& set);
     void settle(int index, bool at_end, std::vector<Live>& live);
     void log(const Group& g, const Touching<Law>& q, const EndedContact& e);
     void drop(int index);

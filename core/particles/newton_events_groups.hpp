@@ -9,6 +9,7 @@ namespace hardlimit::particles {
 template <class Law>
 void NewtonEvents<Law>::begin_contacts() {
     std::vector<int> bodies;
+    std::vector<char> known(paths_.size(), 0);
     std::vector<Live> live;
     const auto overlap = [&](int i, int j, int side, double depth, double rate) {
         if (!(depth > touching_depth * (j < 0 ? radius(i) : radius(i) + radius(j)))) return;
@@ -20,7 +21,7 @@ void NewtonEvents<Law>::begin_contacts() {
         }
         live.push_back(pair);
         for (const int k : {i, j})
-            if (k >= 0 && std::find(bodies.begin(), bodies.end(), k) == bodies.end()) bodies.push_back(k);
+            if (k >= 0 && !std::exchange(known[static_cast<std::size_t>(k)], 1)) bodies.push_back(k);
     };
     for (int i = 0; i < static_cast<int>(paths_.size()); ++i) {
         const Particle<3>& p = paths_[i];
@@ -51,13 +52,12 @@ void NewtonEvents<Law>::meet(int i, int j, int side) {
     begun_pairs_ += j >= 0;
     int intruder = -1;
     if (isolate(i, j, side, intruder)) return;
-    std::vector<Live> live{touching(i, j, side)};
-    live[0].pair.touch = Touch::closed;
-    live[0].pair.fresh = true;
-    std::vector<int> set{i};
-    if (j >= 0) set.push_back(j);
-    if (intruder >= 0) gather(intruder, set, live);
-    form(set, live);
+    Joined set{{i}, {touching(i, j, side)}};
+    set.live[0].pair.touch = Touch::closed;
+    set.live[0].pair.fresh = true;
+    if (j >= 0) set.body.push_back(j);
+    if (intruder >= 0) gather(intruder, set);
+    form(set);
 }
 
 // A pair that overlaps from now on.
@@ -76,20 +76,21 @@ typename NewtonEvents<Law>::Live NewtonEvents<Law>::touching(int i, int j, int s
 
 template <class Law>
 void NewtonEvents<Law>::conflict(int i, int j) {
-    std::vector<int> set;
-    std::vector<Live> live;
-    for (const int k : {i, j}) gather(k, set, live);
-    form(set, live);
+    Joined set;
+    for (const int k : {i, j}) gather(k, set);
+    form(set);
 }
 
 template <class Law>
 void NewtonEvents<Law>::finish(int first) {
     const int index = pending_[first].group;
     if (!clustered(first)) return finish_isolated(index);
-    std::vector<Live> live;
-    settle(index, true, live);
-    const std::vector<int> bodies(group(index).body.begin(), group(index).body.end());
-    part(bodies, live);
+    const Group& g = group(index);
+    Joined set{{g.body.begin(), g.body.end()}, {}, g.until};
+    const std::vector<int>& bodies = set.body;
+    settle(index, true, set.live);
+    if (bodies.size() >= large_group && now_ < set.until && !set.live.empty()) return form(set);
+    part(bodies, set.live);
     form_remnants();
     for (const int i : bodies)
         if (free(i)) predict(i);
@@ -126,34 +127,36 @@ void NewtonEvents<Law>::finish_isolated(int index) {
 template <class Law>
 void NewtonEvents<Law>::form_remnants() {
     while (!remnants_.empty()) {
-        Remnant next = std::move(remnants_.back());
+        Joined next = std::move(remnants_.back());
         remnants_.pop_back();
-        form(next.body, next.live);
+        form(next);
     }
 }
 
 // Bodies joined by contacts that go on become a remnant each.
 template <class Law>
 void NewtonEvents<Law>::part(const std::vector<int>& bodies, const std::vector<Live>& live) {
-    std::vector<std::size_t> root(bodies.size());
-    for (std::size_t m = 0; m < bodies.size(); ++m) root[m] = m;
-    const auto member = [&](int body) {
-        return static_cast<std::size_t>(std::find(bodies.begin(), bodies.end(), body) - bodies.begin());
+    const MemberOf member(bodies);
+    std::vector<std::size_t> above(bodies.size());
+    for (std::size_t m = 0; m < bodies.size(); ++m) above[m] = m;
+    const auto root = [&](int body) {
+        std::size_t m = member(body);
+        while (above[m] != m) m = above[m] = above[above[m]];
+        return m;
     };
-    for (const Live& pair : live) {
-        if (pair.second < 0) continue;
-        const std::size_t from = root[member(pair.second)], to = root[member(pair.first)];
-        std::replace(root.begin(), root.end(), from, to);
+    for (const Live& pair : live)
+        if (pair.second >= 0) above[root(pair.second)] = root(pair.first);
+    constexpr std::size_t none = ~std::size_t{0};
+    std::vector<std::size_t> remnant(bodies.size(), none);
+    for (const Live& pair : live) remnant[root(pair.first)] = 0;
+    for (std::size_t& at : remnant) {
+        if (at == none) continue;
+        at = remnants_.size();
+        remnants_.emplace_back();
     }
-    for (std::size_t r = 0; r < bodies.size(); ++r) {
-        Remnant remnant;
-        for (const Live& pair : live)
-            if (root[member(pair.first)] == r) remnant.live.push_back(pair);
-        if (remnant.live.empty()) continue;
-        for (std::size_t m = 0; m < bodies.size(); ++m)
-            if (root[m] == r) remnant.body.push_back(bodies[m]);
-        remnants_.push_back(std::move(remnant));
-    }
+    for (const Live& pair : live) remnants_[remnant[root(pair.first)]].live.push_back(pair);
+    for (const int body : bodies)
+        if (const std::size_t at = remnant[root(body)]; at != none) remnants_[at].body.push_back(body);
 }
 
 // A contact that nothing disturbs, as far as is known now, is solved as a whole. Otherwise nothing changes, and
@@ -200,21 +203,39 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
 
 // The set becomes a group, with all bodies that are so near that they may touch one of it.
 template <class Law>
-void NewtonEvents<Law>::form(std::vector<int>& set, std::vector<Live>& live) {
+void NewtonEvents<Law>::form(Joined& set) {
     for (;;) {
         const int index = spare_group();
-        build(index, set, live);
+        build(index, set);
         const Cluster<Law>& after = group(index).cluster->after;
-        if (set.size() > most_members || after.unresolved) outcome_ = Outcome::unresolved;
+        if (after.unresolved || takes_too_long(after)) outcome_ = Outcome::unresolved;
         std::vector<int> near;
         if (after.time > 0.0 && outcome_ == Outcome::ok)
-            for (const int i : set) {
+            for (const int i : set.body) {
                 find(i);
                 if (!(pending_[i].pair_time > now_)) intruders(i, index, near);
             }
         if (near.empty()) return go_on_together(index);
         release(index);
-        for (const int k : near) gather(k, set, live);
+        const std::size_t before = set.body.size();
+        for (const int k : near) gather(k, set);
+        if (set.body.size() > most_lasting) gather_touching(before, set);
+    }
+}
+
+// Whoever touches the last of the set would be found at the next attempt, one after the other along a chain.
+template <class Law>
+void NewtonEvents<Law>::gather_touching(std::size_t last, Joined& set) {
+    std::vector<int> near;
+    for (; last < set.body.size(); ++last) {
+        const int i = set.body[last];
+        near.clear();
+        for_near(i, [&](int j, const Vector3& r) {
+            const double reach = (paths_[i].radius + paths_[j].radius) * (1.0 + rounding_of_touch);
+            if (dot(r, r) < reach * reach) near.push_back(j);
+        });
+        std::sort(near.begin(), near.end());  // a saved run has lost the order within a cell
+        for (const int k : near) gather(k, set);
     }
 }
 
@@ -233,22 +254,37 @@ void NewtonEvents<Law>::go_on_together(int index) {
 
 // Integrates the set from now on and makes its members busy.
 template <class Law>
-void NewtonEvents<Law>::build(int index, const std::vector<int>& set, std::vector<Live>& live) {
+void NewtonEvents<Law>::build(int index, Joined& set) {
     Group& g = group(index);
-    open_group(g, set);
-    pair_up(g, live);
+    open_group(g, set.body);
+    pair_up(g, set.live);
     const Cluster<Law>& before = g.cluster->before;
     Cluster<Law>& after = g.cluster->after;
     double horizon = horizon_of(before);
+    const double left = set.until - now_;
+    if (left > 1e-6 * horizon) horizon = math::min(horizon, left);
+    g.until = now_ + horizon;
     for (;;) {
         after = before;
         after.record = true;
         Stop never;
-        after.run(horizon, never);
+        after.run(horizon, never, set.body.size() < large_group ? no_limit : steps_of_large_group);
         if (margins(index) || after.time == 0.0 || after.unresolved) break;
         horizon = 0.5 * after.time;
     }
     after.trace.clear();
+}
+
+// Whether contacts last: large groups are integrated on and on while none begins.
+template <class Law>
+bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
+    const std::size_t members = c.members.size();
+    if (members < large_group) return false;
+    const double most = most_work * static_cast<double>(paths_.size());
+    work_ = math::max(work_ - most_work * static_cast<double>(begun_ - begun_before_), 0.0);
+    begun_before_ = begun_;
+    work_ += static_cast<double>(members) * static_cast<double>(c.steps());
+    return work_ > most;
 }
 
 template <class Law>
@@ -300,28 +336,47 @@ void NewtonEvents<Law>::put_member(Group& g, std::size_t m, Member& member) cons
 template <class Law>
 void NewtonEvents<Law>::pair_up(Group& g, std::vector<Live>& live) const {
     Cluster<Law>& c = g.cluster->before;
-    const int n = static_cast<int>(g.body.size());
-    for (int i = 0; i < n; ++i) {
-        for (int j = i + 1; j < n; ++j) {
+    const std::size_t n = g.body.size();
+    std::vector<std::size_t> first(n + 1);  // pair of a member
+    for (std::size_t i = 0; i < n; ++i) {
+        first[i] = c.pairs.size();
+        for (std::size_t j = i + 1; j < n; ++j) {
+            if (!may_touch(c.members[i], c.members[j])) continue;
             Touching<Law> q;
-            put_pair(g, i, j, c.members[static_cast<std::size_t>(i)], c.members[static_cast<std::size_t>(j)],
-                     q);
+            put_pair(g, static_cast<int>(i), static_cast<int>(j), c.members[i], c.members[j], q);
             if (c.gap(q) < 2.0 * travel()) c.pairs.push_back(q);
         }
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
-                if (box_.walled(axis) && near_wall(g.body[static_cast<std::size_t>(i)], axis, high))
-                    c.pairs.push_back(wall_of(g, i, axis, high));
+                if (box_.walled(axis) && near_wall(g.body[i], axis, high))
+                    c.pairs.push_back(wall_of(g, static_cast<int>(i), axis, high));
     }
-    for (Live& l : live)
-        for (Touching<Law>& q : c.pairs) {
-            const int first = g.body[static_cast<std::size_t>(q.first)];
-            const int second = q.second < 0 ? -1 : g.body[static_cast<std::size_t>(q.second)];
-            const bool same =
-                (first == l.first && second == l.second) || (first == l.second && second == l.first);
-            const bool same_wall = second >= 0 || (l.pair.axis == q.axis && l.pair.side == q.side);
+    first[n] = c.pairs.size();
+    const MemberOf member(g.body);
+    for (Live& l : live) {
+        const auto a = static_cast<int>(member(l.first)),
+                   b = l.second < 0 ? -1 : static_cast<int>(member(l.second));
+        const auto of = static_cast<std::size_t>(b < 0 ? a : std::min(a, b));
+        for (std::size_t k = first[of]; k < first[of + 1]; ++k) {
+            Touching<Law>& q = c.pairs[k];
+            const bool same = (q.first == a && q.second == b) || (q.first == b && q.second == a);
+            const bool same_wall = b >= 0 || (l.pair.axis == q.axis && l.pair.side == q.side);
             if (same && same_wall) adopt(q, l.pair, c);
         }
+    }
+}
+
+// Whether two members are so near that their gap may count: for most of a large group this is all that is asked.
+template <class Law>
+bool NewtonEvents<Law>::may_touch(const Member& a, const Member& b) const {
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const double x = b.position[s] - a.position[s], r = x - nearest(x, k) * box_.edge[s];
+        square += r * r;
+    }
+    const double near = 1.001 * (a.radius + b.radius + 2.0 * travel());
+    return square < near * near;
 }
 
 template <class Law>
@@ -520,24 +575,26 @@ void NewtonEvents<Law>::stop_at_now(int i) {
 
 // A body becomes part of the set, with all of its group and whatever it is still in contact with.
 template <class Law>
-void NewtonEvents<Law>::gather(int i, std::vector<int>& set, std::vector<Live>& live) {
-    if (std::find(set.begin(), set.end(), i) != set.end()) return;
+void NewtonEvents<Law>::gather(int i, Joined& set) {
+    if (std::find(set.body.begin(), set.body.end(), i) != set.body.end()) return;
     if (!free(i)) {
         const int index = pending_[i].group;
-        settle(index, false, live);
-        set.insert(set.end(), group(index).body.begin(), group(index).body.end());
+        const auto& bodies = group(index).body;
+        if (bodies.size() > most_lasting) set.until = math::min(set.until, group(index).until);
+        settle(index, false, set.live);
+        set.body.insert(set.body.end(), bodies.begin(), bodies.end());
         return;
     }
-    for (Remnant& r : remnants_) {
+    for (Joined& r : remnants_) {
         if (std::find(r.body.begin(), r.body.end(), i) == r.body.end()) continue;
-        set.insert(set.end(), r.body.begin(), r.body.end());
-        live.insert(live.end(), r.live.begin(), r.live.end());
+        set.body.insert(set.body.end(), r.body.begin(), r.body.end());
+        set.live.insert(set.live.end(), r.live.begin(), r.live.end());
         std::swap(r, remnants_.back());
         remnants_.pop_back();
         return;
     }
     stop_at_now(i);
-    set.push_back(i);
+    set.body.push_back(i);
 }
 
 // Ends a group now: its members are on their own again, at their true places.

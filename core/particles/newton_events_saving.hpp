@@ -19,7 +19,7 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(paths_), archive(pending_), archive(spare_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
-    archive(largest_cluster_), archive(paused_), archive(outcome_);
+    archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
 }
 
 template <class Law>
@@ -33,7 +33,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, Few<T, most_in_place>& list) 
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
-    archive(g.alive), archive(g.isolated), archive(g.origin);
+    archive(g.alive), archive(g.isolated), archive(g.until), archive(g.origin);
     exchange(archive, g.body);
     exchange(archive, g.offset);
     if (!g.alive) return;
