@@ -2,9 +2,8 @@
 // sanitizers: a few hundred collisions, then saved, loaded and gone on with.
 #include <vector>
 
-#include "check.hpp"
-#include "particles/check.hpp"
 #include "particles/make_engine.hpp"
+#include "small_box.hpp"
 
 namespace {
 
@@ -16,50 +15,15 @@ using Draw = fuzz::Draw<fuzz::Bytes>;
 template <int lanes>
 constexpr hardlimit_abi::TouchKernels kernels = touch_kernels<typename Vector<lanes>::Real, false>("fuzz");
 
-// Bodies on the places of a lattice, some of them moved, so that they may touch and do not overlap.
-struct Case {
-    Setting s{};
-    std::vector<double> position, velocity, radius, mass;
+struct Case : fuzz::SmallBox {
     RuleChoice rule;
 
-    explicit Case(Draw& draw) {
-        s.dimension = 2 + draw.below(2);
-        s.kernels = draw.below(2) == 0 ? &kernels<2> : &kernels<8>;
-        const double large = draw.decades(1e-4, 1.0);
-        const double ratio = draw.often({1.0}, [&] { return draw.decades(0.01, 1.0); });
-        const double spacing = 2.0 * large * draw.often({1.0}, [&] { return 1.0 + draw.decades(1e-9, 3.0); });
-        const double speed = draw.decades(1e-3, 10.0);
-        int places[3] = {1, 1, 1};
-        for (int k = 0; k < s.dimension; ++k) {
-            places[k] = 1 + draw.below(4);
-            s.edge[k] = spacing * places[k];
-            s.periodic[k] = draw.below(2) == 0;
-            s.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
-        }
-        for (int x = 0; x < places[0]; ++x)
-            for (int y = 0; y < places[1]; ++y)
-                for (int z = 0; z < places[2]; ++z) {
-                    if (draw.below(4) == 0 && s.n > 0) continue;
-                    const int at[3] = {x, y, z};
-                    add(draw, at, spacing, draw.below(2) == 0 ? large : ratio * large, speed);
-                }
-        s.position = position.data(), s.velocity = velocity.data();
-        s.radius = radius.data(), s.mass = mass.data();
+    explicit Case(Draw& draw) : fuzz::SmallBox(draw, 4, 0.0) {
+        s.kernels = wide ? &kernels<8> : &kernels<2>;
         choose_rule(draw, large / speed);
     }
 
 private:
-    void add(Draw& draw, const int (&at)[3], double spacing, double size, double speed) {
-        for (int k = 0; k < s.dimension; ++k) {
-            const double room = 0.5 * spacing - size;
-            const double aside = draw.often({0.0}, [&] { return draw.between(-room, room); });
-            position.push_back(math::min(spacing * (at[k] + 0.5) + aside, s.edge[k]));
-            velocity.push_back(draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); }));
-        }
-        radius.push_back(size);
-        mass.push_back(draw.often({1.0}, [&] { return draw.decades(1e-3, 1e3); }));
-        ++s.n;
-    }
     void choose_rule(Draw& draw, double time) {
         rule.restitution = draw.restitution();
         const int kind = draw.below(4);

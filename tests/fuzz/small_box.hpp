@@ -1,0 +1,63 @@
+// A small box of any kind for a fuzz target: bodies on the places of a lattice, some of them moved, so that they may touch
+// and do not overlap.
+#pragma once
+#include <vector>
+
+#include "check.hpp"
+#include "particles/check.hpp"
+
+namespace hardlimit::fuzz {
+
+struct SmallBox {
+    particles::Setting s{};
+    std::vector<double> position, velocity, radius, mass;
+    double large, speed;  // the largest radius there can be [m], the largest component of a velocity [m/s]
+
+    // `most_places`: of the lattice along an axis; least_edge: of a periodic axis, in largest radii.
+    template <class Source>
+    SmallBox(Draw<Source>& draw, int most_places, double least_edge) {
+        s.dimension = 2 + draw.below(2);
+        wide = draw.below(2) != 0;
+        large = draw.decades(1e-4, 1.0);
+        const double ratio = draw.often({1.0}, [&] { return draw.decades(0.01, 1.0); });
+        const double spacing = 2.0 * large * draw.often({1.0}, [&] { return 1.0 + draw.decades(1e-9, 3.0); });
+        speed = draw.decades(1e-3, 10.0);
+        int places[3] = {1, 1, 1};
+        for (int k = 0; k < s.dimension; ++k) {
+            places[k] = 1 + draw.below(most_places);
+            s.edge[k] = spacing * places[k];
+            s.periodic[k] = draw.below(2) == 0;
+            if (s.periodic[k]) s.edge[k] = math::max(s.edge[k], least_edge * large);
+            s.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
+        }
+        for (int x = 0; x < places[0]; ++x)
+            for (int y = 0; y < places[1]; ++y)
+                for (int z = 0; z < places[2]; ++z) {
+                    if (draw.below(4) == 0 && s.n > 0) continue;
+                    const int at[3] = {x, y, z};
+                    add(draw, at, spacing, draw.below(2) == 0 ? large : ratio * large);
+                }
+        s.position = position.data(), s.velocity = velocity.data();
+        s.radius = radius.data(), s.mass = mass.data();
+    }
+    SmallBox(const SmallBox&) = delete;
+    SmallBox& operator=(const SmallBox&) = delete;
+
+    bool wide;  // which of two kernels
+
+private:
+    template <class Source>
+    void add(Draw<Source>& draw, const int (&at)[3], double spacing, double size) {
+        for (int k = 0; k < s.dimension; ++k) {
+            const double room = 0.5 * spacing - size;
+            const double aside = draw.often({0.0}, [&] { return draw.between(-room, room); });
+            position.push_back(math::min(spacing * (at[k] + 0.5) + aside, s.edge[k]));
+            velocity.push_back(draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); }));
+        }
+        radius.push_back(size);
+        mass.push_back(draw.often({1.0}, [&] { return draw.decades(1e-3, 1e3); }));
+        ++s.n;
+    }
+};
+
+}  // namespace hardlimit::fuzz
