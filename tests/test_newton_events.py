@@ -504,7 +504,7 @@ def test_a_group_holds_what_hangs_together() -> None:
     "gap", [1e-3, pytest.param(0.0, marks=pytest.mark.slow), pytest.param(1e-2, marks=pytest.mark.slow)]
 )
 def test_a_long_row_meets_a_wall(gap: float) -> None:
-    """All of 320 balls are in contact at once and part again; some creep. Momentum and energy are those of small steps."""
+    """All of 320 balls are in contact at once and part again; some creep. Momentum and energy beside small steps."""
     count = 320
     law, ball = hl.LinearDashpot(stiffness=2000.0, restitution=0.9), hl.Ball(UNIT, density=2500.0)
     duration = float(law.between(ball, ball).duration(1.0))
