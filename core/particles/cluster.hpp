@@ -115,8 +115,8 @@ public:
         h_ = 0.0;
     }
 
-    // Goes on to `until`, or to the instant at which the last pair has opened if that comes first; or after so many steps
-    // to where it is then.
+    // Goes on to `until`, or to the instant at which the last pair has opened if that comes first; or after so many
+    // steps to where it is then.
     void run(double until, Stop& stop, long most_steps = no_limit) {
         gather();
         const double from = time;

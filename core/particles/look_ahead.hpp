@@ -7,9 +7,9 @@
 
 namespace hardlimit::particles {
 
-// level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event; beside(id): and
-// of its neighbours, besides where they are. Where groups end, more.group(id) fetches what is held of the one that the
-// body's event ends, and more.members(id), later, its members.
+// level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event; beside(id):
+// and of its neighbours, besides where they are. Where groups end, more.group(id) fetches what is held of the one that
+// the body's event ends, and more.members(id), later, its members.
 template <int d, class Held, class Level, class More, class Beside>
 struct LookAhead {
     const Calendar& calendar;

@@ -45,16 +45,16 @@ public:
     using Box = steps::Box;
     using Row = ContactRow;
 
-    // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step of
-    // all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,
+    // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step
+    // of all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,
     static constexpr std::size_t large_group = 50;
     static constexpr long steps_of_large_group = 64;
     // and the steps of its members are counted. Where they are so many for each body and each contact that has begun,
     // contacts last, and small steps are cheaper.
     static constexpr double most_work = 1e4;
-    // A group that others join goes on as if it had formed just then, up to so many members. A larger one ends when it was
-    // to, and falls apart into what hangs together: else bodies that have parted long ago stay, more of them join than
-    // leave, and in a large gas such a group grows without end.
+    // A group that others join goes on as if it had formed just then, up to so many members. A larger one ends when it
+    // was to, and falls apart into what hangs together: else bodies that have parted long ago stay, more of them join
+    // than leave, and in a large gas such a group grows without end.
     static constexpr std::size_t most_lasting = 8;
     // By which the line of centres turns in a contact that is solved as a whole [rad].
     static constexpr double widest_turn = 1.0;

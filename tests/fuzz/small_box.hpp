@@ -1,5 +1,5 @@
-// A small box of any kind for a fuzz target: bodies on the places of a lattice, some of them moved, so that they may touch
-// and do not overlap.
+// A small box of any kind for a fuzz target: bodies on the places of a lattice, some of them moved, so that they may
+// touch and do not overlap.
 #pragma once
 #include <vector>
 
