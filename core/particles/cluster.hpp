@@ -499,6 +499,7 @@ private:
                     which = static_cast<int>(q);
                     last = false;
                 }
+        if (ends_within_rounding()) return;
         for (std::size_t q = 0; q < pairs.size(); ++q)
             if (pairs[q].fresh && (what == Event::none || which != static_cast<int>(q)))
                 pairs[q].fresh = still_fresh(static_cast<int>(q));
@@ -508,6 +509,18 @@ private:
         time = y_[clock()];
         keep();
         if (what != Event::none) apply(what, which);
+    }
+
+    // A contact that has begun within rounding of touch and parts is over: with s < 0, γ would be too, and time would run
+    // backwards.
+    bool ends_within_rounding() {
+        if (!(end_[clock()] < y_[clock()])) return false;
+        for (const int q : rooted_)
+            if (end_[slot_[q]] < 0.0) {
+                apply(Event::ends, q);
+                return true;
+            }
+        return false;
     }
 
     // Shortens the step so that it ends at the time `until`; the state there is left in end_.
