@@ -540,7 +540,8 @@ def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
     law = hl.Viscoelastic(youngs_modulus=2.8484635977241168e11, poisson_ratio=0.0204, dissipative_time=0.0)
     run = hl.molecular_dynamics(system, law=law, until=0.2556, samples=4, log=True)
     assert run.outcome == "ok" and run.energy_error < 1e-10
-    assert np.all(run.contacts.end.values >= run.contacts.begin.values)
+    lasted = run.contacts.end.values - run.contacts.begin.values
+    assert np.all(lasted[~np.isnan(lasted)] >= 0.0)
 
 
 @pytest.mark.slow
