@@ -511,8 +511,8 @@ private:
         if (what != Event::none) apply(what, which);
     }
 
-    // A contact that has begun within rounding of touch and parts is over: with s < 0, γ would be too, and time would run
-    // backwards.
+    // A contact that has begun within rounding of touch and parts is over: with s < 0, γ would be too, and time would
+    // run backwards.
     bool ends_within_rounding() {
         if (!(end_[clock()] < y_[clock()])) return false;
         for (const int q : rooted_)
