@@ -544,6 +544,36 @@ def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
     assert np.all(lasted[~np.isnan(lasted)] >= 0.0)
 
 
+@pytest.mark.parametrize("bodies", [1, 2])
+@pytest.mark.parametrize("restitution", [1.0, 0.9])
+def test_a_contact_goes_on_where_places_round(bodies: int, restitution: float) -> None:
+    """Looked at in its middle, in a box of a hundred radii where it is a millionth of one deep. Without damping the
+    force begins at zero, and what is left of a place beside the edge of the box was taken for its end."""
+    edge, radius, mass, speed = 2.0000010936695341e-4, 1.8147790907712649e-6, 1000.0, 4.0579694070446531e-9
+    law = hl.LinearDashpot(stiffness=9999999957.1110401, restitution=restitution)
+    at = 1.9818533023046106e-4
+    places = [[0.5 * edge, at, at], [at, at, 0.5 * edge]][:bodies]
+    start = hl.ParticleSystem(
+        positions=places,
+        velocities=[[0.0, 0.0, speed], [speed, 0.0, 0.0]][:bodies],
+        radius=radius,
+        mass=mass,
+        box=[edge, 2.1 * edge, edge],
+        boundary=["wall", "periodic", "wall"],
+    )
+    duration = law.between(hl.Ball(radius, mass=mass), hl.FLOOR).duration()
+    gap = edge - radius - at
+    for share in (0.01, 0.3, 0.5, 0.9, 1.5):
+        run = hl.molecular_dynamics(start, law=law, until=gap / speed + share * duration, log=True)
+        assert run.outcome == "ok" and run.n_contacts == bodies
+        ends = run.contacts["end"].values
+        assert np.isnan(ends).all() if share < 1.0 else np.isfinite(ends).all()
+        if restitution == 1.0 and share < 1.0:
+            assert run.system.velocities[0, 2] == pytest.approx(
+                speed * math.cos(math.pi * share), abs=1e-6 * speed
+            )
+
+
 @pytest.mark.slow
 def test_a_heap_is_told_to_take_steps() -> None:
     """Contacts that last hang together; where none begins any more this is an outcome, not hours of work."""

@@ -91,6 +91,7 @@ public:
     std::vector<Member> members;
     std::vector<Touching<Law>> pairs;
     Vector3 gravity{};
+    double largest_place = 0.0;  // before places were counted from an origin near all members [m]
     const hardlimit_abi::SeriesKernels* kernels = nullptr;  // under a linear law
     double base = 0.0;                                      // the instant from which `time` counts [s]
     double time = 0.0;                                      // [s]
@@ -887,7 +888,8 @@ private:
                 if (other != index) chosen.push_back(other);
             rearrange(chosen);
         }
-        q.touch = g.depth > 0.0 ? Touch::slack : Touch::open;
+        // Without slack the end is at touch: what overlaps there is rounding.
+        q.touch = g.depth > 0.0 && q.law.slack(g.rate).depth > 0.0 ? Touch::slack : Touch::open;
     }
 };
 

@@ -179,8 +179,8 @@ void Cluster<Law>::find_begin(int index, Found& found) {
 template <class Law>
 void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
-    // What is put on a surface is off it by the rounding of places, which in a large group may lie far from its origin.
-    double far = math::max(q.reach, series::largest(paths_[q.first][0]));
+    // What is put on a surface is off it by the rounding of places, in a large box or far from a large group's origin.
+    double far = math::max(math::max(q.reach, largest_place), series::largest(paths_[q.first][0]));
     if (q.second >= 0) far = math::max(far, series::largest(paths_[q.second][0]));
     const double rounding = 4.0 * math::epsilon * far * unit;
     double zero =

@@ -194,7 +194,7 @@ private:
                          [this](u32 id) { return level(id); },
                          [](u32) {},
                          [this](u32 id) {
-                             if constexpr (mixed) prefetch(&pending_[id]);
+                             if (mixed) prefetch(&pending_[id]);
                          }};
     }
 

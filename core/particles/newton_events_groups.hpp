@@ -311,6 +311,7 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     c.clear();
     c.base = now_;
     c.gravity = gravity_;
+    c.largest_place = *std::ranges::max_element(box_.edge);
     c.kernels = series_;
     for (std::size_t m = 0; m < set.size(); ++m) put_member(g, m, c.members.emplace_back());
 }
@@ -695,6 +696,7 @@ void NewtonEvents<Law>::start(const Group& g, Cluster<Law>& c) const {
     c.clear();
     c.base = g.lone.contact.begin;
     c.gravity = gravity_;
+    c.largest_place = *std::ranges::max_element(box_.edge);
     c.kernels = series_;
     for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.lone.before[m]);
     c.pairs.push_back(g.lone.pair);
