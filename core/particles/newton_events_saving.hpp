@@ -7,7 +7,8 @@ namespace hardlimit::particles {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
-    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_place), archive(c.base), archive(c.time);
+    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_place), archive(c.base),
+        archive(c.time);
     archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
         archive(c.unresolved);
 }
