@@ -9,11 +9,9 @@ namespace {
 
 using namespace hardlimit;
 using namespace hardlimit::particles;
+using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;
-
-template <int lanes>
-constexpr hardlimit_abi::TouchKernels kernels = touch_kernels<typename Vector<lanes>::Real, false>("fuzz");
 
 struct Case : fuzz::SmallBox {
     RuleChoice rule;

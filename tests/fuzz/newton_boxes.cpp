@@ -12,11 +12,9 @@ namespace {
 
 using namespace hardlimit;
 using namespace hardlimit::particles;
+using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;
-
-template <int lanes>
-constexpr hardlimit_abi::TouchKernels kernels = touch_kernels<typename Vector<lanes>::Real>("fuzz");
 
 // Speeds and gravity such that all energy together compresses a contact by a part of the smallest radius.
 template <class Law>

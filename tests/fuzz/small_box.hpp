@@ -5,8 +5,13 @@
 
 #include "check.hpp"
 #include "particles/check.hpp"
+#include "particles/touch_kernel.hpp"
 
 namespace hardlimit::fuzz {
+
+template <int lanes>
+constexpr hardlimit_abi::TouchKernels kernels =
+    particles::touch_kernels<typename Vector<lanes>::Real>("fuzz");
 
 struct SmallBox {
     particles::Setting s{};
