@@ -196,6 +196,7 @@ private:
     hardlimit_abi::TouchKernels::Of touch_{};
     const hardlimit_abi::SeriesKernels* series_ = nullptr;
     hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
+    double settled_ = 0.0;  // after that the kernel's times for free bodies are those of meeting() [s]
     mutable Scratch<u32> candidates_;
     mutable Scratch<double> times_;  // until they are touched [s]
     Vector3 gravity_;

@@ -156,13 +156,18 @@ void NewtonEvents<Law>::find_but(int i, int other) {
     paths_[other].time = time;
 }
 
-// The body that is to be met by the others.
+// The body that is to be met by the others. After an undisturbed contact it is of its own size again.
 template <class Law>
 void NewtonEvents<Law>::look(int i) {
     const Particle<3>& p = paths_[i];
+    const Held& e = pending_[i];
     const double s = now_ - p.time;
+    const bool shrinks = e.group >= 0 && !e.clustered;
     query_.now = now_;
-    query_.radius = p.radius;
+    query_.radius = shrinks ? radius(i) : p.radius;
+    query_.space = p.radius;
+    query_.span = shrinks ? e.end - now_ : 0.0;
+    settled_ = shrinks ? now_ + query_.span : (e.clustered ? math::infinity : -math::infinity);
     for (int a = 0; a < 3; ++a) {
         query_.position[a] = p.position[a] + s * (p.velocity[a] + 0.5 * s * box_.gravity[a]);
         query_.velocity[a] = p.velocity[a] + s * box_.gravity[a];
@@ -213,8 +218,8 @@ void NewtonEvents<Law>::examine(int i, const hardlimit_abi::Touched& touched) {
 template <class Law>
 void NewtonEvents<Law>::consider(int i, u32 id, double grown) {
     Pending& e = pending_[i];
-    const bool all_free = free(i) && pending_[id].group < 0;
-    const double time = all_free ? grown : meeting(i, static_cast<int>(id), grown);
+    const bool known = pending_[id].group < 0 && grown > settled_;
+    const double time = known ? grown : meeting(i, static_cast<int>(id), grown);
     if (time > e.pair_time || time == math::infinity) return;
     if (time == e.pair_time && e.partner != nobody && pending_[e.partner].name < pending_[id].name) return;
     e.pair_time = time;

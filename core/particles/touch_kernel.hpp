@@ -11,7 +11,9 @@
 // 0, the root is (b + √(b² − a c))/(−a).
 //
 // Where a radius stands for the space that a particle may need (`reach`), two may have come too near without
-// approaching: then c < 0 by more than rounding means now, whatever b is.
+// approaching: then c < 0 by more than rounding means now, whatever b is. The particle that looks may need more space
+// for a while: who comes into that before its end, which c + 2 b τ <= 0 at the end shows to be possible, since a τ² is
+// not negative, is touched then; who does not, is touched at the usual distance.
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -28,6 +30,7 @@ struct TouchQuery {
     double position[3];                  // [m]
     double velocity[3];                  // [m/s]
     double radius, others;               // touches at this distance and `others` radii of the other [m]
+    double space, span;                  // where `reach` is asked for: not less than `radius`, for so long [m, s]
     double shift[3];                     // of all neighbours [m]
     double edge[3];                      // L [m]
     double per_edge[3];                  // 1/L where the nearest image is meant, else 0
@@ -126,14 +129,26 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         const Real c = square - touch * touch;
         const Real discriminant = b * b - a * c;
         const Mask<Real> will = (b < 0.0) & (discriminant > 0.0);
-        Mask<Real> now{};
-        // The particle itself, which is where it is, does not count.
-        if constexpr (reach) now = (c < -rounding_of_touch * (touch * touch)) & (square > 0.0);
-        if (lone && !any(will | now)) return never;
+        Mask<Real> soon{};
+        Real space{}, excess{};
+        if constexpr (reach) {
+            space = q.space + q.others * p.of[2 * d + 1];
+            excess = square - space * space;
+            // The particle itself, which is where it is, does not count.
+            soon = (excess + 2.0 * q.span * math::min<Real>(b, Real{}) <= 0.0) & (square > 0.0);
+        }
+        if (lone && !any(will | soon)) return never;
         const Real time =
             math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
-        if constexpr (reach) return select<Real>(now, Real{}, select<Real>(will, time, never));
-        return select<Real>(will, time, never);
+        const Real usual = select<Real>(will, time, never);
+        if constexpr (!reach) return usual;
+        if (!any(soon)) return usual;
+        const Mask<Real> now = soon & (excess < -rounding_of_touch * (space * space));
+        const Real under = b * b - a * excess;
+        const Real sooner =
+            math::max<Real>(excess, Real{}) / (math::sqrt<Real>(math::max<Real>(under, Real{})) - b);
+        const Mask<Real> before = soon & (b < 0.0) & (under > 0.0) & (sooner <= q.span);
+        return select<Real>(now, Real{}, select<Real>(before, sooner, usual));
     }
 }
 
