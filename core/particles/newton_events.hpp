@@ -202,6 +202,7 @@ private:
     Vector3 gravity_;
     double largest_ = 0.0, smallest_ = math::infinity;
     double widest_margin_ = 0.0;  // that cells are wide enough for [m]
+    double travel_ = 0.0;         // how far a member may go while its group lasts [m]
     bool images_ = false;         // several of a body may be near
     bool walled_ = false;         // there are walls
     bool fetches_ = false;        // all that is held is too large for the caches
@@ -224,9 +225,6 @@ private:
     Group& group(int i) { return groups_[static_cast<std::size_t>(i)]; }
     const Group& group(int i) const { return groups_[static_cast<std::size_t>(i)]; }
 
-    // How far a member may go while its group lasts.
-    // In a small box no second image of a body may come near.
-    double travel() const { return math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_); }
     double smallest_edge() const;
 
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
@@ -274,7 +272,11 @@ private:
     void find_but(int i, int other);
     void look(int i);
     void make_room_for_candidates() const;
-    void search(int i, const Place<3>& from, const Place<3>& to);
+    struct Block {
+        Place<3> from, to;
+    };
+    Block around(const Place<3>& at) const;
+    void search(int i, const Block& in);
     void examine(int i, const hardlimit_abi::Touched& touched);
     void consider(int i, u32 id, double grown);
     double meeting(int i, int j, double grown) const;

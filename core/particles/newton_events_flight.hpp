@@ -71,6 +71,8 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
     fetches_ = n > most_in_caches;
+    // In a small box no second image of a body may come near.
+    travel_ = math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
         images_ = images_ || (box_.periodic[a] && g.cells[a] < 4);
@@ -141,9 +143,7 @@ void NewtonEvents<Law>::find(int i) {
     e.partner = nobody;
     look(i);
     const Place<3> at = cells_.place(level_, e.cell);
-    Place<3> from = at, to = at;
-    for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
-    search(i, from, to);
+    search(i, around(at));
     predict_own(i, at);
 }
 
@@ -181,12 +181,19 @@ void NewtonEvents<Law>::make_room_for_candidates() const {
     candidates_.resize(cells_.room());
 }
 
+// Written number by number: a copy in larger pieces would have to wait for the numbers.
 template <class Law>
-void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) {
+typename NewtonEvents<Law>::Block NewtonEvents<Law>::around(const Place<3>& at) const {
+    const int deep = box_.dimension == 3 ? 1 : 0;
+    return {{at[0] - 1, at[1] - 1, at[2] - deep}, {at[0] + 1, at[1] + 1, at[2] + deep}};
+}
+
+template <class Law>
+void NewtonEvents<Law>::search(int i, const Block& in) {
     make_room_for_candidates();
     const auto self = static_cast<unsigned>(i);
     if (images_) {
-        cells_.for_block(cell_box_, level_, from, to, [&](u32 cell, const double (&shift)[3]) {
+        cells_.for_block(cell_box_, level_, in.from, in.to, [&](u32 cell, const double (&shift)[3]) {
             std::copy_n(shift, 3, query_.shift);
             const std::size_t n = cells_.collect(cell, candidates_, 0);
             examine(i, touch_.listed(query_, paths_.data(), self, candidates_.data(), times_.data(), n));
@@ -194,7 +201,7 @@ void NewtonEvents<Law>::search(int i, const Place<3>& from, const Place<3>& to) 
         return;
     }
     hardlimit_abi::CellBlock block;
-    const auto touch = cells_.lay_block(block, cell_box_, level_, from, to) ? touch_.across : touch_.near;
+    const auto touch = cells_.lay_block(block, cell_box_, level_, in.from, in.to) ? touch_.across : touch_.near;
     examine(i, touch(query_, paths_.data(), self, candidates_.data(), times_.data(), block));
 }
 
@@ -345,10 +352,9 @@ template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_near(int i, const F& f) const {
     make_room_for_candidates();
-    Place<3> from = cells_.place(level_, pending_[i].cell), to = from;
-    for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
+    const Block near = around(cells_.place(level_, pending_[i].cell));
     const Vector3 x = position(i, now_);
-    cells_.for_block(cell_box_, level_, from, to, [&](u32 cell, const double (&shift)[3]) {
+    cells_.for_block(cell_box_, level_, near.from, near.to, [&](u32 cell, const double (&shift)[3]) {
         const std::size_t n = cells_.collect(cell, candidates_, 0);
         for (std::size_t k = 0; k < n; ++k) {
             const int j = static_cast<int>(candidates_[k]);
@@ -396,11 +402,10 @@ void NewtonEvents<Law>::leave_cell(int i) {
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);
     cells_.insert(e.cell, static_cast<u32>(i));
-    Place<3> from = at, to = at;
-    for (int a = 0; a < box_.dimension; ++a) --from[a], ++to[a];
-    from[axis] = to[axis] = at[axis] + step;
+    Block beyond = around(at);
+    beyond.from[axis] = beyond.to[axis] = at[axis] + step;
     look(i);
-    search(i, from, to);
+    search(i, beyond);
     predict_own(i, at);
     schedule(i);
 }

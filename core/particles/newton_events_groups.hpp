@@ -345,7 +345,7 @@ void NewtonEvents<Law>::pair_up(Group& g, std::vector<Live>& live) const {
             if (!may_touch(c.members[i], c.members[j])) continue;
             Touching<Law> q;
             put_pair(g, static_cast<int>(i), static_cast<int>(j), c.members[i], c.members[j], q);
-            if (c.gap(q) < 2.0 * travel()) c.pairs.push_back(q);
+            if (c.gap(q) < 2.0 * travel_) c.pairs.push_back(q);
         }
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
@@ -376,7 +376,7 @@ bool NewtonEvents<Law>::may_touch(const Member& a, const Member& b) const {
         const double x = b.position[s] - a.position[s], r = x - nearest(x, k) * box_.edge[s];
         square += r * r;
     }
-    const double near = 1.001 * (a.radius + b.radius + 2.0 * travel());
+    const double near = 1.001 * (a.radius + b.radius + 2.0 * travel_);
     return square < near * near;
 }
 
@@ -415,7 +415,7 @@ void NewtonEvents<Law>::put_pair(const Group& g, int i, int j, const Member& a, 
 template <class Law>
 bool NewtonEvents<Law>::near_wall(int i, int axis, bool high) const {
     const double x = paths_[i].position[axis];
-    return (high ? box_.edge[axis] - x : x) < radius(i) + travel();
+    return (high ? box_.edge[axis] - x : x) < radius(i) + travel_;
 }
 
 template <class Law>
@@ -442,7 +442,7 @@ double NewtonEvents<Law>::horizon_of(const Cluster<Law>& c) const {
         if (q.touch == Touch::closed)
             longest =
                 math::max(longest, 1.5 * q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
-    const double farthest = travel() / speed;
+    const double farthest = travel_ / speed;
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }
 

@@ -36,7 +36,7 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
     part_pair(l, after, end, normal, across);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
-    return end.turn < widest_turn && l.span * (approach + sideways) <= travel() &&
+    return end.turn < widest_turn && l.span * (approach + sideways) <= travel_ &&
            share * l.margin <= widest_margin_;
 }
 
@@ -106,7 +106,7 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
     l.margin = math::abs(off);
     l.off = {};
     l.off[axis] = -q.side * off;
-    return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel() && l.margin <= widest_margin_;
+    return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel_ && l.margin <= widest_margin_;
 }
 
 // Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
