@@ -409,7 +409,7 @@ void NewtonEvents<Law>::put_pair(const Group& g, int i, int j, const Member& a, 
     }
     q.reach = a.radius + b.radius;
     q.mass = effective(a.mass, b.mass);
-    q.law = law(g.body[static_cast<std::size_t>(i)], g.body[static_cast<std::size_t>(j)]);
+    laws_.put(g.body[static_cast<std::size_t>(i)], g.body[static_cast<std::size_t>(j)], q.law);
 }
 
 template <class Law>

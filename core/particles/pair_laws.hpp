@@ -52,10 +52,18 @@ public:
 
     // second < 0: a wall.
     Law operator()(std::int64_t first, std::int64_t second) const {
+        Law law;
+        put(first, second, law);
+        return law;
+    }
+    // The same, written where it stays: what is copied in larger pieces than it was written in has to wait.
+    void put(std::int64_t first, std::int64_t second, Law& law) const {
         const std::size_t a = kind(static_cast<std::size_t>(first));
         const std::size_t b = second < 0 ? kinds_.size() : kind(static_cast<std::size_t>(second));
-        if (!table_.empty()) return table_[a * (kinds_.size() + 1) + b];
-        return make(kinds_[a], second < 0 ? wall : kinds_[b]);
+        if (!table_.empty())
+            law = table_[a * (kinds_.size() + 1) + b];
+        else
+            law = make(kinds_[a], second < 0 ? wall : kinds_[b]);
     }
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }

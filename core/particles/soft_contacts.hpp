@@ -98,8 +98,8 @@ public:
             if (!(level.bends[row] > 0.0)) level.bends[row] = bend(level, at);
             if (!level.of_depths) depth = depth_at(level, at.speed);
             const Slant slant = slant_of(a, depth, level.bends[row]);
-            at.slant = slant.at;
-            const int slot = row * slants + slant.at.cell;
+            at.slant = {slant.cell, slant.x};
+            const int slot = row * slants + slant.cell;
             if (varies_ ? fitted(deep_[slot], level, at) : fitted(level.flat[slot], level, at))
                 return varies_ ? read(*deep_[slot].cell, a, at, slant.part)
                                : read(*level.flat[slot].cell, a, at, slant.part);
@@ -249,7 +249,8 @@ private:
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
     }
     struct Slant {
-        Place at;
+        int cell;
+        double x;
         double part;  // the unit of length in units of l
     };
     static Slant slant_of(const Approach& a, double depth, double bend) {
@@ -257,7 +258,8 @@ private:
         const double sideways = a.distance == math::infinity ? 0.0 : a.tangential_speed;
         const double across = depth * (sideways * sideways), bent = bend * normal;
         const double y = onset_root<p>(bent / (bent + across));
-        return {place_of(slants * y, slants), depth * (normal / (normal + across))};
+        const Place at = place_of(slants * y, slants);
+        return {at.cell, at.x, depth * (normal / (normal + across))};
     }
     // b, in the middle of a cell.
     double bend(const Level& level, const Places& cell) const {
