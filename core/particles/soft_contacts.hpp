@@ -87,12 +87,12 @@ public:
         const bool own = is_own(law, a);
         const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
         if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);
-        const double speed2 = a.effective_mass * a.normal_speed * a.normal_speed / reduced.energy;
+        const double speed = a.normal_speed * reduced.per_speed, speed2 = speed * speed;
         Places at{};
         if (varies_) at.damping = damping_of(reduced);
         for (Level& level : levels_) {
-            double depth = math::sqrt(speed2);
-            at.speed = level.of_depths ? place_of(depth / level.width, level.cells) : place_of(level, speed2);
+            double depth = speed;
+            at.speed = level.of_depths ? place_of(speed * level.per_width, level.cells) : place_of(level, speed2);
             if (!(math::abs(at.speed.x) <= 1.0 && math::abs(at.damping.x) <= 1.0)) continue;
             const int row = row_of(at);
             if (!(level.bends[row] > 0.0)) level.bends[row] = bend(level, at);
@@ -119,8 +119,9 @@ private:
     using Values = Flat::Values;
 
     struct Reduced {
-        double energy;   // 2E(l)
-        double damping;  // D
+        double energy;     // 2E(l)
+        double per_speed;  // 1/v_l
+        double damping;    // D
     };
     // A cell of one variable, and the place in it, −1 … 1.
     struct Place {
@@ -140,7 +141,7 @@ private:
         bool asked = false;
     };
     struct Level {
-        double width;    // of a cell of speeds, in ln v_n², or in λ
+        double width, per_width;  // of a cell of speeds, in ln v_n², or in λ
         int cells;       // of them
         double error;    // in units of the accuracy, that is admitted where it is looked for
         bool of_depths;  // the variable is λ = v_n/v_l
@@ -159,7 +160,7 @@ private:
     std::vector<Slot<Deep>> deep_;
 
     Level level(double width, int cells, double error) const {
-        Level made{width, cells, error, false, {}, {}, {}};
+        Level made{width, 1.0 / width, cells, error, false, {}, {}, {}};
         made.bends.resize(cells * (varies_ ? dampings : 1), 0.0);
         made.flat.resize(varies_ ? 0 : cells * slants);
         for (int i = 0; i < cells; ++i) {
@@ -169,7 +170,7 @@ private:
         return made;
     }
     Level level_of_depths(double width, int cells, double error) const {
-        Level made{width, cells, error, true, {}, {}, {}};
+        Level made{width, 1.0 / width, cells, error, true, {}, {}, {}};
         made.bends.resize(cells, 0.0);
         made.flat.resize(cells * slants);
         return made;
@@ -220,7 +221,7 @@ private:
     static Reduced reduce(const Law& law, double mass, double distance) {
         const double s = onset_root<p>(distance), energy = 2.0 * law.energy(s);
         const double speed = math::sqrt(energy / mass);
-        return {energy, (law.force(s, speed) - law.force(s, 0.0)) * distance / energy};
+        return {energy, 1.0 / speed, (law.force(s, speed) - law.force(s, 0.0)) * distance / energy};
     }
 
     // Whether this is the pair of the constructor.
@@ -287,7 +288,7 @@ private:
         const double unit = part * length_of(a);
         const double duration = f[0] * (unit / a.normal_speed), left = f[1] * unit;
         const double lost = f[2] * a.normal_speed;
-        const double turn = a.tangential_speed * duration / a.distance * (1.0 + part * f[3]);
+        const double turn = a.tangential_speed / a.distance * duration * (1.0 + part * f[3]);
         const double across = tangential_speed(a, left);
         double square = math::nan;
         if constexpr (virial) square = f[4] * (a.normal_speed * a.normal_speed * duration);
