@@ -264,14 +264,26 @@ def test_energy_over_many_contacts(phi: float) -> None:
     assert run.energy_error < 1e-10
 
 
+def printed_by(name: str, folder: Path) -> list[str]:
+    """What a program over the headers prints."""
+    root, program = Path(__file__).resolve().parents[1], folder / name
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
+    subprocess.run(["g++", *flags, str(root / f"tests/{name}.cpp"), "-o", str(program)], check=True)
+    return subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+
+
+@pytest.mark.slow
+def test_who_comes_too_near(tmp_path: Path) -> None:
+    """The kernel's times for bodies of two sizes, the wider one for a while, beside the distances at many instants."""
+    asked, in_space, later, wrong, unlike = printed_by("touch_kernel", tmp_path)
+    assert int(asked) > 50_000 and int(in_space) > 10_000 and int(later) > 5000
+    assert float(wrong) < 1e-13 and int(unlike) == 0
+
+
 @pytest.mark.slow
 def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
     """Who passes behind a body in contact is told by a triangle: beside the nearest of many of its points."""
-    root, program = Path(__file__).resolve().parents[1], tmp_path / "triangle"
-    flags = ["-std=c++20", "-O2", "-ffp-contract=off", f"-I{root / 'core'}"]
-    subprocess.run(["g++", *flags, str(root / "tests/triangle.cpp"), "-o", str(program)], check=True)
-    printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
-    compared, nearer, farther = printed.split()
+    compared, nearer, farther = printed_by("triangle", tmp_path)
     assert int(compared) == 2000
     assert float(nearer) < 1e-12 and float(farther) < 0.01
 
