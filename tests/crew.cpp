@@ -4,6 +4,7 @@
 //   crew threads N SHARES   N threads do the tasks of so many shares: prints the tasks, and how many were not done once
 #include "particles/steps/crew.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -28,25 +29,28 @@ bool right(std::uint32_t slabs, std::uint32_t shares, std::mt19937& engine) {
     std::size_t bodies = 0;
     for (std::uint32_t k = 0; k < slabs; ++k) made.push_back({bodies}), bodies += 1 + engine() % 1000;
     const std::vector<std::uint32_t> cut = steps::cuts(made, bodies, shares);
-    std::vector<std::vector<steps::Chore>> chores;
+    std::vector<std::vector<steps::Task>> tasks;
     for (std::uint32_t k = 0; k < shares; ++k) {
-        chores.push_back(steps::schedule(cut[k], cut[k + 1], cut[1] == slabs));
-        if (!chores[k].empty() && (chores[k][0].kind != steps::Chore::sweep || chores[k][0].slab % 2 == 1))
-            return false;
+        const std::vector<steps::Chore> chores = steps::schedule(cut[k], cut[k + 1], cut[1] == slabs);
+        tasks.push_back(steps::tasks(chores, cut[k], cut[k + 1], slabs));
+        if (!tasks[k].empty() && !tasks[k][0].needs.empty()) return false;
     }
-    std::vector<std::size_t> next(shares, 0);
+    std::vector<std::size_t> next(shares, 0), chore(shares, 0);
     std::vector<int> swept(slabs, 0), moved(slabs, 0);
     for (std::size_t idle = 0; idle < 1000 * shares;) {
         const std::uint32_t k = engine() % shares;
         const bool open =
-            next[k] < chores[k].size() &&
-            steps::ready(chores[k][next[k]], slabs, [&](std::uint32_t s) { return swept[s] > 0; });
+            next[k] < tasks[k].size() &&
+            (chore[k] > 0 ||
+             std::ranges::all_of(tasks[k][next[k]].needs, [&](std::uint32_t s) { return swept[s] > 0; }));
         if (!open) {
             ++idle;
             continue;
         }
         idle = 0;
-        const auto [kind, slab] = chores[k][next[k]++];
+        const std::vector<steps::Chore>& chores = tasks[k][next[k]].chores;
+        const auto [kind, slab] = chores[chore[k]++];
+        if (chore[k] == chores.size()) ++next[k], chore[k] = 0;
         const std::uint32_t after = (slab + 1) % slabs, before = (slab + slabs - 1) % slabs;
         if (kind == steps::Chore::sweep) {
             ++swept[slab];

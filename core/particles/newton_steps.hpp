@@ -13,6 +13,7 @@
 // the bound says so, distances are measured, since in a dense box bodies do not get far.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -155,11 +156,14 @@ private:
     enum class Phase { go_on, move, measure, cells, gather, list, step, over };
     static constexpr std::size_t most_slabs = 128;
 
-    // What the tasks of a slab say in a step to other threads.
-    struct alignas(64) Report {
-        std::atomic<std::uint64_t> swept{0};  // the step at which it was swept last
-        double fastest;                       // the square of a speed [m²/s²]
-        bool changes;                         // contacts have begun or ended
+    // The step at which a slab was swept last, for who waits for it.
+    struct alignas(steps::apart) Swept {
+        std::atomic<std::uint64_t> step{0};
+    };
+    // What the tasks of a phase say to who ends it: only what is new, or it would have to fetch many cache lines.
+    struct alignas(steps::apart) News {
+        std::atomic<double> fastest{0.0};                     // [m/s], if beyond fastest_
+        std::array<std::atomic<bool>, most_slabs> changes{};  // contacts of a slab have begun or ended
     };
     // What the threads of a crew do.
     struct Job {
@@ -178,10 +182,10 @@ private:
     steps::Grid grid_;
     std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
     std::vector<Slab> slabs_;
-    std::vector<Report> reports_;                      // [most_slabs]
-    std::vector<std::uint32_t> cuts_;                  // [shares + 1] first slab of each
-    std::vector<std::vector<steps::Chore>> schedule_;  // of each share
-    std::vector<Touch> moving_;                        // while the list is made
+    std::vector<Swept> swept_;                        // [most_slabs]
+    std::vector<std::uint32_t> cuts_;                 // [shares + 1] first slab of each
+    std::vector<std::vector<steps::Task>> schedule_;  // of each share
+    std::vector<Touch> moving_;                       // while the list is made
     std::vector<std::pair<std::uint32_t, steps::Push>> moving_pushes_;
 
     double time_step_;                                                    // the longest [s]
@@ -193,6 +197,9 @@ private:
     alignas(64) steps::Instant now_{};
     double kick_ = 0.0;  // the time by which velocities go on in this phase [s]
     Phase phase_ = Phase::cells;
+    double fastest_ = 0.0;  // no body was faster before this phase [m/s]
+
+    News news_;
 
     alignas(64) double time_ = 0.0;
     double from_ = 0.0, until_ = 0.0;  // of this advance
@@ -202,7 +209,6 @@ private:
     Outcome outcome_ = Outcome::ok;
 
     double skin_ = 0.0;                         // [m]
-    double fastest_ = 0.0;                      // no body is faster [m/s]
     double travelled_ = 0.0, allowance_ = 0.0;  // how far a body may have moved, and may [m]
     std::uint64_t lists_ = 0;
 
@@ -216,7 +222,7 @@ private:
         : box_(box),
           laws_(std::move(laws)),
           sorting_(bodies),
-          reports_(most_slabs),
+          swept_(most_slabs),
           time_step_(time_step),
           log_(bodies, log) {
         for (std::size_t i = 0; i < bodies; ++i) {
@@ -276,7 +282,8 @@ private:
         cuts_ = steps::cuts(slabs_, bodies_.count(), shares);
         const bool alone = cuts_[1] == slabs();
         for (std::uint32_t k = 0; k < shares; ++k)
-            schedule_[k] = steps::schedule(cuts_[k], cuts_[k + 1], alone);
+            schedule_[k] =
+                steps::tasks(steps::schedule(cuts_[k], cuts_[k + 1], alone), cuts_[k], cuts_[k + 1], slabs());
     }
     std::uint32_t tasks(std::uint32_t share) const {
         switch (phase_) {
@@ -297,10 +304,9 @@ private:
     }
     bool ready(std::uint32_t share, std::uint32_t task) const {
         if (phase_ != Phase::step) return true;
-        const auto swept = [&](std::uint32_t slab) {
-            return reports_[slab].swept.load(std::memory_order_acquire) == now_.step;
-        };
-        return steps::ready(schedule_[share][task], slabs(), swept);
+        return std::ranges::all_of(schedule_[share][task].needs, [&](std::uint32_t slab) {
+            return swept_[slab].step.load(std::memory_order_acquire) == now_.step;
+        });
     }
     void perform(std::uint32_t share, std::uint32_t task) {
         switch (phase_) {
@@ -317,7 +323,8 @@ private:
             case Phase::gather:
                 return gather(first_block(share) + task);
             case Phase::step:
-                return perform(schedule_[share][task]);
+                for (const steps::Chore chore : schedule_[share][task].chores) perform(chore);
+                return;
             case Phase::over:
                 return;
         }
@@ -329,6 +336,8 @@ private:
                 return sweep(chore.slab);
             case steps::Chore::move:
                 return move(chore.slab);
+            case steps::Chore::look:
+                return look(slabs_[chore.slab]);
             case steps::Chore::fetch:
                 return fetch(slabs_[chore.slab], slabs_[before(chore.slab)]);
         }
@@ -390,16 +399,21 @@ private:
         slab.vacant.insert(slab.vacant.end(), slab.vacated.begin(), slab.vacated.end());
         slab.vacated.clear();
         kick(slab, slabs_[before(index)]);
-        reports_[index].fastest = slab.fastest;
+        const double fastest = math::sqrt(slab.fastest);
         slab.fastest = 0.0;
-        if (phase_ == Phase::move || !now_.closing) drift(slab);
+        if (phase_ == Phase::step && now_.closing) return;
+        if (fastest > fastest_) raise(news_.fastest, fastest);
+        drift(slab);
     }
     // Where two threads meet, they take cache lines from each other, and so does the hardware that reads ahead. Fetched
     // one by one, as they are needed, those of the places would take as long as several slabs.
+    void look(const Slab& slab) {
+        for (const steps::Pair p : slab.pairs) prefetch(&bodies_.place[p.second()]);
+    }
     void fetch(const Slab& slab, const Slab& previous) {
         constexpr std::size_t line = 64 / sizeof(Four);
-        for (std::size_t i = slab.first_body; i < slab.last_body; i += line)
-            prefetch_to_write(&bodies_.place[i]);
+        const std::size_t layer = start_[slab.first_cell + grid_.cells_in_layer()];
+        for (std::size_t i = slab.first_body; i < layer; i += line) prefetch_to_write(&bodies_.place[i]);
         prefetch(previous.pushed_beyond.data()), prefetch(previous.jolts.data());
     }
     // Few have been pushed; all feel gravity.
@@ -434,13 +448,20 @@ private:
             for (std::size_t k = 0; k < 4; ++k) place[4 * i + k] += motion[4 * i + k] * h[k];
     }
 
+    static void raise(std::atomic<double>& most, double to) {
+        double was = most.load(std::memory_order_relaxed);
+        while (was < to && !most.compare_exchange_weak(was, to, std::memory_order_relaxed)) continue;
+    }
+
     void end_move(Stop& stop) {
         ++done_, ++taken_;
         time_ = done_ == planned_ ? until_ : from_ + static_cast<double>(done_) * h_;
         reached_.store(time_, std::memory_order_relaxed);
         contacts_.store(log_.begun(), std::memory_order_relaxed);
-        for (std::uint32_t k = 0; k < slabs(); ++k)
-            fastest_ = math::max(fastest_, math::sqrt(reports_[k].fastest));
+        if (const double fastest = news_.fastest.load(std::memory_order_relaxed); fastest > 0.0) {
+            fastest_ = math::max(fastest_, fastest);
+            news_.fastest.store(0.0, std::memory_order_relaxed);
+        }
         fastest_ += math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
         travelled_ += fastest_ * h_;
         if (travelled_ <= allowance_) return begin_step(stop);
@@ -631,14 +652,15 @@ private:
     }
     void sweep(std::uint32_t index) {
         steps::Forces<Law>(box_, grid_, bodies_, laws_, now_).of(slabs_[index], index);
-        reports_[index].changes = !slabs_[index].changes.empty();
-        reports_[index].swept.store(now_.step, std::memory_order_release);
+        if (!slabs_[index].changes.empty()) news_.changes[index].store(true, std::memory_order_relaxed);
+        swept_[index].step.store(now_.step, std::memory_order_release);
     }
 
     // What began and ended since the step before, in the order of time.
     void note_changes() {
         for (std::uint32_t k = 0; k < slabs(); ++k) {
-            if (!reports_[k].changes) continue;
+            if (!news_.changes[k].load(std::memory_order_relaxed)) continue;
+            news_.changes[k].store(false, std::memory_order_relaxed);
             std::vector<steps::Change>& of = slabs_[k].changes;
             changes_.insert(changes_.end(), of.begin(), of.end());
             of.clear();

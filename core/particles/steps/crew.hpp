@@ -33,6 +33,9 @@ private:
     int turns_ = 0;
 };
 
+// So far lie apart what different threads write: two cache lines, which the hardware fetches in pairs.
+inline constexpr std::size_t apart = 128;
+
 // Any number of threads may join, also late, and one alone does all the work: a phase is over when its tasks are,
 // not when threads have arrived.
 //
@@ -58,10 +61,10 @@ public:
             return;
         }
         left_.store(tasks, std::memory_order_release);
+        const std::uint64_t phase = ++phase_ << bits;
         // Once the last of them is dealt out, others may end the phase and begin the next one.
         for (std::uint32_t k = 0; k <= last; ++k)
-            if (job.tasks(k) > 0)
-                shares_[k].tickets.store(std::uint64_t{job.tasks(k)} << 32, std::memory_order_release);
+            if (job.tasks(k) > 0) shares_[k].offered.store(phase | job.tasks(k), std::memory_order_release);
     }
 
     template <class Job>
@@ -76,15 +79,20 @@ public:
     }
 
 private:
-    // The next task and how many there are, in one number, so that nobody takes a task of another phase.
-    struct alignas(64) Share {
-        std::atomic<std::uint64_t> tickets{0};
+    static constexpr int bits = 20;  // of a number of tasks
+    static constexpr std::uint64_t most = (std::uint64_t{1} << bits) - 1;
+    // Both with the phase in the upper bits, so that nobody takes a task of another one. Who has waited reads the
+    // first, written by another thread, and writes the second, which usually no other thread has had.
+    struct Share {
+        alignas(apart) std::atomic<std::uint64_t> offered{0};  // how many tasks
+        alignas(apart) std::atomic<std::uint64_t> taken{0};
     };
 
     std::vector<Share> shares_;
     std::atomic<std::uint32_t> joined_{0};
-    alignas(64) std::atomic<bool> over_{false};
-    alignas(64) std::atomic<std::uint32_t> left_{0};  // tasks to be reported as done, and guests
+    alignas(apart) std::atomic<bool> over_{false};
+    alignas(apart) std::atomic<std::uint32_t> left_{0};  // tasks to be reported as done, and guests
+    std::uint64_t phase_ = 0;                            // counts on; of who begins one
 
     std::uint32_t count() const { return static_cast<std::uint32_t>(shares_.size()); }
 
@@ -92,26 +100,37 @@ private:
     bool helps(std::uint32_t own, bool late, Stop& stop, Job& job) {
         for (std::uint32_t k = 1; k < count(); ++k) {
             const std::uint32_t share = (own + k) % count();
-            const std::uint64_t ticket = shares_[share].tickets.load(std::memory_order_relaxed);
-            if ((late || static_cast<std::uint32_t>(ticket) == 0) && takes_part(share, stop, job))
-                return true;
+            if ((late || next_of(share) == 0) && takes_part(share, stop, job)) return true;
         }
         return false;
+    }
+
+    // The next task, of the phase of the offer; none where that is over already.
+    static constexpr std::uint64_t stale = ~std::uint64_t{0};
+    static std::uint64_t task_of(std::uint64_t offered, std::uint64_t taken) {
+        if (taken >> bits == offered >> bits) return taken & most;
+        return taken < offered ? 0 : stale;
+    }
+    std::uint64_t next_of(std::uint32_t share) const {
+        const std::uint64_t offered = shares_[share].offered.load(std::memory_order_acquire);
+        return task_of(offered, shares_[share].taken.load(std::memory_order_acquire));
     }
 
     // Does the tasks of a share until none is ready, and ends the phase after its last task; whether it did any. The
     // job may be asked what is ready only while the phase lasts: before a task is reported as done, or by a guest.
     template <class Job>
     bool takes_part(std::uint32_t share, Stop& stop, Job& job) {
-        std::atomic<std::uint64_t>& tickets = shares_[share].tickets;
-        std::uint64_t ticket = tickets.load(std::memory_order_acquire);
+        const std::uint64_t offered = shares_[share].offered.load(std::memory_order_acquire);
+        std::atomic<std::uint64_t>& taken_by_all = shares_[share].taken;
+        std::uint64_t taken = taken_by_all.load(std::memory_order_acquire);
         std::uint32_t reports = 0;
-        const auto task = [&] { return static_cast<std::uint32_t>(ticket); };
-        const auto any = [&] { return task() < ticket >> 32; };
+        const auto task = [&] { return task_of(offered, taken); };
+        const auto any = [&] { return task() < (offered & most); };
         const auto take = [&] {
-            if (!tickets.compare_exchange_strong(ticket, ticket + 1, std::memory_order_acq_rel)) return;
-            job.perform(share, task());
-            ++ticket, ++reports;
+            const std::uint64_t now = task(), then = (offered & ~most) | (now + 1);
+            if (!taken_by_all.compare_exchange_strong(taken, then, std::memory_order_acq_rel)) return;
+            job.perform(share, static_cast<std::uint32_t>(now));
+            taken = then, ++reports;
         };
         if (!any()) return false;
         if (task() == 0) take();
@@ -119,9 +138,9 @@ private:
         if (guest) {
             if (!enters()) return false;
             ++reports;
-            ticket = tickets.load(std::memory_order_acquire);
+            taken = taken_by_all.load(std::memory_order_acquire);
         }
-        while (any() && job.ready(share, task())) take();
+        while (any() && job.ready(share, static_cast<std::uint32_t>(task()))) take();
         if (left_.fetch_sub(reports, std::memory_order_acq_rel) == reports) {
             job.next(stop);
             begin(job);

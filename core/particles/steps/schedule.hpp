@@ -13,9 +13,16 @@
 namespace hardlimit::particles::steps {
 
 struct Chore {
-    enum Kind : std::uint32_t { sweep, move, fetch };  // fetch: brings near what another thread has looked at
+    // look: brings near what another thread has moved; fetch: what another thread has looked at, to be moved.
+    enum Kind : std::uint32_t { sweep, move, look, fetch };
     Kind kind;
     std::uint32_t slab;
+};
+
+// Some of them, one after the other, by the same thread.
+struct Task {
+    std::vector<Chore> chores;
+    std::vector<std::uint32_t> needs;  // slabs that are to be swept before
 };
 
 // What one thread does, which owns the slabs first … last − 1: at least two, or all of them. Bodies move soon after
@@ -34,6 +41,7 @@ inline std::vector<Chore> schedule(std::uint32_t first, std::uint32_t last, bool
     };
     const std::uint32_t even = first + first % 2, halfway = even + (last - first) / 2;
     sweep(even);
+    if (!alone) chores.push_back({Chore::look, last - 1});
     for (std::uint32_t odd = even + 1; odd < last; odd += 2) {
         if (!alone && (odd >= halfway || odd + 2 >= last)) {
             if (last % 2 == 0) sweep(last - 2);
@@ -48,19 +56,44 @@ inline std::vector<Chore> schedule(std::uint32_t first, std::uint32_t last, bool
     return chores;
 }
 
-// Whether it may be done, of so many slabs; swept(slab): whether that has been in this step.
-template <class Swept>
-bool ready(Chore chore, std::uint32_t slabs, const Swept& swept) {
+// The slabs that have to be swept before a chore, of so many slabs.
+inline std::vector<std::uint32_t> needs(Chore chore, std::uint32_t slabs) {
     const std::uint32_t before = (chore.slab + slabs - 1) % slabs;
     switch (chore.kind) {
         case Chore::sweep:
-            return chore.slab % 2 == 0 || (swept(before) && swept((chore.slab + 1) % slabs));
+            if (chore.slab % 2 == 0) return {};
+            return {before, (chore.slab + 1) % slabs};
         case Chore::move:
-            return swept(chore.slab) && swept(before);
+            return {chore.slab, before};
+        case Chore::look:
+            return {};
         case Chore::fetch:
             break;
     }
-    return swept(before);
+    return {before};
+}
+
+// The chores of the slabs first … last − 1 as a few tasks: to take one and to ask whether it may be done costs as much
+// as to move a dozen bodies. What waits for another thread begins a task.
+inline std::vector<Task> tasks(const std::vector<Chore>& chores, std::uint32_t first, std::uint32_t last,
+                               std::uint32_t slabs) {
+    constexpr std::size_t most = 8;
+    std::vector<Task> made;
+    std::vector<bool> swept(slabs);  // in this task
+    for (const Chore chore : chores) {
+        const auto has = [&](std::uint32_t slab) { return std::ranges::count(made.back().needs, slab) > 0; };
+        const auto waits = [&](std::uint32_t slab) { return (slab < first || slab >= last) && !has(slab); };
+        const std::vector<std::uint32_t> needed = needs(chore, slabs);
+        if (made.empty() || made.back().chores.size() == most || std::ranges::any_of(needed, waits)) {
+            made.emplace_back();
+            swept.assign(slabs, false);
+        }
+        for (const std::uint32_t slab : needed)
+            if (!swept[slab] && !has(slab)) made.back().needs.push_back(slab);
+        if (chore.kind == Chore::sweep) swept[chore.slab] = true;
+        made.back().chores.push_back(chore);
+    }
+    return made;
 }
 
 // Where the slabs of each share begin: about as many bodies for each, slab by slab. Shares beyond half the number of
