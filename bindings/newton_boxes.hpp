@@ -12,6 +12,7 @@
 
 #include "arrays.hpp"
 #include "contact.hpp"
+#include "early_end.hpp"
 #include "particles/archive.hpp"
 #include "particles/contact_row.hpp"
 #include "particles/pair_laws.hpp"
@@ -133,6 +134,13 @@ inline auto rows(const Numbers& three, int dimension) {
         out.insert(out.end(), three.begin() + static_cast<long>(at),
                    three.begin() + static_cast<long>(at + d));
     return make_array(std::move(out), {three.size() / 3, d});
+}
+
+// From an engine of any law.
+template <class Engine>
+EarlyEnd early_end(const Engine& engine) {
+    if (engine.outcome() == Outcome::ok) return {};
+    return std::tuple(engine.time(), engine.ended_by(), std::optional<i64>());
 }
 
 // Contacts as begin, end, first, second, impact_speed, separation_speed, overlapped.

@@ -36,6 +36,7 @@ public:
     virtual std::uint64_t contacts_reached() const = 0;
     virtual std::uint64_t contacts_logged() const = 0;
     virtual hl::Outcome outcome() const = 0;
+    virtual std::vector<hl::i64> ended_by() const = 0;
     virtual int largest_cluster() const = 0;
     virtual double cluster_share() const = 0;
     virtual Seen survey() const = 0;
@@ -59,6 +60,7 @@ public:
     std::uint64_t contacts_reached() const override { return run_.contacts_reached(); }
     std::uint64_t contacts_logged() const override { return run_.contacts_logged(); }
     hl::Outcome outcome() const override { return run_.outcome(); }
+    std::vector<hl::i64> ended_by() const override { return run_.ended_by(); }
     int largest_cluster() const override { return run_.largest_cluster(); }
     double cluster_share() const override { return run_.cluster_share(); }
     Seen survey() const override {
@@ -124,7 +126,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 5";
+    static constexpr const char* mark = "NewtonEvents 6";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -187,6 +189,8 @@ void bind_newton_events(nb::module_& m) {
                      [](const NewtonEvents& run) {
                          return hl::outcome_records[static_cast<int>(run.engine().outcome())].name;
                      })
+        .def_prop_ro(
+            "early_end", [](const NewtonEvents& run) { return early_end(run.engine()); }, early_end_text)
         .def("state", &state, "Positions along the unfolded paths and velocities (N, d) at `time`.")
         .def("observe", &observe)
         .def(

@@ -40,6 +40,7 @@ public:
     virtual std::uint64_t lists_made() const = 0;
     virtual double skin() const = 0;
     virtual hl::Outcome outcome() const = 0;
+    virtual std::vector<hl::i64> ended_by() const = 0;
     virtual const steps::ContactLog& log() const = 0;
     virtual void state(double* position, double* velocity) const = 0;
     virtual hp::StepsObservables observe() const = 0;
@@ -82,6 +83,7 @@ public:
     std::uint64_t lists_made() const override { return steps_.lists_made(); }
     double skin() const override { return steps_.skin(); }
     hl::Outcome outcome() const override { return steps_.outcome(); }
+    std::vector<hl::i64> ended_by() const override { return steps_.ended_by(); }
     const steps::ContactLog& log() const override { return steps_.log(); }
     void state(double* position, double* velocity) const override { steps_.state(position, velocity); }
     hp::StepsObservables observe() const override { return steps_.observe(); }
@@ -125,7 +127,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonSteps 1";
+    static constexpr const char* mark = "NewtonSteps 2";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -190,6 +192,8 @@ void bind_engine(nb::module_& m) {
                      [](const NewtonSteps& run) {
                          return hl::outcome_records[static_cast<int>(run.engine().outcome())].name;
                      })
+        .def_prop_ro(
+            "early_end", [](const NewtonSteps& run) { return early_end(run.engine()); }, early_end_text)
         .def("state", &state, "Positions along the unfolded paths and velocities (N, d) at `time`.")
         .def("observe", &observe)
         .def(

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "early_end.hpp"
 #include "particles/check.hpp"
 #include "particles/growth.hpp"
 #include "particles/make_engine.hpp"
@@ -23,6 +24,8 @@ namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
 namespace box = hardlimit::particles;
+using hl::bindings::early_end_text;
+using hl::bindings::EarlyEnd;
 using hl::bindings::In;
 using hl::bindings::make_array;
 using hl::bindings::touch_kernels;
@@ -336,9 +339,11 @@ auto take_log(HardSpheres& h) {
 const char* outcome_name(const HardSpheres& h) {
     return hl::outcome_records[static_cast<int>(h.engine().outcome())].name;
 }
-auto collapse(const HardSpheres& h) {
-    const box::Collapse c = h.engine().collapse();
-    return std::tuple(c.time, c.first, c.second);
+EarlyEnd early_end(const HardSpheres& h) {
+    if (h.engine().outcome() == hl::Outcome::ok) return {};
+    const auto [time, first, second] = h.engine().early_end();
+    if (second < 0) return std::tuple(time, std::vector{first}, std::optional(second));
+    return std::tuple(time, std::vector{first, second}, std::optional<hl::i64>());
 }
 
 }  // namespace
@@ -365,9 +370,8 @@ void bind_particles(nb::module_& m) {
         .def_prop_ro("n_soft", [](const HardSpheres& h) { return h.engine().counts().soft; })
         .def_prop_ro("n_soft_third_body",
                      [](const HardSpheres& h) { return h.engine().counts().soft_third_body; })
-        .def_prop_ro("outcome", &outcome_name, "ok, or collapse: see there.")
-        .def_prop_ro("collapse", &collapse,
-                     "Time [s] and the pair of an inelastic collapse, where the run ends.")
+        .def_prop_ro("outcome", &outcome_name)
+        .def_prop_ro("early_end", &early_end, early_end_text)
         .def("state", &state, "Positions [m], along continuous paths, and velocities [m/s] now.")
         .def("observe", &observe)
         .def("take_log", &take_log, "Time, first, second and impact speed of the rows since the last call.")

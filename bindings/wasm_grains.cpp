@@ -173,12 +173,12 @@ int box_advance(double until, double most_rows) {
 }
 
 // Time, then collisions of pairs and with walls, those elastic by tc, soft ones and soft ones with a third body;
-// kinetic and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second of a
-// collapse.
+// kinetic and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second of an
+// early end.
 double* box_observe() {
     const box::Counts c = run().engine->counts();
     const box::Observation o = run().engine->observe();
-    const box::Collapse collapse = run().engine->collapse();
+    const box::EarlyEnd end = run().engine->early_end();
     run().room = {run().engine->time(),
                   static_cast<double>(c.pairs),
                   static_cast<double>(c.walls),
@@ -193,9 +193,9 @@ double* box_observe() {
                   o.dissipated_energy,
                   o.virial,
                   o.kinetic_integral,
-                  collapse.time,
-                  static_cast<double>(collapse.first),
-                  static_cast<double>(collapse.second)};
+                  end.time,
+                  static_cast<double>(end.first),
+                  static_cast<double>(end.second)};
     return run().room.data();
 }
 

@@ -17,7 +17,8 @@ import pytest
 import hardlimit as hl
 from conftest import lattice, slow, wait_until
 from hardlimit.particles import theory
-from hardlimit.particles.result import COLUMNS, Collapse, wall_name
+from hardlimit.particles.early_end import EarlyEnd, wall_name
+from hardlimit.particles.result import COLUMNS
 
 LAW = hl.LinearDashpot(stiffness=1e5, restitution=0.8)
 RULES = {
@@ -166,11 +167,13 @@ def test_an_inelastic_collapse_is_an_outcome():
     heap = lattice(27, boundary="wall", gravity=9.81)
     run = hl.event_driven(heap, restitution=0.3, until=10.0, log=True)
     assert hl.OUTCOMES[run.outcome_code] == "collapse" and 0.0 < run.time < 10.0
-    assert isinstance(run.collapse, Collapse) and run.collapse.time == pytest.approx(run.time)
-    assert 0 <= run.collapse.first < 27 and run.collapse.second < 27
-    assert run.collapse.position == tuple(run.system.positions[run.collapse.first])
+    end = run.early_end
+    assert isinstance(end, EarlyEnd) and end.time == run.time
+    assert all(0 <= i < 27 for i in end.particles) and len(end.particles) == (2 if end.wall is None else 1)
+    assert end.position == tuple(run.system.positions[end.particles[0]])
     assert "inelastic collapse: particle" in run.outcome and "\n" not in run.outcome
-    last = np.flatnonzero((run.log[1] == run.collapse.first) & (run.log[2] == run.collapse.second))
+    second = end.particles[1] if end.wall is None else end.wall
+    last = np.flatnonzero((run.log[1] == end.particles[0]) & (run.log[2] == second))
     assert len(last) > 5  # they did meet again and again
 
 
@@ -328,12 +331,48 @@ def test_what_the_soft_rule_cannot_describe_ends_the_run():
     )
     through = hl.event_driven(heavy, law=law, rule="soft", until=1.0)
     assert through.outcome_name == "invalid" and "too soft" in through.outcome
+    assert through.early_end == EarlyEnd(through.time, tuple(through.system.positions[0]), (0, 1), None)
+    assert "particles 0 and 1 at 0.0003 s, near (0.008, 0.01) m" in through.outcome
     assert np.isfinite(through.system.positions).all() and through.time == pytest.approx(0.003 / 10.0)
-    lying = hl.ParticleSystem(
-        positions=[[0.01, radius]], velocities=[[0.0, 0.0]], radius=radius, mass=1.0, box=[0.02] * 2,
-        boundary=("periodic", "wall"), gravity=(0.0, -9.81),
+
+
+@pytest.mark.parametrize(
+    ("height", "damping", "name", "said"),
+    [
+        (1e-3, 0.1, "at_rest", "at rest: gravity holds particle 1 and the wall y = 0 together at 0 s"),
+        (
+            1.5e-3,
+            1e9,
+            "at_rest",
+            "at rest: gravity holds particle 1 and the wall y = 0 together at 0.0100964 s",
+        ),
+        (1.5e-3, 10.0, "unresolved", "too many steps, particle 1 and the wall y = 0 at 0.0100964 s"),
+    ],
+    ids=["lies", "creeps to rest", "too many steps"],
+)
+def test_every_early_end_says_when_where_and_with_whom(tmp_path, height, damping, name, said):
+    """A body that lies, and two that come to lie; the checkpoint knows it too."""
+    path, law = tmp_path / "run.checkpoint", hl.LinearDashpot(stiffness=1e3, damping=damping)
+    system = hl.ParticleSystem(
+        positions=[[0.005, 0.015], [0.01, height]], velocities=np.zeros((2, 2)), radius=1e-3, mass=1e-3,
+        box=[0.02] * 2, boundary=("periodic", "wall"), gravity=(0.0, -9.81),
     )  # fmt: skip
-    assert hl.event_driven(lying, law=law, rule="soft", until=1.0).outcome_name == "at_rest"
+    run = hl.event_driven(system, law=law, rule="soft", until=1.0, checkpoint=path)
+    fall = math.sqrt(2.0 * (height - 1e-3) / 9.81)
+    assert run.outcome_name == name and said in run.outcome and "near (0.01, 0.001) m" in run.outcome
+    assert run.early_end == EarlyEnd(run.time, (0.01, 1e-3), (1,), -3)
+    assert run.early_end.time == pytest.approx(fall)
+    again = hl.resume(path, until=2.0)
+    assert (again.outcome, again.early_end) == (run.outcome, run.early_end)
+
+
+def test_who_ends_early_in_words():
+    def who(*particles, wall=None):
+        return EarlyEnd(0.0, (0.0, 0.0), particles, wall).who()
+
+    assert who(4) == "particle 4" and who(4, wall=-6) == "particle 4 and the wall z = L"
+    assert who(4, 5) == "particles 4 and 5" and who(4, 5, 7) == "particles 4, 5 and 7"
+    assert who(*range(2, 42)) == "40 particles (2, 3, 4, …)"
 
 
 def test_a_run_may_be_resumed_anywhere(tmp_path):

@@ -24,6 +24,7 @@ def test_json_holds_what_the_library_says(start, engine):
         hl.ParticleSystem.read(start), law=law, until=0.002, engine=engine, samples=4
     )
     assert found["n_contacts"] == result.n_contacts > 0 and found["engine"] == engine
+    assert found["outcome"]["name"] == "ok" and found["early_end"] is None
     assert found["series"]["kinetic_energy"] == result.series.kinetic_energy.values.tolist()
     assert found["law"] == {"name": "linear", "stiffness": 1e6, "restitution": 0.9}
     assert found["time_step"] == result.time_step and found["largest_cluster"] == result.largest_cluster

@@ -249,7 +249,8 @@ def test_collapse_of_three_in_line(restitution: float, drift: float) -> None:
     run = engine(position, velocity, radius=1.0, box=20.0, restitution=restitution)
     run.advance(10.0)
     assert run.outcome == "collapse"
-    time, first, second = run.collapse
+    time, (first, second), wall = run.early_end
+    assert wall is None
     assert 0.1 < time < 1.0
     assert (first, second) in {(0, 1), (1, 2)}
     assert run.time == time
@@ -278,7 +279,7 @@ def test_collapse_of_a_ball_on_a_floor(restitution: float) -> None:
     run.advance(1e3)
     fall = math.sqrt(2.0 * 1.5 / 9.81)
     assert run.outcome == "collapse"
-    assert run.collapse[1:] == (0, -3)
+    assert run.early_end[1:] == ([0], -3)
     assert run.time == pytest.approx(fall * (1.0 + 2.0 * restitution / (1.0 - restitution)), rel=1e-6)
 
 

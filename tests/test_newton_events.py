@@ -597,7 +597,13 @@ def test_a_heap_is_told_to_take_steps() -> None:
     run = hl.molecular_dynamics(
         system, law=hl.LinearDashpot(stiffness=500.0, restitution=0.3), until=0.2, samples=4
     )
-    assert run.outcome.startswith("not resolved: too many particles hang together")
+    end = run.early_end
+    assert end is not None and end.time == run.time and end.wall is None
+    assert len(end.particles) > 200 and set(end.particles) <= set(range(330))
+    assert list(end.particles) == sorted(set(end.particles))
+    assert end.position == tuple(run.system.positions[end.particles[0]])
+    assert run.outcome.startswith(f"not resolved: the contacts of {len(end.particles)} particles (")
+    assert "too long" in run.outcome and f"at {run.time:.6g} s, near (" in run.outcome
     assert run.largest_cluster is not None and run.largest_cluster > 300
     assert run.time < 0.2
 

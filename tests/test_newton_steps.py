@@ -477,6 +477,14 @@ def test_bad_input_is_refused_in_one_line(given, message):
 
 def test_a_run_that_is_not_stable_ends_with_an_outcome():
     """The engine itself takes any step; who moves too far in one ends the run."""
-    engine = engine_of(lattice(125, seed=1), GLASS, 3e-4)
+    system = lattice(125, seed=1)
+    engine = engine_of(system, GLASS, 3e-4)
+    assert engine.early_end is None
     engine.advance(1.0)
     assert engine.outcome == "unresolved" and engine.time < 1.0
+    time, (fastest,), wall = engine.early_end
+    speeds = np.linalg.norm(engine.state()[1], axis=1)
+    assert time == engine.time and wall is None
+    assert speeds[fastest] * 3e-4 > 0.25 * 2.0 * system.radius.min()  # the most that a step may be
+    again = _core.NewtonSteps.load(engine.save())
+    assert again.early_end == engine.early_end

@@ -45,8 +45,9 @@ struct Counts {
     i64 pairs, walls, elastic_by_tc, soft, soft_third_body;
 };
 
-struct Collapse {
-    double time;  // [s]
+// Of a run that ended before it was to: the collision at which it did.
+struct EarlyEnd {
+    double time;  // [s]; NaN of others
     i64 first, second;
 };
 
@@ -59,7 +60,7 @@ public:
     virtual double time() const = 0;
     virtual Counts counts() const = 0;
     virtual Outcome outcome() const = 0;
-    virtual Collapse collapse() const = 0;
+    virtual EarlyEnd early_end() const = 0;
     // n·d values each, in the user's order; positions along continuous paths, not folded into the box.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;

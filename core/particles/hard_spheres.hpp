@@ -47,7 +47,7 @@ public:
         return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, soft_contacts_, soft_third_body_};
     }
     Outcome outcome() const override { return outcome_; }
-    Collapse collapse() const override { return collapse_; }
+    EarlyEnd early_end() const override { return early_end_; }
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     Log take_log() override { return std::exchange(log_, {}); }
@@ -87,7 +87,7 @@ private:
     Log log_;
     double now_ = 0.0;  // [s]
     Outcome outcome_ = Outcome::ok;
-    Collapse collapse_{math::nan, -1, 0};
+    EarlyEnd early_end_{math::nan, -1, 0};
     hardlimit_abi::TouchKernels::Of touch_{};
     hardlimit_abi::TouchQuery query_{};  // of the particle that looks now
     Scratch<u32> candidates_;
@@ -213,6 +213,8 @@ private:
     double restitution(bool within_contact, double speed, PairGeometry pair);
     PairGeometry geometry(u32 i, u32 j) const;
     void note(u32 i, i64 second, double speed, double lost, double waited);
+    std::pair<i64, i64> named(u32 i, i64 second) const;
+    void end_here(Outcome outcome, u32 i, i64 second);
 };
 
 // What a saved run begins with, to be known before its type is.

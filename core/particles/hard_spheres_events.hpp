@@ -144,22 +144,33 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double lost, double waited) {
     if (lost != 0.0) tally_.dissipated.add(lost);
     const auto name = [this](u32 id) { return names_[id]; };
-    const auto pair = [&] {
-        const i64 a = name(i), b = second < 0 ? second : name(static_cast<u32>(second));
-        return second < 0 ? std::pair{a, b} : std::pair{std::min(a, b), std::max(a, b)};
-    };
     if (keep_log_) {
+        const auto [first, last] = named(i, second);
         log_.time.push_back(now_);
-        log_.first.push_back(pair().first);
-        log_.second.push_back(pair().second);
+        log_.first.push_back(first);
+        log_.second.push_back(last);
         log_.impact_speed.push_back(speed);
     }
     if (rule_.elastic_always()) return;
     const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
     const Impact impact{now_, i, second, speed, waited, !rule_.is_tc()};
-    if (!watch_.collapses(impact, largest_radius_, typical, name)) return;
-    outcome_ = Outcome::collapse;
-    collapse_ = {now_, pair().first, pair().second};
+    if (watch_.collapses(impact, largest_radius_, typical, name)) end_here(Outcome::collapse, i, second);
+}
+
+// A particle and another one, or a wall, which is negative, by the user's numbers.
+template <int d, Motion motion, bool mixed>
+std::pair<i64, i64> HardSpheres<d, motion, mixed>::named(u32 i, i64 second) const {
+    const i64 a = names_[i];
+    if (second < 0) return {a, second};
+    return std::minmax({a, i64{names_[static_cast<u32>(second)]}});
+}
+
+// The run is over, at a collision.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::end_here(Outcome outcome, u32 i, i64 second) {
+    const auto [first, last] = named(i, second);
+    outcome_ = outcome;
+    early_end_ = {now_, first, last};
 }
 
 template <int d, Motion motion, bool mixed>

@@ -48,12 +48,9 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     const double touch = radius(i) + radius(j);
     const SoftImpact impact = (*soft_)({pair.effective_mass, touch, speed, sideways, 0.0}, pair);
     if (impact.outcome != Outcome::ok) {
-        const auto [first, second] = std::minmax(names_[i], names_[j]);
-        outcome_ = impact.outcome;
-        collapse_ = {now_, first, second};
         note(i, j, speed, 0.0, math::infinity);
         ++tally_.pairs;
-        return;
+        return end_here(impact.outcome, i, j);
     }
     const DrawnBack& end = impact.drawn_back;
     double change[d], shift[d];
@@ -85,8 +82,7 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
     ++tally_.walls;
     if (impact.outcome != Outcome::ok || speed == 0.0) {
         note(i, wall, speed, 0.0, math::infinity);
-        outcome_ = speed == 0.0 ? Outcome::at_rest : impact.outcome;
-        collapse_ = {now_, names_[i], wall};
+        end_here(speed == 0.0 ? Outcome::at_rest : impact.outcome, i, wall);
         return;
     }
     const DrawnBack& end = impact.drawn_back;

@@ -72,6 +72,8 @@ public:
     bool paused() const { return paused_; }
     double time() const { return now_; }
     Outcome outcome() const { return outcome_; }
+    // The members of the group at which the run ended before it was to, by the user's numbers.
+    const std::vector<i64>& ended_by() const { return ended_by_; }
     std::uint64_t events() const { return events_; }
     int largest_cluster() const { return largest_cluster_; }
     // Part of all time that bodies have spent in groups of several contacts.
@@ -213,6 +215,7 @@ private:
     std::uint64_t begun_before_ = 0;  // contacts, when it was counted last
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
+    std::vector<i64> ended_by_;
     std::vector<Row> log_;
 
     u32 size32() const { return static_cast<u32>(paths_.size()); }
@@ -304,6 +307,7 @@ private:
     void gather_touching(std::size_t last, Joined& set);
     void build(int index, Joined& set);
     bool takes_too_long(const Cluster<Law>& c);
+    void end_here(const std::vector<int>& bodies);
     int spare_group();
     void open_group(Group& g, const std::vector<int>& set) const;
     void pair_up(Group& g, std::vector<Live>& live) const;

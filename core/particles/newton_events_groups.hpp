@@ -208,7 +208,7 @@ void NewtonEvents<Law>::form(Joined& set) {
         const int index = spare_group();
         build(index, set);
         const Cluster<Law>& after = group(index).cluster->after;
-        if (after.unresolved || takes_too_long(after)) outcome_ = Outcome::unresolved;
+        if (after.unresolved || takes_too_long(after)) end_here(set.body);
         std::vector<int> near;
         if (after.time > 0.0 && outcome_ == Outcome::ok)
             for (const int i : set.body) {
@@ -285,6 +285,14 @@ bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     begun_before_ = begun_;
     work_ += static_cast<double>(members) * static_cast<double>(c.steps());
     return work_ > most;
+}
+
+// The run is over, at this group.
+template <class Law>
+void NewtonEvents<Law>::end_here(const std::vector<int>& bodies) {
+    outcome_ = Outcome::unresolved;
+    for (const int i : bodies) ended_by_.push_back(pending_[i].name);
+    std::sort(ended_by_.begin(), ended_by_.end());
 }
 
 template <class Law>

@@ -21,6 +21,7 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
+    archive(ended_by_);
 }
 
 template <class Law>

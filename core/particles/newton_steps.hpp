@@ -90,6 +90,8 @@ public:
     double time_step() const { return time_step_; }
     std::uint64_t steps_taken() const { return taken_; }
     Outcome outcome() const { return outcome_; }
+    // The body that moved too far in a step, by the user's number, where the run ended for that.
+    const std::vector<i64>& ended_by() const { return ended_by_; }
     const steps::ContactLog& log() const { return log_; }
     std::size_t count() const { return bodies_.count(); }
     double skin() const { return skin_; }
@@ -207,6 +209,7 @@ private:
     std::uint64_t quota_ = 0;  // steps until it pauses
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
+    std::vector<i64> ended_by_;
 
     double skin_ = 0.0;                         // [m]
     double travelled_ = 0.0, allowance_ = 0.0;  // how far a body may have moved, and may [m]
@@ -493,12 +496,26 @@ private:
         allowance_ = 0.5 * skin_ - farthest;
         if (!(sane && fastest * h_ < 0.25 * smallest_)) {  // bodies could pass through each other
             outcome_ = Outcome::unresolved;
+            ended_by_ = {fastest_body()};
             begin_step(stop);
         } else if (allowance_ > 0.05 * skin_) {
             begin_step(stop);
         } else {
             begin_cells();
         }
+    }
+
+    // Or one of which nothing is known.
+    i64 fastest_body() const {
+        const auto square = [this](std::size_t i) {
+            const double speed = steps::dot(bodies_.motion[i], bodies_.motion[i]);
+            const double place = steps::dot(bodies_.place[i], bodies_.place[i]);
+            return place < math::infinity && speed < math::infinity ? speed : math::infinity;
+        };
+        std::size_t fastest = 0;
+        for (std::size_t i = 1; i < bodies_.count(); ++i)
+            if (square(i) > square(fastest)) fastest = i;
+        return bodies_.label[fastest].number;
     }
 
     void begin_cells() {
@@ -686,6 +703,7 @@ private:
         archive(bodies_.place), archive(bodies_.motion), archive(bodies_.label), archive(bodies_.push);
         archive(sorting_.reference()), archive(grid_), archive(start_);
         archive(time_), archive(h_), archive(taken_), archive(now_), archive(outcome_);
+        archive(ended_by_);
         archive(skin_), archive(fastest_), archive(travelled_), archive(allowance_), archive(lists_);
         archive(from_), archive(until_), archive(planned_), archive(done_), archive(paused_);
         archive(dissipated_), archive(virial_);

@@ -218,12 +218,13 @@ class HardSpheres:
     def n_soft_third_body(self) -> int: ...
 
     @property
-    def outcome(self) -> str:
-        """ok, or collapse: see there."""
+    def outcome(self) -> str: ...
 
     @property
-    def collapse(self) -> tuple[float, int, int]:
-        """Time [s] and the pair of an inelastic collapse, where the run ends."""
+    def early_end(self) -> tuple[float, list[int], int | None] | None:
+        """
+        Time [s], particles and wall where the run ended before it was to; None of others.
+        """
 
     def state(self) -> tuple:
         """Positions [m], along continuous paths, and velocities [m/s] now."""
@@ -289,6 +290,12 @@ class NewtonEvents:
     @property
     def outcome(self) -> str: ...
 
+    @property
+    def early_end(self) -> tuple[float, list[int], int | None] | None:
+        """
+        Time [s], particles and wall where the run ended before it was to; None of others.
+        """
+
     def state(self) -> tuple:
         """Positions along the unfolded paths and velocities (N, d) at `time`."""
 
@@ -351,6 +358,12 @@ class NewtonSteps:
 
     @property
     def outcome(self) -> str: ...
+
+    @property
+    def early_end(self) -> tuple[float, list[int], int | None] | None:
+        """
+        Time [s], particles and wall where the run ended before it was to; None of others.
+        """
 
     def state(self) -> tuple:
         """Positions along the unfolded paths and velocities (N, d) at `time`."""

@@ -86,7 +86,6 @@ def as_mapping(start: ParticleSystem, result: ParticleResult, files: list[Path])
             "restitution": settings.restitution,
             "law": None if law is None else {"name": law.record["name"], **law.parameters},
             "contact_duration": settings.contact_duration,
-            "collapse": None if result.collapse is None else result.collapse._asdict(),
             "n_collisions": result.n_collisions,
             "n_pair_collisions": result.n_pairs,
             "n_wall_collisions": result.n_walls,
@@ -115,6 +114,7 @@ def mapping(
             },
             **own,
             "outcome": {"name": result.outcome_name, "message": result.outcome},
+            "early_end": None if result.early_end is None else result.early_end._asdict(),
             "time": result.time,
             "series": {
                 "time": series["time"].values,

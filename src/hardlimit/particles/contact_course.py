@@ -14,7 +14,7 @@ import numpy as np
 from .. import _core
 from ..contact import Law
 from ..progress import Report
-from . import checkpoint, engines
+from . import checkpoint, early_end, engines
 from .contact_result import COLUMNS, LOG, ContactResult
 from .system import Floats, ParticleSystem
 
@@ -206,14 +206,16 @@ class ContactCourse:
             log = (*numbers, overlapped.astype(bool))
         seen, counts = self.engine.observe(), ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
         special = STEPS if self.settings.takes_steps else CLUSTERS
+        now = engines.present(self.system, self.engine)
         return ContactResult(
-            system=engines.present(self.system, self.engine),
+            system=now,
             law=self.settings.law,
             engine=self.settings.engine,
             outcome_name=self.engine.outcome,
             rows=np.array(self._rows),
             log=log,
             time=self.engine.time,
+            early_end=early_end.of_engine(self.engine, now),
             **{name: seen[name] for name in counts},
             **{name: getattr(self.engine, name) for name in special},
         )

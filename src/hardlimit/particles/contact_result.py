@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .. import _core, html
 from ..contact import Law
+from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
 
 if TYPE_CHECKING:
@@ -65,8 +66,9 @@ LOG: Final = (
 
 OUTCOMES: Final = {
     "ok": "ok",
-    "steps": "not resolved: particles became so fast that they move too far in one step",
-    "events": "not resolved: too many particles hang together by contacts that last; engine='steps' is made for that",
+    "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
+    "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
+    "engine='steps' is made for that",
 }
 
 
@@ -115,11 +117,12 @@ class ContactResult:
     n_steps: int | None = None  #: of steps and LAMMPS
     largest_cluster: int | None = None  #: of events, the most particles that were integrated together
     cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
+    early_end: EarlyEnd | None = None  #: where and when, unless the run went to its end
 
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return OUTCOMES["ok" if self.outcome_name == "ok" else self.engine]
+        return in_words(OUTCOMES["ok" if self.outcome_name == "ok" else self.engine], self.early_end)
 
     @property
     def outcome_code(self) -> int:

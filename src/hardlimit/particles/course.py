@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..progress import Report
-from . import checkpoint, engines
-from .result import COLUMNS, Collapse, ParticleResult, Settings
+from . import checkpoint, early_end, engines
+from .result import COLUMNS, ParticleResult, Settings
 from .system import Floats, ParticleSystem
 
 #: Times that the spacing of the samples may double without a collision before nothing is taken to collide any more.
@@ -248,16 +248,10 @@ class Course:
             n_elastic_by_tc=self.engine.n_elastic_by_tc,
             n_soft=self.engine.n_soft,
             n_soft_third_body=self.engine.n_soft_third_body,
-            collapse=self._collapse(now),
+            early_end=early_end.of_engine(self.engine, now),
             rows=np.array(rows),
             log=self._joined_log(),
         )
-
-    def _collapse(self, now: ParticleSystem) -> Collapse | None:
-        if self.engine.outcome != "collapse":
-            return None
-        time, first, second = self.engine.collapse
-        return Collapse(time, tuple(now.positions[first].tolist()), first, second)
 
 
 def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core, html
 from ..contact import Law
+from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
 
 if TYPE_CHECKING:
@@ -44,36 +45,16 @@ SERIES: Final = {
     "dissipated_energy": ("J", "energy lost in collisions so far"),
 }
 
+#: What is said of each outcome.
 OUTCOMES: Final = {
     "ok": "ok",
     "no_contact": "nothing collides any more",
-    "collapse": "inelastic collapse",
+    "collapse": "inelastic collapse: {who} collide without end {where}; the rule tc avoids it",
+    "at_rest": "at rest: gravity holds {who} together {where}; the rule tc and Newton’s equations go on",
+    "invalid": "invalid: a contact compressed as far as its bodies are wide, {who} {where}; the law is too soft for "
+    "such speeds",
+    "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
 }
-
-
-class Collapse(NamedTuple):
-    """Where collisions accumulate in a finite time; made by :func:`hardlimit.event_driven`.
-
-    Examples
-    --------
-    >>> bed = hl.ParticleSystem(
-    ...     [[0.05, 0.05]],
-    ...     [[0, 0]],
-    ...     0.01,
-    ...     density=2500.0,
-    ...     box=0.1,
-    ...     boundary="wall",
-    ...     gravity=9.81,
-    ... )
-    >>> run = hl.event_driven(bed, restitution=0.5, until=1.0)
-    >>> run.outcome_name, f"{run.collapse.time:.4f} s"
-    ('collapse', '0.2709 s')
-    """
-
-    time: float  #: [s]
-    position: tuple[float, ...]  #: of the first particle [m]
-    first: int  #: a particle
-    second: int  #: a particle, or a wall, −1 − 2·axis at 0 and −2 − 2·axis at the edge
 
 
 @dataclass(frozen=True)
@@ -155,7 +136,7 @@ class ParticleResult:
     n_elastic_by_tc: int  #: collisions that the rule tc made elastic
     n_soft: int  #: contacts of the rule soft
     n_soft_third_body: int  #: of them with a third body in reach
-    collapse: Collapse | None  #: where the outcome is one
+    early_end: EarlyEnd | None  #: where and when, unless the run went to its end or nothing collides any more
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(
         repr=False
@@ -164,18 +145,7 @@ class ParticleResult:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        if self.outcome_name == "invalid":
-            return "invalid: a contact compressed as far as its bodies are wide; the law is too soft for such speeds"
-        if self.collapse is None:
-            return OUTCOMES.get(self.outcome_name, self.outcome_name)
-        at = ", ".join(f"{x:.6g}" for x in self.collapse.position)
-        pair = f"particles {self.collapse.first} and {self.collapse.second}"
-        if self.collapse.second < 0:
-            pair = f"particle {self.collapse.first} and the wall {wall_name(self.collapse.second)}"
-        return (
-            f"inelastic collapse: {pair} collide without end at {self.collapse.time:.6g} s, near ({at}) m; "
-            "the rule tc avoids it"
-        )
+        return in_words(OUTCOMES[self.outcome_name], self.early_end)
 
     @property
     def outcome_code(self) -> int:
@@ -293,12 +263,6 @@ def _fixed(array: NDArray[Any]) -> NDArray[Any]:
     """The array, read-only: a result remembers it."""
     array.flags.writeable = False
     return array
-
-
-def wall_name(second: int) -> str:
-    """The wall that a negative partner stands for, such as ``z = 0``."""
-    axis, upper = divmod(-1 - second, 2)
-    return f"{'xyz'[axis]} = {'L' if upper else '0'}"
 
 
 def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
