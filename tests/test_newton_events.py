@@ -556,6 +556,61 @@ def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
     assert np.all(lasted[~np.isnan(lasted)] >= 0.0)
 
 
+@pytest.mark.parametrize("fall", [0.0, 0.0098, -0.003])
+@pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
+def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -> None:
+    """As on one spring: where it leaves one wall it touches the other. Where a look at the run ends the integration decides by
+    rounding which of the two comes first; to be out of both is not to stay where one is."""
+    law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
+    system = hl.ParticleSystem(
+        positions=[[2.0 * radius, radius]], velocities=[[0.0, speed]], radius=radius, density=2500.0,
+        box=[4.2 * radius, 2.0 * radius], boundary=("periodic", "wall"),
+    )  # fmt: skip
+    frequency = math.sqrt(1e4 / float(system.mass[0]))
+    arguments = list(scene(system))
+    arguments[-1] = [0.0, fall * speed * frequency]
+    run = _core.NewtonEvents(*arguments, choice(law), False)
+    for k in range(1, 80):
+        angle = 0.37 * math.pi * k
+        run.advance(angle / frequency)
+        place = (run.state()[0][0, 1] - radius) * frequency / speed
+        assert place == pytest.approx(math.sin(angle) + fall * (1.0 - math.cos(angle)), abs=1e-8), k
+        assert run.margin_used(20) <= 1.0, k
+
+
+def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
+    """Three balls in exact touch between two walls. Weight parts the last from its wall by 1e-38 of its force before the
+    others press it on: no end of the contact, nor ten million of them."""
+    radius, v = 0.00056616259905373527, 3.2687412896877242e-09
+    system = hl.ParticleSystem(
+        positions=[[radius, 0.00056616259905373527], [radius, 0.0016984877971612058], [radius, 0.0028308129952686763]],
+        velocities=[[2.3213621427983933e-09, 0.0], [-v, v], [0.0, 0.0]], radius=radius, mass=1.0,
+        box=[0.0033969755943224116] * 2, boundary=("periodic", "wall"), gravity=(0.0, -2.4792741267302667e-18),
+    )  # fmt: skip
+    law = hl.LinearDashpot(stiffness=100.0, restitution=1.0)
+    run = hl.molecular_dynamics(system, law=law, until=0.2, samples=4, log=True)
+    assert run.outcome == "ok" and run.energy_error < 1e-9
+    assert run.n_contacts == 3 and run.n_ended == 0
+
+
+def test_no_group_lasts_thousands_of_contacts() -> None:
+    """A slow body overlaps with walls without force when its contacts end: it is soon apart, however long it would take to
+    get far."""
+    radius, v = 0.0001000000000000001, 2.3332128102661892e-11
+    system = hl.ParticleSystem(
+        positions=[[radius] * 2], velocities=[[v] * 2], radius=radius, mass=999.99999678332483,
+        box=[0.0002000000000000002] * 2, boundary="wall", gravity=(-8.0963466838794627e-21, 1.7645883785135896e-20),
+    )  # fmt: skip
+    law = hl.Viscoelastic(
+        youngs_modulus=1461187.2764150028, poisson_ratio=-0.42205882357666269,
+        restitution=0.0012087957959949248, impact_speed=0.012087957959949241,
+    )  # fmt: skip
+    run = _core.NewtonEvents(*scene(system), choice(law), True)
+    run.advance(6e4)
+    assert run.outcome == "ok" and run.n_logged > 50
+    assert len(run.open_contacts()[0]) < 20  # of the group that is still together
+
+
 @pytest.mark.parametrize("bodies", [1, 2])
 @pytest.mark.parametrize("restitution", [1.0, 0.9])
 def test_a_contact_goes_on_where_places_round(bodies: int, restitution: float) -> None:

@@ -118,22 +118,13 @@ public:
 
     // Goes on to `until`, or to the instant at which the last pair has opened if that comes first; or after so many
     // steps to where it is then.
-    void run(double until, Stop& stop, long most_steps = no_limit) {
-        gather();
-        const double from = time;
-        const long before = steps_;
-        while (time < until && !unresolved && !stop()) {
-            if (all(Touch::open)) break;
-            if (!any(Touch::closed))
-                fly(until);
-            else if constexpr (LinearLaw<Law>)
-                follow(until);
-            else
-                integrate(until);
-            if (++steps_ > 10'000'000) unresolved = true;
-            if (steps_ - before >= most_steps && time > from) break;
-        }
-        scatter();
+    void run(double until, Stop& stop, long most_steps = no_limit) { run(until, stop, most_steps, false); }
+
+    // Goes on to `until` though all pairs may have opened before. Where one opens at the instant at which another one
+    // touches, rounding decides which of them comes first, and it may decide otherwise where steps end elsewhere.
+    void run_through(double until) {
+        Stop never;
+        run(until, never, no_limit, true);
     }
 
     // So far.
@@ -156,6 +147,24 @@ public:
     }
 
 private:
+    void run(double until, Stop& stop, long most_steps, bool through) {
+        gather();
+        const double from = time;
+        const long before = steps_;
+        while (time < until && !unresolved && !stop()) {
+            if (!through && all(Touch::open)) break;
+            if (!any(Touch::closed))
+                fly(until);
+            else if constexpr (LinearLaw<Law>)
+                follow(until);
+            else
+                integrate(until);
+            if (++steps_ > 10'000'000) unresolved = true;
+            if (steps_ - before >= most_steps && time > from) break;
+        }
+        scatter();
+    }
+
     // Part of the sum of the radii from which on a compression is known by the positions.
     static constexpr double resolved_depth = 1e-12;
 

@@ -135,6 +135,15 @@ inline double first_zero(const double* f, double end) {
     return t;
 }
 
+// The same for one that falls from zero on by its term of order k, the first that counts. What falls by no more than
+// `rounding` before it rises has not fallen.
+inline double zero_of_falling(const double* f, int k, double end, double rounding) {
+    double above[length] = {rounding}, below[length] = {rounding};
+    for (int n = k; n < length; ++n) above[n] = f[n], below[n] = -f[n];
+    const double fallen = first_zero(above, end);
+    return fallen <= end && first_zero(below, fallen) > fallen ? 0.0 : fallen;
+}
+
 // The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none.
 inline double next_zero(const double* f, double end, double rounding) {
     double whole = 0.0;
@@ -143,7 +152,7 @@ inline double next_zero(const double* f, double end, double rounding) {
     int k = 1;
     while (k < length && !(math::abs(f[k]) > 1e-10 * whole)) ++k;
     if (k == length) return math::infinity;
-    if (f[k] < 0.0) return 0.0;
+    if (f[k] < 0.0) return zero_of_falling(f, k, end, rounding);
     double rest[length] = {};
     for (int n = k; n < length; ++n) rest[n - k] = f[n];
     return first_zero(rest, end);

@@ -475,8 +475,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
     for (const Group& g : groups_) {
         if (!g.alive) continue;
         start(g, c);
-        Stop never;
-        c.run(now_ - c.base, never);
+        c.run_through(now_ - c.base);
         s.contact += c.contact_energy();
         s.dissipated += c.dissipated;
         s.virial += c.virial;

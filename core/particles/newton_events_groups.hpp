@@ -441,16 +441,20 @@ Touching<Law> NewtonEvents<Law>::wall_of(const Group& g, int i, int axis, bool h
     return q;
 }
 
-// Until contacts like those that last are over, if the members do not get far before.
+// Until contacts like those that last are over, if the members do not get far before. What overlaps without force is
+// soon apart; a slow body that it is not apart from would get far in thousands of contacts only.
 template <class Law>
 double NewtonEvents<Law>::horizon_of(const Cluster<Law>& c) const {
+    constexpr double contacts = 1.5, contacts_without_force = 100.0;
     const double speed = c.speed();
-    double longest = 0.0;
-    for (const Touching<Law>& q : c.pairs)
-        if (q.touch == Touch::closed)
-            longest =
-                math::max(longest, 1.5 * q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
+    double closed = 0.0, slack = 0.0;
+    for (const Touching<Law>& q : c.pairs) {
+        if (q.touch == Touch::open) continue;
+        double& longest = q.touch == Touch::closed ? closed : slack;
+        longest = math::max(longest, q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
+    }
     const double farthest = travel_ / speed;
+    const double longest = closed > 0.0 ? contacts * closed : contacts_without_force * slack;
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }
 
@@ -613,8 +617,7 @@ void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) 
     if (!g.cluster) g.cluster = std::make_unique<Ends>();
     if (!at_end) {
         start(g, g.cluster->after);
-        Stop never;
-        g.cluster->after.run(now_ - g.cluster->after.base, never);
+        g.cluster->after.run_through(now_ - g.cluster->after.base);
     }
     const Cluster<Law>& c = g.cluster->after;
     dissipated_ += c.dissipated;

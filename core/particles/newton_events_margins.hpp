@@ -14,16 +14,9 @@ double NewtonEvents<Law>::margin_used(int instants) const {
         const double span = pending_[g.body[0]].end - c.base;
         for (int k = 0; k <= instants; ++k) {
             const double time = span * k / instants;
-            Stop never;
-            c.run(time, never);
-            // Where all have parted before, they fly on.
-            const double after = time - c.time;
-            for (std::size_t m = 0; m < g.body.size(); ++m) {
-                Vector3 x = c.members[m].position;
-                for (std::size_t a = 0; a < 3; ++a)
-                    x[a] += after * (c.members[m].velocity[a] + 0.5 * after * gravity_[a]);
-                most = math::max(most, margin_used(g, m, place(g, m, x), c.base + time));
-            }
+            c.run_through(time);
+            for (std::size_t m = 0; m < g.body.size(); ++m)
+                most = math::max(most, margin_used(g, m, place(g, m, c.members[m].position), c.base + time));
         }
     }
     return most;
