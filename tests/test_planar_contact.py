@@ -269,6 +269,14 @@ def test_wall_across_gravity(speed: float, gravity: float) -> None:
     assert place == pytest.approx(-end["compression"], rel=1e-10)
 
 
+@pytest.mark.parametrize("damping", [3.0, 10.0, 30.0, 100.0])
+def test_a_strongly_damped_body_creeps_to_rest(damping: float) -> None:
+    """Its force and its weight balance up to their rounding, which is no error of a step."""
+    contact = core_contact(hl.LinearDashpot(stiffness=1e3, damping=damping), mass=1e-3)
+    end = _core.planar_contact(contact, math.inf, 0.1, 0.0, 9.81)
+    assert end["outcome"] == "at_rest" and end["duration"] == math.inf
+
+
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_gravity_holds_a_slow_body_on_the_wall(name: str) -> None:
     """Down to some speed the contact ends, below it never does; without damping it ends at every speed."""

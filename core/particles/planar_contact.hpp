@@ -267,6 +267,9 @@ private:
         for (int i = 0; i < n; ++i) {
             scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
         }
+        // Where a body creeps to rest, the rounding of the forces that balance is no error of the step.
+        const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
+        scale[M::rate] = math::max(scale[M::rate], 4.0 * math::epsilon * h_ * clock * motion_.gravity);
         const double error = DormandPrince::error(stages_, h_, n, scale);
         length_ = h_;
         h_ = math::min(h_ * DormandPrince::growth(error), longest_step);
