@@ -559,8 +559,8 @@ def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
 @pytest.mark.parametrize("fall", [0.0, 0.0098, -0.003])
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
 def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -> None:
-    """As on one spring: where it leaves one wall it touches the other. Where a look at the run ends the integration decides by
-    rounding which of the two comes first; to be out of both is not to stay where one is."""
+    """As on one spring: where it leaves one wall it touches the other. Where a look at the run ends the integration
+    decides by rounding which of the two comes first; to be out of both is not to stay where one is."""
     law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
     system = hl.ParticleSystem(
         positions=[[2.0 * radius, radius]], velocities=[[0.0, speed]], radius=radius, density=2500.0,
@@ -579,8 +579,8 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
 
 
 def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
-    """Three balls in exact touch between two walls. Weight parts the last from its wall by 1e-38 of its force before the
-    others press it on: no end of the contact, nor ten million of them."""
+    """Three balls in exact touch between two walls. Weight parts the last from its wall by 1e-38 of its force before
+    the others press it on: no end of the contact, nor ten million of them."""
     radius, v = 0.00056616259905373527, 3.2687412896877242e-09
     system = hl.ParticleSystem(
         positions=[[radius, 0.00056616259905373527], [radius, 0.0016984877971612058], [radius, 0.0028308129952686763]],
@@ -594,8 +594,8 @@ def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
 
 
 def test_no_group_lasts_thousands_of_contacts() -> None:
-    """A slow body overlaps with walls without force when its contacts end: it is soon apart, however long it would take to
-    get far."""
+    """A slow body overlaps with walls without force when its contacts end: it is soon apart, however long it would take
+    to get far."""
     radius, v = 0.0001000000000000001, 2.3332128102661892e-11
     system = hl.ParticleSystem(
         positions=[[radius] * 2], velocities=[[v] * 2], radius=radius, mass=999.99999678332483,
