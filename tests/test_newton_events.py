@@ -544,6 +544,34 @@ def test_a_long_row_meets_a_wall(gap: float) -> None:
     assert run.series.kinetic_energy.values == pytest.approx(kinetic, abs=1e-6 * float(kinetic[0]))
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=0.0),
+        hl.Tsuji(elastic_prefactor=1e6, restitution=1.0),
+        *LAWS,
+    ],
+    ids=repr,
+)
+def test_a_contact_is_not_over_before_its_end(law: hl.Law) -> None:
+    """Looked at shortly before, where a step would go past touch: the clock of that step turns back there."""
+    system = hl.ParticleSystem(
+        positions=[[0.01, 0.01], [0.013, 0.0105]], velocities=[[0.5, 0.0], [-0.5, 0.0]], radius=1e-3,
+        density=2500.0, box=[0.03] * 2,
+    )  # fmt: skip
+    contacts = hl.molecular_dynamics(system, law=law, until=0.02, log=True).contacts
+    begin, end = float(contacts.begin[0]), float(contacts.end[0])
+    run = _core.NewtonEvents(*scene(system), choice(law), False)
+    run.advance(end)
+    place, velocity = run.state()
+    run = _core.NewtonEvents(*scene(system), choice(law), False)
+    for left in np.geomspace(0.1, 1e-5, 200) * (end - begin):
+        run.advance(end - left)
+        off = np.abs(run.state()[0] - (place - left * velocity)).max()
+        assert run.observe()["n_in_contact"] == 1, left
+        assert off < 0.1 * left * np.abs(velocity).max(), left
+
+
 @pytest.mark.parametrize("fall", [0.0, 0.0098, -0.003])
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
 def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -> None:

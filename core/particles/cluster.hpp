@@ -510,6 +510,11 @@ private:
                     last = false;
                 }
         if (ends_within_rounding()) return;
+        if (what != Event::none && end_[clock()] > until) {  // beyond touch time had run back from there
+            length = reach(until, length);
+            last = true;
+            what = Event::none;
+        }
         for (std::size_t q = 0; q < pairs.size(); ++q)
             if (pairs[q].fresh && (what == Event::none || which != static_cast<int>(q)))
                 pairs[q].fresh = still_fresh(static_cast<int>(q));

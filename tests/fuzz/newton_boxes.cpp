@@ -211,7 +211,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::with_some_law(draw, [&]<class Law>() {
         const Case<Law> c(draw);
         if (fault_of(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
-        if (!(c.least_restitution > 0.1)) return;  // what creeps takes steps without number
+        if (!(c.least_restitution > 1e-3)) return;  // what creeps takes steps without number
         Run<Law> run(c);
         const double first = draw.between(0.0, c.until);
         run.advance(first);
