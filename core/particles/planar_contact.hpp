@@ -267,15 +267,19 @@ private:
         for (int i = 0; i < n; ++i) {
             scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
         }
-        // Where a body creeps to rest, the rounding of the forces that balance is no error of the step.
-        const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
-        scale[M::rate] = math::max(scale[M::rate], 4.0 * math::epsilon * h_ * clock * motion_.gravity);
+        if (motion_.gravity > 0.0) scale[M::rate] = math::max(scale[M::rate], rounding_of_rate());
         const double error = DormandPrince::error(stages_, h_, n, scale);
         length_ = h_;
         h_ = math::min(h_ * DormandPrince::growth(error), longest_step);
         if (!(error <= 1.0)) return false;
         motion_(end_, slope_);
         return true;
+    }
+
+    // Where a body creeps to rest, the rounding of the forces that balance is no error of the step.
+    double rounding_of_rate() const {
+        const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
+        return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
     }
 
     // Whether the contact ends in the step just taken; if so, end_ moves there.
