@@ -201,7 +201,8 @@ void NewtonEvents<Law>::search(int i, const Block& in) {
         return;
     }
     hardlimit_abi::CellBlock block;
-    const auto touch = cells_.lay_block(block, cell_box_, level_, in.from, in.to) ? touch_.across : touch_.near;
+    const auto touch =
+        cells_.lay_block(block, cell_box_, level_, in.from, in.to) ? touch_.across : touch_.near;
     examine(i, touch(query_, paths_.data(), self, candidates_.data(), times_.data(), block));
 }
 

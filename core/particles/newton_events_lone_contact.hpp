@@ -14,7 +14,8 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
         normal[k] = (b.position[k] - a.position[k]) + q.image[k];
         v[k] = b.velocity[k] - a.velocity[k];
     }
-    const double per_distance = 1.0 / math::sqrt(dot(normal, normal)), approach = -dot(normal, v) * per_distance;
+    const double per_distance = 1.0 / math::sqrt(dot(normal, normal)),
+                 approach = -dot(normal, v) * per_distance;
     for (double& x : normal) x *= per_distance;
     for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
     const double sideways = math::sqrt(dot(across, across));

@@ -92,7 +92,8 @@ public:
         if (varies_) at.damping = damping_of(reduced);
         for (Level& level : levels_) {
             double depth = speed;
-            at.speed = level.of_depths ? place_of(speed * level.per_width, level.cells) : place_of(level, speed2);
+            at.speed =
+                level.of_depths ? place_of(speed * level.per_width, level.cells) : place_of(level, speed2);
             if (!(math::abs(at.speed.x) <= 1.0 && math::abs(at.damping.x) <= 1.0)) continue;
             const int row = row_of(at);
             if (!(level.bends[row] > 0.0)) level.bends[row] = bend(level, at);
@@ -142,9 +143,9 @@ private:
     };
     struct Level {
         double width, per_width;  // of a cell of speeds, in ln v_n², or in λ
-        int cells;       // of them
-        double error;    // in units of the accuracy, that is admitted where it is looked for
-        bool of_depths;  // the variable is λ = v_n/v_l
+        int cells;                // of them
+        double error;             // in units of the accuracy, that is admitted where it is looked for
+        bool of_depths;           // the variable is λ = v_n/v_l
         std::vector<Depth> depths;
         std::vector<double> bends;     // [cells or cells × dampings] b; 0 where not yet known
         std::vector<Slot<Flat>> flat;  // where D is one for all pairs

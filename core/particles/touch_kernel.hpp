@@ -26,14 +26,14 @@ namespace hardlimit_abi {
 
 // The particle that looks, now, and where.
 struct TouchQuery {
-    double now;                          // [s]
-    double position[3];                  // [m]
-    double velocity[3];                  // [m/s]
-    double radius, others;               // touches at this distance and `others` radii of the other [m]
-    double space, span;                  // where `reach` is asked for: not less than `radius`, for so long [m, s]
-    double shift[3];                     // of all neighbours [m]
-    double edge[3];                      // L [m]
-    double per_edge[3];                  // 1/L where the nearest image is meant, else 0
+    double now;             // [s]
+    double position[3];     // [m]
+    double velocity[3];     // [m/s]
+    double radius, others;  // touches at this distance and `others` radii of the other [m]
+    double space, span;     // where `reach` is asked for: not less than `radius`, for so long [m, s]
+    double shift[3];        // of all neighbours [m]
+    double edge[3];         // L [m]
+    double per_edge[3];     // 1/L where the nearest image is meant, else 0
     double half_gravity[3], gravity[3];  // g/2 and g [m/s²]
     double share, rate;  // of the radii now, and its growth [1/s]: 1 and 0 but for growing radii
 };
