@@ -544,6 +544,23 @@ def test_a_long_row_meets_a_wall(gap: float) -> None:
     assert run.series.kinetic_energy.values == pytest.approx(kinetic, abs=1e-6 * float(kinetic[0]))
 
 
+def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
+    """Balls as wide as the box touch both walls; some of their contacts begin and end within the rounding of places."""
+    radius = 0.0009481194856766419
+    system = hl.ParticleSystem(
+        positions=[[radius, 0.0010330632239960414], [radius, 0.0028443584570299256], [radius, 0.0047405974283832092]],
+        velocities=[[-1.0453255335638387e-09, 5.5152248532813395e-10], [1.2503359814355363e-09, 2.324044029270864e-09],
+                    [0.0, 2.324044029270864e-09]],
+        radius=[8.1038129133080387e-05, radius, radius], mass=[135.8323837896213, 0.041683428479314291, 1.0],
+        box=[2.0 * radius, 6.0 * radius], boundary=("wall", "periodic"), gravity=[0.0, 8.0473244778132623e-17],
+    )  # fmt: skip
+    law = hl.Viscoelastic(youngs_modulus=2.8484635977241168e11, poisson_ratio=0.0204, dissipative_time=0.0)
+    run = hl.molecular_dynamics(system, law=law, until=0.2556, samples=4, log=True)
+    assert run.outcome == "ok" and run.energy_error < 1e-10
+    lasted = run.contacts.end.values - run.contacts.begin.values
+    assert np.all(lasted[~np.isnan(lasted)] >= 0.0)
+
+
 @pytest.mark.parametrize(
     "law",
     [

@@ -250,6 +250,7 @@ private:
     static Place damping_of(const Reduced& reduced) {
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
     }
+    // Without a Place in it, which would be copied as a whole where its parts have just been written.
     struct Slant {
         int cell;
         double x;

@@ -39,9 +39,8 @@ class EarlyEnd(NamedTuple):
 
     time: float  #: [s]
     position: tuple[float, ...]  #: of the first particle [m]
-    particles: tuple[
-        int, ...
-    ]  #: ascending: of the contact, of the group of contacts, or the one that was too fast
+    #: Ascending: of the contact, of the group of contacts, or the one that was too fast.
+    particles: tuple[int, ...]
     wall: int | None  #: of the contact, −1 − 2·axis at 0 and −2 − 2·axis at the edge; None: none
 
     def who(self) -> str:
