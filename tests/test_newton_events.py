@@ -611,6 +611,29 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
         assert run.margin_used(20) <= 1.0, k
 
 
+@pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
+def test_a_swinging_body_is_hit(radius: float) -> None:
+    """The same body, when another one comes: the group, integrated again up to then, has the body where it is. Small
+    steps find the same; energy alone would not tell, since to stay behind keeps it."""
+    law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
+    frequency = math.sqrt(1e4 / float(hl.Ball(radius, density=2500.0).mass))
+    for k in range(40):
+        gap = (2.0 + 0.37 * math.pi * k) * speed / frequency
+        system = hl.ParticleSystem(
+            positions=[[2.0 * radius, radius], [3.5 * radius + gap, radius]],
+            velocities=[[0.0, speed], [-speed, 0.0]],
+            radius=[radius, 0.5 * radius], density=2500.0, box=[8.4 * radius, 2.0 * radius],
+            boundary=("periodic", "wall"),
+        )  # fmt: skip
+        until = gap / speed + 7.3 / frequency
+        run = hl.molecular_dynamics(system, law=law, until=until, samples=2)
+        near = hl.molecular_dynamics(
+            system, law=law, until=until, samples=2, engine="steps", time_step=0.002 / frequency, threads=1
+        )
+        off = np.abs(run.system.positions - near.system.positions).max() * frequency / speed
+        assert run.n_contacts == near.n_contacts and off < 1e-3, k
+
+
 def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
     """Three balls in exact touch between two walls. Weight parts the last from its wall by 1e-38 of its force before
     the others press it on: no end of the contact, nor ten million of them."""
