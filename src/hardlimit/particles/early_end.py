@@ -39,8 +39,7 @@ class EarlyEnd(NamedTuple):
 
     time: float  #: [s]
     position: tuple[float, ...]  #: of the first particle [m]
-    #: Ascending: of the contact, of the group of contacts, or the one that was too fast.
-    particles: tuple[int, ...]
+    particles: tuple[int, ...]  #: ascending: of the contact or group, or the one that was too fast
     wall: int | None  #: of the contact, −1 − 2·axis at 0 and −2 − 2·axis at the edge; None: none
 
     def who(self) -> str:
