@@ -468,6 +468,28 @@ def test_a_process_that_ends_leaves_its_replicas_and_no_workers(tmp_path: Path, 
     assert resumed is None or same(resumed, hl.fidelity(gas(), **arguments))
 
 
+HASTE = """
+import os
+import signal
+import hardlimit as hl
+
+if __name__ == "__mp_main__":  # of a worker, before its pool has told it anything
+    os.kill(os.getpid(), signal.SIGINT)
+if __name__ == "__main__":
+    system = hl.ParticleSystem.random(20, 0.2, 1e-3, 2500.0, 1.0)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    print(hl.fidelity(system, law=law, until=1e-4, samples=2, replicas=2, workers=2).n_replicas)
+"""
+
+
+@pytest.mark.slow
+def test_workers_that_still_start_do_not_hear_an_interrupt(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(HASTE)
+    run = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=120)
+    assert (run.returncode, run.stdout.strip(), run.stderr) == (0, "2", "")
+
+
 def group_lives(group: int) -> bool:
     try:
         os.killpg(group, 0)

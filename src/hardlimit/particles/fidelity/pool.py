@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from typing import Any, Final
 
@@ -71,8 +73,10 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
     context = get_context("spawn")
     done, stop = context.Array("q", max(wanted) + 1), context.Event()
     pool = ProcessPoolExecutor(min(workers, len(wanted)), context, _begin, (done, stop))
+    waiting: dict[Future[Arrays], int] = {}
     try:
-        waiting: dict[Future[Arrays], int] = {pool.submit(_task, starts, plan, k): k for k in wanted}
+        with _born_deaf():
+            waiting.update((pool.submit(_task, starts, plan, k), k) for k in wanted)
         while waiting:
             finished, _ = wait(waiting, PAUSE, FIRST_COMPLETED)
             for future in finished:
@@ -86,6 +90,22 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
     finally:
         stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _born_deaf() -> Iterator[None]:
+    """Processes started meanwhile never hear Ctrl-C, not even while they import what could ignore it.
+
+    They inherit what this thread blocks, and keep it; here it is heard at the end.
+    """
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin(done: Any, stop: Any) -> None:
