@@ -15,7 +15,7 @@ import xarray as xr
 
 pytest.importorskip("distributed")
 
-from distributed import Client, LocalCluster
+from distributed import Client, Future, LocalCluster
 
 import hardlimit as hl
 from conftest import wait_until
@@ -146,6 +146,30 @@ def test_an_error_here_ends_the_work_there() -> None:
             hl.sweep(SOFT, engine="dask", scheduler=client, progress=fail, **SLOW)
         assert client.futures == {}
         wait_until(lambda: not any(client.processing().values()))
+
+
+@pytest.mark.parametrize(
+    ("who", "asked", "job"),
+    [(Client, "nthreads", "sweep"), (Future, "result", "sweep"), (Future, "result", "fidelity")],
+)
+def test_a_scheduler_that_no_longer_answers(
+    monkeypatch: pytest.MonkeyPatch, who: type, asked: str, job: str
+) -> None:
+    """Not a connection that breaks, but a new one that is not made."""
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("Timed out trying to connect\nto it")
+
+    monkeypatch.setattr(who, asked, fail)
+    with pytest.raises(RuntimeError, match="scheduler: went away") as refused:
+        if job == "sweep":
+            hl.sweep(PAPER, engine="dask", **GRID)
+        else:
+            with one_worker() as local:
+                system = hl.ParticleSystem.random(20, 0.2, 1e-3, 2500.0, 1.0)
+                law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+                hl.fidelity(system, law=law, until=1e-4, samples=2, scheduler=local.scheduler_address)
+    assert "(Timed out trying to connect);" in str(refused.value) and "\n" not in str(refused.value)
 
 
 @pytest.mark.slow

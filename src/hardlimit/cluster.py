@@ -15,27 +15,38 @@ if TYPE_CHECKING:
 PATIENCE = "10s"
 
 
-def lost_connection(asked: str) -> tuple[type[Exception], ...]:
-    """The errors with which dask.distributed says that the scheduler has gone.
+@contextmanager
+def connection(scheduler: Any, asked: str) -> Iterator[Client]:
+    """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine.
 
     Raises
     ------
     ImportError
-        If it is not installed; ``asked`` is what needs it, such as ``engine: got 'dask'``.
+        If dask.distributed is not installed; ``asked`` is what needs it, such as ``engine: got 'dask'``.
+    ValueError
+        If no scheduler answers.
+    RuntimeError
+        If the scheduler goes away.
     """
     try:
         from distributed import CancelledError
-        from distributed.comm import CommClosedError
     except ImportError:
         raise ImportError(
             f"{asked}, must have the package distributed: pip install 'hardlimit[cluster]'"
         ) from None
-    return CancelledError, CommClosedError
+    with _connected(scheduler) as client:
+        try:
+            yield client
+        except (CancelledError, OSError) as gone:  # the latter where it is asked something, once it has gone
+            why = str(gone).splitlines()[:1] if isinstance(gone, OSError) else []
+            raise RuntimeError(
+                f"scheduler: went away{''.join(f' ({line})' for line in why)}; "
+                "what is in a store is kept, repeat the call"
+            ) from None
 
 
 @contextmanager
-def connection(scheduler: Any) -> Iterator[Client]:
-    """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine."""
+def _connected(scheduler: Any) -> Iterator[Client]:
     from distributed import Client, LocalCluster
 
     if isinstance(scheduler, Client):

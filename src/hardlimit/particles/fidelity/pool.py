@@ -149,20 +149,21 @@ def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any
     RuntimeError
         If the scheduler goes away.
     """
-    lost = cluster.lost_connection("scheduler: got one")
-    try:
-        with cluster.connection(scheduler) as client:
-            from distributed import as_completed
+    for place, found in enumerate(_gathered(starts, plan, wanted, scheduler)):
+        yield found
+        tell((place + 1) * plan.steps)
 
-            futures = {client.submit(_remote, starts, plan, k, _core.version, pure=False): k for k in wanted}
-            try:
-                for place, future in enumerate(as_completed(list(futures), loop=client.loop)):
-                    yield futures[future], future.result()
-                    tell((place + 1) * plan.steps)
-            finally:
-                client.cancel(list(futures), force=True)
-    except lost:
-        raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
+
+def _gathered(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any) -> Found:
+    with cluster.connection(scheduler, "scheduler: got one") as client:
+        from distributed import as_completed
+
+        futures = {client.submit(_remote, starts, plan, k, _core.version, pure=False): k for k in wanted}
+        try:
+            for future in as_completed(list(futures), loop=client.loop):
+                yield futures[future], future.result()
+        finally:
+            client.cancel(list(futures), force=True)
 
 
 def _remote(starts: Starts, plan: Plan, replica: int, version: str) -> Arrays:

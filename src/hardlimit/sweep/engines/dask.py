@@ -26,12 +26,8 @@ def compute(
     A task carries all it needs, so the death of a worker costs the chunks it was at, and the scheduler gives
     them to another. Only a few chunks for each worker are under way: results pile up neither there nor here.
     """
-    lost = cluster.lost_connection("engine: got 'dask'")
-    try:
-        with cluster.connection(scheduler) as client:
-            yield from _stream(client, computation, chunks, iter(wanted), threads)
-    except lost:
-        raise RuntimeError("scheduler: went away; what is in a store is kept, repeat the call") from None
+    with cluster.connection(scheduler, "engine: got 'dask'") as client:
+        yield from _stream(client, computation, chunks, iter(wanted), threads)
 
 
 def _stream(
