@@ -127,7 +127,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonSteps 2";
+    static constexpr const char* mark = "NewtonSteps 3";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 

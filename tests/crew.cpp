@@ -1,6 +1,7 @@
-// For tests/test_crew.py: the order of a step and the threads that share it.
+// For tests/test_crew.py: the order of steps and the threads that share it.
 //
-//   crew schedules          shares advance in random order: prints how many steps, and how many of them were wrong
+//   crew schedules          shares advance in random order: prints how many courses of steps, how many of them were
+//                           wrong, and in how many a share began a step before another one had begun the last
 //   crew threads N SHARES   N threads do the tasks of so many shares: prints the tasks, and how many were not done once
 #include "particles/steps/crew.hpp"
 
@@ -23,58 +24,96 @@ struct Slab {
     std::size_t first_body;
 };
 
-// Whether every slab is swept and moves once, neighbours in turn, even ones first, wherever the shares begin.
-bool right(std::uint32_t slabs, std::uint32_t shares, std::mt19937& engine) {
-    std::vector<Slab> made;
-    std::size_t bodies = 0;
-    for (std::uint32_t k = 0; k < slabs; ++k) made.push_back({bodies}), bodies += 1 + engine() % 1000;
-    const std::vector<std::uint32_t> cut = steps::cuts(made, bodies, shares);
-    std::vector<std::vector<steps::Task>> tasks;
-    for (std::uint32_t k = 0; k < shares; ++k) {
-        const std::vector<steps::Chore> chores = steps::schedule(cut[k], cut[k + 1], cut[1] == slabs);
-        tasks.push_back(steps::tasks(chores, cut[k], cut[k + 1], slabs));
-        if (!tasks[k].empty() && !tasks[k][0].needs.empty()) return false;
+// A course of steps of which each share does a chore now and then, wherever the shares begin. Some who move ask for an
+// early end.
+class Order {
+public:
+    Order(std::uint32_t slabs, std::uint32_t shares, std::mt19937& engine)
+        : slabs_(slabs), shares_(shares), engine_(engine), steps_(1 + engine() % 12) {
+        std::vector<Slab> made;
+        std::size_t bodies = 0;
+        for (std::uint32_t k = 0; k < slabs; ++k) made.push_back({bodies}), bodies += 1 + engine() % 1000;
+        course_.deal(made, bodies, shares);
     }
-    std::vector<std::size_t> next(shares, 0), chore(shares, 0);
-    std::vector<int> swept(slabs, 0), moved(slabs, 0);
-    for (std::size_t idle = 0; idle < 1000 * shares;) {
-        const std::uint32_t k = engine() % shares;
-        const bool open =
-            next[k] < tasks[k].size() &&
-            (chore[k] > 0 ||
-             std::ranges::all_of(tasks[k][next[k]].needs, [&](std::uint32_t s) { return swept[s] > 0; }));
-        if (!open) {
-            ++idle;
-            continue;
+
+    // In some courses, one after the other: slabs are swept and moved in turn, even ones first, and all end where the
+    // first one has asked for it.
+    bool right() {
+        std::uint64_t step = 2;
+        for (int k = 0; k < 3 && right_; ++k) {
+            course_.begin(step, steps_);
+            next_.assign(shares_, 0), swept_.assign(slabs_, 0), moved_.assign(slabs_, 0);
+            asks_ = engine_() % 2 == 0 ? static_cast<std::uint32_t>(engine_() % (slabs_ * steps_))
+                                       : slabs_ * steps_;
+            for (int idle = 0; idle < 300 * static_cast<int>(shares_);) idle = advance() ? 0 : idle + 1;
+            const std::uint32_t made = std::min(steps_, asks_ / slabs_ + 2);
+            right_ = right_ && course_.steps() == made && std::ranges::count(swept_, made) == slabs_ &&
+                     std::ranges::count(moved_, made) == slabs_;
+            step += made;
         }
-        idle = 0;
-        const std::vector<steps::Chore>& chores = tasks[k][next[k]].chores;
-        const auto [kind, slab] = chores[chore[k]++];
-        if (chore[k] == chores.size()) ++next[k], chore[k] = 0;
-        const std::uint32_t after = (slab + 1) % slabs, before = (slab + slabs - 1) % slabs;
-        if (kind == steps::Chore::sweep) {
-            ++swept[slab];
-            // It looks at both slabs, and even ones push first.
-            if (moved[slab] || moved[after]) return false;
-            if (slab % 2 == 1 ? !swept[before] || !swept[after]
-                              : (slabs > 1 && (swept[before] || swept[after])))
-                return false;
-        } else if (kind == steps::Chore::move) {
-            ++moved[slab];
-            if (!swept[slab] || !swept[before]) return false;
-        }
+        return right_;
     }
-    for (std::uint32_t s = 0; s < slabs; ++s)
-        if (swept[s] != 1 || moved[s] != 1) return false;
-    return true;
-}
+    std::uint32_t lead() const { return lead_; }
+
+private:
+    std::uint32_t slabs_, shares_;
+    std::mt19937& engine_;
+    std::uint32_t steps_;
+    steps::Course course_;
+    std::vector<std::uint32_t> next_, swept_, moved_;
+    std::vector<bool> busy_ = std::vector<bool>(shares_);
+    std::uint32_t asks_ = 0;  // step and slab
+    std::uint32_t lead_ = 0;  // of one share before another one, in steps
+    bool right_ = true;
+
+    // A task of some share, in the middle of which others go on.
+    bool advance() {
+        const std::uint32_t share = engine_() % shares_;
+        if (busy_[share] || next_[share] == course_.tasks(share)) return false;
+        const std::uint32_t task = next_[share];
+        if (task == 0 ? false : !course_.ready(share, task)) return false;
+        busy_[share] = true;
+        course_.perform(share, task, [&](steps::Chore chore, std::uint32_t ahead) {
+            while (engine_() % 4 == 0) advance();
+            if (ahead >= steps_) right_ = false;
+            if (chore.kind == steps::Chore::sweep) sweep(chore.slab, ahead);
+            if (chore.kind == steps::Chore::move) move(chore.slab, ahead);
+            while (engine_() % 4 == 0) advance();
+        });
+        ++next_[share];
+        busy_[share] = false;
+        return true;
+    }
+    std::uint32_t after(std::uint32_t slab) const { return (slab + 1) % slabs_; }
+    std::uint32_t before(std::uint32_t slab) const { return (slab + slabs_ - 1) % slabs_; }
+    // It looks at both slabs, and even ones push first.
+    void sweep(std::uint32_t slab, std::uint32_t ahead) {
+        const std::uint32_t neighbours = ahead + slab % 2;
+        const bool alone = slabs_ == 1;
+        right_ = right_ && swept_[slab] == ahead && moved_[slab] == ahead && moved_[after(slab)] == ahead &&
+                 (alone || (swept_[before(slab)] == neighbours && swept_[after(slab)] == neighbours));
+        ++swept_[slab];
+        lead_ = std::max(lead_, ahead + 1 - std::ranges::min(swept_));
+    }
+    void move(std::uint32_t slab, std::uint32_t ahead) {
+        right_ =
+            right_ && moved_[slab] == ahead && swept_[slab] == ahead + 1 && swept_[before(slab)] == ahead + 1;
+        if (ahead * slabs_ + slab == asks_ || (ahead * slabs_ > asks_ && slab % 7 == 0))
+            course_.end_after(ahead);
+        ++moved_[slab];
+    }
+};
 
 int schedules() {
     std::mt19937 engine(1);
-    int wrong = 0, all = 0;
+    int wrong = 0, all = 0, apart = 0;
     for (std::uint32_t slabs = 1; slabs <= 128; slabs += slabs == 1 ? 1 : 2)
-        for (std::uint32_t shares = 1; shares <= 9; ++shares, ++all) wrong += !right(slabs, shares, engine);
-    std::printf("%d %d\n", all, wrong);
+        for (std::uint32_t shares = 1; shares <= 9; ++shares, ++all) {
+            Order order(slabs, shares, engine);
+            wrong += !order.right();
+            apart += order.lead() > 1;
+        }
+    std::printf("%d %d %d\n", all, wrong, apart);
     return 0;
 }
 

@@ -314,6 +314,38 @@ def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
     assert len(found) == 1 and engine.n_contacts > 500 and engine.n_lists > 5
 
 
+@pytest.mark.parametrize("stiffness", [1e5, 1e9])
+@pytest.mark.parametrize("seed", range(4))
+def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(seed, stiffness):
+    """At rest or nearly so, some grains overlap and are let go: speeds grow manifold within a few steps."""
+    rng = np.random.default_rng(seed)
+    dimension = 2 + seed % 2
+    sides = {"boundary": ("periodic", "wall")[seed // 2], "gravity": 9.81 * (seed % 3)}
+    calm = lattice(700, dimension, seed=seed, spread=1.3, **sides)
+    large = np.where(rng.random(calm.n) < 0.03, 1.8, 1.0) * calm.radius
+    system = hl.ParticleSystem(
+        calm.positions,
+        (0.0, 1e-3)[seed // 2] * calm.velocities,
+        large,
+        density=2500.0,
+        box=calm.box,
+        allowed_overlap=0.9,
+        **sides,
+    )
+    step = 2e-6 * math.sqrt(1e5 / stiffness)
+    found = set()
+    for threads in (1, 2, 3, 8):
+        engine = engine_of(system, hl.LinearDashpot(stiffness=stiffness, restitution=0.5), step)
+        for k in (1, 2):
+            while engine.time < k * 350.3 * step or engine.paused:
+                engine.advance(k * 350.3 * step, threads, 10**6 if threads == 2 else int(rng.integers(1, 90)))
+                if threads == 3 and engine.paused:
+                    engine = _core.NewtonSteps.load(engine.save())
+                assert engine.outcome == "ok"
+        found.add(everything(engine) + repr(engine.n_lists).encode())
+    assert len(found) == 1 and engine.n_ended > 10 and engine.n_lists > 3
+
+
 def test_overlapped_contacts_are_those_that_share_a_particle_while_they_last():
     law = GLASS.replace(stiffness=2e3)
     run = molecular_dynamics(lattice(60, seed=2), law=law, until=8e-3, log=True)

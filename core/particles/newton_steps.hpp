@@ -11,6 +11,11 @@
 //
 // The list is made anew once a body may have moved by half the skin. The sum of the largest speeds bounds that; where
 // the bound says so, distances are measured, since in a dense box bodies do not get far.
+//
+// Threads meet only after a course of steps (steps/schedule.hpp): so many that the bound will hold if no speed exceeds
+// a limit, with room for a body that does so for one step. Such a body ends the course with the next step. Courses
+// follow from the state alone and pauses leave them as they are, so lists are made at the same steps in any case. Where
+// a body was too fast for that room, distances show whether the list was still good for the last step.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -73,13 +78,9 @@ public:
     void advance(double until, std::uint64_t most_steps, int threads, std::chrono::milliseconds period,
                  const Watch& watch) {
         if (outcome_ != Outcome::ok) return;
-        quota_ = most_steps;
+        quota_ = std::max(most_steps, std::uint64_t{1});
         if (paused_ && until != until_) planned_ = done_;
-        if (paused_) {
-            Stop never;
-            begin_step(never);
-            go(threads, period, watch);
-        }
+        if (paused_) go(threads, period, watch);
         if (paused_ || !(until > time_) || outcome_ != Outcome::ok) return;
         plan(until);
         go(threads, period, watch);
@@ -156,16 +157,14 @@ private:
     using Touch = steps::Touch<Law>;
     using Four = steps::Four;
     enum class Phase { go_on, move, measure, cells, gather, list, step, over };
-    static constexpr std::size_t most_slabs = 128;
+    static constexpr std::size_t most_slabs = steps::Course::most_slabs;
+    static constexpr std::uint32_t most_ahead = 64;  // steps in a phase
 
-    // The step at which a slab was swept last, for who waits for it.
-    struct alignas(steps::apart) Swept {
-        std::atomic<std::uint64_t> step{0};
-    };
     // What the tasks of a phase say to who ends it: only what is new, or it would have to fetch many cache lines.
     struct alignas(steps::apart) News {
-        std::atomic<double> fastest{0.0};                     // [m/s], if beyond fastest_
-        std::array<std::atomic<bool>, most_slabs> changes{};  // contacts of a slab have begun or ended
+        std::atomic<bool> faster{false};
+        std::array<std::atomic<double>, most_ahead> fastest{};  // [m/s] in each step, if beyond fastest_
+        std::array<std::atomic<bool>, most_slabs> changes{};    // contacts of a slab have begun or ended
     };
     // What the threads of a crew do.
     struct Job {
@@ -184,10 +183,8 @@ private:
     steps::Grid grid_;
     std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
     std::vector<Slab> slabs_;
-    std::vector<Swept> swept_;                        // [most_slabs]
-    std::vector<std::uint32_t> cuts_;                 // [shares + 1] first slab of each
-    std::vector<std::vector<steps::Task>> schedule_;  // of each share
-    std::vector<Touch> moving_;                       // while the list is made
+    steps::Course course_;
+    std::vector<Touch> moving_;  // while the list is made
     std::vector<std::pair<std::uint32_t, steps::Push>> moving_pushes_;
 
     double time_step_;                                                    // the longest [s]
@@ -196,10 +193,11 @@ private:
     double h_ = 0.0;                                                      // this one [s]
 
     // Between two phases one thread writes, here and below; in a phase all read, here and above.
-    alignas(64) steps::Instant now_{};
-    double kick_ = 0.0;  // the time by which velocities go on in this phase [s]
+    alignas(64) steps::Instant now_{};  // of the first step of the phase; between phases of the last one
+    double kick_ = 0.0;                 // the time by which velocities go on in this phase [s]
     Phase phase_ = Phase::cells;
     double fastest_ = 0.0;  // no body was faster before this phase [m/s]
+    double limit_ = 0.0;    // of the speeds of a course [m/s]
 
     News news_;
 
@@ -213,21 +211,18 @@ private:
 
     double skin_ = 0.0;                         // [m]
     double travelled_ = 0.0, allowance_ = 0.0;  // how far a body may have moved, and may [m]
+    std::uint64_t course_end_ = 0;              // among the steps taken
+    bool unproven_ = false;                     // a step was made though a body may have moved further
     std::uint64_t lists_ = 0;
 
     double dissipated_ = 0.0, virial_ = 0.0;  // before the list was made
     steps::ContactLog log_;
-    std::vector<steps::Change> changes_;
+    std::vector<std::pair<std::uint32_t, std::size_t>> changes_;  // slab, place in its changes
     std::atomic<double> reached_{0.0};
     std::atomic<std::uint64_t> contacts_{0};
 
     NewtonSteps(const Box& box, PairLaws<Law> laws, std::size_t bodies, double time_step, bool log)
-        : box_(box),
-          laws_(std::move(laws)),
-          sorting_(bodies),
-          swept_(most_slabs),
-          time_step_(time_step),
-          log_(bodies, log) {
+        : box_(box), laws_(std::move(laws)), sorting_(bodies), time_step_(time_step), log_(bodies, log) {
         for (std::size_t i = 0; i < bodies; ++i) {
             const double width = 2.0 * laws_.radius(i);
             widest_ = math::max(widest_, width);
@@ -244,6 +239,7 @@ private:
         planned_ = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
         from_ = time_, until_ = until, done_ = 0;
         h_ = (until - time_) / static_cast<double>(planned_);
+        course_end_ = taken_;
         phase_ = Phase::go_on;
     }
     template <class Watch>
@@ -251,6 +247,10 @@ private:
         steps::Crew crew(threads);
         Job job{*this};
         divide(static_cast<std::uint32_t>(threads));
+        if (paused_) {
+            Stop never;
+            begin_step(never);
+        }
         crew.begin(job);
         const auto work = [&](Stop& stop) { crew.work(stop, job); };
         try {
@@ -270,75 +270,64 @@ private:
 
     std::uint32_t slabs() const { return static_cast<std::uint32_t>(slabs_.size()); }
     std::uint32_t before(std::uint32_t slab) const { return (slab + slabs() - 1) % slabs(); }
-    std::uint32_t shares() const { return static_cast<std::uint32_t>(schedule_.size()); }
     std::uint32_t blocks() const { return static_cast<std::uint32_t>(bodies_.count() / 1024) + 1; }
     std::uint32_t first_block(std::uint32_t share) const {
-        return static_cast<std::uint32_t>(std::uint64_t{blocks()} * share / shares());
+        return static_cast<std::uint32_t>(std::uint64_t{blocks()} * share / course_.shares());
     }
     std::pair<std::size_t, std::size_t> block(std::uint32_t index) const {
         return {bodies_.count() * index / blocks(), bodies_.count() * (index + 1) / blocks()};
     }
 
-    // Deals the slabs out.
-    void divide(std::uint32_t shares) {
-        schedule_.resize(shares);
-        cuts_ = steps::cuts(slabs_, bodies_.count(), shares);
-        const bool alone = cuts_[1] == slabs();
-        for (std::uint32_t k = 0; k < shares; ++k)
-            schedule_[k] =
-                steps::tasks(steps::schedule(cuts_[k], cuts_[k + 1], alone), cuts_[k], cuts_[k + 1], slabs());
-    }
+    void divide(std::uint32_t shares) { course_.deal(slabs_, bodies_.count(), shares); }
     std::uint32_t tasks(std::uint32_t share) const {
         switch (phase_) {
             case Phase::go_on:
             case Phase::move:
             case Phase::measure:
             case Phase::list:
-                return cuts_[share + 1] - cuts_[share];
+                return course_.first_slab(share + 1) - course_.first_slab(share);
             case Phase::cells:
             case Phase::gather:
                 return first_block(share + 1) - first_block(share);
             case Phase::step:
-                return static_cast<std::uint32_t>(schedule_[share].size());
+                return course_.tasks(share);
             case Phase::over:
                 break;
         }
         return 0;
     }
     bool ready(std::uint32_t share, std::uint32_t task) const {
-        if (phase_ != Phase::step) return true;
-        return std::ranges::all_of(schedule_[share][task].needs, [&](std::uint32_t slab) {
-            return swept_[slab].step.load(std::memory_order_acquire) == now_.step;
-        });
+        return phase_ != Phase::step || course_.ready(share, task);
     }
     void perform(std::uint32_t share, std::uint32_t task) {
+        const std::uint32_t slab = course_.first_slab(share) + task;  // in phases of all slabs
         switch (phase_) {
             case Phase::go_on:
-                return steps::Forces<Law>::go_on(slabs_[cuts_[share] + task], bodies_, h_);
+                return steps::Forces<Law>::go_on(slabs_[slab], bodies_, h_);
             case Phase::move:
-                return move(cuts_[share] + task);
+                return move(slab, 0);
             case Phase::measure:
-                return measure(slabs_[cuts_[share] + task]);
+                return measure(slabs_[slab]);
             case Phase::list:
-                return list(slabs_[cuts_[share] + task]);
+                return list(slabs_[slab]);
             case Phase::cells:
                 return find_cells(first_block(share) + task);
             case Phase::gather:
                 return gather(first_block(share) + task);
             case Phase::step:
-                for (const steps::Chore chore : schedule_[share][task].chores) perform(chore);
-                return;
+                return course_.perform(
+                    share, task, [this](steps::Chore chore, std::uint32_t ahead) { perform(chore, ahead); });
             case Phase::over:
                 return;
         }
     }
 
-    void perform(steps::Chore chore) {
+    void perform(steps::Chore chore, std::uint32_t ahead) {
         switch (chore.kind) {
             case steps::Chore::sweep:
-                return sweep(chore.slab);
+                return sweep(chore.slab, ahead);
             case steps::Chore::move:
-                return move(chore.slab);
+                return move(chore.slab, ahead);
             case steps::Chore::look:
                 return look(slabs_[chore.slab]);
             case steps::Chore::fetch:
@@ -354,7 +343,7 @@ private:
                 phase_ = Phase::move;
                 break;
             case Phase::move:
-                end_move(stop);
+                end_steps(1, stop);
                 break;
             case Phase::measure:
                 end_measure(stop);
@@ -367,14 +356,17 @@ private:
                 break;
             case Phase::list:
                 restore_touches();
-                begin_step(stop);
+                begin_course(stop);
                 break;
             case Phase::step:
                 note_changes();
-                if (now_.closing)
+                if (now_.closing) {
                     phase_ = Phase::over;
-                else
-                    end_move(stop);
+                    break;
+                }
+                now_ = instant(course_.steps() - 1);
+                quota_ -= course_.steps();
+                end_steps(course_.steps(), stop);
                 break;
             case Phase::over:
                 break;
@@ -397,15 +389,19 @@ private:
 
     // The bodies of a slab, after all their pushes: velocities go on by kick_, then positions by h_, unless this is
     // where the advance ends.
-    void move(std::uint32_t index) {
+    void move(std::uint32_t index, std::uint32_t ahead) {
         Slab& slab = slabs_[index];
         slab.vacant.insert(slab.vacant.end(), slab.vacated.begin(), slab.vacated.end());
         slab.vacated.clear();
-        kick(slab, slabs_[before(index)]);
+        kick(slab, slabs_[before(index)], now_.step + ahead);
         const double fastest = math::sqrt(slab.fastest);
         slab.fastest = 0.0;
         if (phase_ == Phase::step && now_.closing) return;
-        if (fastest > fastest_) raise(news_.fastest, fastest);
+        if (fastest > fastest_) {
+            raise(news_.fastest[ahead], fastest);
+            news_.faster.store(true, std::memory_order_relaxed);
+            if (fastest > limit_) course_.end_after(ahead);
+        }
         drift(slab);
     }
     // Where two threads meet, they take cache lines from each other, and so does the hardware that reads ahead. Fetched
@@ -420,18 +416,18 @@ private:
         prefetch(previous.pushed_beyond.data()), prefetch(previous.jolts.data());
     }
     // Few have been pushed; all feel gravity.
-    void kick(Slab& slab, const Slab& previous) {
-        for (const std::uint32_t i : slab.pushed_here) kick_body(slab, i);
+    void kick(Slab& slab, const Slab& previous, std::uint64_t step) {
+        for (const std::uint32_t i : slab.pushed_here) kick_body(slab, i, step);
         for (const std::uint32_t i : previous.pushed_beyond)
-            if (slab.holds(i)) kick_body(slab, i);
+            if (slab.holds(i)) kick_body(slab, i, step);
         jolt(slab, slab);
         if (slabs() > 1) jolt(slab, previous);
         const Four fall = box_.pull() * kick_;
         if (steps::dot(fall, fall) > 0.0)
             for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies_.motion[i] += fall;
     }
-    void kick_body(Slab& slab, std::uint32_t i) {
-        bodies_.motion[i] += bodies_.push[i].at(now_.step) * kick_;
+    void kick_body(Slab& slab, std::uint32_t i, std::uint64_t step) {
+        bodies_.motion[i] += bodies_.push[i].at(step) * kick_;
         slab.fastest = math::max(slab.fastest, steps::dot(bodies_.motion[i], bodies_.motion[i]));
     }
     void jolt(Slab& slab, const Slab& of) {
@@ -456,19 +452,42 @@ private:
         while (was < to && !most.compare_exchange_weak(was, to, std::memory_order_relaxed)) continue;
     }
 
-    void end_move(Stop& stop) {
-        ++done_, ++taken_;
-        time_ = done_ == planned_ ? until_ : from_ + static_cast<double>(done_) * h_;
+    double time_at(std::uint64_t done) const {
+        return done == planned_ ? until_ : from_ + static_cast<double>(done) * h_;
+    }
+    void end_steps(std::uint32_t steps, Stop& stop) {
+        const bool faster = news_.faster.load(std::memory_order_relaxed);
+        const double fall = math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
+        for (std::uint32_t ahead = 0; ahead < steps; ++ahead) {
+            ++done_, ++taken_;
+            const double fastest = faster ? news_.fastest[ahead].load(std::memory_order_relaxed) : 0.0;
+            if (fastest > limit_) course_end_ = std::min(course_end_, taken_ + 1);
+            fastest_ = math::max(fastest_, fastest) + fall;
+            travelled_ += fastest_ * h_;
+            unproven_ = unproven_ || (travelled_ > allowance_ && taken_ < course_end_);
+        }
+        if (faster) {
+            for (auto& fastest : news_.fastest) fastest.store(0.0, std::memory_order_relaxed);
+            news_.faster.store(false, std::memory_order_relaxed);
+        }
+        time_ = time_at(done_);
         reached_.store(time_, std::memory_order_relaxed);
         contacts_.store(log_.begun(), std::memory_order_relaxed);
-        if (const double fastest = news_.fastest.load(std::memory_order_relaxed); fastest > 0.0) {
-            fastest_ = math::max(fastest_, fastest);
-            news_.fastest.store(0.0, std::memory_order_relaxed);
-        }
-        fastest_ += math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
-        travelled_ += fastest_ * h_;
-        if (travelled_ <= allowance_) return begin_step(stop);
+        if (taken_ < course_end_) return begin_step(stop);
+        if (travelled_ <= allowance_) return begin_course(stop);
         phase_ = Phase::measure;
+    }
+
+    // Speeds may grow by a quarter, and one may jump to five times the limit in the step before that is known.
+    void begin_course(Stop& stop) {
+        constexpr double growth = 1.25, reserve = 4.0;
+        const double steps = math::clamp(4e6 / static_cast<double>(bodies_.count()), 1.0, double{most_ahead});
+        const double fall = steps * math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
+        limit_ = growth * fastest_ + fall;
+        const double room = (allowance_ - travelled_) / ((limit_ + fall) * h_) - reserve;
+        const double fit = fastest_ > 0.0 && room > 1.0 ? math::min(room, steps) : 1.0;
+        course_end_ = taken_ + std::min(static_cast<std::uint64_t>(fit), planned_ - done_);
+        begin_step(stop);
     }
 
     // --- the list of neighbours -----------------------------------------------------------------------------------
@@ -494,12 +513,14 @@ private:
         }
         fastest_ = fastest, travelled_ = 0.0;
         allowance_ = 0.5 * skin_ - farthest;
-        if (!(sane && fastest * h_ < 0.25 * smallest_)) {  // bodies could pass through each other
+        const bool missed = unproven_ && !(fastest * h_ <= allowance_);  // some contact perhaps, a step ago
+        unproven_ = false;
+        if (missed || !(sane && fastest * h_ < 0.25 * smallest_)) {  // bodies could pass through each other
             outcome_ = Outcome::unresolved;
             ended_by_ = {fastest_body()};
             begin_step(stop);
         } else if (allowance_ > 0.05 * skin_) {
-            begin_step(stop);
+            begin_course(stop);
         } else {
             begin_cells();
         }
@@ -591,7 +612,7 @@ private:
             s.clear_step();
             s.dissipated = s.virial = s.farthest = s.fastest = 0.0;
         }
-        divide(shares());
+        divide(course_.shares());
     }
 
     void list(Slab& slab) {
@@ -662,37 +683,51 @@ private:
             return;
         }
         phase_ = Phase::step;
-        --quota_;
         const double share = closing ? 0.5 : 1.0, h = first ? 0.0 : h_;
         now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, share * h, closing};
         kick_ = closing ? now_.ahead : h_;
+        const std::uint64_t span = closing ? 1 : std::min(course_end_ - taken_, quota_);
+        course_.begin(now_.step, static_cast<std::uint32_t>(span));
     }
-    void sweep(std::uint32_t index) {
-        steps::Forces<Law>(box_, grid_, bodies_, laws_, now_).of(slabs_[index], index);
-        if (!slabs_[index].changes.empty()) news_.changes[index].store(true, std::memory_order_relaxed);
-        swept_[index].step.store(now_.step, std::memory_order_release);
+    steps::Instant instant(std::uint32_t ahead) const {
+        steps::Instant then = now_;
+        if (ahead > 0) then.step += ahead, then.time = time_at(done_ + ahead);
+        return then;
+    }
+    void sweep(std::uint32_t index, std::uint32_t ahead) {
+        Slab& slab = slabs_[index];
+        steps::Forces<Law>(box_, grid_, bodies_, laws_, instant(ahead)).of(slab);
+        std::atomic<bool>& news = news_.changes[index];
+        if (!slab.changes.empty() && !news.load(std::memory_order_relaxed))
+            news.store(true, std::memory_order_relaxed);
     }
 
-    // What began and ended since the step before, in the order of time.
+    // What began and ended in the steps of this phase, in the order of time.
     void note_changes() {
         for (std::uint32_t k = 0; k < slabs(); ++k) {
             if (!news_.changes[k].load(std::memory_order_relaxed)) continue;
             news_.changes[k].store(false, std::memory_order_relaxed);
-            std::vector<steps::Change>& of = slabs_[k].changes;
-            changes_.insert(changes_.end(), of.begin(), of.end());
-            of.clear();
+            for (std::size_t at = 0; at < slabs_[k].changes.size(); ++at) changes_.push_back({k, at});
         }
-        const auto touch = [&](const steps::Change& c) -> Touch& { return slabs_[c.slab].touches[c.slot]; };
-        std::sort(changes_.begin(), changes_.end(), [&](const steps::Change& a, const steps::Change& b) {
-            if (a.time != b.time) return a.time < b.time;
-            const Touch &s = touch(a), &t = touch(b);
-            return s.first != t.first ? s.first < t.first : s.second < t.second;
+        std::ranges::stable_sort(changes_, {}, [this](const std::pair<std::uint32_t, std::size_t>& where) {
+            return slabs_[where.first].changes[where.second].order();
         });
-        for (const steps::Change& c : changes_)
-            if (c.begins)
-                log_.begins(touch(c));
-            else
-                log_.ends(touch(c), c.time, c.separation_speed);
+        for (const auto& [k, at] : changes_) {
+            std::vector<steps::Change>& all = slabs_[k].changes;
+            steps::Change& c = all[at];
+            if (c.begins) {
+                log_.begins(c.contact);
+                Touch& t = slabs_[k].touches[static_cast<std::size_t>(c.slot)];
+                if (t.news != static_cast<std::int32_t>(at)) continue;  // it has ended already
+                static_cast<steps::Record&>(t) = c.contact;
+                t.news = -1;
+            } else {
+                const bool known = c.since < 0;
+                log_.ends(known ? c.contact : all[static_cast<std::size_t>(c.since)].contact, c.time,
+                          c.separation_speed);
+            }
+        }
+        for (const auto& [k, at] : changes_) slabs_[k].changes.clear();
         changes_.clear();
     }
 
@@ -705,6 +740,7 @@ private:
         archive(time_), archive(h_), archive(taken_), archive(now_), archive(outcome_);
         archive(ended_by_);
         archive(skin_), archive(fastest_), archive(travelled_), archive(allowance_), archive(lists_);
+        archive(limit_), archive(course_end_), archive(unproven_);
         archive(from_), archive(until_), archive(planned_), archive(done_), archive(paused_);
         archive(dissipated_), archive(virial_);
         log_.exchange(archive);

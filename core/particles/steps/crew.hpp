@@ -1,5 +1,6 @@
 // Threads that go through one phase of tasks after the other together.
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -8,6 +9,7 @@
 
 #include "../../portable.hpp"
 #include "../../stop.hpp"
+#include "schedule.hpp"
 
 namespace hardlimit::particles::steps {
 
@@ -32,9 +34,6 @@ private:
     static constexpr int soon = 50, lateness = 1000, drowsy = 1500;  // a turn takes some 20 ns, later more
     int turns_ = 0;
 };
-
-// So far lie apart what different threads write: two cache lines, which the hardware fetches in pairs.
-inline constexpr std::size_t apart = 128;
 
 // Any number of threads may join, also late, and one alone does all the work: a phase is over when its tasks are,
 // not when threads have arrived.
@@ -70,8 +69,12 @@ public:
     template <class Job>
     void work(Stop& stop, Job& job) {
         const std::uint32_t own = joined_.fetch_add(1, std::memory_order_relaxed) % count();
+        std::vector<std::uint64_t> left(count(),
+                                        stale);  // what was taken of others' shares by the last one done here
         for (Wait wait; !over_.load(std::memory_order_acquire);) {
-            if (takes_part(own, stop, job) || (wait.looks() && helps(own, wait.late(), stop, job)))
+            const bool stands_in =
+                std::ranges::any_of(left, [](std::uint64_t taken) { return taken != stale; });
+            if (takes_part(own, stands_in ? 1 : attentive, stop, job) || helps(own, wait, left, stop, job))
                 wait = {};
             else if (!wait.turn(stop))
                 return;
@@ -79,7 +82,8 @@ public:
     }
 
 private:
-    static constexpr int bits = 20;  // of a number of tasks
+    static constexpr int bits = 20;       // of a number of tasks
+    static constexpr int attentive = 50;  // turns
     static constexpr std::uint64_t most = (std::uint64_t{1} << bits) - 1;
     // Both with the phase in the upper bits, so that nobody takes a task of another one. Who has waited reads the
     // first, written by another thread, and writes the second, which usually no other thread has had.
@@ -96,11 +100,18 @@ private:
 
     std::uint32_t count() const { return static_cast<std::uint32_t>(shares_.size()); }
 
+    // Where nobody has come, or somebody is late. Who has helped goes on at once until the owner is back.
     template <class Job>
-    bool helps(std::uint32_t own, bool late, Stop& stop, Job& job) {
+    bool helps(std::uint32_t own, const Wait& wait, std::vector<std::uint64_t>& left, Stop& stop, Job& job) {
         for (std::uint32_t k = 1; k < count(); ++k) {
             const std::uint32_t share = (own + k) % count();
-            if ((late || next_of(share) == 0) && takes_part(share, stop, job)) return true;
+            const auto taken = [&] { return shares_[share].taken.load(std::memory_order_acquire); };
+            if (left[share] != stale && left[share] != taken()) left[share] = stale;
+            const bool stands_in = left[share] != stale;
+            if (!stands_in && !wait.late() && !(wait.looks() && next_of(share) == 0)) continue;
+            if (!takes_part(share, 1, stop, job)) continue;
+            left[share] = taken();
+            return true;
         }
         return false;
     }
@@ -119,7 +130,7 @@ private:
     // Does the tasks of a share until none is ready, and ends the phase after its last task; whether it did any. The
     // job may be asked what is ready only while the phase lasts: before a task is reported as done, or by a guest.
     template <class Job>
-    bool takes_part(std::uint32_t share, Stop& stop, Job& job) {
+    bool takes_part(std::uint32_t share, int patience, Stop& stop, Job& job) {
         const std::uint64_t offered = shares_[share].offered.load(std::memory_order_acquire);
         std::atomic<std::uint64_t>& taken_by_all = shares_[share].taken;
         std::uint64_t taken = taken_by_all.load(std::memory_order_acquire);
@@ -140,7 +151,14 @@ private:
             ++reports;
             taken = taken_by_all.load(std::memory_order_acquire);
         }
-        while (any() && job.ready(share, static_cast<std::uint32_t>(task()))) take();
+        // Who has worked so far waits a little: what is missing comes soon, unless another thread is late.
+        const auto ready = [&] {
+            for (int turns = reports > guest ? patience : 1;; relax()) {
+                if (job.ready(share, static_cast<std::uint32_t>(task()))) return true;
+                if (--turns == 0) return false;
+            }
+        };
+        while (any() && ready()) take();
         if (left_.fetch_sub(reports, std::memory_order_acq_rel) == reports) {
             job.next(stop);
             begin(job);

@@ -59,10 +59,10 @@ public:
     Forces(const Box& box, const Grid& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
         : box_(box), grid_(grid), bodies_(bodies), laws_(laws), now_(now) {}
 
-    void of(Slab<Law>& slab, std::uint32_t index) {
+    void of(Slab<Law>& slab) {
         slab.clear_step();
-        of_pairs(slab, index);
-        of_walls(slab, index);
+        of_pairs(slab);
+        of_walls(slab);
     }
 
     // What the half step after an instant with known forces misses of contacts that were new then.
@@ -102,7 +102,7 @@ private:
         double compression() const { return reach - distance; }
     };
 
-    void of_pairs(Slab<Law>& slab, std::uint32_t index) {
+    void of_pairs(Slab<Law>& slab) {
         const double* place = numbers(bodies_.place);
         const Four* shift = grid_.shifts();
         const std::size_t count = slab.pairs.size();
@@ -113,31 +113,30 @@ private:
             const double x = b[0] - a[0] + s[0], y = b[1] - a[1] + s[1], z = b[2] - a[2] + s[2];
             const double reach = a[3] + b[3], squared = (x * x + y * y) + z * z;
             if (squared < reach * reach || slab.touch_of_pair[k] >= 0) [[unlikely]]
-                meet_body(slab, index, slab.touch_of_pair[k], p, four(x, y, z, 0.0));
+                meet_body(slab, slab.touch_of_pair[k], p, four(x, y, z, 0.0));
         }
     }
-    void of_walls(Slab<Law>& slab, std::uint32_t index) {
+    void of_walls(Slab<Law>& slab) {
         for (std::size_t k = 0; k < slab.walls.size(); ++k) {
             const AtWall w = slab.walls[k];
             const Four place = bodies_.place[w.body];
             const double x = place[static_cast<int>(w.wall / 2)];
             const double distance = w.wall % 2 == 0 ? x : box_.edge[w.wall / 2] - x;
             if (distance < place[3] || slab.touch_of_wall[k] >= 0)
-                meet_wall(slab, index, slab.touch_of_wall[k], w, distance);
+                meet_wall(slab, slab.touch_of_wall[k], w, distance);
         }
     }
 
-    HL_FN_APART void meet_body(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, Pair p, Four apart) {
+    HL_FN_APART void meet_body(Slab<Law>& slab, std::int32_t& slot, Pair p, Four apart) {
         const std::uint32_t i = p.first, j = p.second();
         const double distance = math::sqrt(dot(apart, apart));
         const Four normal = apart * (1.0 / distance), v = bodies_.motion[j] - bodies_.motion[i];
         const Four a = bodies_.push[j].preceding(now_.step) - bodies_.push[i].preceding(now_.step);
         const double reach = bodies_.place[i][3] + bodies_.place[j][3];
         const auto number = static_cast<std::int32_t>(bodies_.label[j].number);
-        meet(slab, index, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, apart);
+        meet(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, apart);
     }
-    HL_FN_APART void meet_wall(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, AtWall w,
-                               double distance) {
+    HL_FN_APART void meet_wall(Slab<Law>& slab, std::int32_t& slot, AtWall w, double distance) {
         const int axis = static_cast<int>(w.wall / 2);
         Four normal{};
         normal[axis] = w.wall % 2 == 0 ? -1.0 : 1.0;
@@ -152,10 +151,10 @@ private:
                            bodies_.place[w.body][3],
                            -bodies_.motion[w.body],
                            a};
-        meet(slab, index, slot, m, normal * distance);
+        meet(slab, slot, m, normal * distance);
     }
 
-    void meet(Slab<Law>& slab, std::uint32_t index, std::int32_t& slot, const Meeting& m, Four apart) {
+    void meet(Slab<Law>& slab, std::int32_t& slot, const Meeting& m, Four apart) {
         const bool fresh = slot < 0 && now_.ahead > 0.0;
         if (slot < 0) {
             slot = vacancy(slab);
@@ -167,7 +166,7 @@ private:
         const double margin = compression - math::max(0.0, t.law.slack(rate).depth);
         const Strength p = compression > 0.0 ? strength_of(t.law, compression, rate) : Strength{0.0, 0.0};
         if ((p.force > 0.0) != t.closed) {
-            note(slab, index, slot, t, m, margin, fresh);
+            note(slab, slot, t, m, margin, fresh);
             t.closed = p.force > 0.0;
         }
         t.at_first = m.first, t.at_second = m.second;
@@ -198,6 +197,7 @@ private:
         Touch<Law> t{};
         t.first = static_cast<std::int32_t>(bodies_.label[m.first].number);
         t.second = m.number;
+        t.news = -1;
         t.law = laws_(t.first, m.second == nobody ? -1 : m.number);
         if (m.second != nobody) t.turns = unfolded(Pair::of(m.first, m.second, m.image), bodies_.label);
         t.begin = now_.time;
@@ -226,8 +226,8 @@ private:
     }
 
     // A contact begins or ends. Other than at touch that is where the margin passes through zero.
-    void note(Slab<Law>& slab, std::uint32_t index, std::int32_t slot, Touch<Law>& t, const Meeting& m,
-              double margin, bool fresh) const {
+    void note(Slab<Law>& slab, std::int32_t slot, Touch<Law>& t, const Meeting& m, double margin,
+              bool fresh) const {
         const bool begins = !t.closed, known = begins && (fresh || !(now_.ahead > 0.0));
         const double span = t.margin - margin;
         const double share = span != 0.0 ? math::clamp(t.margin / span, 0.0, 1.0) : 1.0;
@@ -235,7 +235,9 @@ private:
         const double rate =
             known ? t.impact_speed : rate_at(time, m, m.compression() - t.compression, t.force);
         if (begins) t.begin = time, t.impact_speed = rate;
-        slab.changes.push_back({time, index, static_cast<std::uint32_t>(slot), begins, -rate});
+        const std::int32_t since = begins ? -1 : t.news;
+        if (begins) t.news = static_cast<std::int32_t>(slab.changes.size());
+        slab.changes.push_back({t, now_.step, time, slot, begins, -rate, since});
     }
 
     static std::pair<SettingIn<Law::onset_power>, SettingIn<Law::onset_power>> setting_in(

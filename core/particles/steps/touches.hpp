@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -11,11 +12,18 @@
 
 namespace hardlimit::particles::steps {
 
+// What the log says of a contact.
+struct Record {
+    std::int32_t first, second;  // numbers; second as in ContactRow
+    double begin, impact_speed;
+    bool overlapped;
+    std::uint32_t crowd_first, crowd_second;
+};
+
 // Two bodies, or a body and a wall, that overlap. They are in contact (`closed`) while they push each other.
 template <class Law>
-struct Touch {
+struct Touch : Record {
     Law law;
-    std::int32_t first, second;         // numbers; second as in ContactRow
     std::array<std::int32_t, 3> turns;  // by which image of the second, in edges along the unfolded paths
     std::uint32_t at_first, at_second;  // indices; the second is none at a wall
     Four normal;                        // unit vector from the one at `at_first` to the other
@@ -25,18 +33,23 @@ struct Touch {
     Onset onset;
     bool fresh;  // the last step was its first
     bool closed;
-    bool overlapped;
-    double begin, impact_speed;
-    std::uint32_t crowd_first, crowd_second;
+    std::int32_t news;  // where its begin is among the changes of the slab, −1 once the log knows of it
 };
 inline constexpr std::uint32_t nobody = 0xffffffffu;
 
-// The begin or the end of a contact between two steps.
+// The begin or the end of a contact between two steps. When the log comes to hear of it, others may have its slot.
 struct Change {
+    Record contact;
+    std::uint64_t step;  // that found it
     double time;
-    std::uint32_t slab, slot;
+    std::int32_t slot;
     bool begins;
     double separation_speed;
+    std::int32_t since;  // of an end: where the begin is among the changes, −1 if the log knows of it
+
+    std::tuple<std::uint64_t, double, std::int32_t, std::int32_t> order() const {
+        return {step, time, contact.first, contact.second};
+    }
 };
 
 // Who is in contact how often, from which it follows which contacts share a body while they last.
@@ -49,16 +62,14 @@ public:
     std::uint64_t ended() const { return ended_; }
     std::uint64_t overlapped() const { return overlapped_; }
 
-    template <class Law>
-    void begins(Touch<Law>& t) {
+    void begins(Record& t) {
         ++begun_;
         t.overlapped = joins(t.first, t.crowd_first);
         if (t.second < 0) return;
         ++pairs_;
         t.overlapped = joins(t.second, t.crowd_second) || t.overlapped;
     }
-    template <class Law>
-    void ends(const Touch<Law>& t, double time, double separation_speed) {
+    void ends(const Record& t, double time, double separation_speed) {
         const ContactRow row = so_far(t, time, separation_speed);
         ++ended_;
         overlapped_ += row.overlapped;
@@ -66,8 +77,7 @@ public:
         if (t.second >= 0) --company_[static_cast<std::size_t>(t.second)].contacts;
         if (keep_) rows_.push_back(row);
     }
-    template <class Law>
-    ContactRow so_far(const Touch<Law>& t, double end, double separation_speed) const {
+    ContactRow so_far(const Record& t, double end, double separation_speed) const {
         const bool crowded = t.overlapped || crowd(t.first) != t.crowd_first ||
                              (t.second >= 0 && crowd(t.second) != t.crowd_second);
         const bool in_order = t.second < 0 || t.first < t.second;
