@@ -184,7 +184,8 @@ private:
     std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
     std::vector<Slab> slabs_;
     steps::Course course_;
-    std::vector<Touch> moving_;  // while the list is made
+    std::vector<steps::Border> borders_ = std::vector<steps::Border>(most_slabs);  // of each slab
+    std::vector<Touch> moving_;                                                    // while the list is made
     std::vector<std::pair<std::uint32_t, steps::Push>> moving_pushes_;
 
     double time_step_;                                                    // the longest [s]
@@ -247,6 +248,7 @@ private:
         steps::Crew crew(threads);
         Job job{*this};
         divide(static_cast<std::uint32_t>(threads));
+        open_borders();
         if (paused_) {
             Stop never;
             begin_step(never);
@@ -279,6 +281,15 @@ private:
     }
 
     void divide(std::uint32_t shares) { course_.deal(slabs_, bodies_.count(), shares); }
+    void open_borders() {
+        for (steps::Border& border : borders_) border.open = false;
+        for (std::uint32_t share = 0; share < course_.shares(); ++share) {
+            const std::uint32_t first = course_.first_slab(share), last = course_.first_slab(share + 1);
+            if (first == last || last - first == slabs()) continue;
+            const Slab &slab = slabs_[last - 1], &next = slabs_[last % slabs()];
+            borders_[last - 1].set(slab.pairs, next.first_body, next.last_body, bodies_);
+        }
+    }
     std::uint32_t tasks(std::uint32_t share) const {
         switch (phase_) {
             case Phase::go_on:
@@ -328,10 +339,8 @@ private:
                 return sweep(chore.slab, ahead);
             case steps::Chore::move:
                 return move(chore.slab, ahead);
-            case steps::Chore::look:
-                return look(slabs_[chore.slab]);
             case steps::Chore::fetch:
-                return fetch(slabs_[chore.slab], slabs_[before(chore.slab)]);
+                return fetch(borders_[before(chore.slab)], slabs_[before(chore.slab)]);
         }
     }
 
@@ -403,16 +412,13 @@ private:
             if (fastest > limit_) course_.end_after(ahead);
         }
         drift(slab);
+        steps::Border& border = borders_[before(index)];
+        if (border.open) border.update(bodies_);
     }
-    // Where two threads meet, they take cache lines from each other, and so does the hardware that reads ahead. Fetched
-    // one by one, as they are needed, those of the places would take as long as several slabs.
-    void look(const Slab& slab) {
-        for (const steps::Pair p : slab.pairs) prefetch(&bodies_.place[p.second()]);
-    }
-    void fetch(const Slab& slab, const Slab& previous) {
+    // Cache lines that the other thread has, which would come one by one as they are needed.
+    void fetch(const steps::Border& border, const Slab& previous) {
         constexpr std::size_t line = 64 / sizeof(Four);
-        const std::size_t layer = start_[slab.first_cell + grid_.cells_in_layer()];
-        for (std::size_t i = slab.first_body; i < layer; i += line) prefetch_to_write(&bodies_.place[i]);
+        for (std::size_t k = 0; k < border.place.size(); k += line) prefetch_to_write(&border.place[k]);
         prefetch(previous.pushed_beyond.data()), prefetch(previous.jolts.data());
     }
     // Few have been pushed; all feel gravity.
@@ -638,6 +644,7 @@ private:
             if (!restore_pair(t, i, j, 1)) restore_pair(t, j, i, -1);
         }
         moving_.clear();
+        open_borders();
         travelled_ = 0.0, allowance_ = 0.5 * skin_;
         ++lists_;
     }
@@ -696,7 +703,7 @@ private:
     }
     void sweep(std::uint32_t index, std::uint32_t ahead) {
         Slab& slab = slabs_[index];
-        steps::Forces<Law>(box_, grid_, bodies_, laws_, instant(ahead)).of(slab);
+        steps::Forces<Law>(box_, grid_, bodies_, laws_, instant(ahead)).of(slab, borders_[index]);
         std::atomic<bool>& news = news_.changes[index];
         if (!slab.changes.empty() && !news.load(std::memory_order_relaxed))
             news.store(true, std::memory_order_relaxed);

@@ -7,6 +7,7 @@
 #include "../pair_laws.hpp"
 #include "isolated.hpp"
 #include "neighbours.hpp"
+#include "schedule.hpp"
 #include "touches.hpp"
 
 namespace hardlimit::particles::steps {
@@ -43,6 +44,39 @@ struct alignas(64) Slab {
     }
 };
 
+// Where a slab of one thread reaches into one of another thread: copies of the places there that its pairs need, by
+// the owner. The places themselves stay in the owner's cache.
+struct alignas(apart) Border {
+    bool open = false;
+    std::vector<std::uint32_t> bodies;
+    Records<Four> place;  // of these
+    // [pairs] the second body: among these if marked, or among all.
+    std::vector<std::uint32_t> seen;
+
+    static constexpr std::uint32_t mark = 0x80000000u;
+
+    // `next` owns first … last − 1.
+    void set(const std::vector<Pair>& pairs, std::uint32_t first, std::uint32_t last, const Bodies& of) {
+        std::vector<std::uint32_t> where(last - first);
+        const auto beyond = [&](Pair p) { return p.second() >= first && p.second() < last; };
+        for (const Pair p : pairs)
+            if (beyond(p)) where[p.second() - first] = mark;
+        bodies.clear(), seen.clear();
+        for (std::uint32_t i = first; i < last; ++i) {
+            if (where[i - first] == 0) continue;
+            where[i - first] |= static_cast<std::uint32_t>(bodies.size());
+            bodies.push_back(i);
+        }
+        for (const Pair p : pairs) seen.push_back(beyond(p) ? where[p.second() - first] : p.second());
+        place.resize(bodies.size());
+        update(of);
+        open = true;
+    }
+    void update(const Bodies& of) {
+        for (std::size_t k = 0; k < bodies.size(); ++k) place[k] = of.place[bodies[k]];
+    }
+};
+
 // The instant at which forces are asked for.
 struct Instant {
     std::uint64_t step;  // counts on for ever, from 2
@@ -59,9 +93,17 @@ public:
     Forces(const Box& box, const Grid& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
         : box_(box), grid_(grid), bodies_(bodies), laws_(laws), now_(now) {}
 
-    void of(Slab<Law>& slab) {
+    void of(Slab<Law>& slab, const Border& border) {
         slab.clear_step();
-        of_pairs(slab);
+        if (border.open)
+            of_pairs(slab, [here = numbers(bodies_.place), beyond = numbers(border.place),
+                            seen = border.seen.data()](std::size_t k, Pair) {
+                return (seen[k] & Border::mark ? beyond : here) + 4 * std::size_t{seen[k] & ~Border::mark};
+            });
+        else
+            of_pairs(slab, [here = numbers(bodies_.place)](std::size_t, Pair p) {
+                return here + 4 * std::size_t{p.second()};
+            });
         of_walls(slab);
     }
 
@@ -102,18 +144,20 @@ private:
         double compression() const { return reach - distance; }
     };
 
-    void of_pairs(Slab<Law>& slab) {
+    // place_of(k, p): of the second body of pair k.
+    template <class PlaceOf>
+    void of_pairs(Slab<Law>& slab, const PlaceOf& place_of) {
         const double* place = numbers(bodies_.place);
         const Four* shift = grid_.shifts();
         const std::size_t count = slab.pairs.size();
         for (std::size_t k = 0; k < count; ++k) {
             const Pair p = slab.pairs[k];
-            const double *a = place + 4 * std::size_t{p.first}, *b = place + 4 * std::size_t{p.second()};
+            const double *a = place + 4 * std::size_t{p.first}, *b = place_of(k, p);
             const Four& s = shift[p.image()];
             const double x = b[0] - a[0] + s[0], y = b[1] - a[1] + s[1], z = b[2] - a[2] + s[2];
             const double reach = a[3] + b[3], squared = (x * x + y * y) + z * z;
             if (squared < reach * reach || slab.touch_of_pair[k] >= 0) [[unlikely]]
-                meet_body(slab, slab.touch_of_pair[k], p, four(x, y, z, 0.0));
+                meet_body(slab, slab.touch_of_pair[k], p, four(x, y, z, 0.0), reach);
         }
     }
     void of_walls(Slab<Law>& slab) {
@@ -127,12 +171,11 @@ private:
         }
     }
 
-    HL_FN_APART void meet_body(Slab<Law>& slab, std::int32_t& slot, Pair p, Four apart) {
+    HL_FN_APART void meet_body(Slab<Law>& slab, std::int32_t& slot, Pair p, Four apart, double reach) {
         const std::uint32_t i = p.first, j = p.second();
         const double distance = math::sqrt(dot(apart, apart));
         const Four normal = apart * (1.0 / distance), v = bodies_.motion[j] - bodies_.motion[i];
         const Four a = bodies_.push[j].preceding(now_.step) - bodies_.push[i].preceding(now_.step);
-        const double reach = bodies_.place[i][3] + bodies_.place[j][3];
         const auto number = static_cast<std::int32_t>(bodies_.label[j].number);
         meet(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, apart);
     }

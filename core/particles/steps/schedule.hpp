@@ -17,8 +17,8 @@
 namespace hardlimit::particles::steps {
 
 struct Chore {
-    // look: brings near what another thread has moved; fetch: what another thread has looked at, to be moved.
-    enum Kind : std::uint32_t { sweep, move, look, fetch };
+    // fetch: brings near what another thread has looked at, before it changes.
+    enum Kind : std::uint32_t { sweep, move, fetch };
     Kind kind;
     std::uint32_t slab;
 };
@@ -46,7 +46,6 @@ inline std::vector<Chore> schedule(std::uint32_t first, std::uint32_t last, bool
     };
     const std::uint32_t even = first + first % 2, halfway = even + (last - first) / 2;
     sweep(even);
-    if (!alone) chores.push_back({Chore::look, last - 1});
     for (std::uint32_t odd = even + 1; odd < last; odd += 2) {
         if (!alone && (odd >= halfway || odd + 2 >= last)) {
             if (last % 2 == 0) sweep(last - 2);
@@ -70,8 +69,6 @@ inline std::vector<std::uint32_t> needs(Chore chore, std::uint32_t slabs) {
             return {before, (chore.slab + 1) % slabs};
         case Chore::move:
             return {chore.slab, before};
-        case Chore::look:
-            return {};
         case Chore::fetch:
             break;
     }
