@@ -339,6 +339,9 @@ private:
                 return sweep(chore.slab, ahead);
             case steps::Chore::move:
                 return move(chore.slab, ahead);
+            case steps::Chore::look:
+                course_.look((chore.slab + 1) % slabs());
+                return look(borders_[chore.slab]);
             case steps::Chore::fetch:
                 return fetch(borders_[before(chore.slab)], slabs_[before(chore.slab)]);
         }
@@ -415,10 +418,12 @@ private:
         steps::Border& border = borders_[before(index)];
         if (border.open) border.update(bodies_);
     }
-    // Cache lines that the other thread has, which would come one by one as they are needed.
+    static constexpr std::size_t per_line = 64 / sizeof(Four);
+    void look(const steps::Border& border) {
+        for (std::size_t k = 0; k < border.place.size(); k += per_line) prefetch(&border.place[k]);
+    }
     void fetch(const steps::Border& border, const Slab& previous) {
-        constexpr std::size_t line = 64 / sizeof(Four);
-        for (std::size_t k = 0; k < border.place.size(); k += line) prefetch_to_write(&border.place[k]);
+        for (std::size_t k = 0; k < border.place.size(); k += per_line) prefetch_to_write(&border.place[k]);
         prefetch(previous.pushed_beyond.data()), prefetch(previous.jolts.data());
     }
     // Few have been pushed; all feel gravity.

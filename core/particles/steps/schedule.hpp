@@ -14,11 +14,14 @@
 #include <utility>
 #include <vector>
 
+#include "../../portable.hpp"
+
 namespace hardlimit::particles::steps {
 
 struct Chore {
-    // fetch: brings near what another thread has looked at, before it changes.
-    enum Kind : std::uint32_t { sweep, move, fetch };
+    // Beside the work, they bring cache lines near from another thread: look, what it has written and a sweep is to
+    // read; fetch, what it has read and a move is to write. Earlier they would have to go there and back.
+    enum Kind : std::uint32_t { sweep, move, look, fetch };
     Kind kind;
     std::uint32_t slab;
 };
@@ -48,7 +51,11 @@ inline std::vector<Chore> schedule(std::uint32_t first, std::uint32_t last, bool
     sweep(even);
     for (std::uint32_t odd = even + 1; odd < last; odd += 2) {
         if (!alone && (odd >= halfway || odd + 2 >= last)) {
-            if (last % 2 == 0) sweep(last - 2);
+            if (!swept[last - 1]) chores.push_back({Chore::look, last - 1});
+            if (last % 2 == 0)
+                sweep(last - 2);
+            else
+                sweep(odd + 1), sweep(odd);
             sweep(last - 1);
         }
         if (!alone && odd + 2 >= last) chores.push_back({Chore::fetch, first});
@@ -69,6 +76,8 @@ inline std::vector<std::uint32_t> needs(Chore chore, std::uint32_t slabs) {
             return {before, (chore.slab + 1) % slabs};
         case Chore::move:
             return {chore.slab, before};
+        case Chore::look:
+            return {};
         case Chore::fetch:
             break;
     }
@@ -186,6 +195,8 @@ public:
             }
         done_[share].tasks.fetch_add(1, std::memory_order_release);
     }
+    // By a chore: whether the slab is swept will soon be asked for.
+    void look(std::uint32_t slab) const { prefetch(&swept_[slab].step); }
     // By a chore: only one more step is to follow.
     void end_after(std::uint32_t ahead) {
         const std::uint64_t last = first_ + ahead + 1;
