@@ -51,7 +51,7 @@ public:
         divide(reach, 2.0 * static_cast<double>(bodies) + 64.0);
         for (int a = 0; a < 3; ++a) order_[a] = a;
         std::stable_sort(order_, order_ + 3, [&](int a, int b) { return cells_[a] > cells_[b]; });
-        if (int& layers = cells_[order_[0]]; layers > 10) layers -= layers % 2;
+        if (int& layers = cells_[order_[0]]; layers > 16) layers -= layers % 2;
         for (std::uint32_t code = 0; code < 27; ++code) {
             const int step[3] = {static_cast<int>(code % 3) - 1, static_cast<int>(code / 3 % 3) - 1,
                                  static_cast<int>(code / 9) - 1};
