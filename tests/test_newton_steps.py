@@ -520,3 +520,26 @@ def test_a_run_that_is_not_stable_ends_with_an_outcome():
     assert speeds[fastest] * 3e-4 > 0.25 * 2.0 * system.radius.min()  # the most that a step may be
     again = _core.NewtonSteps.load(engine.save())
     assert again.early_end == engine.early_end
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("curvature", [300.0, 1000.0])
+def test_a_leap_beyond_the_list_of_neighbours_ends_a_run_that_is_not_stable(threads, curvature):
+    """A slow body pushed hard in one step, while threads are under way without meeting: perhaps past a neighbour."""
+    calm, step = lattice(125, seed=1), 1e-4
+    system = calm.replace(velocities=1e-3 * calm.velocities)
+    law = hl.LinearDashpot(stiffness=curvature * calm.mass[0] / step**2, damping=0.0)
+    rng = np.random.default_rng(threads)
+    whole, broken = engine_of(system, law, step), engine_of(system, law, step)
+    whole.advance(1.0)
+    while broken.outcome == "ok":
+        broken.advance(1.0, threads, int(rng.integers(1, 3)))
+        if broken.paused:
+            broken = _core.NewtonSteps.load(broken.save())
+    assert whole.outcome == "unresolved" and everything(whole) == everything(broken)
+    assert whole.early_end == broken.early_end
+    speeds = np.linalg.norm(whole.state()[1], axis=1)
+    assert whole.early_end[1] == [np.argmax(speeds)]
+    assert (
+        speeds.max() * step < 0.25 * 2.0 * system.radius.min()
+    )  # no further than in a step that is in order

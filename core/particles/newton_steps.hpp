@@ -698,7 +698,8 @@ private:
         const double share = closing ? 0.5 : 1.0, h = first ? 0.0 : h_;
         now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, share * h, closing};
         kick_ = closing ? now_.ahead : h_;
-        const std::uint64_t span = closing ? 1 : std::min(course_end_ - taken_, quota_);
+        const std::uint64_t most = std::min(quota_, std::uint64_t{most_ahead});
+        const std::uint64_t span = closing ? 1 : std::min(course_end_ - taken_, most);
         course_.begin(now_.step, static_cast<std::uint32_t>(span));
     }
     steps::Instant instant(std::uint32_t ahead) const {
