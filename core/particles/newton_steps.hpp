@@ -489,14 +489,15 @@ private:
         phase_ = Phase::measure;
     }
 
-    // Speeds may grow by a quarter, and one may jump to five times the limit in the step before that is known.
+    // Speeds may grow by a quarter, and one may jump to five times the limit in the step before that is known. Where
+    // all are at rest nothing is known. A course of many bodies is short enough to be stopped soon.
     void begin_course(Stop& stop) {
-        constexpr double growth = 1.25, reserve = 4.0;
-        const double steps = math::clamp(4e6 / static_cast<double>(bodies_.count()), 1.0, double{most_ahead});
-        const double fall = steps * math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
+        constexpr double growth = 1.25, reserve = 4.0, work = 4e6;  // work: of bodies and steps, some 20 ms
+        const double most = math::clamp(work / static_cast<double>(bodies_.count()), 1.0, double{most_ahead});
+        const double fall = most * math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
         limit_ = growth * fastest_ + fall;
         const double room = (allowance_ - travelled_) / ((limit_ + fall) * h_) - reserve;
-        const double fit = fastest_ > 0.0 && room > 1.0 ? math::min(room, steps) : 1.0;
+        const double fit = fastest_ > 0.0 && room > 1.0 ? math::min(room, most) : 1.0;
         course_end_ = taken_ + std::min(static_cast<std::uint64_t>(fit), planned_ - done_);
         begin_step(stop);
     }

@@ -69,8 +69,8 @@ public:
     template <class Job>
     void work(Stop& stop, Job& job) {
         const std::uint32_t own = joined_.fetch_add(1, std::memory_order_relaxed) % count();
-        std::vector<std::uint64_t> left(count(),
-                                        stale);  // what was taken of others' shares by the last one done here
+        // How far others' shares were when this thread left them.
+        std::vector<std::uint64_t> left(count(), stale);
         for (Wait wait; !over_.load(std::memory_order_acquire);) {
             const bool stands_in =
                 std::ranges::any_of(left, [](std::uint64_t taken) { return taken != stale; });
