@@ -126,7 +126,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 6";
+    static constexpr const char* mark = "NewtonEvents 7";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 

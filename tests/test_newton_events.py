@@ -281,6 +281,14 @@ def test_who_comes_too_near(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_which_contact_ends_next(tmp_path: Path) -> None:
+    """The queue of ends beside a sorted set: durations alike or not, ties, contacts that are disturbed."""
+    ended, simultaneous, disturbed, wrong = map(int, printed_by("endings", tmp_path))
+    assert ended > 100_000 and simultaneous > 10_000 and disturbed > 10_000
+    assert wrong == 0
+
+
+@pytest.mark.slow
 def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
     """Who passes behind a body in contact is told by a triangle: beside the nearest of many of its points."""
     compared, nearer, farther = printed_by("triangle", tmp_path)

@@ -8,8 +8,7 @@
 namespace hardlimit::particles {
 
 // level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event; beside(id):
-// and of its neighbours, besides where they are. Where groups end, more.group(id) fetches what is held of the one that
-// the body's event ends, and more.members(id), later, its members.
+// and of its neighbours, besides where they are.
 template <int d, class Held, class Level, class More, class Beside>
 struct LookAhead {
     const Calendar& calendar;
@@ -36,10 +35,6 @@ struct LookAhead {
     }
 
 private:
-    // Whether the next event is the end of a group, which looks nowhere if the contact was undisturbed.
-    static bool ends(const Pending& e) {
-        return e.own_time < e.pair_time && static_cast<Own>(e.own) == Own::ends;
-    }
     // Where a body will look at its next event.
     static typename Cells<d>::Surroundings surroundings(const Pending& e) {
         const Own own = static_cast<Own>(e.own);
@@ -50,8 +45,6 @@ private:
     void fetch_cells(u32 i) const {
         const Pending& e = pending[i];
         prefetch(&bodies[i]);
-        if constexpr (requires { more.group(i); })
-            if (ends(e)) return more.group(i);
         more(i);
         if (e.pair_time <= e.own_time) {
             prefetch(&bodies[e.partner]);
@@ -63,8 +56,6 @@ private:
     // The bodies in those cells.
     void fetch_neighbours(u32 i) const {
         const Pending& e = pending[i];
-        if constexpr (requires { more.members(i); })
-            if (ends(e)) return more.members(i);
         cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
             prefetch(&bodies[id]);
             beside(id);

@@ -13,7 +13,8 @@
 // the end: whom it meets then is found at once, and its end changes nothing but its size.
 //
 // Bodies are held, found and scheduled like hard spheres (hard_spheres.hpp): a record, two pending events and a cell
-// each, in the order of the cells. A group's end is an event of its first member's own.
+// each, in the order of the cells. The end of a cluster is an event of its first member's own. Undisturbed contacts
+// end in a queue of their own, which is short, and their members' events stand.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -30,6 +31,7 @@
 #include "cells.hpp"
 #include "cluster.hpp"
 #include "contact_row.hpp"
+#include "endings.hpp"
 #include "look_ahead.hpp"
 #include "pair_laws.hpp"
 #include "prediction.hpp"
@@ -100,15 +102,10 @@ public:
     void save(Writer& writer) const;
 
 private:
-    struct Border {
-        double time;  // [s]
-        Own which;
-    };
     // A contact with which nothing interferes. In a large box each cache line is a wait: the first has what its end
     // needs, the second what is needed where somebody comes near.
     struct Isolated {
         int body[2];              // second < 0: a wall
-        Border border;            // where the first member leaves its cell, if the contact ends before
         double dissipated;        // [J]
         double virial;            // [J s]
         alignas(64) double span;  // [s]
@@ -168,7 +165,7 @@ private:
         int group = -1;                  // or -1
         std::array<int, 3> turns{};      // how often the path has left the box through an edge
         u32 name = 0;                    // the user's number
-        bool first = false;              // of its group, whose end is an event of its own
+        bool first = false;              // of its group; the end of a cluster is an event of its own
         bool clustered = false;          // its path ends with its group
         std::uint16_t unused = 0;
     };
@@ -195,6 +192,7 @@ private:
     Cells<3> cells_;
     int level_ = 0;
     Calendar calendar_;
+    Endings endings_;  // of undisturbed contacts
     hardlimit_abi::TouchKernels::Of touch_{};
     const hardlimit_abi::SeriesKernels* series_ = nullptr;
     hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
@@ -233,32 +231,26 @@ private:
     static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
                                                  const hardlimit_abi::TouchKernels& kernels);
 
-    // What else the coming events will need.
-    struct Fetching {
-        const NewtonEvents* run;
-
-        void operator()(u32 id) const { run->laws_.fetch(id); }
-        void group(u32 id) const {
-            if (const int index = run->pending_[id].group; index >= 0) prefetch(&run->group(index));
-        }
-        void members(u32 id) const {
-            const Held& e = run->pending_[id];
-            if (e.group < 0 || e.clustered) return;
-            const int second = run->group(e.group).lone.body[1];
-            if (second < 0) return;
-            prefetch(&run->paths_[second]);
-            prefetch(&run->pending_[second]);
-        }
-    };
     auto ahead() const {
         return LookAhead{calendar_,
                          cells_,
                          pending_.data(),
                          paths_.data(),
                          [this](u32) { return level_; },
-                         Fetching{this},
+                         [this](u32 id) { laws_.fetch(id); },
                          [this](u32 id) { prefetch(&pending_[id]); }};
     }
+
+    auto by_name() const {
+        return [this](auto id) { return pending_[id].name; };
+    }
+    auto stands() const {
+        return [this](const Ending& of) {
+            const Held& e = pending_[of.first];
+            return e.end == of.time && e.group == of.group && !e.clustered;
+        };
+    }
+    void fetch_endings() const;
 
     // newton_events_flight.hpp
     Vector3 position(int i, double t) const;
@@ -408,24 +400,50 @@ void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& s
     const std::uint64_t last = most_events > ~events_ ? ~std::uint64_t{0} : events_ + most_events;
     paused_ = false;
     while (outcome_ == Outcome::ok) {
-        const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); },
-                                        [this](u32 id) { return pending_[id].name; },
+        const Due* due = calendar_.next([this](u32 id) { return pending_[id].time(); }, by_name(),
                                         [this] {
                                             if (fetches_) ahead().enter_bin();
                                         });
-        if (!due || due->time > until) break;
+        const Ending* ending = endings_.next(stands(), by_name());
+        const bool ends = ending && !(due && due->time < ending->time);
+        if (!ends && !due) break;
+        const double time = ends ? ending->time : due->time;
+        if (time > until) break;
         if (events_ >= last || stop()) {
             paused_ = true;
             return;
         }
-        now_ = math::max(now_, due->time);
+        now_ = math::max(now_, time);
+        ++events_;
+        if (ends) {
+            const int index = ending->group;
+            endings_.pop(by_name());
+            if (fetches_) fetch_endings();
+            finish_isolated(index);
+            continue;
+        }
         const int i = static_cast<int>(due->id);
         calendar_.pop();
         if (fetches_) ahead().step();
-        ++events_;
         happen(i);
     }
     if (outcome_ == Outcome::ok) now_ = math::max(now_, until);
+}
+
+template <class Law>
+void NewtonEvents<Law>::fetch_endings() const {
+    const auto record = [this](const Ending& of) {
+        prefetch(&group(of.group));
+        prefetch(&pending_[of.first]);
+        prefetch(&paths_[of.first]);
+    };
+    const auto second = [this](const Ending& of) {
+        const int i = group(of.group).lone.body[1];
+        if (i < 0) return;
+        prefetch(&pending_[i]);
+        prefetch(&paths_[i]);
+    };
+    endings_.ahead(record, second);
 }
 
 template <class Law>

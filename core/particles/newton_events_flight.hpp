@@ -308,7 +308,7 @@ double NewtonEvents<Law>::touch_time(int j, double reach) const {
 }
 
 // Where the path of the body that looks leaves its cell, which is at this place, or where a free body meets a wall, or
-// the end of the group of its first member. Which border is the first, no processor can foresee: few branches.
+// the end of a cluster of its first member. Which border is the first, no processor can foresee: few branches.
 template <class Law>
 void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     Held& e = pending_[i];
@@ -342,8 +342,7 @@ void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
     }
     e.own_time = now_ + in;
     e.own = static_cast<u32>(which) & 7u;
-    if (!e.first || e.end > e.own_time) return;
-    if (!e.clustered) group(e.group).lone.border = {e.own_time, which};
+    if (!e.first || !e.clustered || e.end > e.own_time) return;
     e.own_time = e.end;
     e.own = static_cast<u32>(Own::ends) & 7u;
 }

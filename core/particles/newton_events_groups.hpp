@@ -84,7 +84,6 @@ void NewtonEvents<Law>::conflict(int i, int j) {
 template <class Law>
 void NewtonEvents<Law>::finish(int first) {
     const int index = pending_[first].group;
-    if (!clustered(first)) return finish_isolated(index);
     const Group& g = group(index);
     Joined set{{g.body.begin(), g.body.end()}, {}, g.until};
     const std::vector<int>& bodies = set.body;
@@ -113,14 +112,11 @@ void NewtonEvents<Law>::finish_isolated(int index) {
     for_both([&](int i) { set_free(i); });
     drop(index);
     if (images_) return for_both([&](int i) { predict(i); });
-    pending_[first].own_time = l.border.time;
-    pending_[first].own = static_cast<u32>(l.border.which) & 7u;
+    if (!walled_) return;
     for_both([&](int i) {
-        if (walled_) {
-            look(i);
-            predict_own(i, cells_.place(level_, pending_[i].cell));
-        }
-        if (walled_ || i == first) schedule(i);
+        look(i);
+        predict_own(i, cells_.place(level_, pending_[i].cell));
+        schedule(i);
     });
 }
 
@@ -198,6 +194,7 @@ bool NewtonEvents<Law>::isolate(int i, int j, int side, int& intruder) {
         return false;
     }
     for (const int k : g.body) schedule(k);
+    endings_.push(pending_[i].end, i, index, by_name());
     return true;
 }
 

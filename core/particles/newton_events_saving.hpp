@@ -13,7 +13,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
         archive(c.unresolved);
 }
 
-// All but the groups; the queue follows from what the bodies and groups hold.
+// All but the groups; the queues follow from what the bodies and groups hold.
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
@@ -79,6 +79,8 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
     if (reader.failed()) return;
     put_into_cells();
     restart_calendar();
+    for (int i = 0; i < static_cast<int>(count); ++i)
+        if (const Held& e = pending_[i]; e.first && !e.clustered) endings_.push(e.end, i, e.group, by_name());
 }
 
 }  // namespace hardlimit::particles
