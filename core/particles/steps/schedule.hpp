@@ -149,13 +149,16 @@ public:
     template <class Slabs>
     void deal(const Slabs& slabs, std::size_t bodies, std::uint32_t shares) {
         const auto count = static_cast<std::uint32_t>(slabs.size());
-        cuts_ = cuts(slabs, bodies, shares);
-        tasks_.resize(shares);
-        filled_ = 0;
-        for (std::uint32_t k = 0; k < shares; ++k) {
-            const std::uint32_t first = cuts_[k], last = cuts_[k + 1];
-            tasks_[k] = steps::tasks(schedule(first, last, cuts_[1] == count), first, last, count);
-            filled_ += first < last;
+        std::vector<std::uint32_t> cut = cuts(slabs, bodies, shares);
+        if (cut != cuts_) {
+            cuts_ = std::move(cut);
+            tasks_.resize(shares);
+            filled_ = 0;
+            for (std::uint32_t k = 0; k < shares; ++k) {
+                const std::uint32_t first = cuts_[k], last = cuts_[k + 1];
+                tasks_[k] = steps::tasks(schedule(first, last, cuts_[1] == count), first, last, count);
+                filled_ += first < last;
+            }
         }
         done_ = std::vector<Done>(shares);
         before_.assign(shares, 0);
