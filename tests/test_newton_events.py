@@ -296,6 +296,46 @@ def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
     assert float(nearer) < 1e-12 and float(farther) < 0.01
 
 
+@pytest.mark.parametrize("seed", range(60))
+def test_no_wall_is_missed(seed: int) -> None:
+    """Bodies in slow contact, which fly or fall together, meet a wall that is far for the speeds at which they move
+    against each other."""
+    rng = np.random.default_rng(seed)
+    dimension, count, radius = 2 + seed % 2, int(rng.integers(2, 5)), 1e-3
+    law, axis, high = LAWS[seed % len(LAWS)], int(rng.integers(dimension)), bool(rng.integers(2))
+    slow, ball = 10.0 ** rng.uniform(-3.0, 0.0), hl.Ball(radius, density=2500.0)
+    duration = float(law.between(ball, ball).duration(slow))
+    gap = rng.uniform(0.05, 2.0) * radius
+    fast = gap / duration * 10.0 ** rng.uniform(-0.5, 0.5)
+    gravity = np.zeros(dimension)
+    if seed % 3 == 0:
+        fast, gravity[axis] = 0.0, fast / duration
+    row = (axis + 1) % dimension
+    positions = rng.uniform(-0.1, 0.1, (count, dimension)) * radius + 0.05
+    positions[:, row] = 0.05 + radius * (2.003 * np.arange(count) + rng.uniform(-1e-3, 1e-3, count))
+    velocities = rng.uniform(-slow, slow, (count, dimension))
+    velocities[:, row] += np.linspace(3.0 * slow, -3.0 * slow, count)
+    positions[:, axis] += radius + gap - np.min(positions[:, axis])
+    velocities[:, axis] -= fast
+    edge = 0.1
+    if high:
+        positions[:, axis], velocities[:, axis] = edge - positions[:, axis], -velocities[:, axis]
+    system = hl.ParticleSystem(
+        positions=positions, velocities=velocities, radius=radius, density=2500.0, box=np.full(dimension, edge),
+        boundary="wall", gravity=gravity if high else -gravity,
+    )  # fmt: skip
+    until = 3e-3 * radius / slow + 2.0 * duration
+    run = hl.molecular_dynamics(system, law=law, until=until, log=True, samples=1)
+    near = hl.molecular_dynamics(
+        system, law=law, until=until, engine="steps", restitution_error=1e-6, log=True, samples=1, threads=1
+    )
+    assert run.outcome == "ok" and run.energy_error < 1e-9
+    found, expected = begins(run), begins(near)
+    assert {pair: len(times) for pair, times in found.items()} == {p: len(t) for p, t in expected.items()}
+    for pair, times in expected.items():
+        assert found[pair] == pytest.approx(times, abs=1e-2 * duration)
+
+
 @pytest.mark.parametrize(
     "law",
     [

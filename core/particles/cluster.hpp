@@ -136,8 +136,25 @@ public:
     // Distance of a pair's surfaces now [m].
     double gap(const Touching<Law>& q) const { return -geometry_of_members(q).depth; }
 
-    // The largest speed at which a member can move against the others [m/s].
+    // The largest speed at which a member can move against the others, and against walls if one may be touched [m/s].
     double speed() const { return unit_of_speed(); }
+
+    bool near_a_wall() const {
+        return std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.second < 0; });
+    }
+
+    // Of all members together; none near a wall, where all of a velocity counts [m/s].
+    Vector3 drift() const {
+        Vector3 mean{};
+        if (near_a_wall()) return mean;
+        double mass = 0.0;
+        for (const Member& m : members) {
+            mass += m.mass;
+            for (std::size_t a = 0; a < 3; ++a) mean[a] += m.mass * m.velocity[a];
+        }
+        for (double& x : mean) x /= mass;
+        return mean;
+    }
 
     double contact_energy() const {
         double sum = 0.0;
@@ -196,7 +213,7 @@ private:
     Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state
     Scratch<int> slot_;    // [pairs] the component of s
     bool known_ = false;   // whether k_ is the derivative of y_
-    double h_ = 0.0, speed_unit_ = 0.0;
+    double h_ = 0.0, speed_unit_ = 0.0, lightest_ = 0.0;
     long steps_ = 0;
 
     int count() const { return static_cast<int>(members.size()); }
@@ -271,19 +288,21 @@ private:
         if constexpr (LinearLaw<Law>) trace.bulge.resize(trace.time.size() * members.size());
     }
 
-    // Speeds count in units of the largest velocity of a member against their mean, and the energy that is stored.
-    void choose_units() { speed_unit_ = unit_of_speed(); }
+    // The speed of the lightest member with all energy: that of the velocities but for their drift, and what is stored.
+    void choose_units() {
+        lightest_ = lightest();
+        speed_unit_ = unit_of_speed();
+    }
+
+    double lightest() const {
+        double least = math::infinity;
+        for (const Member& m : members) least = math::min(least, m.mass);
+        return least;
+    }
 
     double unit_of_speed() const {
-        Vector3 mean{};
-        double mass = 0.0, energy = 0.0, lightest = math::infinity;
-        for (const Member& m : members) {
-            mass += m.mass;
-            lightest = math::min(lightest, m.mass);
-            for (int a = 0; a < 3; ++a) mean[a] += m.mass * m.velocity[a];
-        }
-        for (double& x : mean) x /= mass;
-        if (std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.second < 0; })) mean = {};
+        const Vector3 mean = drift();
+        double energy = 0.0;
         for (const Member& m : members)
             for (int a = 0; a < 3; ++a)
                 energy += 0.5 * m.mass * (m.velocity[a] - mean[a]) * (m.velocity[a] - mean[a]);
@@ -293,15 +312,16 @@ private:
         double smallest = math::infinity;
         for (const Member& m : members) smallest = math::min(smallest, m.radius);
         const double fall = 1e-6 * smallest * math::sqrt(dot(gravity, gravity));
-        return math::sqrt(2.0 * energy / lightest + fall);
+        return math::sqrt(2.0 * energy / lightest() + fall);
     }
 
     void scale(Touching<Law>& q) const {
         if (q.scaled) return;
+        const double mass = math::min(q.mass, lightest_);  // there is no more energy
         if constexpr (LinearLaw<Law>) {
-            q.s_unit = speed_unit_ * math::sqrt(q.mass / q.law.elastic_force(1.0));
+            q.s_unit = speed_unit_ * math::sqrt(mass / q.law.elastic_force(1.0));
         } else {
-            const double energy = 0.5 * q.mass * speed_unit_ * speed_unit_;
+            const double energy = 0.5 * mass * speed_unit_ * speed_unit_;
             q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
         }
         q.depth_unit = power(q.s_unit, p);
@@ -568,10 +588,11 @@ private:
         for (int i = 0; i < n; ++i) {
             // Rounding of the forces is no error of the step, and a shorter step would not lessen its rate.
             const double rounding = 0.25 * math::epsilon * length * force / members[i].mass;
+            const double fastest = speed_unit_ * math::sqrt(lightest_ / members[i].mass);  // with all energy
             for (int a = 0; a < 3; ++a) {
                 tolerance_[3 * i + a] =
                     math::max(tolerance * depth, 4.0 * math::epsilon * math::abs(y_[3 * i + a]));
-                tolerance_[3 * (n + i) + a] = math::max(tolerance * speed_unit_, rounding);
+                tolerance_[3 * (n + i) + a] = math::max(tolerance * fastest, rounding);
             }
         }
         tolerance_[clock()] = tolerance * time_unit();
@@ -581,11 +602,7 @@ private:
             tolerance_[slot_[q]] = tolerance * (math::abs(y_[slot_[q]]) + pairs[q].s_unit);
     }
 
-    double energy_unit() const {
-        double most = 0.0;
-        for (const Member& m : members) most = math::max(most, m.mass);
-        return 0.5 * most * speed_unit_ * speed_unit_;
-    }
+    double energy_unit() const { return 0.5 * lightest_ * speed_unit_ * speed_unit_; }
 
     // cluster_linear.hpp
     struct Found {  // what comes first in a step

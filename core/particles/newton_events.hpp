@@ -309,8 +309,11 @@ private:
     void put_member(Group& g, std::size_t m, Member& member) const;
     void put_pair(const Group& g, int i, int j, const Member& a, const Member& b, Touching<Law>& q) const;
     bool near_wall(int i, int axis, bool high) const;
+    double to_wall(int i, int axis, bool high) const;
     Touching<Law> wall_of(const Group& g, int i, int axis, bool high) const;
-    double horizon_of(const Cluster<Law>& c) const;
+    double horizon_of(const Group& g) const;
+    double time_to_cover(double distance, double speed, bool falls) const;
+    double time_to_a_wall(const Group& g, double speed) const;
     bool margins(int index);
     double margin_of(const Group& g, std::size_t m) const;
     void busy(int index, std::size_t m, const Member& before, const Member& after, double span,

@@ -257,7 +257,7 @@ void NewtonEvents<Law>::build(int index, Joined& set) {
     pair_up(g, set.live);
     const Cluster<Law>& before = g.cluster->before;
     Cluster<Law>& after = g.cluster->after;
-    double horizon = horizon_of(before);
+    double horizon = horizon_of(g);
     const double left = set.until - now_;
     if (left > 1e-6 * horizon) horizon = math::min(horizon, left);
     g.until = now_ + horizon;
@@ -419,8 +419,14 @@ void NewtonEvents<Law>::put_pair(const Group& g, int i, int j, const Member& a, 
 
 template <class Law>
 bool NewtonEvents<Law>::near_wall(int i, int axis, bool high) const {
+    return to_wall(i, axis, high) < radius(i) + travel_;
+}
+
+// Of a body's centre, at the begin of its path [m].
+template <class Law>
+double NewtonEvents<Law>::to_wall(int i, int axis, bool high) const {
     const double x = paths_[i].position[axis];
-    return (high ? box_.edge[axis] - x : x) < radius(i) + travel_;
+    return high ? box_.edge[axis] - x : x;
 }
 
 template <class Law>
@@ -438,10 +444,32 @@ Touching<Law> NewtonEvents<Law>::wall_of(const Group& g, int i, int axis, bool h
     return q;
 }
 
+// For how long a member can't get farther, by its speed and, where that counts, its weight.
+template <class Law>
+double NewtonEvents<Law>::time_to_cover(double distance, double speed, bool falls) const {
+    const double pull = falls ? math::sqrt(dot(gravity_, gravity_)) : 0.0;
+    return 2.0 * distance / (speed + math::sqrt(speed * speed + 2.0 * distance * pull));
+}
+
+// For how long no member can get to a wall that is none of the group's: they may all fly there together.
+template <class Law>
+double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
+    if (!walled_) return math::infinity;
+    double gap = math::infinity;
+    for (const int i : g.body)
+        for (int axis = 0; axis < box_.dimension; ++axis)
+            for (const bool high : {false, true})
+                if (box_.walled(axis) && !near_wall(i, axis, high))
+                    gap = math::min(gap, to_wall(i, axis, high) - radius(i));
+    const Vector3 drift = g.cluster->before.drift();
+    return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);
+}
+
 // Until contacts like those that last are over, if the members do not get far before. What overlaps without force is
 // soon apart; a slow body that it is not apart from would get far in thousands of contacts only.
 template <class Law>
-double NewtonEvents<Law>::horizon_of(const Cluster<Law>& c) const {
+double NewtonEvents<Law>::horizon_of(const Group& g) const {
+    const Cluster<Law>& c = g.cluster->before;
     constexpr double contacts = 1.5, contacts_without_force = 100.0;
     const double speed = c.speed();
     double closed = 0.0, slack = 0.0;
@@ -450,7 +478,7 @@ double NewtonEvents<Law>::horizon_of(const Cluster<Law>& c) const {
         double& longest = q.touch == Touch::closed ? closed : slack;
         longest = math::max(longest, q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
     }
-    const double farthest = travel_ / speed;
+    const double farthest = math::min(time_to_cover(travel_, speed, c.near_a_wall()), time_to_a_wall(g, speed));
     const double longest = closed > 0.0 ? contacts * closed : contacts_without_force * slack;
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }
