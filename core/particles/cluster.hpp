@@ -170,7 +170,9 @@ private:
         const long before = steps_;
         while (time < until && !unresolved && !stop()) {
             if (!through && all(Touch::open)) break;
-            if (!any(Touch::closed))
+            if (!(speed_unit_ > at_rest))
+                stay(until);
+            else if (!any(Touch::closed))
                 fly(until);
             else if constexpr (LinearLaw<Law>)
                 follow(until);
@@ -182,6 +184,8 @@ private:
         scatter();
     }
 
+    // Below that a square is no number any more, and nobody gets anywhere [m/s].
+    static constexpr double at_rest = 1e-150;
     // Part of the sum of the radii from which on a compression is known by the positions.
     static constexpr double resolved_depth = 1e-12;
 
@@ -401,7 +405,7 @@ private:
         const double smallest = factor_[least];
         double square = smallest * smallest;
         for (const int q : rooted_) {
-            factor_[q] = q == least ? 1.0 : smallest / factor_[q];
+            factor_[q] = factor_[q] == smallest ? 1.0 : smallest / factor_[q];  // several may be zero
             square += factor_[q] * factor_[q];
         }
         const double norm = math::sqrt(square);
@@ -626,6 +630,11 @@ private:
     void consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const;
     void move(double at, double unit);
     std::array<double, 4> pull() const { return {gravity[0], gravity[1], gravity[2], 0.0}; }
+
+    void stay(double until) {
+        time = y_[clock()] = until;
+        keep();
+    }
 
     // No pair pushes: the bodies fly to the next event of a pair, in closed form.
     void fly(double until) {

@@ -144,11 +144,13 @@ inline double zero_of_falling(const double* f, int k, double end, double roundin
     return fallen <= end && first_zero(below, fallen) > fallen ? 0.0 : fallen;
 }
 
-// The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none.
+// The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none, and
+// what changes by less in a unit of time stays there.
 inline double next_zero(const double* f, double end, double rounding) {
     double whole = 0.0;
     for (int k = 1; k < length; ++k) whole += math::abs(f[k]);
     if (math::abs(f[0]) > math::max(1e-9 * whole, rounding)) return f[0] > 0.0 ? first_zero(f, end) : 0.0;
+    if (!(whole > rounding)) return math::infinity;
     int k = 1;
     while (k < length && !(math::abs(f[k]) > 1e-10 * whole)) ++k;
     if (k == length) return math::infinity;

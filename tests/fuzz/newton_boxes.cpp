@@ -37,7 +37,7 @@ struct Case : fuzz::SmallBox {
             for (std::int64_t j = -1; j < static_cast<std::int64_t>(s.n); ++j)
                 energy = math::min(energy, of_depth(static_cast<std::int64_t>(i), j, depth));
         }
-        const double unit = math::sqrt(2.0 * energy / total) / speed;
+        const double unit = math::sqrt(2.0 * energy / (s.dimension * total)) / speed;
         box.dimension = s.dimension;
         const double fall = draw.decades(1e-3, 1.0);
         for (int k = 0; k < s.dimension; ++k) {
@@ -126,6 +126,7 @@ private:
     std::unique_ptr<Engine> engine_;
     Survey start_;
     double dissipated_ = 0.0;
+    double slack_ = 0.0;  // energy of what overlaps without force, which is not lost where it is pressed again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
@@ -143,13 +144,13 @@ private:
             for (int k = 0; k < c_.s.dimension; ++k)
                 scale += c_.mass[i] *
                          math::abs(c_.box.gravity[k] * now.position[3 * i + static_cast<std::size_t>(k)]);
-        // Contacts are integrated to about 1e-11 of the energy in a step, and there are tens of steps in each; and a
+        // Contacts are integrated to about 1e-11 of the energy in a step, and there are tens of steps in each. A
         // compression is known to the rounding of the places it is the difference of.
         const double farthest = math::max(math::max(c_.box.edge[0], c_.box.edge[1]), c_.box.edge[2]);
-        const double of_contact = 1e-10 + 20.0 * math::epsilon * farthest / c_.depth;
+        const double of_contact = 5e-10 + 20.0 * math::epsilon * farthest / c_.depth;
         const double balance = 1e-9 + of_contact * static_cast<double>(now.begun);
         require(math::abs(sum(now) - sum(start_)) <= balance * scale, "energy is balanced");
-        require(now.dissipated >= dissipated_ - 1e-9 * scale, "what is lost is lost");
+        require(now.dissipated >= dissipated_ - slack_ - 1e-9 * scale, "what is lost is lost");
         dissipated_ = now.dissipated;
         bool free = true;
         for (int k = 0; k < c_.s.dimension; ++k)
@@ -166,7 +167,8 @@ private:
     }
 
     // Nobody is deeper in another one than all energy could press him; who approaches there is in contact.
-    void check_overlaps(const Survey& now, double energy) const {
+    void check_overlaps(const Survey& now, double energy) {
+        slack_ = 0.0;
         const auto n = static_cast<std::int64_t>(c_.s.n);
         for (std::int64_t i = 0; i < n; ++i) {
             for (std::int64_t j = i + 1; j < n; ++j) {
@@ -191,16 +193,17 @@ private:
         }
     }
     void check_overlap(const Survey& now, std::int64_t i, std::int64_t j, double depth, double inwards,
-                       double energy) const {
+                       double energy) {
         const double reach = c_.radius[i] + (j < 0 ? 0.0 : c_.radius[j]);
-        if (!(depth > 1e-10 * reach)) return;
-        require(c_.of_depth(i, math::max(j, std::int64_t{-1}), depth) <= 1.001 * energy,
-                "no contact is missed");
-        if (!(inwards > 0.0)) return;
+        if (!(depth > 0.0)) return;
+        const double compression = c_.of_depth(i, math::max(j, std::int64_t{-1}), depth);
         const bool known = std::any_of(now.open.begin(), now.open.end(), [&](const ContactRow& row) {
             return row.first == i && row.second == j && math::is_nan(row.end);
         });
-        require(known, "who approaches within reach is in contact");
+        if (!known) slack_ += compression;
+        if (!(depth > 1e-10 * reach)) return;
+        require(compression <= 1.001 * energy, "no contact is missed");
+        require(known || !(inwards > 0.0), "who approaches within reach is in contact");
     }
 };
 

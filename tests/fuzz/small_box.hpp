@@ -27,6 +27,10 @@ struct SmallBox {
         const double ratio = draw.often({1.0}, [&] { return draw.decades(0.01, 1.0); });
         const double spacing = 2.0 * large * draw.often({1.0}, [&] { return 1.0 + draw.decades(1e-9, 3.0); });
         speed = draw.decades(1e-3, 10.0);
+        if (draw.below(4) == 0) {  // all fly together, but for this part
+            apart = draw.decades(1e-6, 1.0);
+            for (double& x : together) x = (1.0 - apart) * draw.between(-speed, speed);
+        }
         int places[3] = {1, 1, 1};
         for (int k = 0; k < s.dimension; ++k) {
             places[k] = 1 + draw.below(most_places);
@@ -51,13 +55,16 @@ struct SmallBox {
     bool wide;  // which of two kernels
 
 private:
+    double together[3] = {}, apart = 1.0;
+
     template <class Source>
     void add(Draw<Source>& draw, const int (&at)[3], double spacing, double size) {
         for (int k = 0; k < s.dimension; ++k) {
             const double room = 0.5 * spacing - size;
             const double aside = draw.often({0.0}, [&] { return draw.between(-room, room); });
             position.push_back(math::min(spacing * (at[k] + 0.5) + aside, s.edge[k]));
-            velocity.push_back(draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); }));
+            const double own = draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); });
+            velocity.push_back(together[k] + apart * own);
         }
         radius.push_back(size);
         mass.push_back(draw.often({1.0}, [&] { return draw.decades(1e-3, 1e3); }));
