@@ -218,6 +218,7 @@ private:
     Scratch<int> slot_;    // [pairs] the component of s
     bool known_ = false;   // whether k_ is the derivative of y_
     double h_ = 0.0, speed_unit_ = 0.0, lightest_ = 0.0;
+    double step_ = 0.0;  // of the series, in its unit, at most 1
     long steps_ = 0;
 
     int count() const { return static_cast<int>(members.size()); }
@@ -455,10 +456,12 @@ private:
     // ---- one step -----------------------------------------------------------------------------------------
 
     // s where the contact is compressed or being compressed in earnest, the positions elsewhere; but s stays where the
-    // compression is lost in the rounding of the positions.
+    // compression is lost in the rounding of the positions. One that has hardly begun and hardly moves would stop the
+    // clock for all.
     void choose_coordinates() {
         if constexpr (p == 1) return;
         bool changed = false, at_zero = false;
+        const double unit = time_unit();
         std::vector<int> chosen;
         for (std::size_t q = 0; q < pairs.size(); ++q) {
             Touching<Law>& pair = pairs[q];
@@ -468,7 +471,8 @@ private:
                 const double sigma = root(static_cast<int>(q), g, y_.data()) / pair.s_unit;
                 const bool earnest = sigma > 0.1 || math::abs(g.rate) > sigma * speed_unit_;
                 const bool lost = pair.rooted && g.depth < resolved_depth * pair.reach;
-                use = (earnest || lost) && !(sigma <= 0.0 && at_zero);
+                const bool still = sigma < 0.01 && !(math::abs(g.rate) * unit > rounding(pair));
+                use = (earnest || lost) && !still && !(sigma <= 0.0 && at_zero);
                 at_zero = at_zero || (use && sigma <= 0.0);
             }
             if (use) chosen.push_back(static_cast<int>(q));
@@ -800,6 +804,8 @@ private:
             if (!dips(a, b, high, at)) return false;
         } else if (fresh && a.smooth_slope >= 0.0 && b.smooth_slope >= 0.0) {
             return false;  // rising from the surface: rounding
+        } else if (fresh && kind == Event::begins && b.value > -rounding(pairs[static_cast<std::size_t>(q)])) {
+            return false;
         }
         locate(q, kind, a, b, length, high);
         length = high;
@@ -812,8 +818,6 @@ private:
     // the zero of the cubic through the two ends of the step. What is left of the way is soon so short that the
     // midpoint rule, whose error is of the third order in it, goes it in two evaluations instead of twelve.
     void locate(int q, Event kind, const Surface& a, const Surface& b, double length, double& high) {
-        // A compression is known to the rounding of the places it is the difference of.
-        const double rounding = 2.0 * math::epsilon * pairs[static_cast<std::size_t>(q)].reach;
         double low = 0.0, up = high, at = first_guess(q, a, b, length, high);
         probe(at);
         for (int i = 0; i < 100; ++i) {
@@ -821,7 +825,8 @@ private:
             (f.value > 0.0 ? low : up) = at;
             const double newton = at - f.value / f.slope;
             const double next = newton >= low && newton <= up && f.slope < 0.0 ? newton : 0.5 * (low + up);
-            const bool close = math::abs(f.smooth) <= rounding || next == at;
+            const bool close =
+                math::abs(f.smooth) <= rounding(pairs[static_cast<std::size_t>(q)]) || next == at;
             if (close || math::abs(next - at) <= 1e-14 * length) break;
             if (math::abs(next - at) <= 1e-4 * length)
                 creep(next - at);
@@ -860,6 +865,10 @@ private:
         return x < high ? x : 0.5 * high;
     }
 
+    // To which a compression is known, as the difference of places [m]. What moves by less while others are in contact
+    // does not begin to be.
+    static double rounding(const Touching<Law>& q) { return 2.0 * math::epsilon * q.reach; }
+
     // A surface reached before this step begins, without being the one just left.
     template <class Height>
     bool at_surface(const Height& height) {
@@ -868,7 +877,8 @@ private:
             const int q = static_cast<int>(i);
             for (const Event kind : events_of(pairs[i])) {
                 if (kind == Event::none || height(q, kind) > 0.0) continue;
-                if (kind == Event::begins && !(geometry(pairs[i], y_.data()).rate > 0.0)) {
+                if (kind == Event::begins &&
+                    !(geometry(pairs[i], y_.data()).rate * time_unit() > rounding(pairs[i]))) {
                     pairs[i].fresh = true;  // touches without closing
                     continue;
                 }

@@ -15,6 +15,7 @@ void Cluster<Law>::follow(double until) {
     const double unit = series_unit();
     expand(unit);
     const double rest = (until - y_[clock()]) / unit, step = longest_step();
+    step_ = math::min(step, 1.0);
     Found found{math::min(step, rest)};
     const bool last = rest <= step;
     for (const series::Followed& f : followed_) find_end(f, found);
@@ -184,7 +185,7 @@ void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, doubl
     if (q.second >= 0) far = math::max(far, series::largest(paths_[q.second][0]));
     const double rounding = 4.0 * math::epsilon * far * unit;
     double zero =
-        q.fresh ? kernels->next_zero(f.of, found.at, rounding) : kernels->first_zero(f.of, found.at);
+        q.fresh ? kernels->next_zero(f.of, found.at, step_, rounding) : kernels->first_zero(f.of, found.at);
     // A force as small as rounding may fall for its own damping, and not to zero: without it, it would rise at once.
     if (zero == 0.0 && kind != Event::begins && f[0] > 0.0) zero = kernels->first_zero(f.of, found.at);
     if (zero <= found.at) found = {zero, kind, index};

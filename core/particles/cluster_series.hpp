@@ -26,7 +26,7 @@ struct SeriesKernels {
     // Of the distance of two paths; image [3].
     void (*square)(const void* first, const void* second, const double* image, double* out);
     double (*first_zero)(const double* series, double end);
-    double (*next_zero)(const double* series, double end, double rounding);
+    double (*next_zero)(const double* series, double end, double step, double rounding);
     void (*move)(const void* paths, const int* order, int pushed, int bodies, const void* contacts, int n,
                  double at, double unit, const double* gravity, double* state, double* sums, double* bulge);
 };
@@ -145,14 +145,18 @@ inline double zero_of_falling(const double* f, int k, double end, double roundin
 }
 
 // The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none, and
-// what changes by less in a unit of time stays there.
-inline double next_zero(const double* f, double end, double rounding) {
-    double whole = 0.0;
-    for (int k = 1; k < length; ++k) whole += math::abs(f[k]);
+// what changes by less in a step of the series stays there.
+inline double next_zero(const double* f, double end, double step, double rounding) {
+    double whole = 0.0, terms[length] = {}, power = 1.0;
+    for (int k = 1; k < length; ++k) {
+        power *= step;
+        terms[k] = math::abs(f[k]) * power;
+        whole += terms[k];
+    }
     if (math::abs(f[0]) > math::max(1e-9 * whole, rounding)) return f[0] > 0.0 ? first_zero(f, end) : 0.0;
     if (!(whole > rounding)) return math::infinity;
     int k = 1;
-    while (k < length && !(math::abs(f[k]) > 1e-10 * whole)) ++k;
+    while (k < length && !(terms[k] > 1e-10 * whole)) ++k;
     if (k == length) return math::infinity;
     if (f[k] < 0.0) return zero_of_falling(f, k, end, rounding);
     double rest[length] = {};

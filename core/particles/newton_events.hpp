@@ -51,9 +51,11 @@ public:
     // of all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,
     static constexpr std::size_t large_group = 50;
     static constexpr long steps_of_large_group = 64;
-    // and the steps of its members are counted. Where they are so many for each body and each contact that has begun,
-    // contacts last, and small steps are cheaper.
-    static constexpr double most_work = 1e4;
+    // and a small one after so many, which only those take that come to rest: a run can be stopped between groups.
+    static constexpr long steps_of_small_group = 10'000;
+    // The steps of the members of both are counted. Where they are so many for each body (or, in small boxes, each of
+    // so many) and each contact that has begun, contacts last, and small steps are cheaper.
+    static constexpr double most_work = 1e4, fewest_bodies = 1e3;
     // A group that others join goes on as if it had formed just then, up to so many members. A larger one ends when it
     // was to, and falls apart into what hangs together: else bodies that have parted long ago stay, more of them join
     // than leave, and in a large gas such a group grows without end.
@@ -209,7 +211,7 @@ private:
     double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
-    double work_ = 0.0;               // that counts, of large groups [steps of a body]
+    double work_ = 0.0;               // that counts [steps of a body]
     std::uint64_t begun_before_ = 0;  // contacts, when it was counted last
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;

@@ -265,19 +265,19 @@ void NewtonEvents<Law>::build(int index, Joined& set) {
         after = before;
         after.record = true;
         Stop never;
-        after.run(horizon, never, set.body.size() < large_group ? no_limit : steps_of_large_group);
+        after.run(horizon, never, set.body.size() < large_group ? steps_of_small_group : steps_of_large_group);
         if (margins(index) || after.time == 0.0 || after.unresolved) break;
         horizon = 0.5 * after.time;
     }
     after.trace.clear();
 }
 
-// Whether contacts last: large groups are integrated on and on while none begins.
+// Whether contacts last: groups are integrated on and on while none begins.
 template <class Law>
 bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     const std::size_t members = c.members.size();
-    if (members < large_group) return false;
-    const double most = most_work * static_cast<double>(paths_.size());
+    if (members < large_group && c.steps() < steps_of_small_group) return false;
+    const double most = most_work * math::max(static_cast<double>(paths_.size()), fewest_bodies);
     work_ = math::max(work_ - most_work * static_cast<double>(begun_ - begun_before_), 0.0);
     begun_before_ = begun_;
     work_ += static_cast<double>(members) * static_cast<double>(c.steps());
@@ -643,6 +643,7 @@ void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) 
     if (!at_end) {
         start(g, g.cluster->after);
         g.cluster->after.run_through(now_ - g.cluster->after.base);
+        if (g.cluster->after.unresolved) end_here({g.body.begin(), g.body.end()});
     }
     const Cluster<Law>& c = g.cluster->after;
     dissipated_ += c.dissipated;
