@@ -53,8 +53,8 @@ public:
     static constexpr long steps_of_large_group = 64;
     // and a small one after so many, which only those take that come to rest: a run can be stopped between groups.
     static constexpr long steps_of_small_group = 10'000;
-    // The steps of the members of both are counted. Where they are so many for each body (or, in small boxes, each of
-    // so many) and each contact that has begun, contacts last, and small steps are cheaper.
+    // The steps of their members are counted. Where they are so many for each body and each contact that has begun,
+    // contacts last, and small steps are cheaper; small groups may take as many as those of so many bodies.
     static constexpr double most_work = 1e4, fewest_bodies = 1e3;
     // A group that others join goes on as if it had formed just then, up to so many members. A larger one ends when it
     // was to, and falls apart into what hangs together: else bodies that have parted long ago stay, more of them join

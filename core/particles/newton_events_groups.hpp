@@ -276,8 +276,10 @@ void NewtonEvents<Law>::build(int index, Joined& set) {
 template <class Law>
 bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     const std::size_t members = c.members.size();
-    if (members < large_group && c.steps() < steps_of_small_group) return false;
-    const double most = most_work * math::max(static_cast<double>(paths_.size()), fewest_bodies);
+    const bool small = members < large_group;
+    if (small && c.steps() < steps_of_small_group) return false;
+    const auto bodies = static_cast<double>(paths_.size());
+    const double most = most_work * (small ? math::max(bodies, fewest_bodies) : bodies);
     work_ = math::max(work_ - most_work * static_cast<double>(begun_ - begun_before_), 0.0);
     begun_before_ = begun_;
     work_ += static_cast<double>(members) * static_cast<double>(c.steps());
