@@ -697,6 +697,103 @@ def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
     assert run.n_contacts == 3 and run.n_ended == 0
 
 
+# Bodies that fit between walls or touch exactly, found by the fuzz target: what was wrong, law, system, until [s].
+STIFF = hl.Tsuji(elastic_prefactor=999.99999999999977, restitution=1.0)
+FOUND = {
+    "speeds without squares": (
+        hl.LinearDashpot(stiffness=367.03364966696256, restitution=0.5),
+        dict(
+            radius=0.0013335214293036552, mass=999.99999678332483, box=[0.0026670428586073104] * 3,
+            positions=[[0.0013335214293036552] * 3],
+            velocities=[[0.0, -1.2731941241556014e-08, 1.2731941235627242e-08]],
+        ),
+        1000.0,
+    ),
+    "heavy bodies as inexact as light ones": (
+        STIFF,
+        dict(
+            radius=0.00010746107780113776, mass=[999.99999678332483, 0.0010000000000000002],
+            box=[0.00064476647035334369, 0.0004513472728725587, 0.00021492215678444788],
+            boundary=("wall", "periodic", "wall"), gravity=(1.4853031061020701e-25, 0.0, 4.4559093183062108e-25),
+            positions=[
+                [0.00010746107839222394, 0.00010746107839222394, 0.00010746107898331012],
+                [0.00032238323569387228, 0.00010746107898331012, 0.0001074610778011558],
+            ],
+            velocities=[[0.0, 0.0, 3.0946302536495983e-13], [3.0946302536495983e-13, 3.0946302536495983e-13, 0.0]],
+        ),
+        102.20523002309031,
+    ),
+    "three contacts end at one instant": (
+        hl.Tsuji(youngs_modulus=11547.819797367163, poisson_ratio=-0.58390426635742188, damping_coefficient=0.0),
+        dict(
+            radius=0.99999999678332507, mass=999.99999678332483, box=[7.9999999523595875] * 3,
+            positions=[[6.9999999541792786] * 3], velocities=[[0.011162401324461241] * 3],
+            gravity=[1.5574900490994021e-05] * 3,
+        ),
+        10.0,
+    ),
+    "a series with terms for steps far shorter than its unit": (
+        hl.LinearDashpot(stiffness=209491.63521310722, restitution=0.001596158860251249),
+        dict(
+            radius=0.00072965313916826093, mass=1.0, box=[0.0014691772375373063, 0.0029383544750746127],
+            gravity=(0.0, 1.8777082642029719e-06),
+            positions=[
+                [0.00073458861876865317, 0.00073768584745443613],
+                [0.00073458861876865317, 0.002205325232658404],
+            ],
+            velocities=[
+                [-0.0018771786865882897, 0.0019792970526633126],
+                [0.0017389939346369179, 0.0019792970526633126],
+            ],
+        ),
+        0.11744857322718324,
+    ),
+    "the clock of a contact that hardly moves": (
+        STIFF,
+        dict(
+            radius=0.0067010809286149418,
+            mass=[0.0077743755399407172, 0.19518696592466683, 2.240750286367545, 1.0],
+            box=[0.040206485571689654, 0.026804323714459767],
+            gravity=(-1.0202073160342435e-20, -1.3483698928945487e-20),
+            positions=[
+                [0.0067010809286149418, 0.0067010809286149418], [0.0067010809286149418, 0.020103242785844827],
+                [0.020103242785844827, 0.0067010809286149418], [0.020103242785844827, 0.020103242785844827],
+            ],
+            velocities=[
+                [0.0, 6.5342791776305394e-10], [3.1930942742514619e-10, 6.3385396437999765e-10],
+                [-5.7666140374696779e-10, 1.1620846223714014e-10], [3.9569691810986156e-10, -4.5326085987610235e-10],
+            ],
+        ),
+        0.199904027011162,
+    ),
+    "contacts of less than rounding": (
+        hl.LinearDashpot(stiffness=8792719028.3521175, restitution=0.099428555439226338),
+        dict(
+            radius=0.0027073555891891808, mass=[1.5448873520047606, 233.3865423385065],
+            box=[0.0054147111783783616, 0.010829422356756723], gravity=(0.0, -1.9088664241596179e-07),
+            positions=[
+                [0.0027073555891891808, 0.0027073555891891808], [0.0027073555891891808, 0.0081220667675675415],
+            ],
+            velocities=[
+                [-0.00015420499760642923, -2.8006949767771221e-05], [-0.00033546393193042778, 0.00012606831469764201],
+            ],
+        ),
+        0.01,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_bodies_that_fit_exactly(name: str) -> None:
+    law, given, until = FOUND[name]
+    run = hl.molecular_dynamics(
+        hl.ParticleSystem(**({"boundary": "wall"} | given)), law=law, until=until, samples=4, engine="events"
+    )
+    assert run.outcome == "ok" and run.time == until
+    assert run.n_contacts < 300
+    assert run.energy_error < 1e-9
+
+
 def test_no_group_lasts_thousands_of_contacts() -> None:
     """A slow body overlaps with walls without force when its contacts end: it is soon apart, however long it would take
     to get far."""
