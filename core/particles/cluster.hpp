@@ -804,7 +804,8 @@ private:
             if (!dips(a, b, high, at)) return false;
         } else if (fresh && a.smooth_slope >= 0.0 && b.smooth_slope >= 0.0) {
             return false;  // rising from the surface: rounding
-        } else if (fresh && kind == Event::begins && b.value > -rounding(pairs[static_cast<std::size_t>(q)])) {
+        } else if (fresh && kind == Event::begins &&
+                   b.value > -rounding(pairs[static_cast<std::size_t>(q)])) {
             return false;
         }
         locate(q, kind, a, b, length, high);

@@ -265,7 +265,8 @@ void NewtonEvents<Law>::build(int index, Joined& set) {
         after = before;
         after.record = true;
         Stop never;
-        after.run(horizon, never, set.body.size() < large_group ? steps_of_small_group : steps_of_large_group);
+        after.run(horizon, never,
+                  set.body.size() < large_group ? steps_of_small_group : steps_of_large_group);
         if (margins(index) || after.time == 0.0 || after.unresolved) break;
         horizon = 0.5 * after.time;
     }
@@ -480,7 +481,8 @@ double NewtonEvents<Law>::horizon_of(const Group& g) const {
         double& longest = q.touch == Touch::closed ? closed : slack;
         longest = math::max(longest, q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
     }
-    const double farthest = math::min(time_to_cover(travel_, speed, c.near_a_wall()), time_to_a_wall(g, speed));
+    const double farthest =
+        math::min(time_to_cover(travel_, speed, c.near_a_wall()), time_to_a_wall(g, speed));
     const double longest = closed > 0.0 ? contacts * closed : contacts_without_force * slack;
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }

@@ -126,7 +126,7 @@ private:
     std::unique_ptr<Engine> engine_;
     Survey start_;
     double dissipated_ = 0.0;
-    double slack_ = 0.0;  // energy of what overlaps without force, which is not lost where it is pressed again [J]
+    double slack_ = 0.0;  // of what overlaps without force: not lost where it is pressed again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
