@@ -144,8 +144,8 @@ inline double zero_of_falling(const double* f, int k, double end, double roundin
     return fallen <= end && first_zero(below, fallen) > fallen ? 0.0 : fallen;
 }
 
-// The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none, and
-// what changes by less in a step of the series stays there.
+// The same for a function that has just been put to zero, up to `rounding`: what is left of its first terms is none,
+// and what changes by less in a step of the series stays there.
 inline double next_zero(const double* f, double end, double step, double rounding) {
     double whole = 0.0, terms[length] = {}, power = 1.0;
     for (int k = 1; k < length; ++k) {
