@@ -283,6 +283,31 @@ def test_the_scheduler_is_killed(processes: Processes, tmp_path: Path) -> None:
     assert files(tmp_path / "a") == files(tmp_path / "b")
 
 
+AS_A_CALL_BEGINS = """
+    import os
+    import signal
+    import threading
+    import time
+    from hardlimit import cluster
+
+    async def nothing():
+        pass
+
+    with cluster.connection(None, "nothing") as client:
+        client.loop.add_callback(time.sleep, 1.0)  # dask can't begin before
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        client.sync(nothing)
+"""
+
+
+@pytest.mark.slow
+def test_an_interrupt_as_a_call_begins_is_the_only_thing_told() -> None:
+    command = [sys.executable, "-c", textwrap.dedent(AS_A_CALL_BEGINS)]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert run.stderr.startswith("Traceback") and run.stderr.rstrip().endswith("KeyboardInterrupt")
+    assert "NameError" not in run.stderr
+
+
 INTERRUPTED = """
     import sys
     import numpy as np

@@ -34,7 +34,7 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
         raise ImportError(
             f"{asked}, must have the package distributed: pip install 'hardlimit[cluster]'"
         ) from None
-    with _connected(scheduler) as client:
+    with _quiet(), _connected(scheduler) as client:
         try:
             yield client
         except (CancelledError, OSError) as gone:  # the latter where it is asked something, once it has gone
@@ -43,6 +43,22 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
                 f"scheduler: went away{''.join(f' ({line})' for line in why)}; "
                 "what is in a store is kept, repeat the call"
             ) from None
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    log = logging.getLogger("tornado.application")
+    log.addFilter(_told)
+    try:
+        yield
+    finally:
+        log.removeFilter(_told)
+
+
+def _told(record: logging.LogRecord) -> bool:
+    """Whether a user is told. Where Ctrl-C comes as a call of dask begins, there is nothing to cancel yet, which is
+    logged as an error of a name without a value."""
+    return not (record.exc_info and isinstance(record.exc_info[1], NameError))
 
 
 @contextmanager
