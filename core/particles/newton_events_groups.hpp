@@ -290,6 +290,7 @@ bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
 // The run is over, at this group.
 template <class Law>
 void NewtonEvents<Law>::end_here(const std::vector<int>& bodies) {
+    if (outcome_ != Outcome::ok) return;
     outcome_ = Outcome::unresolved;
     for (const int i : bodies) ended_by_.push_back(pending_[i].name);
     std::sort(ended_by_.begin(), ended_by_.end());
@@ -457,13 +458,13 @@ double NewtonEvents<Law>::time_to_cover(double distance, double speed, bool fall
 // For how long no member can get to a wall that is none of the group's: they may all fly there together.
 template <class Law>
 double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
-    if (!walled_) return math::infinity;
     double gap = math::infinity;
     for (const int i : g.body)
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
                 if (box_.walled(axis) && !near_wall(i, axis, high))
                     gap = math::min(gap, to_wall(i, axis, high) - radius(i));
+    if (gap == math::infinity) return gap;
     const Vector3 drift = g.cluster->before.drift();
     return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);
 }
