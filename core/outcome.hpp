@@ -12,8 +12,9 @@ enum class Outcome : int {
     collapse = 4,
     unresolved = 5,
     never_lands = 6,
+    too_deep = 7,
 };
-inline constexpr int outcome_count = 7;
+inline constexpr int outcome_count = 8;
 
 struct OutcomeRecord {
     const char* name;
@@ -29,6 +30,8 @@ inline constexpr OutcomeRecord outcome_records[outcome_count] = {
      "inelastic collapse: the collisions of the independent-collisions model accumulate in a finite time"},
     {"unresolved", "not resolved: the limit on the number of steps or events was reached"},
     {"never_lands", "the lowest ball never reaches the floor"},
+    {"too_deep",
+     "too deep: a contact was compressed by half of the smaller radius, beyond the range of any contact law"},
 };
 
 HL_FN const char* message(Outcome o) { return outcome_records[static_cast<int>(o)].message; }

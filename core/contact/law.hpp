@@ -27,6 +27,10 @@ struct PairGeometry {
     double effective_radius;  // R_i R_j/(R_i + R_j) [m]; the floor has infinite radius
 };
 
+// Largest compression for which a contact law is meant, as a part of the smaller radius (at a wall, of the radius). A
+// law describes two surfaces that touch; a run that gets here ends as too_deep. docs/limits.md gives the reason.
+inline constexpr double deepest_compression = 0.5;
+
 // Symmetric to the last bit.
 HL_FN double effective(double a, double b) {
     if (b == math::infinity) return a;
