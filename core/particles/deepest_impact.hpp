@@ -1,38 +1,36 @@
-// The impact of an event-driven run that presses its bodies deepest, if the contact law is followed.
+// The largest compression of an event-driven run, if its impacts were contacts of the law.
 //
-// Impacts are compared by their energy: by the compression at which an undamped contact would have stored it, over the
-// smaller radius. Only the contact of the deepest one is solved, when its compression is asked for or near the limit.
+// The contact is solved only of those impacts that may have been the deepest so far. Without damping one would be as
+// deep as its energy e allows, and less where the path leads past the other body: ξ² + 2 (v_t/v_n)² (e²/l) ξ = e² under
+// the linear law, so that ξ <= e/(1 + (v_t/v_n)² e/l). Impacts are compared by this bound.
 #pragma once
 #include "planar_contact.hpp"
 
 namespace hardlimit::particles {
 
 struct DeepestImpact {
-    double elastic = 0.0;       // compression without damping, over the smaller radius
-    double radius = math::nan;  // the smaller [m]
-    Approach approach{};
-    PairGeometry pair{};
-    bool too_deep = false;  // beyond deepest_compression
+    double bound = 0.0;              // the largest so far, over the smaller radius
+    double compression = math::nan;  // of the impacts solved, over the smaller radius
+    bool too_deep = false;           // beyond deepest_compression
 };
 
-// Its greatest compression over the smaller radius; NaN before any impact. Where the solver gives up, what it got to.
+// `radius`: the smaller one [m].
 template <class Law>
-double compression_of(const DeepestImpact& impact, const Law& law) {
-    const PlanarContact contact = solve_planar_contact(law, impact.approach);
-    const double given_up = PlanarRun<Law>::deepest * impact.approach.distance;
-    return (contact.outcome == Outcome::too_deep ? given_up : contact.greatest) / impact.radius;
-}
-
-template <class Law>
-void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, PairGeometry pair,
-                 double radius) {
+void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, double radius) {
     constexpr int p = Law::onset_power;
     const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
-    if (!(energy > law.energy(onset_root<p>(deepest.elastic * radius)))) return;
+    const double asked = math::min(deepest.bound, deepest_compression);
+    if (!(energy > law.energy(onset_root<p>(asked * radius)))) return;
     const double s = column::newton::solve_power([&](double x) { return law.energy(x); }, energy);
-    deepest = {column::newton::power<p>(s) / radius, radius, a, pair};
-    deepest.too_deep =
-        deepest.elastic >= deepest_compression && compression_of(deepest, law) >= deepest_compression;
+    const double elastic = column::newton::power<p>(s), share = a.tangential_speed / a.normal_speed;
+    const double bound = elastic / (1.0 + share * share * (elastic / a.distance)) / radius;
+    if (!(bound > asked)) return;
+    deepest.bound = math::max(deepest.bound, bound);
+    const PlanarContact contact = solve_planar_contact(law, a);
+    const double given_up = PlanarRun<Law>::deepest * a.distance;
+    const double found = (contact.outcome == Outcome::too_deep ? given_up : contact.greatest) / radius;
+    if (!(found <= deepest.compression)) deepest.compression = found;
+    deepest.too_deep = found >= deepest_compression;
 }
 
 }  // namespace hardlimit::particles

@@ -48,7 +48,7 @@ public:
     }
     Outcome outcome() const override { return outcome_; }
     EarlyEnd early_end() const override { return early_end_; }
-    double largest_compression() const override { return rule_.compression(deepest_); }
+    double largest_compression() const override { return deepest_.compression; }
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     Log take_log() override { return std::exchange(log_, {}); }

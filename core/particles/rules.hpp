@@ -72,7 +72,6 @@ class LawRestitution {
 public:
     virtual ~LawRestitution() = default;
     virtual double operator()(double speed, PairGeometry pair, double radius, DeepestImpact& deepest) = 0;
-    virtual double compression(const DeepestImpact& impact) const = 0;
 };
 
 // How Python and files choose a rule.
@@ -99,15 +98,12 @@ public:
         for (Known& k : known_)
             if (k.pair.effective_mass == pair.effective_mass &&
                 k.pair.effective_radius == pair.effective_radius) {
-                note_impact(deepest, k.restitution.law(), head_on, pair, radius);
+                note_impact(deepest, k.restitution.law(), head_on, radius);
                 return k.restitution(speed);
             }
         const Law law = law_of(pair);
-        note_impact(deepest, law, head_on, pair, radius);
+        note_impact(deepest, law, head_on, radius);
         return law.restitution(speed, pair.effective_mass);
-    }
-    double compression(const DeepestImpact& impact) const override {
-        return compression_of(impact, law_of(impact.pair));
     }
 
 private:
@@ -144,10 +140,6 @@ public:
     double contact_duration() const { return choice_.contact_duration; }
     double restitution(double speed, PairGeometry pair, double radius, DeepestImpact& deepest) const {
         return law_ ? (*law_)(speed, pair, radius, deepest) : choice_.restitution;
-    }
-    // NaN without a law.
-    double compression(const DeepestImpact& impact) const {
-        return law_ ? law_->compression(impact) : math::nan;
     }
 
 private:

@@ -39,7 +39,7 @@ public:
         const bool usual = alike_ && pair.effective_mass == usual_.effective_mass &&
                            pair.effective_radius == usual_.effective_radius;
         const Law law = usual ? law_ : law_of(pair);
-        note_impact(deepest, law, approach, pair, radius);
+        note_impact(deepest, law, approach, radius);
         if (deepest.too_deep) return {Outcome::too_deep, {}, 0.0};
         const PlanarContact end = contacts_(law, approach);
         return {end.outcome, draw_back(approach, end), end.duration};

@@ -38,8 +38,8 @@ def rows(largest: float | None) -> list[tuple[str, float]]:
     return [] if largest is None else [("largest compression [smaller radius]", largest)]
 
 
-def warn(largest: float | None, stacklevel: int = 3) -> None:
-    """Warn if contacts were deep; ``stacklevel`` is that of :func:`warnings.warn`, 3 for the caller's caller."""
+def warn(largest: float | None, stacklevel: int = 4) -> None:
+    """Warn if contacts were deep; ``stacklevel`` is that of :func:`warnings.warn`, 4 for who called a solver's run."""
     said = too_soft(largest)
     if said is not None:
         warnings.warn(said, CompressionWarning, stacklevel=stacklevel)

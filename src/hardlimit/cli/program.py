@@ -6,11 +6,14 @@ import contextlib
 import io
 import os
 import sys
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, TextIO
 
 import click
+
+from ..compression import CompressionWarning
 
 FAILURE = 1
 BAD_INPUT = 2
@@ -34,7 +37,8 @@ class Program(click.Group):
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="replace")  # Greek letters and signs on a terminal without them
-        code = ended(run)
+        with compression_told():
+            code = ended(run)
         for stream in (sys.stdout, sys.stderr):
             give_up_if_full(stream)
         sys.exit(code)
@@ -82,6 +86,22 @@ def ended(run: Callable[[], Any]) -> int:
         complain(f"hardlimit: {reason(error)}")
         return FAILURE
     return code if isinstance(code, int) else 0
+
+
+@contextlib.contextmanager
+def compression_told() -> Iterator[None]:
+    """Contacts that are deep are told in one line on stderr, without a place in the code."""
+    usual = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        if issubclass(category, CompressionWarning):
+            complain(f"warning: {message}")
+        else:
+            usual(message, category, *where)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 def complain(message: str) -> None:

@@ -11,11 +11,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from .. import _core
+from .. import _core, compression
 from ..contact import Law
 from ..progress import Report
 from . import checkpoint, early_end, engines
 from .contact_result import COLUMNS, LOG, ContactResult
+from .softness import refuse_too_soft
 from .system import Floats, ParticleSystem
 
 #: In the header of a checkpoint.
@@ -99,7 +100,9 @@ class ContactCourse:
         """
         for _ in self.steps(report):
             pass
-        return self.result()
+        found = self.result()
+        compression.warn(found.largest_compression)
+        return found
 
     def steps(self, report: Report) -> Iterator[float]:
         """To the end, with a stop at every sample; yields its time [s]."""
@@ -225,7 +228,14 @@ class ContactCourse:
 def start(
     system: ParticleSystem, settings: Settings, time_step: float | None, target: Target, log: bool
 ) -> ContactCourse:
-    """A run at its beginning; the arguments are checked."""
+    """A run at its beginning; the other arguments are checked.
+
+    Raises
+    ------
+    ValueError
+        If contacts under the law would be too deep.
+    """
+    refuse_too_soft(system, settings.law)
     engine = ENGINES[settings.engine](
         *engines.scene(system),
         engines.choice(settings.law),

@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
+from .. import _core, compression
 from ..progress import Report
 from . import checkpoint, early_end, engines
 from .result import COLUMNS, ParticleResult, Settings
@@ -90,7 +90,9 @@ class Course:
         """
         for _ in self.steps(report):
             pass
-        return self.result()
+        found = self.result()
+        compression.warn(found.largest_compression)
+        return found
 
     def steps(self, report: Report) -> Iterator[float]:
         """To the end, with a stop at every sample; yields its time [s]."""

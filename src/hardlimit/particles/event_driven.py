@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from .. import compression, validation
+from .. import validation
 from ..contact import Law
 from ..progress import Report, reporter
 from .course import Course, Target, engine_of, load
@@ -101,15 +101,12 @@ def event_driven(
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
     settings = checked_settings(law, restitution, rule, contact_duration)
-    refuse_too_soft(system, settings.law)
     end = checked_end(until, max_collisions, samples)
     if until is None and max_collisions is None:
         raise ValueError("until | max_collisions: got neither, must be at least one of them")
     _, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "event-driven", "collisions") as report:
-        found = start(system, settings, end.target(system), keep, path, every).run(report)
-    compression.warn(found.largest_compression)
-    return found
+        return start(system, settings, end.target(system), keep, path, every).run(report)
 
 
 def start(
@@ -120,7 +117,14 @@ def start(
     path: Path | None = None,
     every: float = math.inf,
 ) -> Course:
-    """A run at its beginning; the arguments are checked."""
+    """A run at its beginning; the other arguments are checked.
+
+    Raises
+    ------
+    ValueError
+        If contacts under the law would be too deep.
+    """
+    refuse_too_soft(system, settings.law)
     empty = (np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     engine = engine_of(system, settings, log)
     return Course(system, settings, engine, target, log=empty if log else None, path=path, every=every)
@@ -156,9 +160,7 @@ def resume(
     if until is not None or max_collisions is not None:
         course.set_end(*later_end(course, until, max_collisions))
     with reporter(progress, "event-driven", "collisions") as report:
-        found = course.run(report)
-    compression.warn(found.largest_compression)
-    return found
+        return course.run(report)
 
 
 def later_end(course: Course, until: Any, max_collisions: Any) -> tuple[float | None, int | None]:
