@@ -98,7 +98,7 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Step, alive: Step) -> A
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
-            places = run.engine.state()[0]
+            places = engines.state(run.system, run.engine)[0]
             truth = places if i == 0 else truth
             found["pair_correlation"][i, k] = observer.pair_correlation(places)
             found["density_variance"][i, k] = observer.density_variance(places)
