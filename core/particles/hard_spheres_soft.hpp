@@ -80,10 +80,9 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
     const SoftImpact impact = (*soft_)({m, math::infinity, speed, 0.0, pressing}, {m, radius(i)});
     const i64 wall = -1 - 2 * axis - (away < 0.0 ? 1 : 0);
     ++tally_.walls;
-    if (impact.outcome != Outcome::ok || speed == 0.0) {
+    if (impact.outcome != Outcome::ok) {
         note(i, wall, speed, 0.0, math::infinity);
-        end_here(speed == 0.0 ? Outcome::at_rest : impact.outcome, i, wall);
-        return;
+        return end_here(impact.outcome, i, wall);
     }
     const DrawnBack& end = impact.drawn_back;
     double change[d] = {}, shift[d] = {};

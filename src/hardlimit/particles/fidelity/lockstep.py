@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact import Law
-from .. import contact_course, contact_result, course, result, time_step
+from .. import contact_course, contact_result, course, engines, result, time_step
 from ..contact_course import ContactCourse
 from ..course import Course
 from ..event_driven import start as start_hard_spheres

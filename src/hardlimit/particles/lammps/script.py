@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from ..engines import common_fall
 from ..system import AXES, ParticleSystem
 from .forces import Types
 
