@@ -187,10 +187,13 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     nearest(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
-    if (motion != Motion::growing && soft_)
+    if (motion != Motion::growing && !(speed > 0.0)) {  // by rounding: they only touch
+        if (soft_) softs_[i] = {now_, j}, softs_[j] = {now_, i};
+    } else if (motion != Motion::growing && soft_) {
         collide_softly(i, j, r, v, distance, speed);
-    else
+    } else {
         collide_at_once(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
+    }
     count_collision(i);
     count_collision(j);
     keep_bounds(i);
