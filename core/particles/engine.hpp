@@ -58,6 +58,7 @@ public:
     // To `until` [s], or to the instant of row number `most_rows` of the log (0: no limit), or until `stop`.
     virtual void advance(double until, i64 most_rows, Stop& stop) = 0;
     virtual double time() const = 0;
+    virtual i64 events() const = 0;  // since it was made or loaded: collisions, cell crossings, predictions
     virtual Counts counts() const = 0;
     virtual Outcome outcome() const = 0;
     virtual EarlyEnd early_end() const = 0;

@@ -43,6 +43,7 @@ public:
 
     void advance(double until, i64 most_rows, Stop& stop) override;
     double time() const override { return now_; }
+    i64 events() const override { return events_; }
     Counts counts() const override {
         return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, soft_contacts_, soft_third_body_};
     }
@@ -87,6 +88,7 @@ private:
     CollapseWatch watch_;
     Log log_;
     double now_ = 0.0;  // [s]
+    i64 events_ = 0;
     Outcome outcome_ = Outcome::ok;
     EarlyEnd early_end_{math::nan, -1, 0};
     hardlimit_abi::TouchKernels::Of touch_{};
@@ -240,6 +242,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& s
         now_ = math::max(now_, due->time);
         const u32 i = due->id;
         calendar_.pop();
+        ++events_;
         if (fetches_) ahead().step();
         happen(i);
     }

@@ -75,9 +75,8 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double away, double speed) {
     const double m = mass(i), pressing = -away * box_.gravity[axis];
     const i64 wall = wall_number(own_event(axis, away < 0.0));
-    const SoftImpact impact = speed == 0.0 ? SoftImpact{Outcome::at_rest, {}, 0.0}
-                                           : (*soft_)({m, math::infinity, speed, 0.0, pressing},
-                                                      {m, radius(i)}, radius(i), deepest_);
+    const SoftImpact impact =
+        (*soft_)({m, math::infinity, speed, 0.0, pressing}, {m, radius(i)}, radius(i), deepest_);
     if (impact.outcome != Outcome::ok) return give_up(impact.outcome, i, wall, speed);
     ++tally_.walls;
     const DrawnBack& end = impact.drawn_back;

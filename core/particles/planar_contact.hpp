@@ -35,6 +35,9 @@ struct Approach {
     double gravity = 0.0;           // that presses a body against a wall [m/s²]
 };
 
+// The energy of a slower one may be too small for a number [m/s].
+inline constexpr double slowest_approach = 1e-100;
+
 // The end of a contact. Where there is none (`outcome`) the numbers are NaN, but for the greatest compression at rest.
 struct PlanarContact {
     Outcome outcome;
@@ -88,7 +91,7 @@ struct PlanarMotion {
         const double share = a.tangential_speed / a.normal_speed;
         length = elastic / (1.0 + share * share * (elastic / a.distance));
         speed = a.normal_speed;
-        if (a.gravity > 0.0) rescale_under_gravity(of);
+        if (a.gravity * length > faint_pull * speed * speed) rescale_under_gravity(of);
         root = onset_root<p>(length);
         const double slowness = a.tangential_speed / speed;
         force_unit = length / speed / speed / a.effective_mass;
@@ -97,6 +100,7 @@ struct PlanarMotion {
         gravity = a.gravity * length / speed / speed;
     }
 
+    static constexpr double faint_pull = 1e-30;  // in units of V²/L: no weight presses deeper than the impact
     static double power(double s) { return column::newton::power<p>(s); }
 
     void operator()(const double* y, double* dy) const {
@@ -180,6 +184,7 @@ public:
     static constexpr double longest_step = 0.2;
     static constexpr double deepest = 0.5;  // of the distance: there a contact of two bodies is given up
     static constexpr long most_steps = 1'000'000;
+    static constexpr double strong_pull = 1e17;  // beside which the force of a contact is rounding
     static constexpr double resting_part =
         1e-10;  // of speed and weight: what is left of a motion that dies away
 
@@ -198,6 +203,7 @@ public:
     // visit(*this) after every interval: from begin(), of the length length() in τ, to end().
     template <class Visit>
     PlanarContact integrate(Visit&& visit) {
+        if (motion_.gravity < -strong_pull) return pulled_off();
         double y[n] = {0.0, motion_.approach.normal_speed / motion_.speed};
         motion_(y, stages_);
         copy(y, begin_);
@@ -225,6 +231,21 @@ public:
             copy(slope_, stages_);
         }
         return without_end(Outcome::unresolved);
+    }
+
+    // Gravity leads away from the wall, and turns the body around before any force acts.
+    PlanarContact pulled_off() const {
+        const Approach& a = motion_.approach;
+        const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
+        return {Outcome::ok,
+                duration,
+                0.0,
+                0.0,
+                speed,
+                a.tangential_speed,
+                0.0,
+                speed * speed / 3.0 * duration,
+                0.25 * speed * duration};
     }
 
     static PlanarContact without_end(Outcome outcome) {
@@ -273,6 +294,13 @@ private:
     }
     double time_unit() const { return motion_.length / motion_.speed; }
 
+    // Pressed by its weight from near rest, a body begins so slowly that its steps must grow with its motion.
+    double longest() const {
+        if (!(motion_.gravity > 0.0)) return longest_step;
+        const double motion = math::max(math::abs(end_[M::rate]), math::abs(end_[M::root_depth]));
+        return longest_step / math::clamp(motion, 1e-100, 1.0);
+    }
+
     bool take_step() {
         DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
         double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};  // the integrals count against the whole
@@ -282,7 +310,7 @@ private:
         if (motion_.gravity > 0.0) scale[M::rate] = math::max(scale[M::rate], rounding_of_rate());
         const double error = DormandPrince::error(stages_, h_, n, scale);
         length_ = h_;
-        h_ = math::min(h_ * DormandPrince::growth(error), longest_step);
+        h_ = math::min(h_ * DormandPrince::growth(error), longest());
         if (!(error <= 1.0)) return false;
         motion_(end_, slope_);
         return true;
@@ -366,11 +394,21 @@ private:
 };
 
 // The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it, `too_deep` where the centres come
-// nearer than half of their distance at touch.
+// nearer than half of their distance at touch. An approach slower than slowest_approach is that at this speed, with all
+// speeds and lengths in proportion.
 template <class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
     if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
-    return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
+    if (approach.normal_speed >= slowest_approach)
+        return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
+    const double part = approach.normal_speed / slowest_approach;
+    Approach faster = approach;
+    faster.normal_speed = slowest_approach;
+    if (approach.gravity < 0.0) faster.gravity = math::max(approach.gravity / part, -1e100);
+    PlanarContact end = PlanarRun<Law>(law, faster).integrate([](const auto&) {});
+    for (double* x : {&end.compression, &end.radial_speed, &end.speed_loss, &end.greatest}) *x *= part;
+    end.rate_square *= part * part;
+    return end;
 }
 
 // The pair a time [s] after the end of a contact: straight, at a wall the parabola.

@@ -155,11 +155,7 @@ class ContactCourse:
 
     def _row(self) -> tuple[float, ...]:
         """The sums of ``COLUMNS`` now."""
-        seen = self.engine.observe()
-        mass, kinetic = float(self.system.mass.sum()), float(seen["kinetic_energy"])
-        momentum = np.asarray(seen["momentum"])
-        temperature = (2.0 * kinetic - float(momentum @ momentum) / mass) / (self.system.dimension * mass)
-        values = {**seen, "granular_temperature": max(temperature, 0.0), "time": self.engine.time}
+        values = {**engines.observed(self.system, self.engine), "time": self.engine.time}
         return tuple(float(values[name]) for name in COLUMNS)
 
     def _logged(self) -> int:

@@ -164,20 +164,11 @@ class Course:
 
     def _row(self) -> tuple[float, ...]:
         """The sums of ``COLUMNS`` now."""
-        seen = self.engine.observe()
-        mass, kinetic = float(self.system.mass.sum()), float(seen["kinetic_energy"])
-        momentum, integral = np.asarray(seen["momentum"]), seen["kinetic_integral"]
-        temperature = (2.0 * kinetic - float(momentum @ momentum) / mass) / (self.system.dimension * mass)
         values = {
+            **engines.observed(self.system, self.engine),
             "time": self.engine.time,
-            "kinetic_energy": kinetic,
-            "potential_energy": seen["potential_energy"],
-            "granular_temperature": max(temperature, 0.0),
             "n_collisions": self.engine.n_rows,
             "n_pairs": self.engine.n_pairs,
-            "virial": seen["virial"],
-            "kinetic_integral": math.nan if integral is None else integral,
-            "dissipated_energy": seen["dissipated_energy"],
         }
         return tuple(float(values[name]) for name in COLUMNS)
 

@@ -49,8 +49,10 @@ SERIES: Final = {
 OUTCOMES: Final = {
     "ok": "ok",
     "no_contact": "nothing collides any more",
-    "collapse": "inelastic collapse: {who} collide without end {where}; the rule tc avoids it",
-    "at_rest": "at rest: gravity holds {who} together {where}; the rule tc and Newton’s equations go on",
+    "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule tc "
+    "where there is room between them",
+    "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
+    "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
     "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
     "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range of "
     "contact laws",
@@ -149,7 +151,10 @@ class ParticleResult:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return in_words(OUTCOMES[self.outcome_name], self.early_end)
+        name = self.outcome_name
+        if name == "collapse" and (self.settings.rule in ("tc", "soft") or self.settings.restitution == 1.0):
+            name = "no_room"
+        return in_words(OUTCOMES[name], self.early_end)
 
     @property
     def outcome_code(self) -> int:
