@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "../pair_laws.hpp"
-#include "isolated.hpp"
 #include "neighbours.hpp"
 #include "schedule.hpp"
 #include "touches.hpp"
@@ -114,11 +113,9 @@ public:
             if (t.at_first == nobody) continue;
             const bool pair = t.at_second != nobody;
             double impulse = 0.0;
-            slab.dissipated += 0.5 * h * t.loss;
             if (t.fresh && t.force > 0.0) {
-                const auto [force, loss] = setting_in(t);
-                impulse = 0.5 * h * t.force + force.missed(t.onset, h) - force.reached(t.onset);
-                slab.dissipated += 0.5 * h * t.loss + loss.missed(t.onset, h) - loss.reached(t.onset);
+                const auto force = force_sets_in(t.law, t.onset.rate);
+                impulse = 0.5 * h * t.force + force.missed(t.onset, h) - force.reached(t.onset, t.force);
                 jolt(slab, bodies, t, impulse);
             }
             if (pair) slab.virial += (0.5 * h * t.force + impulse) * t.distance;
@@ -204,24 +201,39 @@ private:
             slab.touches[static_cast<std::size_t>(slot)] = begin(m, apart);
         }
         Touch<Law>& t = slab.touches[static_cast<std::size_t>(slot)];
-        const double rate = -dot(m.normal, m.relative + m.acceleration * now_.ahead);
-        const double compression = m.compression();
-        const double margin = compression - math::max(0.0, t.law.slack(rate).depth);
-        const Strength p = compression > 0.0 ? strength_of(t.law, compression, rate) : Strength{0.0, 0.0};
+        // The others' forces are those of the step before, its own is not known yet.
+        const double own = inverse_mass(m) * now_.ahead, compression = m.compression();
+        const double rate = own * t.force - dot(m.normal, m.relative + m.acceleration * now_.ahead);
+        const Strength p = fresh ? strength_at_onset(t.law, compression, rate, inverse_mass(m), t.onset)
+                                 : strength_of(t.law, compression, rate, own);
+        const double margin = compression - math::max(0.0, t.law.slack(p.rate).depth);
         if ((p.force > 0.0) != t.closed) {
             note(slab, slot, t, m, margin, fresh);
             t.closed = p.force > 0.0;
         }
         t.at_first = m.first, t.at_second = m.second;
         t.normal = m.normal, t.distance = m.distance;
-        t.margin = margin, t.fresh = fresh;
-        t.force = p.force, t.loss = p.loss, t.compression = compression;
+        if (now_.ahead > 0.0) slab.dissipated += dissipated(t, p, compression, inverse_mass(m), fresh);
+        t.margin = margin, t.fresh = fresh, t.compression = compression;
+        static_cast<Strength&>(t) = p;
         act(slab, t);
         if (!(compression > 0.0)) {
             t.at_first = nobody;
             slab.vacated.push_back(slot);
             slot = -1;
         }
+    }
+
+    double inverse_mass(const Meeting& m) const {  // of the relative motion
+        return bodies_.motion[m.first][3] + (m.second != nobody ? bodies_.motion[m.second][3] : 0.0);
+    }
+    // Since the last step; t is as it was then.
+    double dissipated(const Touch<Law>& t, const Strength& p, double compression, double inverse_mass,
+                      bool fresh) const {
+        if (fresh) return dissipated_at_onset(t.law, p, t.onset);
+        if (!(compression > 0.0)) return dissipated_at_end(t.law, t, t.compression);
+        const double missed = t.fresh ? missed_damping(t.law, t, t.onset, now_.h) : 0.0;
+        return dissipated_between(t, p, now_.h, inverse_mass, missed);
     }
 
     static std::int32_t vacancy(Slab<Law>& slab) {
@@ -263,8 +275,7 @@ private:
         const bool pair = m.second != nobody;
         const double along = dot(m.normal, m.relative);
         const double turning = pair ? (dot(m.relative, m.relative) - along * along) / m.distance : 0.0;
-        const double inverse_mass = bodies_.motion[m.first][3] + (pair ? bodies_.motion[m.second][3] : 0.0);
-        const double bend = own * inverse_mass - dot(m.normal, m.acceleration) - turning;
+        const double bend = own * inverse_mass(m) - dot(m.normal, m.acceleration) - turning;
         return grown / now_.h + bend * (time - (now_.time - 0.5 * now_.h));
     }
 
@@ -283,25 +294,14 @@ private:
         slab.changes.push_back({t, now_.step, time, slot, begins, -rate, since});
     }
 
-    static std::pair<SettingIn<Law::onset_power>, SettingIn<Law::onset_power>> setting_in(
-        const Touch<Law>& t) {
-        auto force = force_sets_in(t.law, t.onset.rate);
-        auto loss = loss_sets_in(t.law, t.onset.rate);
-        force.value = t.force;
-        loss.value = t.loss;
-        return {force, loss};
-    }
-
     void act(Slab<Law>& slab, const Touch<Law>& t) {
-        double impulse = 0.0, lost = now_.weight * t.loss;
+        double impulse = 0.0;
         if (t.fresh && t.force > 0.0) {
-            const auto [force, loss] = setting_in(t);
-            impulse =
-                now_.closing ? force.reached(t.onset) - now_.weight * t.force : force.missed(t.onset, now_.h);
-            lost = now_.closing ? loss.reached(t.onset) : lost + loss.missed(t.onset, now_.h);
+            const auto force = force_sets_in(t.law, t.onset.rate);
+            impulse = now_.closing ? force.reached(t.onset, t.force) - now_.weight * t.force
+                                   : force.missed(t.onset, now_.h);
             jolt(slab, bodies_, t, impulse);
         }
-        slab.dissipated += lost;
         if (t.at_second != nobody) slab.virial += (now_.weight * t.force + impulse) * t.distance;
         if (!(t.force > 0.0)) return;
         push(slab, t.at_first, t.normal * (-t.force * bodies_.motion[t.at_first][3]));
