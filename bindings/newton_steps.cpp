@@ -1,10 +1,13 @@
 // Binding of the engine that takes small steps: arrays in and out, the threads run with the interpreter unlocked.
 #include "particles/newton_steps.hpp"
+#include "particles/steps/isolated.hpp"
 
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "newton_boxes.hpp"
