@@ -44,6 +44,8 @@ public:
     virtual double skin() const = 0;
     virtual hl::Outcome outcome() const = 0;
     virtual std::vector<hl::i64> ended_by() const = 0;
+    virtual hl::i64 ended_at_wall() const = 0;
+    virtual double largest_compression() const = 0;
     virtual const steps::ContactLog& log() const = 0;
     virtual void state(double* position, double* velocity) const = 0;
     virtual hp::StepsObservables observe() const = 0;
@@ -87,6 +89,8 @@ public:
     double skin() const override { return steps_.skin(); }
     hl::Outcome outcome() const override { return steps_.outcome(); }
     std::vector<hl::i64> ended_by() const override { return steps_.ended_by(); }
+    hl::i64 ended_at_wall() const override { return steps_.ended_at_wall(); }
+    double largest_compression() const override { return steps_.largest_compression(); }
     const steps::ContactLog& log() const override { return steps_.log(); }
     void state(double* position, double* velocity) const override { steps_.state(position, velocity); }
     hp::StepsObservables observe() const override { return steps_.observe(); }
@@ -130,7 +134,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonSteps 4";
+    static constexpr const char* mark = "NewtonSteps 5";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -155,6 +159,7 @@ nb::dict observe(const NewtonSteps& run) {
     d["momentum"] = make_array(Numbers(seen.momentum, seen.momentum + axes), {axes});
     d["virial"] = seen.virial;
     d["kinetic_integral"] = nb::none();
+    d["largest_compression"] = run.engine().largest_compression();
     d["n_in_contact"] = seen.in_contact;
     const steps::ContactLog& log = run.engine().log();
     d["n_contacts"] = log.begun();

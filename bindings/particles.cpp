@@ -325,6 +325,7 @@ nb::dict observe(const HardSpheres& h) {
     seen["dissipated_energy"] = o.dissipated_energy;
     seen["virial"] = o.virial;
     seen["kinetic_integral"] = o.kinetic_integral;
+    seen["largest_compression"] = e.largest_compression();
     return seen;
 }
 

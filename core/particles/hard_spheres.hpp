@@ -48,6 +48,7 @@ public:
     }
     Outcome outcome() const override { return outcome_; }
     EarlyEnd early_end() const override { return early_end_; }
+    double largest_compression() const override { return rule_.compression(deepest_); }
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     Log take_log() override { return std::exchange(log_, {}); }
@@ -105,7 +106,8 @@ private:
     std::unique_ptr<SoftRule> soft_;
     Records<SoftContact> softs_;  // under the soft rule only
     i64 soft_contacts_ = 0, soft_third_body_ = 0;
-    bool fetches_ = false;  // whether the system is too large for a core's caches
+    DeepestImpact deepest_;  // where there is a law
+    bool fetches_ = false;   // whether the system is too large for a core's caches
 
     static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.of[d - 2][static_cast<int>(motion)];
@@ -210,11 +212,12 @@ private:
                          double speed, std::array<double, 2> waited);
     u32 except_for(u32 i, u32 partner) const;
     void keep_bounds(u32 i);
-    double restitution(bool within_contact, double speed, PairGeometry pair);
+    double restitution(bool within_contact, double speed, PairGeometry pair, double smaller_radius);
     PairGeometry geometry(u32 i, u32 j) const;
     void note(u32 i, i64 second, double speed, double lost, double waited);
     std::pair<i64, i64> named(u32 i, i64 second) const;
     void end_here(Outcome outcome, u32 i, i64 second);
+    void give_up(Outcome outcome, u32 i, i64 second, double speed);
 };
 
 // What a saved run begins with, to be known before its type is.

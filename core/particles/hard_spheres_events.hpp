@@ -83,14 +83,15 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
         tally_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
         meet_wall_softly(i, axis, away, speed);
     } else {
-        const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)});
+        const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)}, radius(i));
+        if (deepest_.too_deep) return give_up(Outcome::too_deep, i, wall_number(own), speed);
         p.velocity[axis] = away * (e * speed);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
         tally_.advance(now_);
         tally_.kinetic -= lost;
         tally_.momentum[axis] += m * (p.velocity[axis] - before);
         ++tally_.walls;
-        note(i, -1 - 2 * axis - (is_high(own) ? 1 : 0), speed, lost, waited);
+        note(i, wall_number(own), speed, lost, waited);
     }
     count_collision(i);
     keep_bounds(i);
@@ -125,12 +126,13 @@ bool HardSpheres<d, motion, mixed>::had_before(u32 i, double waited) const {
 }
 
 template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::restitution(bool within_contact, double speed, PairGeometry pair) {
+double HardSpheres<d, motion, mixed>::restitution(bool within_contact, double speed, PairGeometry pair,
+                                                  double smaller_radius) {
     if (within_contact) {
         ++tally_.elastic_by_tc;
         return 1.0;
     }
-    return rule_.restitution(speed, pair);
+    return rule_.restitution(speed, pair, smaller_radius, deepest_);
 }
 
 template <int d, Motion motion, bool mixed>
@@ -173,6 +175,14 @@ void HardSpheres<d, motion, mixed>::end_here(Outcome outcome, u32 i, i64 second)
     early_end_ = {now_, first, last};
 }
 
+// The same where the collision has no result: it is logged, and velocities stay.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::give_up(Outcome outcome, u32 i, i64 second, double speed) {
+    ++(second < 0 ? tally_.walls : tally_.pairs);
+    note(i, second, speed, 0.0, math::infinity);
+    end_here(outcome, i, second);
+}
+
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     Particle<d>&p = particles_[i], &q = particles_[j];
@@ -211,7 +221,9 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
         const double rate = (radius(i) + radius(j)) * growth_.rate;
         gain = (speed + math::max(speed, separation * rate)) / distance;
     } else {
-        const double e = restitution(had_before(i, waited[0]) || had_before(j, waited[1]), speed, pair);
+        const bool within_contact = had_before(i, waited[0]) || had_before(j, waited[1]);
+        const double e = restitution(within_contact, speed, pair, math::min(radius(i), radius(j)));
+        if (deepest_.too_deep) return give_up(Outcome::too_deep, i, j, speed);
         gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
         tally_.virial.add(distance * distance * reduced * gain);

@@ -35,7 +35,7 @@ struct Approach {
     double gravity = 0.0;           // that presses a body against a wall [m/s²]
 };
 
-// The end of a contact. Where there is none (`outcome`) the numbers are NaN.
+// The end of a contact. Where there is none (`outcome`) the numbers are NaN, but for the greatest compression at rest.
 struct PlanarContact {
     Outcome outcome;
     double duration;          // from touch to zero force [s]; infinite if the contact never ends
@@ -45,6 +45,7 @@ struct PlanarContact {
     double tangential_speed;  // across it [m/s]
     double speed_loss;        // normal_speed − radial_speed [m/s], with its own digits
     double rate_square;       // ∫ (dξ/dt)² dt [m²/s]: the virial needs it
+    double greatest;          // compression [m]
 };
 
 // During a contact, or after it.
@@ -150,7 +151,8 @@ struct PlanarMotion {
                           -at.rate,
                           0.0,
                           approach.normal_speed + at.rate,
-                          speed * length * y[square]};
+                          speed * length * y[square],
+                          math::nan};
         if (lost < 0.75 * start * start) {
             end.radial_speed = speed * math::sqrt(start * start - lost);
             end.speed_loss = speed * lost / (start + end.radial_speed / speed);
@@ -176,22 +178,19 @@ public:
     static constexpr double tolerance = 1e-14;  // relative, of one step
     // In τ. A force of a high power of σ begins so slowly that the estimator does not see the error.
     static constexpr double longest_step = 0.2;
-    static constexpr double deepest = 0.5;  // of the distance: beyond, the pair is refused
+    static constexpr double deepest = 0.5;  // of the distance: there a contact of two bodies is given up
     static constexpr long most_steps = 1'000'000;
     static constexpr double resting_part =
         1e-10;  // of speed and weight: what is left of a motion that dies away
 
     PlanarRun(const Law& law, const Approach& approach) : motion_(law, approach) {}
 
-    // An elastic head-on impact would press the centres no nearer than to l/2, and every number makes sense.
-    static bool accepts(const Law& law, const Approach& a) {
+    // Whether every number makes sense.
+    static bool accepts(const Approach& a) {
         const double fastest = math::max(a.normal_speed, a.tangential_speed);
-        const bool numbers = a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
-                             a.tangential_speed >= 0.0 && math::is_finite(a.gravity) &&
-                             math::is_finite(fastest) && math::is_finite(a.effective_mass);
-        if (!numbers || a.distance == math::infinity) return numbers;
-        const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
-        return a.gravity == 0.0 && energy <= law.energy(onset_root<Law::onset_power>(deepest * a.distance));
+        return a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
+               a.tangential_speed >= 0.0 && math::is_finite(a.gravity) && math::is_finite(fastest) &&
+               math::is_finite(a.effective_mass) && (a.gravity == 0.0 || a.distance == math::infinity);
     }
 
     const PlanarMotion<Law>& motion() const { return motion_; }
@@ -207,10 +206,21 @@ public:
                 if (h_ < 1e-30) break;
                 continue;
             }
+            if (!(greatest_ > 0.0) && !(end_[M::rate] > 0.0)) greatest_ = compression_at_rest();
             const bool over = ends();
             visit(*this);
-            if (over) return motion_.finish(end_);
-            if (motion_.gravity > 0.0 && rests()) return without_end(Outcome::at_rest);
+            if (over && !(greatest_ > deepest * motion_.approach.distance)) {
+                PlanarContact end = motion_.finish(end_);
+                end.greatest = greatest_;
+                return end;
+            }
+            const double compression = math::max(motion_.state(end_).compression, greatest_);
+            if (compression > deepest * motion_.approach.distance) return without_end(Outcome::too_deep);
+            if (motion_.gravity > 0.0 && rests()) {
+                PlanarContact end = without_end(Outcome::at_rest);
+                end.greatest = greatest_ > 0.0 ? greatest_ : compression;
+                return end;
+            }
             copy(end_, begin_);
             copy(slope_, stages_);
         }
@@ -219,7 +229,8 @@ public:
 
     static PlanarContact without_end(Outcome outcome) {
         const double never = outcome == Outcome::at_rest ? math::infinity : math::nan;
-        return {outcome, never, math::nan, math::nan, math::nan, math::nan, math::nan, math::nan};
+        constexpr double none = math::nan;
+        return {outcome, never, none, none, none, none, none, none, none};
     }
 
     double begin_time() const { return begin_[M::time] * time_unit(); }
@@ -255,6 +266,7 @@ private:
     double begin_[n], end_[n], slope_[n];
     double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
     double h_ = longest_step, length_ = 0.0;
+    double greatest_ = 0.0;  // compression, once the bodies separate [m]
 
     static void copy(const double* from, double* to) {
         for (int i = 0; i < n; ++i) to[i] = from[i];
@@ -280,6 +292,21 @@ private:
     double rounding_of_rate() const {
         const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
         return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
+    }
+
+    // The greatest compression [m], in the step just taken: where the rate falls through zero, by Newton's method. It
+    // hardly changes near there, so that the square of what is left of the rate is the error.
+    double compression_at_rest() {
+        double x = length_ * (begin_[M::rate] / (begin_[M::rate] - end_[M::rate]));
+        double at[n], slope[n];
+        for (int i = 0; i < 8; ++i) {
+            DormandPrince::step(motion_, begin_, x, n, stages_, at);
+            motion_(at, slope);
+            const double step = at[M::rate] / slope[M::rate];
+            if (!(math::abs(step) > 1e-7 * length_)) break;
+            x = math::clamp(x - step, 0.0, length_);
+        }
+        return motion_.state(at).compression;
     }
 
     // Whether the contact ends in the step just taken; if so, end_ moves there.
@@ -338,10 +365,11 @@ private:
     }
 };
 
-// The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it.
+// The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it, `too_deep` where the centres come
+// nearer than half of their distance at touch.
 template <class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
-    if (!PlanarRun<Law>::accepts(law, approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
+    if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
     return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
 }
 
@@ -367,7 +395,7 @@ PlanarContact sample_planar_contact(const Law& law, const Approach& approach, co
                                     PlanarState* states) {
     long done = 0;
     PlanarContact end = PlanarRun<Law>::without_end(Outcome::invalid);
-    if (PlanarRun<Law>::accepts(law, approach)) {
+    if (PlanarRun<Law>::accepts(approach)) {
         end = PlanarRun<Law>(law, approach).integrate([&](auto& run) {
             while (done < count && times[done] <= run.end_time()) {
                 states[done] = run.at(times[done]);

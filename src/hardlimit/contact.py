@@ -140,6 +140,42 @@ class Contact:
         return _over_speeds(self.core.duration, speed)
 
     @overload
+    def compression(self, speed: float = ...) -> float: ...
+    @overload
+    def compression(self, speed: Values) -> Floats: ...
+    def compression(self, speed: float | Values = 1.0) -> float | Floats:
+        """Greatest compression of an isolated head-on collision.
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array [m]
+            Of the same shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+
+        Notes
+        -----
+        By integration of the law's force. Without damping v √(m_eff/k) under the linear law and
+        (5 m_eff v²/(4 ρ))^(2/5) under that of Hertz. Laws describe small compressions: see the limits.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+        >>> contact = law.between(hl.Ball(0.01, mass=0.01))
+        >>> f"{contact.compression(1.0) * 1e3:.3f} mm"
+        '0.100 mm'
+        """
+        return _over_speeds(self.core.compression, speed)
+
+    @overload
     def force(self, compression: float, rate: float = ...) -> float: ...
     @overload
     def force(self, compression: Values, rate: float | Values = ...) -> Floats: ...

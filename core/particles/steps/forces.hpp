@@ -31,6 +31,8 @@ struct alignas(64) Slab {
     std::vector<Change> changes;
     double dissipated = 0.0, virial = 0.0;  // [J] since the list was made
     double farthest = 0.0, fastest = 0.0;   // squares [m²], [m²/s²]
+    double largest_compression = 0.0;       // since the list was made, over the smaller radius
+    std::int32_t deepest[2] = {-1, -1};     // whose it was: as first and second of a Record
 
     bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
     void clear_step() { pushed_here.clear(), pushed_beyond.clear(), jolts.clear(); }
@@ -40,6 +42,7 @@ struct alignas(64) Slab {
         archive(pairs), archive(walls), archive(touch_of_pair), archive(touch_of_wall);
         archive(touches), archive(vacant), archive(pushed_here), archive(pushed_beyond);
         archive(dissipated), archive(virial);
+        archive(largest_compression), archive(deepest);
     }
 };
 
@@ -216,6 +219,7 @@ private:
         if (now_.ahead > 0.0) slab.dissipated += dissipated(t, p, compression, inverse_mass(m), fresh);
         t.margin = margin, t.fresh = fresh, t.compression = compression;
         static_cast<Strength&>(t) = p;
+        note_depth(slab, t, m);
         act(slab, t);
         if (!(compression > 0.0)) {
             t.at_first = nobody;
@@ -234,6 +238,14 @@ private:
         if (!(compression > 0.0)) return dissipated_at_end(t.law, t, t.compression);
         const double missed = t.fresh ? missed_damping(t.law, t, t.onset, now_.h) : 0.0;
         return dissipated_between(t, p, now_.h, inverse_mass, missed);
+    }
+
+    void note_depth(Slab<Law>& slab, const Touch<Law>& t, const Meeting& m) const {
+        const double first = bodies_.place[m.first][3];
+        const double part = t.compression / (m.second == nobody ? first : math::min(first, m.reach - first));
+        if (!(part > slab.largest_compression)) return;
+        slab.largest_compression = part;
+        slab.deepest[0] = t.first, slab.deepest[1] = t.second;
     }
 
     static std::int32_t vacancy(Slab<Law>& slab) {

@@ -215,6 +215,7 @@ class ContactCourse:
             rows=np.array(self._rows),
             log=log,
             time=self.engine.time,
+            largest_compression=seen["largest_compression"],
             early_end=early_end.of_engine(self.engine, now),
             **{name: seen[name] for name in counts},
             **{name: getattr(self.engine, name) for name in special},

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, html
+from .. import _core, compression, html
 from ..contact import Law
 from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
@@ -66,6 +66,8 @@ LOG: Final = (
 
 OUTCOMES: Final = {
     "ok": "ok",
+    "too_deep": "too deep: the contact of {who} reached half of the smaller radius, beyond the range of contact laws, "
+    "{where}",
     "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
     "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
     "engine='steps' is made for that",
@@ -117,12 +119,14 @@ class ContactResult:
     n_steps: int | None = None  #: of steps and LAMMPS
     largest_cluster: int | None = None  #: of events, the most particles that were integrated together
     cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
+    largest_compression: float | None = None  #: of all contacts, over the smaller radius; None by LAMMPS
     early_end: EarlyEnd | None = None  #: where and when, unless the run went to its end
 
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return in_words(OUTCOMES["ok" if self.outcome_name == "ok" else self.engine], self.early_end)
+        said = self.outcome_name if self.outcome_name in OUTCOMES else self.engine
+        return in_words(OUTCOMES[said], self.early_end)
 
     @property
     def outcome_code(self) -> int:
@@ -251,6 +255,7 @@ def quantities(result: ContactResult) -> list[tuple[str, float]]:
         ("granular temperature at the start [m²/s²]", float(kept["granular_temperature"][0])),
         ("granular temperature at the end [m²/s²]", float(kept["granular_temperature"][-1])),
         ("dissipated energy [J]", float(kept["dissipated_energy"][-1])),
+        *compression.rows(result.largest_compression),
         ("error of the energy balance", result.energy_error),
     ]
 

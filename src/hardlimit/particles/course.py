@@ -235,7 +235,7 @@ class Course:
         rows = self._sampled[0]
         if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_rows:
             rows = [*rows, self._row()]
-        now = self.current()
+        now, largest = self.current(), self.engine.observe()["largest_compression"]
         idle = self.target.idle > PATIENCE and self.engine.outcome == "ok"
         return ParticleResult(
             system=now,
@@ -248,6 +248,7 @@ class Course:
             n_elastic_by_tc=self.engine.n_elastic_by_tc,
             n_soft=self.engine.n_soft,
             n_soft_third_body=self.engine.n_soft_third_body,
+            largest_compression=None if math.isnan(largest) else largest,
             early_end=early_end.of_engine(self.engine, now),
             rows=np.array(rows),
             log=self._joined_log(),

@@ -8,12 +8,13 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from .. import validation
+from .. import compression, validation
 from ..contact import Law
 from ..progress import Report, reporter
 from .course import Course, Target, engine_of, load
 from .engines import checked_keeping, checked_samples
 from .result import ParticleResult, Settings
+from .softness import refuse_too_soft
 from .system import ParticleSystem
 from .theory import Gas
 
@@ -100,12 +101,15 @@ def event_driven(
     if not isinstance(system, ParticleSystem):
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
     settings = checked_settings(law, restitution, rule, contact_duration)
+    refuse_too_soft(system, settings.law)
     end = checked_end(until, max_collisions, samples)
     if until is None and max_collisions is None:
         raise ValueError("until | max_collisions: got neither, must be at least one of them")
     _, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "event-driven", "collisions") as report:
-        return start(system, settings, end.target(system), keep, path, every).run(report)
+        found = start(system, settings, end.target(system), keep, path, every).run(report)
+    compression.warn(found.largest_compression)
+    return found
 
 
 def start(
@@ -152,7 +156,9 @@ def resume(
     if until is not None or max_collisions is not None:
         course.set_end(*later_end(course, until, max_collisions))
     with reporter(progress, "event-driven", "collisions") as report:
-        return course.run(report)
+        found = course.run(report)
+    compression.warn(found.largest_compression)
+    return found
 
 
 def later_end(course: Course, until: Any, max_collisions: Any) -> tuple[float | None, int | None]:

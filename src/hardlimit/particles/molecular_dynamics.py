@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final
 
-from .. import processors, validation
+from .. import compression, processors, validation
 from ..contact import Law
 from ..progress import Report, reporter
 from . import time_step as steps
@@ -14,6 +14,7 @@ from .contact_result import ContactResult
 from .engines import checked_keeping
 from .lammps import running
 from .lammps.folder import make_job
+from .softness import refuse_too_soft
 from .system import ParticleSystem
 
 MOST_THREADS: Final = 1024
@@ -117,6 +118,7 @@ def molecular_dynamics(
         raise ValueError(f"system: got {validation.shown(system)}, must be a ParticleSystem")
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    refuse_too_soft(system, law)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     name = validation.one_of("engine", engine, tuple(UNITS))
     if name == "lammps":
@@ -138,7 +140,9 @@ def molecular_dynamics(
     count, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "molecular dynamics", UNITS[name]) as report:
         settings = Settings(law, name, workers, path, every)
-        return start(system, settings, step, Target(end, end, count), keep).run(report)
+        found = start(system, settings, step, Target(end, end, count), keep).run(report)
+    compression.warn(found.largest_compression)
+    return found
 
 
 def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report | None) -> ContactResult:
@@ -156,7 +160,9 @@ def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report 
     if until is not None:
         course.set_end(_later_end(course, until))
     with reporter(progress, "molecular dynamics", UNITS[course.settings.engine]) as report:
-        return course.run(report)
+        found = course.run(report)
+    compression.warn(found.largest_compression, stacklevel=4)
+    return found
 
 
 def _later_end(course: ContactCourse, until: Any) -> float:
