@@ -244,6 +244,5 @@ void bind_newton_steps(nb::module_& m) {
                 },
                 c.law);
         },
-        "contact"_a, "speed"_a, "error"_a,
-        "The longest time step whose `step_errors` are at most `error`.");
+        "contact"_a, "speed"_a, "error"_a, "The longest time step whose `step_errors` are at most `error`.");
 }

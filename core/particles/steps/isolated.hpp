@@ -7,8 +7,8 @@ namespace hardlimit::particles::steps {
 // Of a contact of two free bodies; infinite where it does not end.
 struct ContactErrors {
     double restitution = 0.0;  // of ε
-    double energy = 0.0;    // of the sum of all, at any step, over the kinetic energy of the impact
-    double position = 0.0;  // after the contact, over the way at the speed of impact in its duration
+    double energy = 0.0;       // of the sum of all, at any step, over the kinetic energy of the impact
+    double position = 0.0;     // after the contact, over the way at the speed of impact in its duration
 
     double largest() const { return math::max(restitution, math::max(energy, position)); }
     void include(const ContactErrors& other) {
