@@ -689,6 +689,7 @@ private:
                 same = same && turns[static_cast<std::size_t>(axis)] == sense * t.turns[axis];
             if (!same) continue;
             put(s, s.touch_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], t);
+            s.touches.back().normal *= static_cast<double>(sense);
             return true;
         }
         return false;

@@ -214,9 +214,10 @@ private:
             note(slab, slot, t, m, margin, fresh);
             t.closed = p.force > 0.0;
         }
+        if (now_.ahead > 0.0)
+            slab.dissipated += fresh ? dissipated_at_onset(t.law, p, t.onset) : dissipated(t, p, m);
         t.at_first = m.first, t.at_second = m.second;
         t.normal = m.normal, t.distance = m.distance;
-        if (now_.ahead > 0.0) slab.dissipated += dissipated(t, p, compression, inverse_mass(m), fresh);
         t.margin = margin, t.fresh = fresh, t.compression = compression;
         static_cast<Strength&>(t) = p;
         note_depth(slab, t, m);
@@ -231,13 +232,16 @@ private:
     double inverse_mass(const Meeting& m) const {  // of the relative motion
         return bodies_.motion[m.first][3] + (m.second != nobody ? bodies_.motion[m.second][3] : 0.0);
     }
-    // Since the last step; t is as it was then.
-    double dissipated(const Touch<Law>& t, const Strength& p, double compression, double inverse_mass,
-                      bool fresh) const {
-        if (fresh) return dissipated_at_onset(t.law, p, t.onset);
-        if (!(compression > 0.0)) return dissipated_at_end(t.law, t, t.compression);
-        const double missed = t.fresh ? missed_damping(t.law, t, t.onset, now_.h) : 0.0;
-        return dissipated_between(t, p, now_.h, inverse_mass, missed);
+    // Since the last step; t is as it was then. With the forces of others the rate of that step is known only now, and
+    // what was dissipated until then is put right.
+    double dissipated(Touch<Law>& t, const Strength& p, const Meeting& m) const {
+        Strength before = t;
+        if (!t.fresh) before.rate = -dot(t.normal, m.relative - m.acceleration * now_.ahead);
+        const double late = 0.5 * t.damped * (before.rate - t.rate);
+        if (!(m.compression() > 0.0)) return late + dissipated_at_end(t.law, before, t.compression);
+        t.damped = damped(before, p, now_.h);
+        if (t.fresh) t.damped += missed_damping(t.law, before, t.onset, now_.h);
+        return late + dissipated_between(before, p, now_.h, inverse_mass(m), t.damped);
     }
 
     void note_depth(Slab<Law>& slab, const Touch<Law>& t, const Meeting& m) const {

@@ -46,8 +46,9 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
         compression += rate * h;
         const Strength before = now;
         now = strength_of(law, compression, rate, 0.5 * h * inverse_mass);
-        dissipated += compression > 0.0 ? dissipated_between(before, now, h, inverse_mass, missed)
-                                        : dissipated_at_end(law, before, compression - rate * h);
+        dissipated += compression > 0.0
+                          ? dissipated_between(before, now, h, inverse_mass, damped(before, now, h) + missed)
+                          : dissipated_at_end(law, before, compression - rate * h);
         missed = 0.0;
         rate -= h * now.force * inverse_mass;
     }
@@ -63,12 +64,15 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
     return worst;
 }
 
-// The longest time step whose errors are at most `error`, and at most a tenth of the contact [s]: with fewer steps the
-// contacts of a dense packing, in which a body has up to twelve at a time, are no longer stable.
+// The longest time step whose errors are at most `error` [s]. With less than ten steps for a contact, or in a step of
+// which damping takes more than a quarter of the speed, the contacts of a dense packing, in which a body has up to twelve
+// at a time, are no longer stable: that takes h γ/m < 1/3 there. Of n steps under the linear law h γ/m = −2 ln(ε)/n, of
+// others about as much.
 template <class Law>
 double longest_step(const Law& law, double effective_mass, double speed, double error) {
-    constexpr double fewest = 10.0, most = 1e6;
+    constexpr double most = 1e6;
     const double duration = law.duration(speed, effective_mass);
+    const double fewest = math::max(10.0, -8.0 * math::log(law.restitution(speed, effective_mass)));
     const auto good = [&](double steps) {
         return contact_errors(law, effective_mass, speed, duration / steps).largest() <= error;
     };

@@ -56,10 +56,13 @@ double missed_damping(const Law& law, const Strength& first, Onset at, double h)
     const auto damping = damping_sets_in(law, at.rate);
     return 0.5 * h * first.damping + damping.missed(at, h) - damping.reached(at, first.damping);
 }
-// What it dissipates in a step [J]. `missed` [N s]: beside its damping.
+// The impulse of damping in a step [N s].
+inline double damped(const Strength& before, const Strength& now, double h) {
+    return 0.5 * h * (before.damping + now.damping);
+}
+// What it dissipates in a step [J]. `damped` [N s]: with what steps miss.
 inline double dissipated_between(const Strength& before, const Strength& now, double h, double inverse_mass,
-                                 double missed) {
-    const double damped = 0.5 * h * (before.damping + now.damping) + missed;
+                                 double damped) {
     const double crossed = before.force * now.elastic() - now.force * before.elastic();
     return 0.5 * damped * (before.rate + now.rate) + 0.125 * h * h * inverse_mass * crossed;
 }

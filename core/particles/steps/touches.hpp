@@ -29,6 +29,7 @@ struct Touch : Record, Strength {  // the force of the last step
     Four normal;                        // unit vector from the one at `at_first` to the other
     double distance;                    // of the centres, or to the wall [m]
     double compression;                 // at the last step [m]
+    double damped;                      // impulse of damping in the step that led there [N s]
     double margin;                      // how far ξ is above the law's slack [m]
     Onset onset;
     bool fresh;  // the last step was its first
