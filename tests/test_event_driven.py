@@ -292,7 +292,7 @@ def test_soft_contacts_are_counted_and_resumed(tmp_path):
 @pytest.mark.parametrize("away", [0, 1])
 def test_a_body_that_just_reaches_a_ceiling(speed, away):
     """Drawn back, its parabola lies in the wall and leads on into it: the wall is not met again before t_c."""
-    radius, law = 1e-4, hl.LinearDashpot(stiffness=1e6, damping=10.0)
+    radius, law = 1e-4, hl.LinearDashpot(stiffness=1e8, damping=100.0)
     height, down = 8e-4, 3.5 * (1 if away else -1)
     start = radius if away else height - radius  # gravity leads away from the wall that it touches
     system = hl.ParticleSystem(
@@ -320,8 +320,8 @@ def test_a_body_that_just_reaches_a_ceiling(speed, away):
 
 
 def test_what_the_soft_rule_cannot_describe_ends_the_run():
-    """A contact that goes through the centre; a body at rest on a floor."""
-    radius, law = 1e-3, hl.LinearDashpot(stiffness=1e6, damping=10.0)
+    """A contact deeper than any law describes."""
+    radius, law = 1e-3, hl.LinearDashpot(stiffness=1.4e11, damping=10.0)
     heavy = hl.ParticleSystem(
         positions=[[0.005, 0.01], [0.01, 0.01]],
         velocities=[[10.0, 0.0], [0.0, 0.0]],
@@ -329,10 +329,11 @@ def test_what_the_soft_rule_cannot_describe_ends_the_run():
         mass=1e3,
         box=[0.02] * 2,
     )
-    through = hl.event_driven(heavy, law=law, rule="soft", until=1.0)
-    assert through.outcome_name == "invalid" and "too soft" in through.outcome
+    through = hl.event_driven(heavy, law=law, rule="soft", until=1.0, log=True)
+    assert through.outcome_name == "too_deep" and "half of the smaller radius" in through.outcome
+    assert through.largest_compression == pytest.approx(0.6, rel=0.01) and len(through.collisions.time) == 1
     assert through.early_end == EarlyEnd(through.time, tuple(through.system.positions[0]), (0, 1), None)
-    assert "particles 0 and 1 at 0.0003 s, near (0.008, 0.01) m" in through.outcome
+    assert "of particles 0 and 1 at 0.0003 s, near (0.008, 0.01) m" in through.outcome
     assert np.isfinite(through.system.positions).all() and through.time == pytest.approx(0.003 / 10.0)
 
 

@@ -183,7 +183,8 @@ def test_small_steps_find_the_same_contacts(seed: int) -> None:
 
 
 def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
-    """A random box, its law, the time between two contacts of a body, and how long one lasts: 0.01 to 0.3 of that."""
+    """A random box, its law, the time between two contacts of a body, and how long one lasts: 0.01 to 0.3 of that, and
+    not so long that a fast impact would be deeper than a law describes."""
     random = np.random.default_rng(seed)
     d, wall, mixed, linear = int(random.integers(2, 4)), *random.integers(2, size=3).astype(bool)
     system = hl.ParticleSystem.random(
@@ -195,6 +196,7 @@ def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
     gas = Gas(system.n, radius, mass, float(np.prod(system.box)), d)
     wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
     duration, ball = wait * 10.0 ** random.uniform(-2.0, math.log10(0.3)), hl.Ball(radius, mass=mass)
+    duration = min(duration, 0.25 * radius)  # at 1 m/s
     if linear:
         soft = hl.LinearDashpot(stiffness=1.0, restitution=random.uniform(0.6, 1.0))
         stiffness = (soft.between(ball, ball).duration() / duration) ** 2
@@ -307,6 +309,10 @@ def test_no_wall_is_missed(seed: int) -> None:
     duration = float(law.between(ball, ball).duration(slow))
     gap = rng.uniform(0.05, 2.0) * radius
     fast = gap / duration * 10.0 ** rng.uniform(-0.5, 0.5)
+    while (
+        float(law.between(ball).compression(fast)) > 0.25 * radius
+    ):  # less than a law describes, for two behind it
+        gap, fast = 0.8 * gap, 0.8 * fast
     gravity = np.zeros(dimension)
     if seed % 3 == 0:
         fast, gravity[axis] = 0.0, fast / duration
@@ -471,13 +477,15 @@ def test_simultaneous_contacts(law: hl.Law) -> None:
     seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), heavy=st.floats(0.0, 6.0), slow=st.floats(-6.0, 0.0),
 )  # fmt: skip
 def test_masses_and_speeds_far_apart(seed: int, law: hl.Law, heavy: float, slow: float) -> None:
-    """Energy and momentum with masses up to a million times apart, some grains at rest, others slow."""
+    """Energy and momentum with masses up to a million times apart, some grains at rest, others slow; all so slow that
+    the heaviest do not press too deep."""
     base = random_system(seed, n=20, phi=0.2, d=3, boundary="periodic", mixed=True)
     rng = np.random.default_rng(seed)
     mass = base.mass * 10.0 ** (heavy * rng.random(base.n))
-    speed = rng.choice([0.0, 1.0, 10.0**slow], base.n)
+    unit = 10.0 ** (-0.5 * heavy)
+    speed = rng.choice([0.0, 1.0, 10.0**slow], base.n) * unit
     system = base.replace(mass=mass, velocities=base.velocities * speed[:, None])
-    run = hl.molecular_dynamics(system, law=law, until=2e-3, samples=3)
+    run = hl.molecular_dynamics(system, law=law, until=2e-3 / unit, samples=3)
     assert run.outcome == "ok" and run.energy_error < 1e-8
     scale = float((mass * np.linalg.norm(system.velocities, axis=1)).sum())
     assert np.abs(run.system.momentum - system.momentum).max() <= 1e-11 * max(scale, 1e-300)

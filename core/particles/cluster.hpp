@@ -589,8 +589,8 @@ private:
         if (what != Event::none) apply(what, which);
     }
 
-    // The greatest compressions in the step from y_ to end_. Where the rate falls through zero, one more step leads near
-    // the zero, and a parabola to the greatest compression.
+    // The greatest compressions in the step from y_ to end_. Where the rate falls through zero, one more step leads
+    // near the zero, and a parabola to the greatest compression.
     void note_depths(double length) {
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const Touching<Law>& q = pairs[i];

@@ -61,8 +61,8 @@ public:
     virtual Counts counts() const = 0;
     virtual Outcome outcome() const = 0;
     virtual EarlyEnd early_end() const = 0;
-    // Of all contacts so far as the law has them, over the smaller radius, with that at which the run ended; NaN without
-    // a law or a collision.
+    // Of all contacts so far as the law has them, over the smaller radius, with that at which the run ended; NaN
+    // without a law or a collision.
     virtual double largest_compression() const = 0;
     // n·d values each, in the user's order; positions along continuous paths, not folded into the box.
     virtual void state(double* position, double* velocity) const = 0;

@@ -92,8 +92,8 @@ public:
     double time_step() const { return time_step_; }
     std::uint64_t steps_taken() const { return taken_; }
     Outcome outcome() const { return outcome_; }
-    // Where a run ended early: the body that moved too far in a step, or the bodies of the contact that was too deep, by
-    // the user's numbers; and its wall, or 0.
+    // Where a run ended early: the body that moved too far in a step, or the bodies of the contact that was too deep,
+    // by the user's numbers; and its wall, or 0.
     const std::vector<i64>& ended_by() const { return ended_by_; }
     i64 ended_at_wall() const { return ended_at_wall_; }
     // At the instants of the steps, over the smaller radius.

@@ -28,8 +28,8 @@ def too_soft(largest: float | None) -> str | None:
     if largest is None or not largest >= DEEP:
         return None
     return (
-        f"contacts were compressed by up to {100.0 * largest:.2g} % of the smaller radius; contact laws describe a few per "
-        f"cent, and none more than {100.0 * DEEPEST:g} %"
+        f"contacts were compressed by up to {100.0 * largest:.2g} % of the smaller radius; contact laws describe "
+        f"a few per cent, and none more than {100.0 * DEEPEST:g} %"
     )
 
 

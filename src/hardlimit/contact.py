@@ -163,8 +163,8 @@ class Contact:
 
         Notes
         -----
-        By integration of the law's force. Without damping v √(m_eff/k) under the linear law and
-        (5 m_eff v²/(4 ρ))^(2/5) under that of Hertz. Laws describe small compressions: see the limits.
+        By integration of m_eff d²ξ/dt² = −F to dξ/dt = 0 (Eq. 8). Without damping v √(m_eff/k) under the linear law
+        and (5 m_eff v²/(4 ρ))^(2/5) under that of Hertz. Laws describe small compressions: see the limits.
 
         Examples
         --------

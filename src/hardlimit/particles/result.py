@@ -137,8 +137,7 @@ class ParticleResult:
     n_elastic_by_tc: int  #: collisions that the rule tc made elastic
     n_soft: int  #: contacts of the rule soft
     n_soft_third_body: int  #: of them with a third body in reach
-    #: of all contacts as the law has them, over the smaller radius, with that at which the run ended; None without law
-    largest_compression: float | None
+    largest_compression: float | None  #: of contacts as the law has them, over the smaller radius; None without a law
     early_end: EarlyEnd | None  #: where and when, unless the run went to its end or nothing collides any more
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(

@@ -32,10 +32,11 @@ def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
     if law is None or not 0.0 < speed < math.inf:
         return
     impact = np.array([speed])
-    least = min(float(contact.compression(impact)[0]) / radius for contact, radius in contacts(system, law))
+    # The smaller radius is at most twice the effective one.
+    least = min(float(c.compression(impact)[0]) / (2.0 * c.effective_radius) for c in contacts(system, law))
     if least >= compression.DEEPEST:
         raise ValueError(
             f"law: got {law!r}, under which an impact at the mean speed of {speed:.3g} m/s would compress "
-            f"contacts by {least:.3g} of the smaller radius, must be stiff enough for less than "
+            f"contacts by {least:.3g} of the smaller radius or more, must be stiff enough for less than "
             f"{compression.DEEPEST:g}"
         )

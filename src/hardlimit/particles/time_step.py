@@ -69,7 +69,7 @@ def _longest(system: ParticleSystem, law: Law, error: float, longest_step: Longe
     # Without motion and gravity only overlaps can drive contacts, at speeds that the step need not know.
     tried = top if top > 0.0 else 1.0
     found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
-    for contact, _ in contacts(system, law):
+    for contact in contacts(system, law):
         for share in SPEEDS:
             found = min(found, longest_step(contact, share * tried, error))
     return found
@@ -82,8 +82,8 @@ def largest_speed(system: ParticleSystem) -> float:
     return 2.0 * fastest + math.sqrt(2.0 * fall)
 
 
-def contacts(system: ParticleSystem, law: Law) -> Iterator[tuple[_core.Contact, float]]:
-    """One contact of each kind and its smaller radius [m]: of two kinds of particles, and of one and a wall."""
+def contacts(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
+    """One contact of each kind: between kinds of particles, and with a wall where there is one."""
     kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
     if len(kinds) > MOST_KINDS:
         ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]
@@ -94,11 +94,10 @@ def contacts(system: ParticleSystem, law: Law) -> Iterator[tuple[_core.Contact, 
     parameters = list(law.parameters.values())
     for i, (mass, radius) in enumerate(kinds.tolist()):
         for other_mass, other_radius in partners[i:]:
-            contact = _core.make_contact(
+            yield _core.make_contact(
                 law.record["name"],
                 law.alternative,
                 parameters,
                 _core.effective(mass, other_mass),
                 _core.effective(radius, other_radius),
             )
-            yield contact, min(radius, other_radius)

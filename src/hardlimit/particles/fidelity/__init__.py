@@ -14,6 +14,7 @@ from ... import _core, validation
 from ...contact import Law
 from ...progress import Report, reporter
 from .. import engines
+from ..softness import refuse_too_soft
 from ..system import ParticleSystem
 from .lockstep import NEWTON, RULES, Plan, digest
 from .result import Fidelity
@@ -137,6 +138,7 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
+        refuse_too_soft(first, law)
         plan = Plan(law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]
