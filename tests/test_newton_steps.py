@@ -297,7 +297,7 @@ def test_states_and_energies_agree_with_those_by_events(name, restitution):
     for seed in range(4):
         system = crowded(seed, 2 + seed % 2)
         exact, default, fine = (
-            hl.molecular_dynamics(system, law=law, until=4e-3, samples=25, **by)
+            hl.molecular_dynamics(system, law=law, until=2.5e-3, samples=25, **by)
             for by in ({}, {"engine": "steps"}, {"engine": "steps", "restitution_error": 5e-5})
         )
         assert exact.n_contacts > 3
@@ -308,8 +308,9 @@ def test_states_and_energies_agree_with_those_by_events(name, restitution):
             velocity = np.abs(run.system.velocities - exact.system.velocities).max()
             errors.append([moved / system.radius.min(), velocity / rms, energy, run.energy_error])
     default, fine = np.array(errors[::2]), np.array(errors[1::2])
-    # A contact that has just begun or ended changes velocities by much in little time.
-    assert (np.median(default, axis=0) < 1e-3).all() and default[:, [0, 2, 3]].max() < 3e-3
+    # A contact that has just begun changes velocities and energies by much in little time; the balance holds then, too.
+    assert (np.median(default, axis=0) < 1e-3).all() and (default < 1.5e-2).all()
+    assert default[:, 3].max() < 1.5e-3
     assert (np.exp(np.log(default / fine).mean(axis=0)) > 5.0).all()
 
 
