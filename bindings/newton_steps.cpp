@@ -232,9 +232,9 @@ void bind_newton_steps(nb::module_& m) {
                 c.law);
         },
         "contact"_a, "speed"_a, "time_step"_a,
-        "The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the energy "
-        "of the impact; of positions after it, relative to the way at the speed of impact in its duration. Infinite "
-        "where a contact does not end.");
+        "The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the "
+        "energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. "
+        "Infinite where a contact does not end.");
     m.def(
         "longest_step",
         [](const Contact& c, double speed, double error) {

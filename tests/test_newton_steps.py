@@ -309,8 +309,7 @@ def test_states_and_energies_agree_with_those_by_events(name, restitution):
             errors.append([moved / system.radius.min(), velocity / rms, energy, run.energy_error])
     default, fine = np.array(errors[::2]), np.array(errors[1::2])
     # A contact that has just begun changes velocities and energies by much in little time; the balance holds then, too.
-    assert (np.median(default, axis=0) < 1e-3).all() and (default < 1.5e-2).all()
-    assert default[:, 3].max() < 1.5e-3
+    assert (np.median(default, axis=0) < 1e-3).all() and default[:, [0, 3]].max() < 1.5e-3
     assert (np.exp(np.log(default / fine).mean(axis=0)) > 5.0).all()
 
 

@@ -64,10 +64,10 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
     return worst;
 }
 
-// The longest time step whose errors are at most `error` [s]. With less than ten steps for a contact, or in a step of
-// which damping takes more than a quarter of the speed, the contacts of a dense packing, in which a body has up to twelve
-// at a time, are no longer stable: that takes h γ/m < 1/3 there. Of n steps under the linear law h γ/m = −2 ln(ε)/n, of
-// others about as much.
+// The longest time step whose errors are at most `error` [s]. With less than ten steps for a contact, or in a step
+// of which damping takes more than a quarter of the speed, the contacts of a dense packing, in which a body has up
+// to twelve at a time, are no longer stable: that takes h γ/m < 1/3 there. Of n steps under the linear law h γ/m =
+// −2 ln(ε)/n, of others about as much.
 template <class Law>
 double longest_step(const Law& law, double effective_mass, double speed, double error) {
     constexpr double most = 1e6;

@@ -1,19 +1,19 @@
 // One contact at one step: its force, and what it dissipates between two steps.
 //
-// The rate v_n at which a contact is compressed at t_n is known from the velocities half a step before only together
-// with its force: v_n = u − F h/(2m), u being the rate without this force. As F(s, v) is straight in v, F follows
-// (the implicit midpoint rule of its damping): a decay by e^{−z} in a step is one by (1 − z/2)/(1 + z/2), which is
-// stable for any z. So damping that is done in a few steps needs no smaller ones.
+// The rate v_n at which a contact is compressed at t_n is known from the velocities half a step before only
+// together with its force: v_n = u − F h/(2m), u being the rate without this force. One step of Newton's method
+// from F = 0 finds F exactly where F(s, v) is linear in v, to second order elsewhere. That is the implicit midpoint
+// rule of the damping: a decay by e^{−z} in a step becomes one by (1 − z/2)/(1 + z/2), which is stable for any z.
 //
 // Between two steps velocities change by −h (F + F')/(2m), so that the kinetic energy loses exactly
 //   W = ½h (F + F') (v + v')/2.
-// Of it, the spring takes ½(F_el + F_el') (ξ' − ξ), and ξ' − ξ = h (v + v')/2 + (F' − F) h²/(4m). Leapfrog's energy of a
-// spring oscillates by G = F F_el h²/(8m): that is no loss, and over again when the contact is. What remains is what the
-// contact dissipates,
+// Of it the spring takes ½(F_el + F_el') (ξ' − ξ), and ξ' − ξ = h (v + v')/2 + (F' − F) h²/(4m). Within a contact
+// the energy of a leapfrog oscillates by G = F F_el h²/(8m), which is no loss and zero again at the end. What
+// remains is what the contact dissipates,
 //   W_d = ½h (F_d + F_d') (v + v')/2 + (F F_el' − F' F_el) h²/(8m),   F_d = F − F_el,
-// exactly zero where nothing damps. Without force what the spring held is dissipated while it relaxes: F_d = −F_el. The
-// sum of kinetic, elastic and dissipated energy is then off by G, and by what the ends of a contact leave, also where
-// nearly all is dissipated within a few steps.
+// exactly zero where nothing damps. Once the force has ended the spring relaxes without it and F_d = −F_el: what it
+// held is dissipated until the gap opens. So the sum of kinetic, elastic and dissipated energy is off by G and by
+// what the first and the last step of a contact leave, also where nearly all is dissipated within a few steps.
 #pragma once
 #include "onset.hpp"
 
