@@ -1,10 +1,13 @@
 // Binding of the engine that takes small steps: arrays in and out, the threads run with the interpreter unlocked.
 #include "particles/newton_steps.hpp"
+#include "particles/steps/isolated.hpp"
 
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "newton_boxes.hpp"
@@ -131,7 +134,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonSteps 4";
+    static constexpr const char* mark = "NewtonSteps 5";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -218,16 +221,20 @@ void bind_newton_steps(nb::module_& m) {
     bind_engine(m);
     using hl::bindings::Contact;
     m.def(
-        "restitution_error",
+        "step_errors",
         [](const Contact& c, double speed, double time_step) {
             return std::visit(
                 [&](const auto& law) {
-                    return steps::restitution_error(law, c.pair.effective_mass, speed, time_step);
+                    const steps::ContactErrors found =
+                        steps::contact_errors(law, c.pair.effective_mass, speed, time_step);
+                    return std::tuple(found.restitution, found.energy, found.position);
                 },
                 c.law);
         },
         "contact"_a, "speed"_a, "time_step"_a,
-        "The largest error of the coefficient of restitution that steps make; NaN where a contact does not end.");
+        "The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the "
+        "energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. "
+        "Infinite where a contact does not end.");
     m.def(
         "longest_step",
         [](const Contact& c, double speed, double error) {
@@ -237,6 +244,5 @@ void bind_newton_steps(nb::module_& m) {
                 },
                 c.law);
         },
-        "contact"_a, "speed"_a, "error"_a,
-        "The longest time step whose error of the restitution is at most `error`.");
+        "contact"_a, "speed"_a, "error"_a, "The longest time step whose `step_errors` are at most `error`.");
 }

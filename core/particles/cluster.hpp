@@ -103,7 +103,7 @@ public:
     const hardlimit_abi::SeriesKernels* kernels = nullptr;  // under a linear law
     double base = 0.0;                                      // the instant from which `time` counts [s]
     double time = 0.0;                                      // [s]
-    double dissipated = 0.0;                                // [J]
+    double dissipated = 0.0;                                // and what slack pairs still hold [J]
     double virial = 0.0;                                    // ∫ Σ r·F dt over pairs of bodies [J s]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;
@@ -167,10 +167,11 @@ public:
         return mean;
     }
 
-    double contact_energy() const {
+    // Elastic energy of the pairs that push each other, or of those that overlap without force [J].
+    double stored(Touch state) const {
         double sum = 0.0;
         for (const Touching<Law>& pair : pairs)
-            if (pair.touch == Touch::closed) sum += pair.law.energy(depth_root(pair));
+            if (pair.touch == state) sum += pair.law.energy(math::max(depth_root(pair), 0.0));
         return sum;
     }
 

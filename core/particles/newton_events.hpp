@@ -212,7 +212,8 @@ private:
     bool images_ = false;         // several of a body may be near
     bool walled_ = false;         // there are walls
     bool fetches_ = false;        // all that is held is too large for the caches
-    double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    double now_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    double dissipated_ = 0.0;  // and what slack pairs still hold [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
     double largest_compression_ = 0.0;  // but for groups still together
@@ -507,8 +508,9 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
         if (!g.alive) continue;
         start(g, c);
         c.run_through(now_ - c.base);
-        s.contact += c.contact_energy();
-        s.dissipated += c.dissipated;
+        const double slack = c.stored(Touch::slack);
+        s.contact += c.stored(Touch::closed) + slack;
+        s.dissipated += c.dissipated - slack;
         s.virial += c.virial;
         s.largest_compression = math::max(s.largest_compression, c.largest_compression);
         s.begun += static_cast<std::uint64_t>(c.begun);

@@ -18,6 +18,8 @@ void NewtonEvents<Law>::begin_contacts() {
             pair.pair.touch = Touch::closed;
             ++begun_;
             begun_pairs_ += j >= 0;
+        } else {
+            dissipated_ += law(i, j).energy(onset_root<Law::onset_power>(depth));
         }
         live.push_back(pair);
         for (const int k : {i, j})

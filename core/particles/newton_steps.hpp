@@ -1,9 +1,10 @@
 // Newton's equations for a box of spheres or disks in small equal steps.
 //
 // Leapfrog: the forces at t_n change the velocities from t_n − h/2 to t_n + h/2, with which the bodies move on to
-// t_{n+1}. A force that depends on the velocity is taken at v_{n−1/2} + a_{n−1} h/2, which is v_n to second order;
-// with the velocity half a step ago, ε is right to first order only. New contacts get the impulse that equal steps
-// miss (steps/onset.hpp). So positions, velocities, energies and ε are all of second order in h.
+// t_{n+1}. A force that depends on the velocity is taken at v_n = v_{n−1/2} + a_n h/2, where a_n holds this force
+// itself (steps/strength.hpp says how, and what is dissipated) and those of the step before of other contacts; with
+// the velocity half a step ago, ε is right to first order only. New contacts get the impulse that equal steps miss
+// (steps/onset.hpp). So positions, velocities, energies and ε are all of second order in h.
 //
 // A step is a sweep over the list of neighbours, which finds the few pairs in contact, and a pass that moves all
 // bodies, slab by slab (steps/schedule.hpp). An advance begins and ends with half a step of the velocities: between
@@ -688,6 +689,7 @@ private:
                 same = same && turns[static_cast<std::size_t>(axis)] == sense * t.turns[axis];
             if (!same) continue;
             put(s, s.touch_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], t);
+            s.touches.back().normal *= static_cast<double>(sense);
             return true;
         }
         return false;

@@ -387,12 +387,10 @@ class NewtonSteps:
     @staticmethod
     def load(state: bytes) -> NewtonSteps: ...
 
-def restitution_error(contact: Contact, speed: float, time_step: float) -> float:
+def step_errors(contact: Contact, speed: float, time_step: float) -> tuple[float, float, float]:
     """
-    The largest error of the coefficient of restitution that steps make; NaN where a contact does not end.
+    The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. Infinite where a contact does not end.
     """
 
 def longest_step(contact: Contact, speed: float, error: float) -> float:
-    """
-    The longest time step whose error of the restitution is at most `error`.
-    """
+    """The longest time step whose `step_errors` are at most `error`."""

@@ -23,7 +23,8 @@ engine_options = options(
     quantity_option(
         "--restitution-error",
         unit="1",
-        help="Error of ε that the time step may make (steps, lammps).  [default: 0.001]",
+        help="Error of ε that the time step may make (steps, lammps), by steps of energies and positions as well.  "
+        "[default: 0.001]",
     ),
     quantity_option(
         "--time-step", unit="s", help="Instead of that error, the longest step [s] (steps, lammps)."

