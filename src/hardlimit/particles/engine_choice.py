@@ -32,7 +32,7 @@ class Choice(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """How often contacts are made while one lasts."""
+    """How many contacts a particle makes while one lasts, and when."""
 
     tc_nu: float
     when: str
@@ -59,27 +59,27 @@ def estimated(
     try:
         check_box(system)
     except ValueError as error:
-        return Choice("steps", str(error).partition(", for engine")[0])
+        return Choice("steps", str(error))
     duration, restitution, temperature = typical_contact(system, law)
     rate = _collision_rate(system, temperature)
     touches = [
-        Touch(rate * duration if rate > 0.0 else 0.0, "of the start"),
-        Touch(lasting_contacts(system), "of the contacts that last at the start"),
+        Touch(rate * duration if rate > 0.0 else 0.0, "at the start"),
+        Touch(lasting_contacts(system), "by the contacts that last at the start"),
         of_bed(system, duration, restitution, until),
     ]
     most = max(touches)
     if most.tc_nu == 0.0:
         return Choice("events", "no contacts are to be expected")
     if not most.tc_nu < math.inf:
-        return Choice("steps", f"contacts last: t_c ν grows without end {most.when}")
+        return Choice("steps", f"contacts last {most.when}")
+    at = f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about"
+    by_events, by_steps = BY_EVENTS[0] + BY_EVENTS[1] * most.tc_nu, BY_STEPS[0]
+    if by_events <= by_steps:  # whatever the step, which takes time to find
+        return Choice("events", f"{at} {by_events:.2g} µs by events, more than {by_steps:g} µs by steps")
     step = time_step.chosen(system, law, restitution_error, None)
-    by_events = BY_EVENTS[0] + BY_EVENTS[1] * most.tc_nu
-    by_steps = BY_STEPS[0] + BY_STEPS[1] * duration / (most.tc_nu * step)
-    return Choice(
-        "events" if by_events <= by_steps else "steps",
-        f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about {by_events:.2g} µs by events, "
-        f"{by_steps:.2g} µs by steps",
-    )
+    by_steps += BY_STEPS[1] * duration / (most.tc_nu * step)
+    name = "events" if by_events <= by_steps else "steps"
+    return Choice(name, f"{at} {by_events:.2g} µs by events, {by_steps:.2g} µs by steps")
 
 
 def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, float]:
@@ -114,8 +114,8 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
 
     As an atmosphere of one temperature T whose floor is A wide, L = Nσ^(d−1)/A layers, they have E = (d/2 + 1)T for
     each kg, collide at the rate ν = a g/√T and lose (1 − ε²) T ν/2 to each other and what a bouncing ball loses to the
-    floor: √T falls linearly, d√T/dt = −g [(1 − ε²) b + (1 − ε) c]/(d + 2), a = (d − 1)√π L + c/(d + 2),
-    b = (d − 1)√π L/2, c = √(d + 2)/2, and the bed is at rest when T is zero. Its χ is taken as 1.
+    floor: √T falls linearly, d√T/dt = −g [(1 − ε²) b/2 + (1 − ε) c]/(d + 2), a = b + c/(d + 2), b = (d − 1)√π L,
+    c = √(d + 2)/2. When T is zero, and the time of a fall has passed, the bed is at rest. Its χ is taken as 1.
     """
     axis, pull = _pull(system)
     if pull == 0.0:

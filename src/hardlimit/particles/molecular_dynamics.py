@@ -84,9 +84,9 @@ def molecular_dynamics(
     checkpoint_every : float [s]
         By the clock on the wall.
     progress : bool or callable(done, total), optional
-        True shows a bar, or writes a line now and then where stderr is no terminal; by events with the share of the time
-        spent in clusters and what steps would take. A function is told the steps, or the contacts, so far, and how many
-        there will be.
+        True shows a bar, or writes a line now and then where stderr is no terminal; by events with the share of the
+        time spent in clusters and what steps would take. A function is told the steps, or the contacts, so far, and
+        how many there will be.
 
     Returns
     -------

@@ -62,6 +62,6 @@ def seconds_by_steps(system: ParticleSystem, law: Law, until: float) -> float:
     step = time_step.chosen(system, law, None, None)
     trial = _core.NewtonSteps(*engines.scene(system), engines.choice(law), step)
     begun = clock.monotonic()
-    trial.advance(math.inf, 1, min(max(TRIAL // system.n, FEWEST), MOST))
+    trial.advance(until, 1, min(max(TRIAL // system.n, FEWEST), MOST))
     took = clock.monotonic() - begun
     return took / max(trial.n_steps, 1) * (until / step)
