@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
@@ -42,7 +42,9 @@ def test_settling_disks_take_steps() -> None:
     """They took 405 s by events, in silence."""
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.7)
     engine, reason = engine_choice.estimated(bed(), law, 0.5)
-    assert engine == "steps" and reason == ("contacts last in a bed that is at rest after about 0.084 s")
+    assert engine == "steps" and reason == (
+        "contacts last, t_c ν = inf in a bed that is at rest after about 0.084 s"
+    )
     assert engine_choice.estimated(bed(), law, 0.02).engine == "events"  # while they fall
 
 
@@ -53,8 +55,9 @@ def test_settling_disks_come_to_rest() -> None:
     )
     assert run.engine == "steps" and run.outcome == "ok" and run.energy_error < 1e-2
     assert run.series.kinetic_energy.values[-1] < 1e-3 * run.series.kinetic_energy.values[0]
+    assert 2.0 < engine_choice.lasting_contacts(run.system) < 6.0
     again = engine_choice.estimated(run.system, run.law, 1e-9)
-    assert again.engine == "steps" and "by the contacts that last at the start" in again.reason
+    assert again.engine == "steps" and again.reason.startswith("contacts last, t_c ν = ")
 
 
 def test_contacts_softer_than_a_gas_take_steps() -> None:
@@ -206,7 +209,7 @@ LAWS = st.one_of(
 
 
 @st.composite
-def boxes(draw: st.DrawFn) -> hl.ParticleSystem:
+def boxes(draw: st.DrawFn, fastest: float) -> hl.ParticleSystem:
     """Grains on a lattice, apart, touching or overlapping, at rest, slow, fast or very fast, with walls and gravity."""
     d = draw(st.sampled_from([2, 3]))
     n = draw(st.integers(1, 12))
@@ -215,7 +218,7 @@ def boxes(draw: st.DrawFn) -> hl.ParticleSystem:
     along = math.ceil(n ** (1.0 / d))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     points = np.stack(np.meshgrid(*[np.arange(along)] * d, indexing="ij"), -1).reshape(-1, d)[:n]
-    speed = draw(st.sampled_from([0.0, 5e-324, 1e-160, 1e-9, 1e-3, 1.0, 1e3, 1e90]))
+    speed = draw(st.sampled_from([0.0, 5e-324, 1e-160, 1e-9, 1e-3, 1.0, fastest]))
     radius = 1e-3 if draw(st.booleans()) else 1e-3 * rng.uniform(0.5, 1.0, n)
     return hl.ParticleSystem(
         1e-3 + points * spacing,
@@ -237,7 +240,7 @@ def outcome(system: hl.ParticleSystem, **options: Any) -> Any:
 
 
 @draws(400)
-@given(boxes(), LAWS, st.sampled_from([0.0, 1e-3, 1e3]))
+@given(boxes(1e90), LAWS, st.sampled_from([0.0, 1e-3, 1e3]))
 def test_an_engine_is_chosen_for_any_box(system: hl.ParticleSystem, law: hl.Law, until: float) -> None:
     """Whatever the box, the choice is one of two, for a reason of one line, and the same again."""
     engine, reason = engine_choice.estimated(system, law, until)
@@ -246,10 +249,11 @@ def test_an_engine_is_chosen_for_any_box(system: hl.ParticleSystem, law: hl.Law,
 
 
 @draws(100)
-@given(boxes(), LAWS)
+@given(boxes(1e3), LAWS)
 def test_auto_runs_as_the_engine_that_it_says(system: hl.ParticleSystem, law: hl.Law) -> None:
     """It runs wherever one of the two does, and gives the bits of the one it names."""
-    # Not so long that a stiff box takes all day.
+    # Contacts that hardly part again take steps that are long to find, and few steps are enough here.
+    assume(engine_choice.typical_contact(system, law)[1] > 1e-6)
     speed = time_step.largest_speed(system)
     until = min(1e-4, 1e-3 / speed if speed > 0.0 else 1.0, 20.0 * time_step.chosen(system, law, None, None))
     options = {"law": law, "until": until, "samples": 2, "log": True}

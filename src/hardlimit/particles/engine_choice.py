@@ -70,8 +70,8 @@ def estimated(
     most = max(touches)
     if most.tc_nu == 0.0:
         return Choice("events", "no contacts are to be expected")
-    if not most.tc_nu < math.inf:
-        return Choice("steps", f"contacts last {most.when}")
+    if not most.tc_nu < 2.0 * system.dimension:  # as many as keep a packing in place
+        return Choice("steps", f"contacts last, t_c ν = {most.tc_nu:.2g} {most.when}")
     at = f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about"
     by_events, by_steps = BY_EVENTS[0] + BY_EVENTS[1] * most.tc_nu, BY_STEPS[0]
     if by_events <= by_steps:  # whatever the step, which takes time to find
