@@ -5,15 +5,15 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 from .validation import shown
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-#: Seconds [wall clock] until the first line in a log.
-FIRST: Final = 10.0
+#: Seconds [wall clock] until the first line in a log, and at most until the next.
+FIRST, LONGEST = 10.0, 600.0
 
 Report = Callable[[int, int], object]  #: called with (done, total)
 
@@ -98,7 +98,7 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
 
 
 class Lines:
-    """How far, in a log: a line after ``FIRST`` seconds, the next after twice as many."""
+    """How far, in a log: a line after ``FIRST`` seconds, the next after twice as many, then every ``LONGEST``."""
 
     def __init__(self, title: str, rate: str | None, out: Console) -> None:
         self._title, self._rate, self._out = title, rate, out
@@ -118,7 +118,8 @@ class Lines:
         line = f"{self._title}: {', '.join(parts)}{f'; {note}' if note else ''}"
         self._out.print(line, soft_wrap=True, markup=False)
         self._seen = now, done
-        self._next = max(2.0 * self._next, now - self._begun)
+        lasted = now - self._begun
+        self._next = lasted + min(lasted, LONGEST)
 
 
 def per_second(speed: float, what: str) -> str:
