@@ -100,7 +100,7 @@ def test_the_largest_compression_is_that_of_the_isolated_contact(
 
     fitting = law_for(law, contact_of, part, small)
     until = 0.1 + 2.0 * float(contact_of(fitting).duration(1.0))
-    exact = hl.molecular_dynamics(system, law=fitting, until=until, samples=2)
+    exact = hl.molecular_dynamics(system, engine="events", law=fitting, until=until, samples=2)
     assert exact.outcome == "ok" and exact.largest_compression == pytest.approx(part, rel=1e-7)
     steps = hl.molecular_dynamics(system, law=fitting, until=until, samples=2, engine="steps")
     assert steps.outcome == "ok" and steps.largest_compression == pytest.approx(part, rel=0.02)
@@ -125,8 +125,8 @@ def test_the_limit_is_sharp(law: hl.Law, wall: bool) -> None:
         assert hl.event_driven(system, law=below, rule=rule, until=until).outcome_name == "ok"
         run = hl.event_driven(system, law=above, rule=rule, until=until)
         assert run.outcome_name == "too_deep" and run.time < 0.11
-    assert hl.molecular_dynamics(system, law=below, until=until).outcome_name == "ok"
-    run = hl.molecular_dynamics(system, law=above, until=until)
+    assert hl.molecular_dynamics(system, engine="events", law=below, until=until).outcome_name == "ok"
+    run = hl.molecular_dynamics(system, engine="events", law=above, until=until)
     assert run.outcome_name == "too_deep" and run.largest_compression == pytest.approx(0.5, abs=1e-9)
     end = run.early_end
     assert end is not None and end.time == run.time
@@ -135,7 +135,7 @@ def test_the_limit_is_sharp(law: hl.Law, wall: bool) -> None:
     deep = 0.1 - x[0, 0] if wall else 0.2 - (x[1, 0] - x[0, 0])
     assert deep == pytest.approx(0.05, rel=1e-9)
     assert run.energy_error < 1e-9
-    again = hl.molecular_dynamics(run.system, law=above, until=until)
+    again = hl.molecular_dynamics(run.system, engine="events", law=above, until=until)
     assert again.outcome_name == "too_deep" and again.time < 1e-9
 
 
@@ -216,7 +216,7 @@ def test_what_must_be_too_deep_is_refused() -> None:
     law = hl.LinearDashpot(stiffness=5.0, restitution=0.9)
     said = r"^law: got LinearDashpot.*stiffness=5.0.*, must be stiff enough for less than 0.5$"
     for run in (
-        lambda: hl.molecular_dynamics(pair(speed=2.0), law=law, until=1.0),
+        lambda: hl.molecular_dynamics(pair(speed=2.0), engine="events", law=law, until=1.0),
         lambda: hl.event_driven(pair(speed=2.0), law=law, rule="soft", until=1.0),
         lambda: hl.event_driven(pair(speed=2.0), law=law, until=1.0),
         lambda: hl.fidelity(pair(speed=2.0), law=law, until=1.0),
@@ -225,7 +225,7 @@ def test_what_must_be_too_deep_is_refused() -> None:
         with pytest.raises(ValueError, match=said):
             run()
     drifting = pair().replace(velocities=[[5.0, 0.0], [5.0, 0.0]])  # together: nobody is hit
-    assert hl.molecular_dynamics(drifting, law=law, until=1.0).outcome == "ok"
+    assert hl.molecular_dynamics(drifting, engine="events", law=law, until=1.0).outcome == "ok"
 
 
 def test_deep_contacts_come_with_a_warning() -> None:
@@ -233,7 +233,7 @@ def test_deep_contacts_come_with_a_warning() -> None:
     for part in (0.049, 0.051):
         law = law_for(LAWS[0], lambda law: law.between(ball, ball), part, 0.1)
         for run in (
-            lambda law=law: hl.molecular_dynamics(pair(), law=law, until=0.3),
+            lambda law=law: hl.molecular_dynamics(pair(), engine="events", law=law, until=0.3),
             lambda law=law: hl.event_driven(pair(), law=law, rule="soft", until=0.3),
         ):
             if part < compression.DEEP:

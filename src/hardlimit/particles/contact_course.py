@@ -13,9 +13,10 @@ import numpy as np
 
 from .. import _core, compression
 from ..contact import Law
-from ..progress import Report
+from ..progress import Report, Shown
 from . import checkpoint, early_end, engines
 from .contact_result import COLUMNS, LOG, ContactResult
+from .pace import Pace
 from .softness import refuse_too_soft
 from .system import Floats, ParticleSystem
 
@@ -59,6 +60,7 @@ class Settings:
     threads: int
     path: Path | None = None  #: of the checkpoint
     every: float = math.inf  #: seconds between two checkpoints [wall clock]
+    reason: str = ""  #: for the engine, unless it was asked for
 
     @property
     def takes_steps(self) -> bool:
@@ -83,6 +85,7 @@ class ContactCourse:
         self._log = None if log is None else [log]
         self._portion = 100
         self._saved_at = clock.monotonic()
+        self._pace = Pace()
 
     def set_end(self, until: float) -> None:
         """Go on to another end; the spacing of the samples stays."""
@@ -142,6 +145,8 @@ class ContactCourse:
         else:
             done = self.engine.contacts_reached
             report(done, max(done, 1, round(done * (end / time)) if time > 0.0 else 0))
+            if isinstance(report, Shown):
+                report.note = self._pace.note(self.system, self.settings.law, self.engine, end)
 
     # --- what is kept ---------------------------------------------------------------------------------------
 
@@ -182,6 +187,7 @@ class ContactCourse:
         header = {
             "kind": KIND,
             "engine": self.settings.engine,
+            "engine_reason": self.settings.reason,
             "law": engines.law_entry(self.settings.law),
             "boundary": list(self.system.boundary),
             "target": vars(self.target),
@@ -210,6 +216,7 @@ class ContactCourse:
             system=now,
             law=self.settings.law,
             engine=self.settings.engine,
+            engine_reason=self.settings.reason,
             outcome_name=self.engine.outcome,
             rows=np.array(self._rows),
             log=log,
@@ -252,7 +259,14 @@ def load(path: Any) -> ContactCourse:
     header, arrays = checkpoint.read(path)
     try:
         law = engines.law_of(header["law"])
-        settings = Settings(law, header["engine"], int(header["threads"]), Path(path), float(header["every"]))
+        settings = Settings(
+            law,
+            header["engine"],
+            int(header["threads"]),
+            Path(path),
+            float(header["every"]),
+            header["engine_reason"],
+        )
         engine = ENGINES[settings.engine].load(arrays["engine"].tobytes())
         system = engines.system_in(header, arrays, engine)
         log = engines.log_in(arrays, len(LOG))

@@ -121,6 +121,7 @@ class ContactResult:
     cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
     largest_compression: float | None = None  #: of all contacts, over the smaller radius; None by LAMMPS
     early_end: EarlyEnd | None = None  #: where and when, unless the run went to its end
+    engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty where it was asked for
 
     @property
     def outcome(self) -> str:
@@ -205,6 +206,7 @@ class ContactResult:
             "system": repr(self.system),
             "law": repr(self.law),
             "engine": self.engine,
+            **({"engine_reason": self.engine_reason} if self.engine_reason else {}),
             **({} if self.time_step is None else {"time_step": self.time_step}),
             "outcome": self.outcome,
             "hardlimit_version": _core.version,
@@ -213,10 +215,12 @@ class ContactResult:
     def __repr__(self) -> str:
         counted = "" if self.n_contacts is None else f"{self.n_contacts} contacts in "
         found = f"{counted}{self.time:.6g} s, {self.outcome}"
-        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}>"
+        why = f"; {choice(self)}" if self.engine_reason else ""
+        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}{why}>"
 
     def _repr_html_(self) -> str:
         rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows += [["engine", choice(self)]] if self.engine_reason else []
         return html.table(f"{self.engine}, {self.law!r}", ["", ""], [*rows, ["outcome", self.outcome]])
 
 
@@ -237,6 +241,11 @@ def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
     for name, means in (("collision_rate", rate), ("pressure", pressure), ("overlapped_share", share)):
         found[name] = np.concatenate([[math.nan], means])
     return found
+
+
+def choice(result: ContactResult) -> str:
+    """Why this engine, where nobody asked for it."""
+    return f"chose {result.engine}: {result.engine_reason}"
 
 
 def quantities(result: ContactResult) -> list[tuple[str, float]]:
