@@ -250,8 +250,8 @@ class _Calls(ast.NodeVisitor):
         elif isinstance(target, ast.Attribute):
             self._add("=", target, {target.attr: self._keyword(given)})
         elif isinstance(target, ast.Tuple | ast.List) and isinstance(given, ast.Tuple | ast.List):
-            for one, its in zip(target.elts, given.elts, strict=False):
-                self._assign(one, its, value_of(its, self.names) if self.depth == 0 else None)
+            for each, its in zip(target.elts, given.elts, strict=False):
+                self._assign(each, its, value_of(its, self.names) if self.depth == 0 else None)
         else:
             for one in ast.walk(target):
                 if isinstance(one, ast.Name):
@@ -335,7 +335,7 @@ def tokens(text: str) -> list[Token]:
 
 def c_calls(text: str) -> Iterator[Statement]:
     """Calls ``object->name(number, …)``; names that were given a number before stand for it."""
-    pieces, names = tokens(text), {}
+    pieces, names = tokens(text), dict[str, float]()
     for k, piece in enumerate(pieces):
         after = pieces[k + 1].text if k + 1 < len(pieces) else ""
         if piece.kind != "name" or after not in ("(", "="):
@@ -402,7 +402,7 @@ def xml_attributes(text: str) -> Iterator[Statement]:
     plain = re.sub(r"<!--.*?-->", lambda found: "\n" * found[0].count("\n"), text, flags=re.DOTALL)
     for element in ELEMENT.finditer(plain):
         listed = [
-            (a[1], a[2] if a[2] is not None else a[3]) for a in ATTRIBUTE.finditer(element[2] or element[3])
+            (a[1], a[2] if a[2] is not None else a[3]) for a in ATTRIBUTE.finditer(element[2] or element[3] or "")
         ]
         geoms = [given for name, given in listed if name in ("geom1", "geom2")]
         line = plain[: element.start()].count("\n") + 1

@@ -43,7 +43,7 @@ class Contact:
 
     def covers(self, name: str) -> bool:
         """Whether a contact of this name, such as ``1-2``, is one of these."""
-        if name == self.name:
+        if name == self.name.replace(" ", ""):
             return True
         asked = name.split("-")
         return len(asked) == len(self.bodies) and any(
@@ -105,7 +105,7 @@ HIDDEN: Final = ("pair_style", "pair_coeff", "wall/gran", "property/global", "un
 
 def lammps(text: str, asked: Asked) -> Reading:
     """``pair_style``, ``pair_coeff`` and ``fix … wall/gran``; a normal model alone stands for ``pair_coeff``."""
-    contacts, units, style, types = [], "si", "", dict[str, str]()
+    contacts, units, style, types = list[Contact](), "si", "", dict[str, str]()
     for statement in grammar.script(text):
         command, *words = statement.words
         _refuse_hidden(statement)
@@ -131,7 +131,7 @@ def lammps(text: str, asked: Asked) -> Reading:
             found = read(statement, rest[1:] if read is _granular else rest, WALLS)
             contacts.append(Contact((group, "wall"), found, True))
         elif command in NORMAL:
-            contacts.append(Contact((), _granular(statement, statement.words, WALLS)))
+            contacts.append(Contact((f"line {statement.line}",), _granular(statement, statement.words, WALLS)))
         elif command == "fix" and words[2:3] and words[2].startswith("damping/"):
             raise refusal(statement.line, statement.text, "be without this damping, which is not read")
     return Reading(contacts, units)
@@ -175,7 +175,7 @@ def _gran(statement: Statement, words: Sequence[str], ends: Sequence[str]) -> Se
     if not words or words[0] not in GRAN or len(words) < 7:
         raise refusal(statement.line, statement.text, f"be {', '.join(GRAN)} with six numbers")
     name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
-    found = {"normal": (name, words[1], words[3])}
+    found: dict[str, tuple[str, ...]] = {"normal": (name, words[1], words[3])}
     rest = list(words[7:])
     if rest[:1] == ["limit_damping"]:
         found["limit_damping"] = ()
@@ -286,9 +286,13 @@ def _gran_model(statement: Statement, words: Sequence[str]) -> Settings:
     if len(words) < 2 or words[0] != "model":
         raise refusal(statement.line, statement.text, "begin with model NAME")
     found: dict[str, tuple[str, ...]] = {"model": (words[1],)}
-    k = 2
-    while k < len(words) and words[k] not in ("primitive", "mesh"):
+    k, wall = 2, False
+    while k < len(words):
         word, after = words[k], words[k + 1 : k + 2]
+        wall = wall or word in ("primitive", "mesh")
+        if wall and word not in LIGGGHTS:  # what the wall is
+            k += 1
+            continue
         if word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after):
             known = LIGGGHTS.get(word)
             must = f"be {word} {' or '.join(known)}" if known else f"be a setting of model {words[1]}"

@@ -66,13 +66,13 @@ def _contacts(
         )
     bodies = max((pair.second for pair, _ in contacts), default=1)
     for k, (pair, _) in enumerate(contacts):
-        new = []
+        new: list[str] = []
         for template in (texts.wall if pair.wall else texts.pair).splitlines():
             line = _filled(template, pair, bodies, places[k])
             # A line without numbers, such as that of the wall itself, is needed whichever are chosen.
             other = choice and k > 0 and any(f"{{{name}}}" in template for name in places[k])
             line = _comment(code, line) if other else line
-            if template and line not in (*before, *lines):
+            if template and line not in (*before, *lines, *new):
                 new.append(line)
         lines += [_comment(code, pair.name), *new] if new else []
     return lines
