@@ -280,10 +280,11 @@ class Written:
         if found is None or mass < self.model.spring.shortest**2 * stiffness:
             return None
         if self.model.damping.formula == "none":
-            return found
+            return {name: float(f"{value:.12g}") for name, value in found.items()}
         if self.model.mass.number:
             found[self.model.mass.number] = mass / self.model.mass.share
         found[self.model.damping.number] = number
+        found = {name: float(f"{value:.12g}") for name, value in found.items()}  # as they are written
         least = self.model.input.least
         return found if all(value >= least.get(name, -math.inf) for name, value in found.items()) else None
 

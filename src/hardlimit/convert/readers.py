@@ -324,16 +324,16 @@ def _between(properties: Mapping[str, tuple[Statement, str, list[str]]], i: int,
             count = int(given[0])
             if max(i, j) > count:
                 return None
-            words = {given[1 + count * (a - 1) + b - 1] for a, b in ((i, j), (j, i))}
-            if len(words) > 1:
+            words = [given[1 + count * (a - 1) + b - 1] for a, b in ((i, j), (j, i))]
+            if _canonical(words[0]) != _canonical(words[1]):
                 raise refusal(statement.line, statement.text, f"have one number for {i}-{j} and {j}-{i}")
         else:
             if kind == "peratomtype" and max(i, j) > len(given):
                 return None
-            words = {given[0]} if kind == "scalar" else {given[i - 1], given[j - 1]}
-            if len(words) > 1:
+            words = [given[0], given[0]] if kind == "scalar" else [given[i - 1], given[j - 1]]
+            if _canonical(words[0]) != _canonical(words[1]):
                 return None
-        found[name] = Setting((words.pop(),), statement.line, statement.text)
+        found[name] = Setting((words[0],), statement.line, statement.text)
     return found
 
 
@@ -415,19 +415,18 @@ def yade(text: str, asked: Asked) -> Reading:
         ):
             raise refusal(call.line, call.text, f"be one of {', '.join(LAWS)}")
     contacts = []
-    for i, (kind, settings) in enumerate(materials):
-        own = {"physics": Setting(("ViscElPhys",), 0, "")} if kind == "ViscElMat" else {}
-        if kind == "ViscElMat" and physics not in (None, "ViscElPhys"):
-            own = {}
+    paired = sorted({pair for matches in over.values() for pair in matches})
+    for i, j in (paired or [(i, i) for i in range(len(materials))]) if materials else []:
+        kind, settings = materials[min(i, len(materials) - 1)]  # a loop makes several of one line
+        found = {**settings, **common}
+        if kind == "ViscElMat" and physics is None:
+            found["physics"] = Setting(("ViscElPhys",), 0, "")
         if physics == "MindlinPhys" and not {"en", "betan"} & common.keys():
-            own["betan"] = Setting(("0.0",), common["physics"].line, common["physics"].text)
-        ids = sorted({pair for matches in over.values() for pair in matches if pair[0] == i}) or [(i, i)]
-        for pair in ids:
-            found = {**settings, **own, **common}
-            for name, matches in over.items():
-                if pair in matches:
-                    found[name] = Setting((repr(matches[pair]),), lines[name].line, lines[name].text)
-            contacts.append(Contact((str(pair[0] + 1), str(pair[1] + 1)), found))
+            found["betan"] = Setting(("0.0",), common["physics"].line, common["physics"].text)
+        for name, matches in over.items():
+            if (i, j) in matches:
+                found[name] = Setting((repr(matches[i, j]),), lines[name].line, lines[name].text)
+        contacts.append(Contact((str(i + 1), str(j + 1)), found))
     return Reading(contacts, numerical_damping=damping)
 
 
@@ -543,6 +542,10 @@ def _solids(found: Mapping[tuple[str, int], Setting], i: int, j: int, entry: int
         values = [found[one] for one in these if one in found]
         if len(values) == len(these) and all(same(values[0], one) for one in values):
             settings[name] = values[0]
+    for name, of_wall in (("E_YOUNG", "EW_YOUNG"), ("V_POISSON", "VW_POISSON")):
+        if entry == 0 and {name, of_wall} <= settings.keys() and not same(settings[name], settings[of_wall]):
+            wall, ball = settings[of_wall], settings[name]
+            raise refusal(wall.line, wall.text, f"be as on line {ball.line}: walls of another material are not read")
     needed = "DES_EN_WALL_INPUT" if entry == 0 else "DES_EN_INPUT"
     return settings if needed in settings else None
 
