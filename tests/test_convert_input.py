@@ -93,7 +93,9 @@ def test_a_contact_that_is_not_named_is_asked_for(name):
         if found.input.shared and not found.input.matrix:
             continue
         asked = {"stiffness": 1e5} if found.elastic == "hooke" else STEEL
-        text = hl.convert(BED, restitution=0.7, code=name, model=found.name, restitution_error=0.05, **asked).text
+        text = hl.convert(
+            BED, restitution=0.7, code=name, model=found.name, restitution_error=0.05, **asked
+        ).text
         try:
             back(text, name)
         except ValueError as error:
@@ -434,7 +436,9 @@ def test_the_wall_itself_is_never_a_comment(balls):
     for name in ("lammps", "liggghts"):
         for model in code(name).models:
             asked = {"stiffness": 1e5} if model.elastic == "hooke" else {**STEEL}
-            text = hl.convert(balls, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **asked).text
+            text = hl.convert(
+                balls, restitution=0.7, code=name, model=model.name, restitution_error=0.05, **asked
+            ).text
             walls = [line for line in text.splitlines() if "wall/gran" in line]
             assert walls and not any(line.startswith("#") for line in walls)
 

@@ -402,7 +402,8 @@ def xml_attributes(text: str) -> Iterator[Statement]:
     plain = re.sub(r"<!--.*?-->", lambda found: "\n" * found[0].count("\n"), text, flags=re.DOTALL)
     for element in ELEMENT.finditer(plain):
         listed = [
-            (a[1], a[2] if a[2] is not None else a[3]) for a in ATTRIBUTE.finditer(element[2] or element[3] or "")
+            (a[1], a[2] if a[2] is not None else a[3])
+            for a in ATTRIBUTE.finditer(element[2] or element[3] or "")
         ]
         geoms = [given for name, given in listed if name in ("geom1", "geom2")]
         line = plain[: element.start()].count("\n") + 1

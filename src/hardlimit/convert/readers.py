@@ -131,7 +131,9 @@ def lammps(text: str, asked: Asked) -> Reading:
             found = read(statement, rest[1:] if read is _granular else rest, WALLS)
             contacts.append(Contact((group, "wall"), found, True))
         elif command in NORMAL:
-            contacts.append(Contact((f"line {statement.line}",), _granular(statement, statement.words, WALLS)))
+            contacts.append(
+                Contact((f"line {statement.line}",), _granular(statement, statement.words, WALLS))
+            )
         elif command == "fix" and words[2:3] and words[2].startswith("damping/"):
             raise refusal(statement.line, statement.text, "be without this damping, which is not read")
     return Reading(contacts, units)
@@ -545,7 +547,9 @@ def _solids(found: Mapping[tuple[str, int], Setting], i: int, j: int, entry: int
     for name, of_wall in (("E_YOUNG", "EW_YOUNG"), ("V_POISSON", "VW_POISSON")):
         if entry == 0 and {name, of_wall} <= settings.keys() and not same(settings[name], settings[of_wall]):
             wall, ball = settings[of_wall], settings[name]
-            raise refusal(wall.line, wall.text, f"be as on line {ball.line}: walls of another material are not read")
+            raise refusal(
+                wall.line, wall.text, f"be as on line {ball.line}: walls of another material are not read"
+            )
     needed = "DES_EN_WALL_INPUT" if entry == 0 else "DES_EN_INPUT"
     return settings if needed in settings else None
 

@@ -54,9 +54,7 @@ def _contacts(
     texts = model.input
     shared = texts.shared and not (texts.apart and all(pair.wall for pair, _ in contacts))
     places = [{name: f"{value:.12g}" for name, value in numbers.items()} for _, numbers in contacts]
-    once = [
-        {name: value for name, value in one.items() if shared or name in texts.once} for one in places
-    ]
+    once = [{name: value for name, value in one.items() if shared or name in texts.once} for one in places]
     choice = any(one != once[0] for one in once)
     if choice and (matrix := _matrix(model, contacts, places)):
         return [_comment(code, matrix[0]), *matrix[1:]]
