@@ -4,6 +4,7 @@ back for every model and contact; what is not understood is quoted with its line
 import math
 import re
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from hypothesis import given
@@ -12,8 +13,10 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import draws, log_floats
 from hardlimit.cli import main
-from hardlimit.convert import grammar
-from hardlimit.convert.codes import code, names
+from hardlimit.convert import grammar, texts
+from hardlimit.convert.codes import Pair, code, names
+from hardlimit.convert.force import Force, Powers, damping_for
+from hardlimit.particles.lammps import half_steps
 
 BALL = hl.Ball(radius=5e-4, density=7850.0)
 BED = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3)]
@@ -346,8 +349,6 @@ def braked(p, q, damping, share, steps):
 @pytest.mark.parametrize("share", [0.2, 0.05, 0.7])
 def test_numerical_damping_of_yade(share):
     """Hertz and linear: our two phases against equal steps, and √((1 − d)/(1 + d)) for elastic contacts."""
-    from hardlimit.convert.force import Force, Powers, damping_for
-
     for p, q in ((4, 0), (6, 1)):
         for e in (0.9, 0.5):
             damping = damping_for(Powers(p, q), e)
@@ -466,6 +467,39 @@ def test_mujoco_refuses_grains_that_are_too_light():
     assert hl.convert(heavy, restitution=0.7, stiffness=1e3, code="mujoco").text
     codes = {one.code.name for one in hl.convert(light, restitution=0.7, stiffness=1e3).models}
     assert "mujoco" not in codes and "lammps" in codes
+
+
+# --- the step that is printed -----------------------------------------------------------------------------------
+
+
+@draws(20)
+@given(
+    powers=st.sampled_from([(4, 0), (4, 2), (6, 0), (6, 1), (6, 2)]),
+    attracts=st.booleans(),
+    restitution=st.floats(0.02, 0.999),
+    error=log_floats(3e-4, 3e-2),
+    share=st.sampled_from([1.0, 1.0, 0.97, 0.93, 0.9]),
+)
+def test_the_step_keeps_to_its_error_wherever_bodies_touch(powers, attracts, restitution, error, share):
+    """At 1500 places between two steps, and with somewhat finer steps too."""
+    form = Powers(*powers, attracts)
+    force = Force(form, 1.0, damping_for(form, restitution), 1.0)
+    step = share * half_steps.longest_step(force, 1.0, error)
+    steps = force.collision(1.0).duration / step
+    if steps < 1500.0:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(half_steps, "PHASES", (np.arange(1500) + 0.5) / 1500)
+            assert half_steps.restitution_error(force, 1.0, step) <= error
+
+
+@draws(20)
+@given(step=st.floats(1e-9, 1e-3))
+def test_the_step_is_not_rounded_up(step):
+    found = code("lammps").model("hooke-velocity")
+    pair = Pair("1 – 1", BALL.mass, BALL.radius, False)
+    text = texts.written(code("lammps"), found, [(pair, {"stiffness": 1e5, "damping": 1.0})], False, step)
+    said = float(text.splitlines()[-1].split()[1])
+    assert 0.998 * step <= said <= step
 
 
 # --- the command line -------------------------------------------------------------------------------------------

@@ -34,8 +34,8 @@ class ContactNumbers:
     ...     print(
     ...         f"{contact.pair}: {contact.damping:.4f} N s/m, {contact.time_step:.2g} s"
     ...     )
-    1 – 1: 0.0559 N s/m, 2.3e-07 s
-    1 – wall: 0.0791 N s/m, 3.2e-07 s
+    1 – 1: 0.0559 N s/m, 2.1e-07 s
+    1 – wall: 0.0791 N s/m, 2.9e-07 s
     """
 
     pair: str  #: which bodies, such as ``1 – 2`` or ``1 – wall``

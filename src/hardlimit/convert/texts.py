@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Context
 
 from .. import validation
 from .codes import Code, Model, Pair
@@ -43,8 +44,7 @@ def written(
 
 def _rounded_down(time_step: float) -> str:
     """To four digits, and no longer than it is."""
-    text = f"{time_step:.4g}"
-    return text if float(text) <= time_step else f"{time_step * (1.0 - 1e-4):.4g}"
+    return f"{Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step):.4g}"
 
 
 def _contacts(
