@@ -1,5 +1,5 @@
-"""convert_back as a reader: each code's words, comments, continued lines, quotes, variables and units; what is printed is read
-back for every model and contact; what is not understood is quoted with its line."""
+"""convert_back as a reader: each code's words, comments, continued lines, quotes, variables and units; what is printed
+is read back for every model and contact; what is not understood is quoted with its line."""
 
 import math
 import re
@@ -143,12 +143,31 @@ def test_a_wall_is_not_taken_for_balls():
     line = "fix w all wall/gran hooke 1e5 NULL 2e4 NULL 0.5 0 zplane 0 NULL"
     assert refused(line) == "input: got no contact of balls in it, only *-wall"
     assert back(line, other=hl.FLOOR).model.name == "gran-hooke"
+    pairs = "pair_style granular\npair_coeff * * hooke 1e5 0.7 damping coeff_restitution tangential none"
+    for text in (f"{line}\n{pairs}", f"{pairs}\n{line}"):
+        assert back(text, other=hl.FLOOR).model.name == "gran-hooke"
+        assert back(text).restitution == pytest.approx(0.7, abs=1e-9)
+    late = refused(f"{line} limit_damping", other=hl.FLOOR)
+    assert late.startswith("input: line 1: got 'fix w all") and late.endswith("must have limit_damping before zplane")
 
 
 # --- the words of LAMMPS and LIGGGHTS ---------------------------------------------------------------------------
 
-HOOKE = ["pair_coeff", "1", "1", "hooke", "1e5", "0.7", "damping", "coeff_restitution", "tangential", "linear_nohistory",
-         "1.0", "0.4", "limit_damping"]  # fmt: skip
+HOOKE = [
+    "pair_coeff",
+    "1",
+    "1",
+    "hooke",
+    "1e5",
+    "0.7",
+    "damping",
+    "coeff_restitution",
+    "tangential",
+    "linear_nohistory",
+    "1.0",
+    "0.4",
+    "limit_damping",
+]
 HERTZ = [
     "fix",
     "m3",
@@ -209,7 +228,8 @@ def test_the_form_of_a_lammps_command_does_not_matter(text):
 )
 def test_the_form_of_a_liggghts_command_does_not_matter(text, model):
     """A matrix of two types, whose lines are continued."""
-    rest = "fix m1 all property/global youngsModulus peratomtype 1e9 &\n1e9\nfix m2 all property/global poissonsRatio peratomtype .3 .3\n"
+    moduli = "fix m1 all property/global youngsModulus peratomtype 1e9 &\n1e9\n"
+    rest = f"{moduli}fix m2 all property/global poissonsRatio peratomtype .3 .3\n"
     found = back(f"{model}\n{rest}{text}", "liggghts")
     assert not found.attraction and found.restitution == pytest.approx(0.7182013610, abs=1e-8)
 
@@ -232,6 +252,7 @@ def test_the_form_of_a_liggghts_command_does_not_matter(text, model):
             0.7,
         ),
         ("hooke 1e5 $(sqrt(0.49):%.3f) damping coeff_restitution", 0.7),
+        ("\ufeffhooke 1e5 0.7 damping coeff_restitution", 0.7),
     ],
 )
 def test_words_are_those_of_lammps(text, gives):
@@ -241,44 +262,132 @@ def test_words_are_those_of_lammps(text, gives):
 @pytest.mark.parametrize(
     "text,name,quoted",
     [
-        ("units si\nunits lj\nhooke 1e5 .7 damping velocity", "lammps", "line 2: got 'units lj', must be units si, cgs"),
+        (
+            "units si\nunits lj\nhooke 1e5 .7 damping velocity",
+            "lammps",
+            "line 2: got 'units lj', must be units si, cgs",
+        ),
         ("units real", "liggghts", "line 1: got 'units real', must be units si, cgs"),
-        ("pair_style hybrid granular gran/hooke 1 1 1 1 1 1", "lammps", "line 1: got 'pair_style hybrid granular"),
-        ("\n\npair_coeff * * jkr 1e9 .7 .3 10 tangential none", "lammps", "line 3: got 'jkr 1e9', must be words of pair granular"),
+        (
+            "pair_style hybrid granular gran/hooke 1 1 1 1 1 1",
+            "lammps",
+            "line 1: got 'pair_style hybrid granular",
+        ),
+        (
+            "\n\npair_coeff * * jkr 1e9 .7 .3 10 tangential none",
+            "lammps",
+            "line 3: got 'jkr 1e9', must be words of pair granular",
+        ),
         ("pair_coeff * * hooke 1e5 .7 damping nothing", "lammps", "line 1: got 'damping nothing'"),
         ("pair_coeff * * hooke 1e5 .7 Damping velocity", "lammps", "line 1: got 'Damping velocity'"),
         ("pair_coeff * * hooke 1e5 .7 damping velocity & # c\n", "lammps", "line 1: got '&'"),
-        ("pair_coeff * * hooke ${k} .7 damping velocity", "lammps", "line 1: got 'pair_coeff * * hooke ${k} .7 damping velocity', "
-         "must have a number for stiffness, not ${k}"),
-        ("pair_coeff * * hooke 1e5 $(1/0) damping velocity", "lammps", "must have a number for damping, not $(1/0)"),
-        ("pair_coeff * * hooke 1e5 $(-2^2) damping velocity", "lammps", "must have a number for damping, not $(-2^2)"),
-        ("pair_coeff * * hooke 1d5 .7 damping velocity", "lammps", "must have a number for stiffness, not 1d5"),
-        ("pair_coeff * * hooke 1e5", "lammps", "line 1: got 'pair_coeff * * hooke 1e5', must have 2 words behind hooke"),
+        (
+            "pair_coeff * * hooke ${k} .7 damping velocity",
+            "lammps",
+            "line 1: got 'pair_coeff * * hooke ${k} .7 damping velocity', "
+            "must have a number for stiffness, not ${k}",
+        ),
+        (
+            "pair_coeff * * hooke 1e5 $(1/0) damping velocity",
+            "lammps",
+            "must have a number for damping, not $(1/0)",
+        ),
+        (
+            "pair_coeff * * hooke 1e5 $(-2^2) damping velocity",
+            "lammps",
+            "must have a number for damping, not $(-2^2)",
+        ),
+        (
+            "pair_coeff * * hooke 1d5 .7 damping velocity",
+            "lammps",
+            "must have a number for stiffness, not 1d5",
+        ),
+        (
+            "pair_coeff * * hooke 1e5",
+            "lammps",
+            "line 1: got 'pair_coeff * * hooke 1e5', must have 2 words behind hooke",
+        ),
         ("pair_coeff * * hooke 1 '.7 damping", "lammps", "must close its quotes '"),
         ("include other.in", "lammps", "line 1: got 'include other.in', must be commands of the text itself"),
         ("if '1 > 0' then 'pair_coeff * * hooke 1e5 .7'", "lammps", "must be commands of the text itself"),
-        ("pair_style gran/hooke 1e5 NULL 1e3 NULL 0.5", "lammps", "must be hooke, hooke/history, hertz/history with six numbers"),
-        ("pair_style gran/hooke 1e5 NULL 1e3 NULL 0.5 1 limit_dampin", "lammps", "line 1: got 'limit_dampin'"),
-        ("pair_style gran model hertz cohesion sjkr2", "liggghts", "got 'cohesion sjkr2', must be cohesion off"),
+        (
+            "pair_style gran/hooke 1e5 NULL 1e3 NULL 0.5",
+            "lammps",
+            "must be hooke, hooke/history, hertz/history with six numbers",
+        ),
+        (
+            "pair_style gran/hooke 1e5 NULL 1e3 NULL 0.5 1 limit_dampin",
+            "lammps",
+            "line 1: got 'limit_dampin'",
+        ),
+        (
+            "pair_style gran model hertz cohesion sjkr2",
+            "liggghts",
+            "got 'cohesion sjkr2', must be cohesion off",
+        ),
         ("pair_style gran model hooke viscous on", "liggghts", "got 'viscous on', must be viscous off"),
-        ("pair_style gran model hertz limitforce on", "liggghts", "got 'limitforce on', must be a setting of model hertz"),
-        ("fix w all wall/gran model hertz primitive type 1 zplane 0.0 cohesion sjkr", "liggghts", "got 'cohesion sjkr'"),
-        ("fix m all property/global kn peratomtypepair 2 1 2 3", "liggghts", "must be a number of types and one number for each"),
+        (
+            "pair_style gran model hertz limitforce on",
+            "liggghts",
+            "got 'limitforce on', must be a setting of model hertz",
+        ),
+        (
+            "fix w all wall/gran model hertz primitive type 1 zplane 0.0 cohesion sjkr",
+            "liggghts",
+            "got 'cohesion sjkr'",
+        ),
+        (
+            "fix m all property/global kn peratomtypepair 2 1 2 3",
+            "liggghts",
+            "must be a number of types and one number for each",
+        ),
         ("FrictMat(young=1e9,\n poisson=.3", "yade", "line 1: got 'FrictMat(young=1e9,', must be Python"),
-        ("FrictMat(young=1e9, poisson=.3, cohesion=3)", "yade", "line 1: got 'cohesion=3.0', must be one of young, poisson"),
+        (
+            "FrictMat(young=1e9, poisson=.3, cohesion=3)",
+            "yade",
+            "line 1: got 'cohesion=3.0', must be one of young, poisson",
+        ),
         ("CohFrictMat(young=1e9, poisson=.3)", "yade", "line 1: got 'CohFrictMat(young=1"),
-        ("Ip2_FrictMat_FrictMat_MindlinPhys(en=.7, gamma=1.)", "yade", "line 1: got 'gamma=1.0', must be one of en, betan"),
-        ("FrictMat(young=E, poisson=.3)\nIp2_FrictMat_FrictMat_MindlinPhys(en=.7)", "yade", "must have a number for youngs_modulus, not E"),
-        ("newton.damping = 0.1", "yade", "line 1: got 'newton.damping', must be given where the object is made"),
+        (
+            "Ip2_FrictMat_FrictMat_MindlinPhys(en=.7, gamma=1.)",
+            "yade",
+            "line 1: got 'gamma=1.0', must be one of en, betan",
+        ),
+        (
+            "FrictMat(young=E, poisson=.3)\nIp2_FrictMat_FrictMat_MindlinPhys(en=.7)",
+            "yade",
+            "must have a number for youngs_modulus, not E",
+        ),
+        (
+            "newton.damping = 0.1",
+            "yade",
+            "line 1: got 'newton.damping', must be given where the object is made",
+        ),
         ("NewtonIntegrator(damping=d)", "yade", "must have a number in [0, 1) for damping"),
-        ("Law2_ScGeom_MindlinPhys_Mindlin(includeAdhesion=True)", "yade", "line 1: got 'Law2_ScGeom_MindlinPhys_Mindlin(includeAdhesion=True)'"),
-        ("mat->SetKn(1e5);\nmat->SetAdhesion(1.0);", "chrono", "line 2: got 'SetAdhesion(1.0)', must be without adhesion"),
-        ("sys.UseMaterialProperties(false);\nsys.SetContactForceModel(ChSystemSMC::Hooke);\nmat->SetKn(k);\nmat->SetGn(3.0);", "chrono",
-         "line 3: got 'SetKn(k)', must have a number for stiffness, not k"),
-        ("EW_YOUNG = 1e9\nVW_POISSON = 0.3\nE_YOUNG(1) = 2e9\nV_POISSON(1)=0.3\nDES_COLL_MODEL='HERTZIAN'\n"
-         "DES_EN_WALL_INPUT(1) = 0.7", "mfix", "line 1: got 'EW_YOUNG = 1e9', must be as on line 3"),
+        (
+            "Law2_ScGeom_MindlinPhys_Mindlin(includeAdhesion=True)",
+            "yade",
+            "line 1: got 'Law2_ScGeom_MindlinPhys_Mindlin(includeAdhesion=True)'",
+        ),
+        (
+            "mat->SetKn(1e5);\nmat->SetAdhesion(1.0);",
+            "chrono",
+            "line 2: got 'SetAdhesion(1.0)', must be without adhesion",
+        ),
+        (
+            "sys.UseMaterialProperties(false);\nsys.SetContactForceModel(ChSystemSMC::Hooke);\nmat->SetKn(k);\nmat->SetGn(3.0);",
+            "chrono",
+            "line 3: got 'SetKn(k)', must have a number for stiffness, not k",
+        ),
+        (
+            "EW_YOUNG = 1e9\nVW_POISSON = 0.3\nE_YOUNG(1) = "
+            "2e9\nV_POISSON(1)=0.3\nDES_COLL_MODEL='HERTZIAN'\n"
+            "DES_EN_WALL_INPUT(1) = 0.7",
+            "mfix",
+            "line 1: got 'EW_YOUNG = 1e9', must be as on line 3",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_understood_is_quoted_with_its_line(text, name, quoted):
     line = refused(text, name, other=hl.FLOOR if name == "mfix" else None)
     assert quoted in line and line.startswith("input: line ")
@@ -327,7 +436,8 @@ fix m4 all property/global characteristicVelocity scalar {}
 
 # --- YADE -------------------------------------------------------------------------------------------------------
 
-MINDLIN = "O.materials.append(FrictMat(young=1e9, poisson=.3, frictionAngle=.5, density=2600))\nIp2_FrictMat_FrictMat_MindlinPhys(en=.7)"
+MINDLIN = """O.materials.append(FrictMat(young=1e9, poisson=.3, frictionAngle=.5, density=2600))
+Ip2_FrictMat_FrictMat_MindlinPhys(en=.7)"""
 
 
 def braked(p, q, damping, share, steps):
@@ -379,14 +489,24 @@ def test_numerical_damping_is_read_and_said():
     "text,model,gives",
     [
         (f"# NewtonIntegrator()\n{MINDLIN}", "hertz-en", 0.6998),
-        ("E = 1e9\nnu, e = .3, .7\n" + MINDLIN.replace("1e9", "E").replace("=.3", "=nu").replace("en=.7", "en=e"), "hertz-en", 0.6998),
+        (
+            "E = 1e9\nnu, e = .3, .7\n"
+            + MINDLIN.replace("1e9", "E").replace("=.3", "=nu").replace("en=.7", "en=e"),
+            "hertz-en",
+            0.6998,
+        ),
         (MINDLIN.replace("en=.7", "betan=0.1"), "hertz-betan", None),
+        (MINDLIN.replace("en=.7", "en=MatchMaker(matches=((0, 0, .7),))"), "hertz-en", 0.6998),
         (MINDLIN.replace("en=.7", ""), "hertz-betan", 1.0),
         (MINDLIN.replace("Mindlin", "Frict").replace("en=.7", ""), "frict", 1.0),
-        ("m=ViscElMat(tc=1e-4*10, en=.7, et=1., density=2600, frictionAngle=radians)", "viscel-tc-en", 0.7182),
+        (
+            "m=ViscElMat(tc=1e-4*10, en=.7, et=1., density=2600, frictionAngle=radians)",
+            "viscel-tc-en",
+            0.7182,
+        ),
         ("O.materials.append(ViscElMat(kn=1e5, ks=1e5, cn=2*5., cs=0))", "viscel", None),
     ],
-)  # fmt: skip
+)
 def test_common_inputs_of_yade(text, model, gives):
     found = back(text, "yade")
     assert found.model.name == model
@@ -395,7 +515,8 @@ def test_common_inputs_of_yade(text, model, gives):
 
 
 def test_frictphys_has_the_spring_of_yade():
-    """kn = 2 E r1 E r2/(E r1 + E r2); undamped: the duration is π√(m/k); and the default numerical damping alone brakes."""
+    """kn = 2 E r1 E r2/(E r1 + E r2); undamped: the duration is π√(m/k); and the "
+    "default numerical damping alone brakes."""
     text = "FrictMat(young=2e7, poisson=.2)\nIp2_FrictMat_FrictMat_FrictPhys()\nNewtonIntegrator()"
     found = back(text.replace("NewtonIntegrator()", ""), "yade", BED[0], other=BED[1])
     stiffness = 2.0 * 2e7 * 5e-4 * 1e-3 / 1.5e-3

@@ -146,8 +146,8 @@ def convert_back(
     time_step : float [s]
         As for :func:`convert`.
     contact : str, optional
-        Which contact is meant, where an input has several with different numbers: ``"1-2"`` or ``"1-wall"`` by types, or the
-        name of an object, as the refusal lists them.
+        Which contact is meant, where an input has several with different numbers: ``"1-2"`` or ``"1-wall"`` by types,
+        or the name of an object, as the refusal lists them.
 
     Returns
     -------
@@ -156,15 +156,15 @@ def convert_back(
     Raises
     ------
     ValueError
-        If a value is outside its range, the input has no model of the code or several, a statement that decides on a contact
-        is not understood (quoted with its line), or contacts have different numbers and none is named.
+        If a value is outside its range, the input has no model of the code or several, a statement that decides on a
+        contact is not understood (quoted with its line), or contacts have different numbers and none is named.
 
     Notes
     -----
     A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of
-    each code's formulas: as for :func:`convert`. The text is cut into words as the code does it, with its comments, continued
-    lines, quotes, variables and units; nothing in it is executed. YADE's numerical damping d brakes with 1 + d of a force and
-    drives with 1 − d of it: an elastic contact gives √((1 − d)/(1 + d)).
+    each code's formulas: as for :func:`convert`. The text is cut into words as the code does it, with its comments,
+    continued lines, quotes, variables and units; nothing in it is executed. YADE's numerical damping d brakes with
+    1 + d of a force and drives with 1 − d of it: an elastic contact gives √((1 − d)/(1 + d)).
 
     Examples
     --------

@@ -262,7 +262,7 @@ def obtained(
     stepping = _stepping(restitution_error, time_step)
     for body in (ball, pair.wall or other or ball):
         _refuse_light(found, body)
-    read = texts.read(found, text, pair.wall, contact, model)
+    read = texts.read(found, text.removeprefix("\ufeff"), pair.wall, contact, model)
     nu = read.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
     force = Written(read.model, pair, v, read.attracts, nu).force(read.numbers)
     step, error = stepping.of(force, v)
@@ -296,8 +296,8 @@ def _notes(found: Code, read: texts.Read, force: Force, speed: float) -> Iterato
         )
     elif read.numerical_damping > 0.0:
         yield (
-            f"NewtonIntegrator's damping is {read.numerical_damping:g}: of each body by itself, so that this ε is that at a wall, "
-            "or of two whose common centre of mass rests"
+            f"NewtonIntegrator's damping is {read.numerical_damping:g}: of each body by itself, so that this ε is that "
+            "at a wall, or of two whose common centre of mass rests"
         )
 
 
@@ -306,8 +306,8 @@ def _refuse_light(found: Code, body: Any) -> None:
     if isinstance(body, Ball) and _too_light(found, body):
         inertia = 0.4 * body.mass * body.radius**2
         raise ValueError(
-            f"radius | mass: got a ball with a moment of inertia of {inertia:.3g} kg m², must be > {found.least_inertia:g} kg m² in "
-            f"{found.title}, which refuses lighter bodies: take other units there"
+            f"radius | mass: got a ball with a moment of inertia of {inertia:.3g} kg m², must be > "
+            f"{found.least_inertia:g} kg m² in {found.title}, which refuses lighter bodies: take other units there"
         )
 
 

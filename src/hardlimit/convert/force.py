@@ -58,9 +58,9 @@ class Force:
     def numerically_damped(self, speed: float, damping: float) -> Collision:
         """The collision where a program adds to each body the part ``damping`` of its force, against its velocity.
 
-        It brakes with 1 + d of the force and drives with 1 − d of it, as if the mass were 1/(1 + d) and 1/(1 − d) of itself.
-        Without other damping that makes ε = √((1 − d)/(1 + d)). Of forces whose ε does not depend on the speed,
-        q = (p − 1)/2; of their duration nothing is said.
+        It brakes with 1 + d of the force and drives with 1 − d of it, as if the mass were 1/(1 + d) and 1/(1 − d) of
+        itself. Without other damping that makes ε = √((1 − d)/(1 + d)). For forces whose ε does not depend on the
+        speed, q = (p − 1)/2; of their duration nothing is said.
         """
         loading, unloading = (
             replace(self, effective_mass=self.effective_mass / part).collision(speed)

@@ -1,8 +1,8 @@
 """Input of particle codes cut into words as each code does it. Nothing in it is executed.
 
-LAMMPS and LIGGGHTS: lines that ``&`` continues, comments, quotes, variables (docs.lammps.org/Commands_parse.html). YADE: Python,
-of which literals, arithmetic and names with one value are understood. C++, Fortran namelists, JSON and XML: calls, assignments,
-members and attributes.
+LAMMPS and LIGGGHTS: lines that ``&`` continues, comments, quotes, variables (docs.lammps.org/Commands_parse.html).
+YADE: Python, of which literals, arithmetic and names with one value are understood. C++, Fortran namelists, JSON and
+XML: calls, assignments, members and attributes.
 """
 
 from __future__ import annotations
@@ -391,9 +391,8 @@ def json_members(text: str) -> Iterator[Statement]:
             )
 
 
-ELEMENT: Final = re.compile(
-    r"<(\w+)((?:\s+[\w:]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>|(\bsolref\s*=\s*(?:\"[^\"]*\"|'[^']*'))"
-)
+QUOTED: Final = r"""(?:"[^"]*"|'[^']*')"""
+ELEMENT: Final = re.compile(rf"<(\w+)((?:\s+[\w:]+\s*=\s*{QUOTED})*)\s*/?>|(\bsolref\s*=\s*{QUOTED})")
 ATTRIBUTE: Final = re.compile(r"([\w:]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 

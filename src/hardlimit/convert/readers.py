@@ -1,8 +1,8 @@
-"""What an input of a code sets in each contact: one reader for each way in which codes are told, under the name that the files
-in ``codes`` select.
+"""What an input of a code sets in each contact: one reader for each way in which codes are told, under the name that
+the files in ``codes`` select.
 
-A reader knows every word of the statements that decide on a normal contact, and quotes one that it does not know. It passes over
-statements that do not concern one.
+A reader knows every word of the statements that decide on a normal contact, and quotes one that it does not know. It
+passes over statements that do not concern one.
 """
 
 from __future__ import annotations
@@ -117,9 +117,9 @@ def lammps(text: str, asked: Asked) -> Reading:
             style = _unaccelerated(words[0]) if words else ""
             if style.startswith("hybrid"):
                 raise refusal(statement.line, statement.text, "be one style, granular or gran/…")
-            contacts = []
+            contacts = [one for one in contacts if one.wall]
             if style.startswith("gran/"):
-                contacts = [Contact(("*", "*"), _gran(statement, [style[5:], *words[1:]], ()), False)]
+                contacts += [Contact(("*", "*"), _gran(statement, [style[5:], *words[1:]], ()), False)]
         elif command == "pair_coeff" and style in ("", "granular"):
             if len(words) < 2:
                 raise refusal(statement.line, statement.text, "name two types")
@@ -129,6 +129,9 @@ def lammps(text: str, asked: Asked) -> Reading:
             rest = words[3:]
             read = _granular if rest[:1] == ["granular"] else _gran
             found = read(statement, rest[1:] if read is _granular else rest, WALLS)
+            end = next((k for k, word in enumerate(rest) if word in WALLS), len(rest))
+            if "limit_damping" in rest[end:]:
+                raise refusal(statement.line, statement.text, f"have limit_damping before {rest[end]}")
             contacts.append(Contact((group, "wall"), found, True))
         elif command in NORMAL:
             contacts.append(
@@ -356,8 +359,8 @@ LAWS: Final = (
     "Law2_ScGeom_ViscElPhys_Basic",
 )
 #: What does not change a normal contact.
-HARMLESS: Final = frozenset(
-    [
+HARMLESS: Final = (
+    *(
         "frictionAngle",
         "frictAngle",
         "density",
@@ -371,16 +374,8 @@ HARMLESS: Final = frozenset(
         "poisson",
         "mR",
         "mRtype",
-        "krot",
-        "eta",
-        "ktwist",
-        "calcEnergy",
-        "neverErase",
-        "preventGranularRatcheting",
-        "sphericalBodies",
-        "traceEnergy",
-        "nothing",
-    ]
+    ),
+    *("krot", "eta", "ktwist", "calcEnergy", "neverErase", "preventGranularRatcheting", "traceEnergy"),
 )
 NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
 
@@ -411,6 +406,8 @@ def yade(text: str, asked: Asked) -> Reading:
                 if isinstance(given, dict):
                     over[name], lines[name] = given, call
             common = _keywords(call, PHYSICS[kind])
+            if kind == "MindlinPhys" and not {"en", "betan"} & call.keywords.keys():
+                common["betan"] = Setting(("0.0",), call.line, call.text)
             common["physics"] = Setting((kind,), call.line, call.text)
         elif call.name.startswith("Law2_") and (
             call.name not in LAWS or call.keywords.get("includeAdhesion", 0.0) != 0.0
@@ -423,8 +420,6 @@ def yade(text: str, asked: Asked) -> Reading:
         found = {**settings, **common}
         if kind == "ViscElMat" and physics is None:
             found["physics"] = Setting(("ViscElPhys",), 0, "")
-        if physics == "MindlinPhys" and not {"en", "betan"} & common.keys():
-            found["betan"] = Setting(("0.0",), common["physics"].line, common["physics"].text)
         for name, matches in over.items():
             if (i, j) in matches:
                 found[name] = Setting((repr(matches[i, j]),), lines[name].line, lines[name].text)

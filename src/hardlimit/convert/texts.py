@@ -102,8 +102,8 @@ def read(
     Raises
     ------
     ValueError
-        If a statement that decides on a contact is not understood, there is no model or several, or contacts differ and none
-        is named.
+        If a statement that decides on a contact is not understood, there is no model or several, or contacts differ and
+        none is named.
     """
     models = [code.model(model)] if model is not None else code.models
     names = {name for one in models for reads in (one.input.reads, one.input.reads_wall) for name in reads}

@@ -1,7 +1,7 @@
 """Measurements in CSV files: a header with names and units, one row for each impact, height, time or drop.
 
-Lines that begin with ``#`` are comments. A unit stands behind its name, ``speed [cm/s]``; without one it is SI. Cells are
-separated by commas, semicolons or tabs. A column of another name is passed over, which a warning says.
+Lines that begin with ``#`` are comments. A unit stands behind its name, ``speed [cm/s]``; without one it is SI. Cells
+are separated by commas, semicolons or tabs. A column of another name is passed over, which a warning says.
 """
 
 from __future__ import annotations
@@ -87,8 +87,8 @@ def read_measurements(
     ``top_velocity`` or ``top_height``      differ from drop to drop
     ======================================  =========================================================
 
-    Each may have its error in a column ``…_error``; ``drop`` numbers the drops of peaks or times. Cells are separated by commas,
-    semicolons or tabs, as the header has it. Columns of other names are passed over with a warning that names them.
+    Each may have its error in a column ``…_error``; ``drop`` numbers the drops of peaks or times. Cells are separated
+    by commas, semicolons or tabs. Columns of other names are passed over with a warning that names them.
 
     Parameters
     ----------
@@ -206,7 +206,7 @@ def _with_line(message: str, table: Table) -> str:
 
 
 def _read(path: str | Path) -> tuple[Table, Build]:
-    """The table of the file, every cell of its measurements a number in its range, and what makes measurements of it."""
+    """The table of the file, every cell of a measurement a number in its range; what makes measurements of it."""
     source = Path(path)
     if source.stat().st_size > LARGEST_FILE:
         raise ValueError(f"{path}: got {source.stat().st_size} bytes, must be at most {LARGEST_FILE}")

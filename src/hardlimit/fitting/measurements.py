@@ -587,8 +587,8 @@ def _refuse_higher(name: str, before: Floats, after: Floats, sigma: Floats, shif
     """A ball rebounds no higher than it fell from, but for the errors of both heights."""
     for i in np.flatnonzero(after > before + SLACK * sigma):
         raise ValueError(
-            f"{name}[{i + shift}]: got a rebound of {after[i]:.6g} m after a fall from {before[i]:.6g} m, must not be higher, or by "
-            f"{SLACK:g} errors at most"
+            f"{name}[{i + shift}]: got a rebound of {after[i]:.6g} m after a fall from {before[i]:.6g} m, must not be "
+            f"higher, or by {SLACK:g} errors at most"
         )
 
 
