@@ -105,7 +105,7 @@ def convert(
     mat->SetYoungModulus(159517379.523);
     mat->SetPoissonRatio(0.3);
     mat->SetRestitution(0.679193715508);
-    sys.DoStepDynamics(2.063e-07);
+    sys.DoStepDynamics(2.062e-07);
     """
     from .conversion import converted
     from .wanted import wanted

@@ -6,8 +6,9 @@ attract, and how its input is written and read. A code is added by a file.
 
 from __future__ import annotations
 
+import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property, lru_cache
 from importlib import resources
@@ -19,6 +20,8 @@ from .formulas import FORMULAS, inverse
 from .readers import READERS
 from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers, Where
 
+#: Of models that a message lists.
+MOST_NAMES: Final = 8
 #: Four times p of the elastic force.
 ELASTIC: Final = {"hooke": 4, "hertz": 6}
 
@@ -195,8 +198,19 @@ class Code:
         ValueError
             If there is none.
         """
-        wanted = validation.one_of("model", name, [model.name for model in self.models])
-        return next(model for model in self.models if model.name == wanted)
+        by_name = {model.name: model for model in self.models}
+        like = name if isinstance(name, str) else ""
+        if like not in by_name:
+            raise ValueError(f"model: got {validation.shown(name)}, must be one of {listed(list(by_name), like)}")
+        return by_name[like]
+
+
+def listed(names: Sequence[str], like: str = "") -> str:
+    """Names for a message: all, or of many the closest, which is told."""
+    if len(names) <= MOST_NAMES:
+        return ", ".join(names)
+    closest = difflib.get_close_matches(like, names, MOST_NAMES, 0.0) if like else names[:MOST_NAMES]
+    return ", ".join([*closest, f"… ({len(names)} in all)"])
 
 
 #: Tables within tables.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 
 from .. import validation
-from .codes import Code, Model, Pair
+from .codes import Code, Model, Pair, listed
 from .grammar import NUMBER, refusal
 from .readers import READERS, UNITS, Asked, Reading, Setting, Settings, same
 from .springs import SPRINGS, Numbers
@@ -44,7 +44,7 @@ def written(
 
 def _rounded_down(time_step: float) -> str:
     """To four digits, and no longer than it is."""
-    return f"{Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step):.4g}"
+    return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step)):.4g}"
 
 
 def _contacts(
@@ -180,7 +180,7 @@ def _only_model(code: Code, models: Sequence[Model], settings: Settings, wall: b
     matching = [one for one in models if not _missing(one, settings, wall)]
     if len(matching) == 1:
         return matching[0]
-    names = ", ".join(one.name for one in (matching or models))
+    names = listed([one.name for one in (matching or models)])
     if matching:
         raise ValueError(f"input: got several models of {code.title} in it, must be one of {names}")
     nearest = min(models, key=lambda one: len(_missing(one, settings, wall)) / len(_reads(one, wall)))
