@@ -148,7 +148,9 @@ def test_a_wall_is_not_taken_for_balls():
         assert back(text, other=hl.FLOOR).model.name == "gran-hooke"
         assert back(text).restitution == pytest.approx(0.7, abs=1e-9)
     late = refused(f"{line} limit_damping", other=hl.FLOOR)
-    assert late.startswith("input: line 1: got 'fix w all") and late.endswith("must have limit_damping before zplane")
+    assert late.startswith("input: line 1: got 'fix w all") and late.endswith(
+        "must have limit_damping before zplane"
+    )
 
 
 # --- the words of LAMMPS and LIGGGHTS ---------------------------------------------------------------------------

@@ -201,7 +201,9 @@ class Code:
         by_name = {model.name: model for model in self.models}
         like = name if isinstance(name, str) else ""
         if like not in by_name:
-            raise ValueError(f"model: got {validation.shown(name)}, must be one of {listed(list(by_name), like)}")
+            raise ValueError(
+                f"model: got {validation.shown(name)}, must be one of {listed(list(by_name), like)}"
+            )
         return by_name[like]
 
 

@@ -134,6 +134,7 @@ class Impacts(Measured):
         ----------
         speed : N numbers [m/s]
         restitution : N numbers
+            In (0, 1], or above it by five errors at most.
         restitution_error, speed_error : number or N numbers
             Standard errors. Without errors of ε their scatter is fitted as well (``fit(…, scatter=True)``).
 
@@ -187,7 +188,7 @@ class Impacts(Measured):
         drop_height : N numbers [m]
             Of the lowest point of the ball at release.
         rebound_height : N numbers [m]
-            The greatest that it reaches.
+            The greatest that it reaches; above the height of fall by five errors at most.
         rebound_height_error, drop_height_error : number or N numbers [m]
             Standard errors.
         gravity : float [m/s²]
@@ -243,7 +244,8 @@ class Impacts(Measured):
         Parameters
         ----------
         heights : sequence of sequences [m]
-            Of each drop: heights of the lowest point of the ball, the release first.
+            Of each drop: heights of the lowest point of the ball, the release first, none above the one before it by more
+            than five errors.
         height_error : number, or sequence of the shape of ``heights`` [m]
         gravity : float [m/s²]
 
@@ -288,7 +290,8 @@ class Impacts(Measured):
         Parameters
         ----------
         times : sequence of sequences [s]
-            Of each drop: instants of all impacts without a gap, three or more.
+            Of each drop: instants of all impacts without a gap, three or more; no flight longer than the one before it by
+            more than five errors.
         time_error : number, or sequence of the shape of ``times`` [s]
         gravity : float [m/s²]
 
