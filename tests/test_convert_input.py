@@ -269,6 +269,12 @@ def test_words_are_those_of_lammps(text, gives):
             "lammps",
             "line 2: got 'units lj', must be units si, cgs",
         ),
+        (
+            "variable e index .5 .7\nhooke 1e5 ${e} damping coeff_restitution\nnext e\njump SELF",
+            "lammps",
+            "line 2: got 'hooke 1e5 ${e} damping coeff_restitution', must have a number for restitution, not ${e}",
+        ),
+        ("if '1 > 0' then 'units cgs'", "lammps", "must be commands of the text itself"),
         ("units real", "liggghts", "line 1: got 'units real', must be units si, cgs"),
         (
             "pair_style hybrid granular gran/hooke 1 1 1 1 1 1",

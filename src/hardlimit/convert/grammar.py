@@ -12,7 +12,7 @@ import math
 import operator
 import re
 import textwrap
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -109,6 +109,7 @@ def script(text: str) -> Iterator[Statement]:
     """Commands of LAMMPS and LIGGGHTS, with their variables replaced where their values are known."""
     variables: dict[str, tuple[str, str]] = {}
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    stepped = {name for line in lines if line.split()[:1] == ["next"] for name in line.split()[1:]}
     k = 0
     while k < len(lines):
         first, line = k + 1, lines[k]
@@ -125,7 +126,7 @@ def script(text: str) -> Iterator[Statement]:
         k += 1
         words = tuple(next((g for g in found.groups() if g is not None), "") for found in WORD.finditer(code))
         if words[:1] == ("variable",):
-            _define(words[1:], variables)
+            _define(words[1:], variables, stepped)
         elif words:
             yield Statement(first, words, code)
 
@@ -179,7 +180,8 @@ def _formula(formula: str, variables: Mapping[str, tuple[str, str]], depth: int 
     return value(formula.replace("^", "**"), names)
 
 
-def _define(words: Sequence[str], variables: dict[str, tuple[str, str]]) -> None:
+def _define(words: Sequence[str], variables: dict[str, tuple[str, str]], stepped: Collection[str]) -> None:
+    """One of several values, through which ``next`` steps, is none."""
     if len(words) < 2:
         return
     name, style, *values = words
@@ -187,7 +189,8 @@ def _define(words: Sequence[str], variables: dict[str, tuple[str, str]]) -> None
         variables.pop(name, None)
     elif style not in KEPT or name not in variables:
         text = " ".join(values) if style == "equal" else values[0] if values else ""
-        variables[name] = ("equal" if style == "internal" else style, text)
+        known = {"internal": "equal"}.get(style, style)
+        variables[name] = ("stepped" if name in stepped else known, text)
 
 
 # --- Python ---------------------------------------------------------------------------------------------------

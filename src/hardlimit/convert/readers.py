@@ -100,7 +100,7 @@ BESIDE: Final = {
 GRAN: Final = ("hooke", "hooke/history", "hertz/history")
 WALLS: Final = ("xplane", "yplane", "zplane", "zcylinder", "region")
 #: Words in a command that another command holds, and commands that bring in what is not there.
-HIDDEN: Final = ("pair_style", "pair_coeff", "wall/gran", "property/global", "units")
+HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/global)\b|^\s*units\b")
 
 
 def lammps(text: str, asked: Asked) -> Reading:
@@ -144,7 +144,7 @@ def lammps(text: str, asked: Asked) -> Reading:
 
 def _refuse_hidden(statement: Statement) -> None:
     command, *words = statement.words
-    inner = any(hidden in word for word in words for hidden in HIDDEN) and command in ("if", "run", "python")
+    inner = command in ("if", "run", "python") and any(map(HIDDEN.search, words))
     if command == "include" or inner:
         raise refusal(statement.line, statement.text, "be commands of the text itself")
 

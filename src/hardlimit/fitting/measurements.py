@@ -244,8 +244,8 @@ class Impacts(Measured):
         Parameters
         ----------
         heights : sequence of sequences [m]
-            Of each drop: heights of the lowest point of the ball, the release first, none above the one before it by more
-            than five errors.
+            Of each drop: heights of the lowest point of the ball, the release first, none above the one before it by
+            more than five errors.
         height_error : number, or sequence of the shape of ``heights`` [m]
         gravity : float [m/s²]
 
@@ -290,8 +290,8 @@ class Impacts(Measured):
         Parameters
         ----------
         times : sequence of sequences [s]
-            Of each drop: instants of all impacts without a gap, three or more; no flight longer than the one before it by
-            more than five errors.
+            Of each drop: instants of all impacts without a gap, three or more; no flight longer than the one before it
+            by more than five errors.
         time_error : number, or sequence of the shape of ``times`` [s]
         gravity : float [m/s²]
 
