@@ -139,6 +139,10 @@ def test_there_and_back(name, model, restitution, speed, stiffness, radii, attra
             continue
         if numbers is None and found.damping.formula == "given" and restitution == 1.0:
             continue
+        if numbers is None and found.damping.formula == "none" and restitution < 1.0:
+            continue
+        if numbers is None and found.input.least and (restitution < 0.1 or speed < 0.011):
+            continue  # the code refuses them
         if numbers is None:  # the code's formula never damps so much
             most = formulas.FORMULAS[found.damping.formula](formulas.SMALLEST)
             strongest = written.force(
@@ -147,9 +151,10 @@ def test_there_and_back(name, model, restitution, speed, stiffness, radii, attra
             assert math.isfinite(most) and strongest.collision(speed).restitution > restitution
             continue
         text = texts.written(of, found, [(pair, numbers)], attraction, 1e-6)
-        read, attracts = texts.read(found, text, pair.wall)
-        assert read == pytest.approx(numbers, rel=1e-11)
-        assert attracts == found.powers(attraction).attracts
+        read = texts.read(of, text, pair.wall)
+        assert read.model is found and read.numbers == pytest.approx(numbers, rel=1e-11)
+        assert read.attracts == found.powers(attraction).attracts
+        assert read.numerical_damping == (0.0 if name == "yade" else None)
         force = written.force(numbers)
         assert force.stiffness == pytest.approx(stiffness, rel=1e-9)
         assert force.collision(speed).restitution == pytest.approx(
@@ -163,10 +168,11 @@ def test_an_input_tells_its_model(name):
     found = code(name)
     for model in found.models:
         given_as = {"stiffness": 1e5} if model.elastic == "hooke" else STEEL
-        made = hl.convert(BALL, restitution=0.8, code=name, model=model.name, wall=False, **given_as)
+        wanted = 1.0 if model.damping.formula == "none" else 0.8
+        made = hl.convert(BALL, restitution=wanted, code=name, model=model.name, wall=False, **given_as)
         back = hl.convert_back(made.text, BALL, code=name)
         assert back.model.name == model.name
-        assert back.restitution == pytest.approx(0.8, abs=max(model.damping.tolerance, 1e-9))
+        assert back.restitution == pytest.approx(wanted, abs=max(model.damping.tolerance, 1e-9))
 
 
 def test_files_name_their_source_and_what_they_were_checked_by():
@@ -265,13 +271,15 @@ def test_a_bed_is_a_matrix_over_types_where_the_code_has_one(wall):
 @pytest.mark.parametrize(
     "name,text,line",
     [
-        ("liggghts", "model hooke/stiffness \nkn peratomtypepair 2 1e5 1e5 1e5 2e5\ngamman peratomtypepair 1 9.",
-         "stiffness: got 2 values in the input, must be that of one contact"),
-        ("liggghts", "model hertz \nyoungsModulus peratomtype 1e9 2e9\npoissonsRatio peratomtype 0.3 0.3\n"
-         "coefficientRestitution peratomtypepair 2 .7 .7 .7 .7",
-         "youngs_modulus: got 2 values"),
+        ("liggghts", "model hooke/stiffness \nfix a all property/global kn peratomtypepair 2 1e5 1e5 1e5 2e5\n"
+         "fix b all property/global gamman peratomtypepair 2 9. 9. 9. 9.",
+         "contact: missing, must be one of 1-1, 1-2, 2-2, which the input gives different numbers"),
+        ("liggghts", "model hertz \nfix a all property/global youngsModulus peratomtype 1e9 2e9\n"
+         "fix b all property/global poissonsRatio peratomtype 0.3 0.3\n"
+         "fix c all property/global coefficientRestitution peratomtypepair 2 .7 .7 .7 .7",
+         "contact: missing, must be one of 1-1, 2-2"),
         ("lammps", "pair_coeff 1 1 hooke 1e5 0.01 damping velocity\npair_coeff 1 2 hooke 1e5 0.02 damping velocity",
-         "damping: got 2 values"),
+         "contact: missing, must be one of 1-1, 1-2"),
     ],
 )  # fmt: skip
 def test_an_input_of_several_contacts_is_not_taken_for_its_first(name, text, line):
@@ -291,14 +299,14 @@ def test_mfix_counts_pairs_row_by_row(count):
     assert found == list(range(1, count * (count + 1) // 2 + 1))
 
 
-@pytest.mark.parametrize("name,model", [("lammps", "gran-hooke"), ("yade", "viscel")])
+@pytest.mark.parametrize("name,model", [("chrono", "hooke-coefficients"), ("yade", "viscel")])
 def test_numbers_that_hold_for_all_contacts_are_given_for_one(name, model):
     """Two sizes need different ones: the input has those of the first, and the others as comments."""
     balls = [hl.Ball(radius=r, density=2500.0) for r in (5e-4, 1e-3)]
     made = hl.convert(balls, restitution=0.7, stiffness=1e5, code=name, model=model)
     back = hl.convert_back(made.text, balls[0], code=name)
     assert back.restitution == pytest.approx(0.7, abs=1e-9)
-    live = [line for line in made.text.splitlines() if not line.startswith("#")]
+    live = [line for line in made.text.splitlines() if not line.startswith(("#", "//"))]
     assert f"{made.models[0].contacts[0].numbers['damping']:.12g}" in "\n".join(live)
     assert f"{made.models[0].contacts[1].numbers['damping']:.12g}" not in "\n".join(live)
     alike = hl.convert(balls, restitution=0.7, code="liggghts", model="hertz", **STEEL)
@@ -387,11 +395,11 @@ def test_bad_input_is_refused_in_one_line(changed, line):
     [
         ("", "input: got no model of LAMMPS in it, must be one of hooke-restitution"),
         (3, "input: got 3, must be a text"),
-        ("hooke 1e5 1.7 damping coeff_restitution", "restitution: got 1.7, must be in (0, 1]"),
-        ("hooke 0 0.7 damping coeff_restitution", "stiffness: got 0, must be > 0 and finite"),
+        ("hooke 1e5 1.7 damping coeff_restitution", "input: line 1: restitution: got 1.7, must be in (0, 1]"),
+        ("hooke 0 0.7 damping coeff_restitution", "input: line 1: stiffness: got 0, must be > 0 and finite"),
         (
             "hooke 1 0.7 damping coeff_restitution\nhertz/material 1 .7 .3 damping tsuji",
-            "input: got several models of LAMMPS in it, must be one of hooke-restitution, hertz-tsuji",
+            "contact: missing, must be one of line 1, line 2, which the input gives different numbers",
         ),
     ],
 )
@@ -405,7 +413,7 @@ def test_bad_text_is_refused_in_one_line(text, line):
 @settings(max_examples=30)
 def test_any_text_is_read_or_refused(text):
     for name in names():
-        with pytest.raises(ValueError, match=r"^input: got no model"):
+        with pytest.raises(ValueError, match=r"^input: (got no model|line \d+: got)[^\n]*$"):
             hl.convert_back(text, BALL, code=name)
 
 
@@ -469,6 +477,7 @@ def test_every_model_was_run_with_pairs_and_walls():
         (c.name, m.name, contact)
         for c in codes
         for m in c.models
+        if m.checked != "source"
         for contact in ("pair", "wall", *(beds if m.input.matrix else []))
     }
 

@@ -320,11 +320,25 @@ def run(*args: object, code: int = 0) -> Result:
         ("speed,restitution\n1,0.8,0.1\n", "line 2: got 3 cells, must be 2"),
         ("speed,restitution\n1,nan\n", "line 2, column restitution: got nan, must be > 0"),
         ("speed,restitution,restitution_error\n1,0.8,-1\n", "column restitution_error: got -1, must be >= 0"),
-        ("speed,mass\n1,2\n", "line 1: got column 'mass', must be of speed"),
+        ("speed,mass\n1,2\n", "line 1: got columns 'speed, mass', must hold speed, restitution |"),
+        ("speed restitution\n1 0.8\n", "with comma, semicolon or tab between cells"),
+        ("speed,restitution\n1,0.8\n2,1.2\n", "line 3, column restitution: got 1.2, must be in (0, 1]"),
+        (
+            "speed;restitution;restitution_error\n1;1.2;0.03\n",
+            "line 2, column restitution: got 1.2, must be in (0, 1]",
+        ),
+        (
+            "drop_height,rebound_height\n1,0.8\n1,1.5\n",
+            "line 3, column rebound_height: got a rebound of 1.5 m after a fall",
+        ),
+        (
+            "drop\theight\n1\t1\n1\t0.5\n2\t1\n2\t1.5\n",
+            "line 5, column height: got a rebound of 1.5 m after a fall from 1 m",
+        ),
+        ("time\n0\n1\n2.1\n", "line 4, column time: got a flight of 1.1 s after one of 1 s, must be shorter"),
         ("speed,speed\n1,2\n", "line 1: got column speed twice"),
         ("speed [kg],restitution\n1,0.8\n", "line 1: speed: got '1 kg', must be a number [m/s]"),
-        ("speed\n1\n2\n", "line 1: got columns speed, must hold speed, restitution |"),
-        ("speed,restitution,gap\n1,0.8,1\n", "line 1: got column gap, must be one of speed, restitution,"),
+        ("speed\n1\n2\n", "line 1: got columns 'speed', must hold speed, restitution |"),
         ("# c\ntime\n0\n1\n0.5\n", "line 5, column time: got 0.5 s after 1 s, must be later"),
         ("drop,time\n1,0\n1,1\n2,0\n2,1\n2,1.5\n", "lines 2 to 3, column time: got 2 values, must be 3"),
         ("drop,time\n1,0\n2,0\n1,1\n2,1\n1,1.5\n2,2.9\n", "line 7, column time: got a flight of 1.9 s"),
@@ -347,6 +361,53 @@ def test_files_are_read_with_their_units(tmp_path: Path) -> None:
     data, direct = hl.read_measurements(file), hl.Impacts.of_heights([h], 1e-3)
     np.testing.assert_allclose(data.speed, direct.speed, rtol=1e-14)
     np.testing.assert_allclose(data.restitution_error, direct.restitution_error, rtol=1e-12)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " ; ", "\t "])
+@pytest.mark.parametrize("extra", [False, True])
+def test_separators_are_told_and_other_columns_ignored(tmp_path: Path, separator: str, extra: bool) -> None:
+    file = tmp_path / "data.csv"
+    rows = [
+        ("speed [cm/s]", "restitution", "restitution_error"),
+        ("100", "0.8", "0.01"),
+        ("200", "1.01", "0.01"),
+    ]
+    more = [("my note, or two" if separator.strip() != "," else "note", "gap"), ("first", "1"), ("", "x")]
+    rows = [(*row[:1], *other, *row[1:]) for row, other in zip(rows, more, strict=True)] if extra else rows
+    file.write_text("\r\n".join(separator.join(row) for row in rows), encoding="utf-8")
+    result = run(file, "--json")
+    said = f"column {more[0][0]!r}, 'gap' is ignored: it is none of speed, restitution, restitution_error, speed_error"
+    assert (said in result.stderr) == extra and len(result.stderr.splitlines()) == extra
+    assert json.loads(result.stdout)["data"]["speed"] == pytest.approx([1.0, 2.0])
+    if extra:
+        with pytest.warns(UserWarning, match="is ignored"):
+            hl.read_measurements(file)
+
+
+def test_values_above_their_limit_by_an_error_are_data() -> None:
+    """Noise takes ε of 1 above it; five errors are no noise, and without errors there is none."""
+    hl.Impacts.of_restitution([1.0], [1.04], 0.01)
+    hl.Impacts.of_rebound_heights([1.0], [1.04], 0.01)
+    hl.Impacts.of_heights([[1.0, 1.0, 1.05]], 0.01)
+    for make, message in (
+        (
+            lambda: hl.Impacts.of_restitution([1.0, 2.0], [1.0, 1.06], 0.01),
+            "restitution[1]: got 1.06, must be in (0, 1]",
+        ),
+        (lambda: hl.Impacts.of_restitution([1.0], [1.000001]), "restitution[0]: got 1"),
+        (
+            lambda: hl.Impacts.of_rebound_heights([1.0, 1.0], [0.8, 1.06], 0.01),
+            "rebound_height[1]: got a rebound of 1.06 m",
+        ),
+        (
+            lambda: hl.Impacts.of_heights([[1.0, 0.9], [1.0, 1.08]], 0.01),
+            "heights[1][1]: got a rebound of 1.08 m",
+        ),
+        (lambda: hl.Impacts.of_times([[0.0, 1.0, 2.2]], 0.01), "times[0][2]: got a flight of 1.2 s"),
+    ):
+        with pytest.raises(ValueError) as error:
+            make()
+        assert str(error.value).startswith(message) and "\n" not in str(error.value)
 
 
 def test_the_command_fits_its_example(tmp_path: Path) -> None:

@@ -99,6 +99,11 @@ code_options = options(
         "--input", "text", help="Lines of the code's input: what they really give. '-' reads standard input."
     ),
     click.option("--read", metavar="FILE", help="The same from a file."),
+    click.option(
+        "--contact",
+        metavar="NAME",
+        help="Contact of an input that has several, such as 1-2 or 1-wall.  [default: the only one]",
+    ),
     quantity_option(
         "--restitution-error", unit="1", help="Error of ε that the time step may make.  [default: 0.001]"
     ),
@@ -135,6 +140,8 @@ def convert(
         given_text = input_text(text, read)
         show_obtained(back(given_text, balls, wall, given), balls, given, as_json)
         return
+    if given.pop("contact") is not None:
+        raise ValueError("contact: must be given beside input, of which it is one")
     if given["restitution"] is None:
         raise ValueError("restitution: missing, must be given, or --input")
     given["speed"] = 1.0 if given["speed"] is None else given["speed"]
@@ -196,8 +203,8 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
         raise ValueError(f"radius: got {len(balls)} values, must be {1 if wall else '1 or 2'} beside input")
     other = FLOOR if wall else balls[-1]
     speed = 1.0 if given["speed"] is None else given["speed"]
-    steps = {name: given[name] for name in ("restitution_error", "time_step")}
-    return convert_back(text, balls[0], other, code=given["code"], model=given["model"], speed=speed, **steps)
+    options = {name: given[name] for name in ("code", "model", "restitution_error", "time_step", "contact")}
+    return convert_back(text, balls[0], other, speed=speed, **options)
 
 
 # --- what is printed ----------------------------------------------------------------------------------------
@@ -271,6 +278,8 @@ def main_number(model: ModelConversion, row: ModelNumbers) -> str:
     if row.numbers is None:
         return "not to be had"
     name = model.model.damping.number
+    if not name:
+        return "no damping"
     return f"{name} {digits(row.numbers[name], 5)}"
 
 
@@ -284,7 +293,9 @@ def print_model(out: Any, model: ModelConversion) -> None:
             [row.pair, *values, digits(row.restitution, 5), digits(row.usual_restitution, 4), step_of(row)]
         )
     end = "attracts at its end" if model.attraction else "never attracts"
-    checked = "by running it" if model.code.checked == "run" else "against its source only"
+    checked = (
+        "by running it" if (model.model.checked or model.code.checked) == "run" else "against its source only"
+    )
     if model.model.keyword:
         end += f" (with {model.model.keyword}; --attraction leaves it out)" if not model.attraction else ""
     note = model.model.note
@@ -301,7 +312,10 @@ def show_obtained(found: Obtained, balls: list[Ball], given: dict[str, Any], as_
         return
     rows = [[name.replace("_", " "), digits(value)] for name, value in found.numbers.items()]
     rows += [["restitution ε, really", digits(found.restitution)]]
-    rows += [["duration", quantity(found.duration, "s")]]
+    if found.numerical_damping:
+        rows += [["numerical damping", digits(found.numerical_damping)]]
+    else:
+        rows += [["duration", quantity(found.duration, "s")]]
     rows += [["greatest compression", quantity(found.compression, "m")]]
     rows += [["greatest force", quantity(found.force, "N")], ["time step", step_of(found)]]
     end = "attracts at its end" if found.attraction else "never attracts"
@@ -310,6 +324,7 @@ def show_obtained(found: Obtained, balls: list[Ball], given: dict[str, Any], as_
         if found.restitution > 0.0
         else "The bodies stay together."
     )
+    below = " ".join([below, *(f"{note[0].upper()}{note[1:]}." for note in found.notes)])
     speed = 1.0 if given["speed"] is None else given["speed"]
     title = f"{found.code.title} {found.model.name} at {digits(speed)} m/s"
     show(console(), title, table(["", "value"], rows), below)

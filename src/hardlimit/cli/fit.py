@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from typing import Any
 
 import click
@@ -61,7 +62,8 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
 
     The header of the file tells what was measured: speed and restitution; drop_height and rebound_height;
     height (peaks of a ball that bounces on, the release first); time (its impacts); or separation_velocity,
-    top_velocity or top_height of a column. Each may have a column of errors, such as height_error, and a unit,
+    top_velocity or top_height of a column. Cells are separated by commas, semicolons or tabs; other columns are
+    ignored, which is said. Each may have a column of errors, such as height_error, and a unit,
     such as height [cm]. Parameters of the law that are given are held. Printed are the fitted ones with their
     intervals, χ² with its probability, and a verdict. Numbers of options may bear a unit, such as 5mm.
     """
@@ -76,7 +78,11 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
     fixed = given_law_parameters(given)
     gravity = STANDARD_GRAVITY if given["gravity"] is None else given["gravity"]
     column = files.read(given["column"]) if given["column"] else None
-    data = read_measurements(file, column=column, gravity=gravity)
+    with warnings.catch_warnings(record=True) as ignored:
+        warnings.simplefilter("always", UserWarning)
+        data = read_measurements(file, column=column, gravity=gravity)
+    for warning in ignored:
+        console(stderr=True).print(f"hardlimit fit: {warning.message}", markup=False, soft_wrap=True)
     found = computed(data, law, fixed, given)
     if picture:
         from ..pictures import plots

@@ -105,7 +105,7 @@ def convert(
     mat->SetYoungModulus(159517379.523);
     mat->SetPoissonRatio(0.3);
     mat->SetRestitution(0.679193715508);
-    sys.DoStepDynamics(2.252e-07);
+    sys.DoStepDynamics(2.062e-07);
     """
     from .conversion import converted
     from .wanted import wanted
@@ -124,6 +124,7 @@ def convert_back(
     speed: float = 1.0,
     restitution_error: float | None = None,
     time_step: float | None = None,
+    contact: str | None = None,
 ) -> Obtained:
     """The restitution that an input of a code really gives.
 
@@ -144,6 +145,9 @@ def convert_back(
         As for :func:`convert`.
     time_step : float [s]
         As for :func:`convert`.
+    contact : str, optional
+        Which contact is meant, where an input has several with different numbers: ``"1-2"`` or ``"1-wall"`` by types,
+        or the name of an object, as the refusal lists them.
 
     Returns
     -------
@@ -152,12 +156,15 @@ def convert_back(
     Raises
     ------
     ValueError
-        If a value is outside its range, or the input has no model of the code or several.
+        If a value is outside its range, the input has no model of the code or several, a statement that decides on a
+        contact is not understood (quoted with its line), or contacts have different numbers and none is named.
 
     Notes
     -----
     A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of
-    each code's formulas: as for :func:`convert`.
+    each code's formulas: as for :func:`convert`. The text is cut into words as the code does it, with its comments,
+    continued lines, quotes, variables and units; nothing in it is executed. YADE's numerical damping d brakes with
+    1 + d of a force and drives with 1 − d of it: an elastic contact gives √((1 − d)/(1 + d)).
 
     Examples
     --------
@@ -168,4 +175,4 @@ def convert_back(
     """
     from .conversion import obtained
 
-    return obtained(text, ball, other, code, model, speed, restitution_error, time_step)
+    return obtained(text, ball, other, code, model, speed, restitution_error, time_step, contact)

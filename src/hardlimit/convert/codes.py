@@ -6,8 +6,9 @@ attract, and how its input is written and read. A code is added by a file.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+import difflib
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property, lru_cache
 from importlib import resources
@@ -16,17 +17,13 @@ from typing import Any, Final, Literal
 from .. import toml, validation
 from .force import Force, Powers
 from .formulas import FORMULAS, inverse
+from .readers import READERS
 from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers, Where
 
+#: Of models that a message lists.
+MOST_NAMES: Final = 8
 #: Four times p of the elastic force.
 ELASTIC: Final = {"hooke": 4, "hertz": 6}
-
-#: In patterns: a number, and what stands for any words.
-UNSIGNED: Final = r"(?:\d+\.?\d*|\.\d+)(?:[eEdD][+-]?\d+)?"
-NUMBER: Final = rf"[+-]?{UNSIGNED}"
-
-
-ANY: Final = {"…": r"\s(?:[^\n]*?\s)?", "*": r"\s+\S+"}
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Spring:
 class Damping:
     """C = factor · f(number) · m^mass · K^stiffness · R^radius, f one of ``FORMULAS``; q = power."""
 
-    number: str  #: its name in the input
+    number: str  #: its name in the input; none where there is no damping
     formula: str = "given"
     factor: float = 1.0
     mass: float = 0.0
@@ -64,21 +61,36 @@ class Mass:
 
 
 @dataclass(frozen=True)
-class Input:
-    """Texts with places such as {stiffness}; ``reads`` are what a given input is searched for.
+class Extra:
+    """A line that the code asks for where a number is above or below a limit of its own."""
 
-    A place of ``reads`` such as {list:stiffness} takes a number for each type, {matrix:stiffness} their count and one
-    for each two types; both must be the same number throughout. {unsigned:timeconst} takes one without a sign,
+    number: str
+    line: str
+    above: float = math.inf
+    below: float = -math.inf
+
+
+@dataclass(frozen=True)
+class Input:
+    """Texts with places such as {stiffness}; ``reads`` is what the code's reader finds in an input.
+
+    Each name of ``reads`` has its words, some of them places. {unsigned:timeconst} is a number without a sign,
     {negative:stiffness} one that is negative or 0, less its sign.
     """
 
-    reads: list[str]
+    reads: dict[str, str]
     pair: str
-    reads_wall: list[str] = field(default_factory=list)  #: where a wall is written with other words
+    reads_wall: dict[str, str] = field(default_factory=dict)  #: where a wall is written with other words
     wall: str = ""
     head: str = ""
     foot: str = ""
     shared: bool = False  #: whether what is written holds for all contacts, not for one pair of types
+    once: list[str] = field(
+        default_factory=list
+    )  #: numbers of which there is only one, where others are not shared
+    apart: bool = False  #: whether walls have numbers of their own beside those of balls
+    extra: list[Extra] = field(default_factory=list)  #: lines for extreme numbers
+    least: dict[str, float] = field(default_factory=dict)  #: below which the code refuses a number
     #: Instead of ``pair`` and ``wall``, where contacts need different numbers: {types} is their count,
     #: {matrix:stiffness} a number for each two types, {matches:stiffness} the same as triples. Each size is a type,
     #: the wall the last one.
@@ -110,6 +122,25 @@ class Model:
     keyword: str = ""  #: which keeps the force from attracting, where ``attracts`` is "unless"
     mass: Mass = Mass()  #: that enters the formulas, where it is not the effective one
     note: str = ""  #: what to know of it
+    checked: Literal["", "source"] = ""  #: where it was checked less than its code
+
+    def unit(self, name: str) -> tuple[float, float, float]:
+        """Powers of mass, length and time in the unit of one of its numbers.
+
+        :meta private:
+        """
+        p, q = 0.25 * ELASTIC[self.elastic], self.damping.power
+        if name == self.damping.number and self.damping.formula == "given":
+            rule = self.damping
+            of_stiffness = rule.stiffness
+            return (
+                1.0 - rule.mass - of_stiffness,
+                -q - of_stiffness * (1.0 - p) - rule.radius,
+                -1.0 + 2.0 * of_stiffness,
+            )
+        given = {"youngs_modulus": (1.0, -1.0, -2.0), "characteristic_speed": (0.0, 1.0, -1.0)}
+        stiffness = (1.0, 1.0 - p - self.spring.radius, -2.0)
+        return {**given, "stiffness": stiffness}.get(name, (0.0, 0.0, 0.0))
 
     def powers(self, attraction: bool) -> Powers:
         """p, q, and whether the force attracts: as the code is, or, where it leaves the choice, as wanted.
@@ -144,6 +175,10 @@ class Code:
     walls: str  #: the effective mass at a wall, in words
     scheme: Literal["half step"]  #: damping at the velocity of half a step before
     models: list[Model]  #: its contact models
+    reader: str = "c++"  #: how its input is read, one of ``READERS``
+    defaults: dict[str, str] = field(default_factory=dict)  #: what an input sets that does not say so
+    sticky: list[str] = field(default_factory=list)  #: what would make bodies stick, which is not read
+    least_inertia: float = 0.0  #: moment of inertia [kg m²] that a ball must exceed
     comment: str = "#"  #: begins a comment of its input
     comment_end: str = ""  #: ends it, where the end of the line does not
 
@@ -163,8 +198,21 @@ class Code:
         ValueError
             If there is none.
         """
-        wanted = validation.one_of("model", name, [model.name for model in self.models])
-        return next(model for model in self.models if model.name == wanted)
+        by_name = {model.name: model for model in self.models}
+        like = name if isinstance(name, str) else ""
+        if like not in by_name:
+            raise ValueError(
+                f"model: got {validation.shown(name)}, must be one of {listed(list(by_name), like)}"
+            )
+        return by_name[like]
+
+
+def listed(names: Sequence[str], like: str = "") -> str:
+    """Names for a message: all, or of many the closest, which is told."""
+    if len(names) <= MOST_NAMES:
+        return ", ".join(names)
+    closest = difflib.get_close_matches(like, names, MOST_NAMES, 0.0) if like else names[:MOST_NAMES]
+    return ", ".join([*closest, f"… ({len(names)} in all)"])
 
 
 #: Tables within tables.
@@ -174,6 +222,7 @@ INNER: Final[dict[str, Any]] = {
     "damping": Damping,
     "mass": Mass,
     "input": Input,
+    "extra": Extra,
 }
 FOLDER: Final = resources.files(__package__) / "codes"
 
@@ -208,7 +257,7 @@ class Written:
     def force(self, numbers: Mapping[str, float]) -> Force:
         """The force that the code makes of these numbers."""
         damping = self.model.damping
-        number = numbers[damping.number]
+        number = numbers.get(damping.number, 0.0)
         mass = self._mass(numbers)
         where = self._where(mass, number)
         spring = SPRINGS[self.model.spring.given].value(numbers, where)
@@ -230,6 +279,8 @@ class Written:
         The wanted restitution as it is, or for a coefficient the damping of the formula in common use.
         """
         damping = self.model.damping
+        if damping.formula == "none":
+            return None
         if damping.formula != "given":
             return self._all_numbers(stiffness, restitution)
         factor = {(4, 0): 2.0, (6, 1): 5.0**0.5}.get((self.powers.elastic, self.powers.damping))
@@ -244,9 +295,14 @@ class Written:
         found = spring.numbers(stiffness / self._spring_factor(), self._where(mass, number))
         if found is None or mass < self.model.spring.shortest**2 * stiffness:
             return None
+        if self.model.damping.formula == "none":
+            return {name: float(f"{value:.12g}") for name, value in found.items()}
         if self.model.mass.number:
             found[self.model.mass.number] = mass / self.model.mass.share
-        return {**found, self.model.damping.number: number}
+        found[self.model.damping.number] = number
+        found = {name: float(f"{value:.12g}") for name, value in found.items()}  # as they are written
+        least = self.model.input.least
+        return found if all(value >= least.get(name, -math.inf) for name, value in found.items()) else None
 
     def _mass(self, numbers: Mapping[str, float]) -> float:
         """As the code's formulas have it."""
@@ -296,6 +352,7 @@ def _read(name: str) -> Code:
     for model in found.models:
         validation.one_of(f"{name}.{model.name}.spring.given", model.spring.given, list(SPRINGS))
         validation.one_of(f"{name}.{model.name}.damping.formula", model.damping.formula, list(FORMULAS))
+    validation.one_of(f"{name}.reader", found.reader, list(READERS))
     return found
 
 
@@ -310,23 +367,3 @@ def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
             validation.one_of(where, key, list(known))
             if known[key] is not None:
                 _refuse_unknown(f"{where}.{key}", part, known[key])
-
-
-def pattern(text: str) -> re.Pattern[str]:
-    """What finds a text with places in an input: any blanks between words, ``*`` for a word, ``…`` for any words."""
-    parts = []
-    for part in re.split(r"(\{[\w:]+\}|\s+…\s+|\s+\*|\s+)", text):
-        if part.startswith("{"):
-            kind, _, name = part[1:-1].rpartition(":")
-            count = r"[1-9]\d?\s+" if kind == "matrix" else ""
-            more = rf"(?:\s+{NUMBER})*" if kind in ("list", "matrix") else ""
-            sign = r"(?:-|(?=0*\.?0*[^\w.]))" if kind == "negative" else ""
-            number = UNSIGNED if kind in ("unsigned", "negative") else NUMBER
-            parts.append(f"{count}{sign}(?P<{name}>{number}{more})")
-        elif part.isspace():
-            parts.append(r"\s+")
-        elif part.strip() in ANY:
-            parts.append(ANY[part.strip()])
-        else:
-            parts.append(re.escape(part))
-    return re.compile("".join(parts))

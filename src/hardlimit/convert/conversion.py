@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
@@ -13,7 +13,8 @@ from ..particles.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
 from .force import Force, Powers
-from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers
+from .readers import NUMERICAL_DAMPING
+from .springs import DEFAULT_POISSON_RATIO, Numbers
 from .wanted import LAWS, Wanted
 
 #: More sizes than this make a table that nobody reads.
@@ -33,8 +34,8 @@ class ContactNumbers:
     ...     print(
     ...         f"{contact.pair}: {contact.damping:.4f} N s/m, {contact.time_step:.2g} s"
     ...     )
-    1 – 1: 0.0559 N s/m, 2.3e-07 s
-    1 – wall: 0.0791 N s/m, 3.2e-07 s
+    1 – 1: 0.0559 N s/m, 2.1e-07 s
+    1 – wall: 0.0791 N s/m, 2.9e-07 s
     """
 
     pair: str  #: which bodies, such as ``1 – 2`` or ``1 – wall``
@@ -173,13 +174,15 @@ class Obtained:
     code: Code  #: its name, title, version and sources
     model: Model  #: its name, title and formulas
     attraction: bool  #: whether the force attracts at the end of a contact
-    numbers: Numbers  #: as read
+    numbers: Numbers  #: as read, in SI units
+    numerical_damping: float  #: that the integrator adds to every force, as a part of it
     restitution: float  #: 0 where the bodies stay together
-    duration: float  #: [s]
+    duration: float  #: [s]; NaN with numerical damping
     compression: float  #: the greatest [m]
     force: float  #: the greatest [N]
     time_step: float  #: [s]; NaN where the bodies stay together
     restitution_error: float  #: that the time step makes
+    notes: tuple[str, ...]  #: what to know of it
 
     def __repr__(self) -> str:
         return f"<Obtained from {self.code.name} {self.model.name}: restitution {self.restitution:.6g}>"
@@ -225,6 +228,11 @@ def converted(
     stepping = _stepping(restitution_error, time_step)
     forces = [asked.force(pair.mass, pair.radius) for pair in pairs]
     chosen = _chosen(named, model, LAWS[asked.law])
+    listed = (balls,) if isinstance(balls, Ball) else tuple(balls)
+    if named is not None:
+        for ball in listed:
+            _refuse_light(chosen[0][0], ball)
+    chosen = [one for one in chosen if not any(_too_light(one[0], ball) for ball in listed)]
     return Conversion(
         asked,
         tuple(_contact(pair, force, asked, stepping) for pair, force in zip(pairs, forces, strict=True)),
@@ -241,55 +249,70 @@ def obtained(
     speed: Any,
     restitution_error: Any,
     time_step: Any,
+    contact: Any,
 ) -> Obtained:
     """As :func:`hardlimit.convert_back`."""
     found = code(name)
     pair = _pair(ball, ball if other is None else other, 1, 1)
     if not isinstance(text, str):
         raise ValueError(f"input: got {validation.shown(text)}, must be a text")
-    text = "\n".join(line for line in text.splitlines() if not line.lstrip().startswith(found.comment))
-    written_in = found.model(model) if model is not None else _only_model(found, text, pair.wall)
+    if contact is not None and not isinstance(contact, str):
+        raise ValueError(f"contact: got {validation.shown(contact)}, must be a name such as '1-2'")
     v = validation.number("speed", speed, 0.0)
     stepping = _stepping(restitution_error, time_step)
-    numbers, attraction = texts.read(written_in, text, pair.wall)
-    _check_numbers(written_in, numbers)
-    nu = numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
-    force = Written(written_in, pair, v, attraction, nu).force(numbers)
+    for body in (ball, pair.wall or other or ball):
+        _refuse_light(found, body)
+    read = texts.read(found, text.removeprefix("\ufeff"), pair.wall, contact, model)
+    nu = read.numbers.get("poisson_ratio", DEFAULT_POISSON_RATIO)
+    force = Written(read.model, pair, v, read.attracts, nu).force(read.numbers)
     step, error = stepping.of(force, v)
-    collision = force.collision(v)
+    damping = read.numerical_damping or 0.0
+    collision = force.numerically_damped(v, damping) if damping else force.collision(v)
     return Obtained(
         found,
-        written_in,
-        attraction,
-        numbers,
+        read.model,
+        read.attracts,
+        read.numbers,
+        damping,
         collision.restitution,
         collision.duration,
         collision.compression,
         collision.force,
         step,
         error,
+        tuple(_notes(found, read, force, v)),
     )
 
 
-def _only_model(found: Code, text: str, wall: bool) -> Model:
-    matching = [m for m in found.models if texts.matches(m, text, wall)]
-    if len(matching) != 1:
-        names = ", ".join(m.name for m in (matching or found.models))
-        count = "several models" if matching else "no model"
-        raise ValueError(f"input: got {count} of {found.title} in it, must be one of {names}")
-    return matching[0]
+def _notes(found: Code, read: texts.Read, force: Force, speed: float) -> Iterator[str]:
+    """What to know of numerical damping, where the code has one."""
+    if found.reader != "yade":
+        return
+    if read.numerical_damping is None:
+        default = force.numerically_damped(speed, NUMERICAL_DAMPING).restitution
+        yield (
+            f"without NewtonIntegrator in the input, its damping is taken as 0; its default, {NUMERICAL_DAMPING}, "
+            f"would give ε = {default:.4g}"
+        )
+    elif read.numerical_damping > 0.0:
+        yield (
+            f"NewtonIntegrator's damping is {read.numerical_damping:g}: of each body by itself, so that this ε is that "
+            "at a wall, or of two whose common centre of mass rests"
+        )
 
 
-def _check_numbers(model: Model, numbers: Numbers) -> None:
-    """Numbers of an input within what the model means by them."""
-    for name, value in numbers.items():
-        if name == "restitution":
-            validation.number(name, value, 0.0, 1.0, highest_allowed=True)
-        elif name == "poisson_ratio":
-            validation.number(name, value, -1.0, 0.5, highest_allowed=True)
-        else:
-            undamped = name == model.damping.number and not SPRINGS[model.spring.given].damped
-            validation.number(name, value, 0.0, lowest_allowed=undamped)
+def _refuse_light(found: Code, body: Any) -> None:
+    """Refuse a ball that the code takes for none."""
+    if isinstance(body, Ball) and _too_light(found, body):
+        inertia = 0.4 * body.mass * body.radius**2
+        raise ValueError(
+            f"radius | mass: got a ball with a moment of inertia of {inertia:.3g} kg m², must be > "
+            f"{found.least_inertia:g} kg m² in {found.title}, which refuses lighter bodies: take other units there"
+        )
+
+
+def _too_light(found: Code, ball: Ball) -> bool:
+    return min(ball.mass, 0.4 * ball.mass * ball.radius**2) <= found.least_inertia
 
 
 def _pairs(balls: Any, wall: bool) -> list[Pair]:
@@ -344,7 +367,7 @@ def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
         (one, m)
         for one in searched
         for m in one.models
-        if (m.powers(False).elastic, m.powers(False).damping) == fitting
+        if (m.powers(False).elastic, m.powers(False).damping) == fitting and m.damping.formula != "none"
     ]
     if not matching:
         raise ValueError(f"code: got {name!r}, must be another, for it has no model of this law")

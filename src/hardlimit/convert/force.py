@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, Final
 
@@ -54,6 +54,21 @@ class Force:
         """What a collision at ``speed`` [m/s] does; the bodies stay together where its restitution is 0."""
         length, time = self._scales(speed)
         return _collision(self.powers, self.relative_damping(speed)).scaled(length, time, self.effective_mass)
+
+    def numerically_damped(self, speed: float, damping: float) -> Collision:
+        """The collision where a program adds to each body the part ``damping`` of its force, against its velocity.
+
+        It brakes with 1 + d of the force and drives with 1 − d of it, as if the mass were 1/(1 + d) and 1/(1 − d) of
+        itself. Without other damping that makes ε = √((1 − d)/(1 + d)). For forces whose ε does not depend on the
+        speed, q = (p − 1)/2; of their duration nothing is said.
+        """
+        loading, unloading = (
+            replace(self, effective_mass=self.effective_mass / part).collision(speed)
+            for part in (1.0 + damping, 1.0 - damping)
+        )
+        exponent = 0.5 * (0.25 * self.powers.elastic + 1.0)
+        released = (loading.compression / unloading.compression) ** exponent
+        return replace(loading, restitution=released * unloading.restitution, duration=math.nan)
 
     def relative_damping(self, speed: float) -> float:
         """C in units in which K, the mass and the speed are 1: all that the restitution depends on."""

@@ -22,6 +22,11 @@ def given(number: float) -> float:
     return number
 
 
+def none(number: float) -> float:
+    """No damping, whatever the number."""
+    return 0.0
+
+
 def usual(restitution: float) -> float:
     """ζ = −ln ε/√(π² + ln² ε): a linear contact that attracts at its end."""
     logarithm = abs(math.log(restitution))
@@ -88,7 +93,7 @@ def _linear_restitution(ratio: float) -> float:
 
 FORMULAS: Final[dict[str, Callable[[float], float]]] = {
     function.__name__: function
-    for function in (given, usual, tsuji_polynomial, thornton, thornton_limited, bisection, newton)
+    for function in (given, none, usual, tsuji_polynomial, thornton, thornton_limited, bisection, newton)
 }
 
 
@@ -100,6 +105,8 @@ def inverse(name: str, ratio: float) -> float | None:
     formula = FORMULAS[name]
     if formula is given:
         return ratio
+    if formula is none:
+        return 0.0 if ratio == 0.0 else None
     if ratio <= 0.0:
         return 1.0
     low, high = SMALLEST, 1.0

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Context
 
 from .. import validation
-from .codes import Code, Model, Pair, pattern
-from .springs import Numbers
-
-#: Places that number a body or a contact.
-PLACES: Final = ("i", "j", "entry")
+from .codes import Code, Model, Pair, listed
+from .grammar import NUMBER, refusal
+from .readers import READERS, UNITS, Asked, Reading, Setting, Settings, same
+from .springs import SPRINGS, Numbers
 
 
 def written(
@@ -27,66 +28,199 @@ def written(
     """
     texts = model.input
     keyword = f" {model.keyword}" if model.attracts == "unless" and not attraction else ""
-    lines = [_comment(code, f"{code.title} {code.version}: {model.title}"), *texts.head.splitlines()]
+    lines = [_comment(code, f"{code.title} {code.version}: {model.title}")]
+    for extra in texts.extra:
+        values = [numbers[extra.number] for _, numbers in contacts]
+        if max(values) > extra.above or min(values) < extra.below:
+            lines.append(extra.line)
+    lines += texts.head.splitlines()
+    balls = [one for one in contacts if not one[0].wall]
+    walls = [one for one in contacts if one[0].wall]
+    for group in (balls, walls) if texts.apart else (contacts,):
+        lines += _contacts(code, model, group, lines)
+    lines += texts.foot.replace("{time_step}", _rounded_down(time_step)).splitlines()
+    return "\n".join(line.replace("{keyword}", keyword) for line in lines)
+
+
+def _rounded_down(time_step: float) -> str:
+    """To four digits, and no longer than it is."""
+    return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step)):.4g}"
+
+
+def _contacts(
+    code: Code, model: Model, contacts: Sequence[tuple[Pair, Numbers]], before: Sequence[str]
+) -> list[str]:
+    """The lines of contacts that share what there is only one of."""
+    texts = model.input
+    shared = texts.shared and not (texts.apart and all(pair.wall for pair, _ in contacts))
     places = [{name: f"{value:.12g}" for name, value in numbers.items()} for _, numbers in contacts]
-    choice = texts.shared and any(one != places[0] for one in places)
-    matrix = _matrix(model, contacts, places) if choice else []
-    if matrix:
-        lines += [_comment(code, matrix[0]), *matrix[1:]]
-        contacts = []
-    elif choice:
+    once = [{name: value for name, value in one.items() if shared or name in texts.once} for one in places]
+    choice = any(one != once[0] for one in once)
+    if choice and (matrix := _matrix(model, contacts, places)):
+        return [_comment(code, matrix[0]), *matrix[1:]]
+    lines = []
+    if choice:
         lines.append(
             _comment(code, "these numbers hold for all contacts: choose those of one, or separate types")
         )
     bodies = max((pair.second for pair, _ in contacts), default=1)
     for k, (pair, _) in enumerate(contacts):
-        text = texts.wall if pair.wall else texts.pair
-        new = [
-            line for line in _filled(text, pair, bodies, places[k]).splitlines() if line and line not in lines
-        ]
-        if choice and k > 0:
-            new = [_comment(code, line) for line in new]
+        new: list[str] = []
+        for template in (texts.wall if pair.wall else texts.pair).splitlines():
+            line = _filled(template, pair, bodies, places[k])
+            # A line without numbers, such as that of the wall itself, is needed whichever are chosen.
+            other = choice and k > 0 and any(f"{{{name}}}" in template for name in places[k])
+            line = _comment(code, line) if other else line
+            if template and line not in (*before, *lines, *new):
+                new.append(line)
         lines += [_comment(code, pair.name), *new] if new else []
-    lines += texts.foot.replace("{time_step}", f"{time_step:.4g}").splitlines()
-    return "\n".join(line.replace("{keyword}", keyword) for line in lines)
+    return lines
 
 
 def _comment(code: Code, text: str) -> str:
     return f"{code.comment} {text} {code.comment_end}".rstrip()
 
 
-def read(model: Model, text: str, wall: bool = False) -> tuple[Numbers, bool]:
-    """The numbers in an input, and whether its force attracts.
+# --- reading --------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Read:
+    """What an input says of one contact."""
+
+    model: Model
+    numbers: Numbers  #: in SI units
+    attracts: bool
+    numerical_damping: float | None  #: None: the input does not say
+
+
+def read(
+    code: Code, text: str, wall: bool = False, contact: str | None = None, model: str | None = None
+) -> Read:
+    """The model in an input, its numbers and whether its force attracts.
 
     Raises
     ------
     ValueError
-        If a part of the model is not found, or is found with different numbers.
+        If a statement that decides on a contact is not understood, there is no model or several, or contacts differ and
+        none is named.
     """
+    models = [code.model(model)] if model is not None else code.models
+    names = {name for one in models for reads in (one.input.reads, one.input.reads_wall) for name in reads}
+    reading = READERS[code.reader](text, Asked(frozenset(names), code.defaults, code.sticky))
+    settings = _contact(code, models, reading, wall, contact, names)
+    found = _only_model(code, models, settings, wall)
     numbers: Numbers = {}
-    for wanted in _reads(model, wall):
-        every = [found.groupdict() for found in pattern(wanted).finditer(text)]
-        if not every:
-            raise ValueError(f"input: got {validation.shown(text)}, must have '{wanted}' for {model.name}")
-        for name in every[0]:
-            words = [word for found in every for word in found[name].split()]
-            values = [float(word.replace("d", "e").replace("D", "e")) for word in words]
-            if name not in PLACES and min(values) != max(values):
-                raise ValueError(
-                    f"{name}: got {len(set(values))} values in the input, must be that of one contact"
+    for name, words in _reads(found, wall).items():
+        setting = settings[name]
+        for word, place in zip(setting.words, words.split(), strict=True):
+            if place.startswith("{"):
+                kind, _, number = place[1:-1].rpartition(":")
+                value = _number(number, word, setting)
+                units = zip(UNITS[reading.units], found.unit(number), strict=True)
+                scale = math.prod(unit**power for unit, power in units)
+                numbers[number] = _checked(
+                    found, number, scale * (abs(value) if kind == "negative" else value), setting
                 )
-            numbers[name] = values[0]
-    attracts = model.attracts == "always" or (model.attracts == "unless" and model.keyword not in text)
-    return {name: value for name, value in numbers.items() if name not in PLACES}, attracts
+    keyword, *on = found.keyword.split() or [""]
+    limited = keyword in settings and list(settings[keyword].words) == on
+    return Read(
+        found,
+        numbers,
+        found.attracts == "always" or not (found.attracts == "never" or limited),
+        reading.numerical_damping,
+    )
 
 
-def matches(model: Model, text: str, wall: bool = False) -> bool:
-    """Whether all words of a model are in an input."""
-    return all(pattern(part).search(text) for part in _reads(model, wall))
+def _number(name: str, word: str, setting: Setting) -> float:
+    if not NUMBER.fullmatch(word):
+        raise refusal(setting.line, setting.text, f"have a number for {name}, not {word}")
+    return float(word)
 
 
-def _reads(model: Model, wall: bool) -> list[str]:
+def _checked(model: Model, name: str, value: float, setting: Setting) -> float:
+    """A number within what the model means by it."""
+    try:
+        if name == "restitution":
+            return validation.number(name, value, 0.0, 1.0, highest_allowed=True)
+        if name == "poisson_ratio":
+            return validation.number(name, value, -1.0, 0.5, highest_allowed=True)
+        undamped = name == model.damping.number and not SPRINGS[model.spring.given].damped
+        return validation.number(name, value, 0.0, lowest_allowed=undamped)
+    except ValueError as error:
+        raise ValueError(f"input: line {setting.line}: {error}") from None
+
+
+def _contact(
+    code: Code, models: Sequence[Model], reading: Reading, wall: bool, wanted: str | None, names: set[str]
+) -> Settings:
+    """What is set in the contact that is asked for: the last that was named so, or the only one."""
+    asked = None if wanted is None else wanted.replace("–", "-").replace(" ", "")
+    fitting = [one for one in reading.contacts if one.wall in (None, wall)]
+    if asked is not None:
+        named = [one for one in fitting if one.covers(asked)]
+        if not named:
+            choices = ", ".join(dict.fromkeys(one.name for one in fitting)) or "none"
+            raise ValueError(f"contact: got {validation.shown(wanted)}, must be one of {choices}")
+        return named[-1].settings
+    if reading.contacts and not fitting:
+        kind = "balls" if not wall else "a ball and a wall"
+        raise ValueError(f"input: got no contact of {kind} in it, only {reading.contacts[0].name}")
+    words = {name for one in models for name in one.keyword.split()[:1]} | names
+    kept = [{name: one.settings[name] for name in words if name in one.settings} for one in fitting]
+    if any(set(one) != set(kept[0]) or not all(same(one[n], kept[0][n]) for n in one) for one in kept):
+        choices = ", ".join(dict.fromkeys(one.name for one in fitting))
+        raise ValueError(
+            f"contact: missing, must be one of {choices}, which the input gives different numbers"
+        )
+    return kept[0] if kept else {}
+
+
+def _only_model(code: Code, models: Sequence[Model], settings: Settings, wall: bool) -> Model:
+    matching = [one for one in models if not _missing(one, settings, wall)]
+    if len(matching) == 1:
+        return matching[0]
+    names = listed([one.name for one in (matching or models)])
+    if matching:
+        raise ValueError(f"input: got several models of {code.title} in it, must be one of {names}")
+    nearest = min(models, key=lambda one: len(_missing(one, settings, wall)) / len(_reads(one, wall)))
+    missing = _missing(nearest, settings, wall)
+    lacks = (
+        f"; {nearest.name} lacks {', '.join(missing)}" if len(missing) < len(_reads(nearest, wall)) else ""
+    )
+    raise ValueError(f"input: got no model of {code.title} in it, must be one of {names}{lacks}")
+
+
+def _missing(model: Model, settings: Settings, wall: bool) -> list[str]:
+    """What of a model is not set, in words."""
+    reads = _reads(model, wall)
+    return [
+        f"{name} {words}"
+        for name, words in reads.items()
+        if name not in settings or not _match(words, settings[name])
+    ]
+
+
+def _match(words: str, setting: Setting) -> bool:
+    places = words.split()
+    return len(places) == len(setting.words) and all(map(_fits, places, setting.words))
+
+
+def _fits(place: str, word: str) -> bool:
+    if not place.startswith("{"):
+        return place == word
+    kind = place[1:-1].rpartition(":")[0]
+    if not kind:
+        return True
+    negative = word.startswith("-") or (NUMBER.fullmatch(word) is not None and float(word) == 0.0)
+    return negative if kind == "negative" else not word.startswith("-")
+
+
+def _reads(model: Model, wall: bool) -> dict[str, str]:
     return model.input.reads_wall if wall and model.input.reads_wall else model.input.reads
+
+
+# --- filling in -----------------------------------------------------------------------------------------------
 
 
 def _filled(text: str, pair: Pair, bodies: int, places: dict[str, str]) -> str:

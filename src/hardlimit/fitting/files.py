@@ -1,6 +1,7 @@
 """Measurements in CSV files: a header with names and units, one row for each impact, height, time or drop.
 
-Lines that begin with ``#`` are comments. A unit stands behind its name, ``speed [cm/s]``; without one it is SI.
+Lines that begin with ``#`` are comments. A unit stands behind its name, ``speed [cm/s]``; without one it is SI. Cells
+are separated by commas, semicolons or tabs. A column of another name is passed over, which a warning says.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -38,6 +40,8 @@ UNITS: Final = {
     **{f"{name}_error": unit for name, (_, unit) in OBSERVED.items()},
 }
 LARGEST_FILE: Final = 100_000_000  #: bytes
+SEPARATORS: Final = ",;\t"
+SNIFFED: Final = 20  #: lines from which they are told
 
 _HEADER: Final = re.compile(r"(\w+)(?:\s*\[([^\]]*)\])?", re.ASCII)
 
@@ -49,6 +53,8 @@ class Table:
     columns: dict[str, list[float]]
     lines: list[int]
     header: int  #: its line
+    known: tuple[str, ...]  #: columns that it may have
+    ignored: tuple[str, ...]  #: others that it has
 
     def groups(self) -> list[list[int]]:
         """Rows of each drop, in the order of the file; one drop without a column that numbers them."""
@@ -81,7 +87,8 @@ def read_measurements(
     ``top_velocity`` or ``top_height``      differ from drop to drop
     ======================================  =========================================================
 
-    Each may have its error in a column ``…_error``; ``drop`` numbers the drops of peaks or times.
+    Each may have its error in a column ``…_error``; ``drop`` numbers the drops of peaks or times. Cells are separated
+    by commas, semicolons or tabs. Columns of other names are passed over with a warning that names them.
 
     Parameters
     ----------
@@ -114,11 +121,13 @@ def read_measurements(
     if column is not None and not isinstance(column, Column):
         raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
     validation.number("gravity", gravity, 0.0)
-    table = _read(path)
-    build, names, allowed = _kind(str(path), table)
-    for name in table.columns:
-        if name not in (*names, *allowed):
-            raise ValueError(f"{path}: line {table.header}: got column {name}, {_expected(names)}")
+    table, build = _read(path)
+    if table.ignored:
+        listed = ", ".join(map(validation.shown, table.ignored))
+        known = ", ".join(table.known)
+        warnings.warn(
+            f"{path}: line {table.header}: column {listed} is ignored: it is none of {known}", stacklevel=2
+        )
     try:
         return build(table, column, gravity)
     except ValueError as error:
@@ -165,18 +174,16 @@ KINDS: Final[dict[tuple[str, ...], tuple[Build, tuple[str, ...]]]] = {
 }
 
 
-def _kind(path: str, table: Table) -> tuple[Build, tuple[str, ...], tuple[str, ...]]:
+def _kind(where: str, given: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
+    """What columns of these names are, and which they may be."""
     for names, (build, allowed) in KINDS.items():
-        if set(names) <= table.columns.keys():
-            return build, names, allowed
+        if set(names) <= set(given):
+            return build, (*names, *allowed)
     wanted = " | ".join(", ".join(names) for names in KINDS)
-    got = ", ".join(table.columns)
-    raise ValueError(f"{path}: line {table.header}: got columns {got}, must hold {wanted}")
-
-
-def _expected(names: Sequence[str]) -> str:
-    _, allowed = KINDS[tuple(names)]
-    return f"must be one of {', '.join((*names, *allowed))}"
+    got = validation.shown(", ".join(given))
+    raise ValueError(
+        f"{where}: got columns {got}, must hold {wanted}, with comma, semicolon or tab between cells"
+    )
 
 
 def _with_line(message: str, table: Table) -> str:
@@ -198,8 +205,8 @@ def _with_line(message: str, table: Table) -> str:
 # --- the table ----------------------------------------------------------------------------------------------
 
 
-def _read(path: str | Path) -> Table:
-    """The table of the file, every cell a number in its range."""
+def _read(path: str | Path) -> tuple[Table, Build]:
+    """The table of the file, every cell of a measurement a number in its range; what makes measurements of it."""
     source = Path(path)
     if source.stat().st_size > LARGEST_FILE:
         raise ValueError(f"{path}: got {source.stat().st_size} bytes, must be at most {LARGEST_FILE}")
@@ -212,36 +219,50 @@ def _read(path: str | Path) -> Table:
     if len(kept) < 2:
         raise ValueError(f"{path}: got {len(kept)} lines besides comments, must be a header and rows")
     (first, header), *body = kept
-    factors = _header(f"{path}: line {first}", _cells(header))
-    columns: dict[str, list[float]] = {name: [] for name in factors}
+    where = f"{path}: line {first}"
+    separator = _separator([line for _, line in kept])
+    factors = _header(where, _cells(header, separator))
+    build, known = _kind(where, [name for name, _ in factors])
+    columns: dict[str, list[float]] = {name: [] for name, _ in factors if name in known}
     for number, line in body:
-        cells = _cells(line)
+        cells = _cells(line, separator)
         if len(cells) != len(factors):
             raise ValueError(f"{path}: line {number}: got {len(cells)} cells, must be {len(factors)}")
-        for (name, factor), cell in zip(factors.items(), cells, strict=True):
-            columns[name].append(_number(f"{path}: line {number}, column {name}", name, cell, factor))
-    return Table(columns, [number for number, _ in body], first)
+        for (name, factor), cell in zip(factors, cells, strict=True):
+            if name in known:
+                columns[name].append(_number(f"{path}: line {number}, column {name}", name, cell, factor))
+    ignored = tuple(name for name, _ in factors if name not in known)
+    return Table(columns, [number for number, _ in body], first, known, ignored), build
 
 
-def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader([line]))]
+def _separator(lines: Sequence[str]) -> str:
+    """Comma, semicolon or tab; a comma where lines are one cell."""
+    try:
+        return csv.Sniffer().sniff("\n".join(lines[:SNIFFED]), SEPARATORS).delimiter
+    except csv.Error:
+        return ","
 
 
-def _header(where: str, cells: Sequence[str]) -> dict[str, float]:
+def _cells(line: str, separator: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+
+
+def _header(where: str, cells: Sequence[str]) -> list[tuple[str, float]]:
     """Names, and the factor that brings each column to SI units."""
-    factors: dict[str, float] = {}
+    found: list[tuple[str, float]] = []
     for cell in cells:
-        found = _HEADER.fullmatch(cell)
-        name = found[1] if found else cell
-        if found is None or name not in UNITS:
-            raise ValueError(f"{where}: got column {validation.shown(cell)}, must be of {', '.join(UNITS)}")
-        if name in factors:
+        match = _HEADER.fullmatch(cell)
+        name = match[1] if match else cell
+        if match is None or name not in UNITS:
+            found.append((cell, math.nan))
+            continue
+        if name in dict(found):
             raise ValueError(f"{where}: got column {name} twice, must be there once")
         try:
-            factors[name] = units.number(name, f"1 {found[2]}", UNITS[name]) if found[2] else 1.0
+            found.append((name, units.number(name, f"1 {match[2]}", UNITS[name]) if match[2] else 1.0))
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
-    return factors
+    return found
 
 
 def _number(where: str, name: str, cell: str, factor: float) -> float:

@@ -26,8 +26,8 @@ Floats = NDArray[np.float64]
 
 #: Relative errors beyond this cannot be carried along to first order.
 LARGEST_ERROR: Final = 0.3
-#: A flight longer than the one before by this factor and more than 5 errors is not the next bounce.
-LONGER: Final = 1.15
+#: A value may exceed its limit by so many standard errors.
+SLACK: Final = 5.0
 #: What a column of two or more balls may be asked for in an experiment, in words and with its unit.
 OBSERVED: Final = {
     "separation_velocity": ("separation velocity of two balls", "m/s"),
@@ -134,6 +134,7 @@ class Impacts(Measured):
         ----------
         speed : N numbers [m/s]
         restitution : N numbers
+            In (0, 1], or above it by five errors at most.
         restitution_error, speed_error : number or N numbers
             Standard errors. Without errors of ε their scatter is fitted as well (``fit(…, scatter=True)``).
 
@@ -159,6 +160,10 @@ class Impacts(Measured):
             for name, given in (("restitution_error", restitution_error), ("speed_error", speed_error))
         ]
         _refuse_coarse("speed_error", errors[1], v)
+        for i in np.flatnonzero(e > 1.0 + SLACK * errors[0]):
+            raise ValueError(
+                f"restitution[{i}]: got {e[i]:.6g}, must be in (0, 1], or above it by {SLACK:g} errors at most"
+            )
         one, zero = np.ones(count), np.zeros(count)
         block = Block(
             v, e, np.column_stack([zero, one]), np.column_stack([one, zero]), np.column_stack(errors), False
@@ -183,7 +188,7 @@ class Impacts(Measured):
         drop_height : N numbers [m]
             Of the lowest point of the ball at release.
         rebound_height : N numbers [m]
-            The greatest that it reaches.
+            The greatest that it reaches; above the height of fall by five errors at most.
         rebound_height_error, drop_height_error : number or N numbers [m]
             Standard errors.
         gravity : float [m/s²]
@@ -218,6 +223,7 @@ class Impacts(Measured):
         ):
             sigma.append(validation.each(name, given, count, lowest=0.0, lowest_allowed=True))
             _refuse_coarse(name, sigma[-1], height)
+        _refuse_higher("rebound_height", before, after, np.hypot(*sigma), 0)
         v, e = np.sqrt(2.0 * g * before), np.sqrt(after / before)
         d_speed = np.column_stack([v / (2.0 * before), np.zeros(count)])
         d_restitution = np.column_stack([-e / (2.0 * before), e / (2.0 * after)])
@@ -238,7 +244,8 @@ class Impacts(Measured):
         Parameters
         ----------
         heights : sequence of sequences [m]
-            Of each drop: heights of the lowest point of the ball, the release first.
+            Of each drop: heights of the lowest point of the ball, the release first, none above the one before it by
+            more than five errors.
         height_error : number, or sequence of the shape of ``heights`` [m]
         gravity : float [m/s²]
 
@@ -262,6 +269,7 @@ class Impacts(Measured):
         errors = _errors("height_error", height_error, drops)
         for i, (sigma, height) in enumerate(zip(errors, drops, strict=True)):
             _refuse_coarse(f"height_error[{i}]", sigma, height)
+            _refuse_higher(f"heights[{i}]", height[:-1], height[1:], np.hypot(sigma[:-1], sigma[1:]), 1)
         return cls(
             tuple(_from_heights(h, s, g) for h, s in zip(drops, errors, strict=True)),
             "heights of the bounces",
@@ -282,7 +290,8 @@ class Impacts(Measured):
         Parameters
         ----------
         times : sequence of sequences [s]
-            Of each drop: instants of all impacts without a gap, three or more.
+            Of each drop: instants of all impacts without a gap, three or more; no flight longer than the one before it
+            by more than five errors.
         time_error : number, or sequence of the shape of ``times`` [s]
         gravity : float [m/s²]
 
@@ -577,12 +586,21 @@ def _refuse_coarse(name: str, error: Floats, value: Floats) -> None:
         )
 
 
+def _refuse_higher(name: str, before: Floats, after: Floats, sigma: Floats, shift: int) -> None:
+    """A ball rebounds no higher than it fell from, but for the errors of both heights."""
+    for i in np.flatnonzero(after > before + SLACK * sigma):
+        raise ValueError(
+            f"{name}[{i + shift}]: got a rebound of {after[i]:.6g} m after a fall from {before[i]:.6g} m, must not be "
+            f"higher, or by {SLACK:g} errors at most"
+        )
+
+
 def _refuse_gaps(name: str, t: Floats, sigma: Floats) -> None:
     flight = np.diff(t)
     for i in np.flatnonzero(flight <= 0.0):
         raise ValueError(f"{name}[{i + 1}]: got {t[i + 1]:.9g} s after {t[i]:.9g} s, must be later")
-    slack = 5.0 * np.sqrt(sigma[:-2] ** 2 + 4.0 * sigma[1:-1] ** 2 + sigma[2:] ** 2)
-    for i in np.flatnonzero(flight[1:] > np.maximum(LONGER * flight[:-1], flight[:-1] + slack)):
+    slack = SLACK * np.sqrt(sigma[:-2] ** 2 + 4.0 * sigma[1:-1] ** 2 + sigma[2:] ** 2)
+    for i in np.flatnonzero(flight[1:] > flight[:-1] + slack):
         raise ValueError(
             f"{name}[{i + 2}]: got a flight of {flight[i + 1]:.6g} s after one of {flight[i]:.6g} s, must be "
             "shorter: a bounce is missing, or a sound is none"
