@@ -180,11 +180,12 @@ void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, con
     }
 }
 
-// The state at the end of the sequence, or a little later if upper balls still overlap then.
+// The state at the end of the sequence, or a little later if upper balls still overlap then; `at` is that time [s].
 template <class Law>
-States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const Solution& s) {
+States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const Solution& s, double& at) {
     States end(1, c->balls);
-    s.sample(&s.last, end);
+    at = s.last;
+    s.sample(&at, end);
     const auto overlap = [&] {
         for (std::size_t j = 2; j < end.balls; ++j)
             if (end.gap[j] < 0.0) return true;
@@ -192,8 +193,8 @@ States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const S
     };
     double later = 1e-3 * s.last;
     for (int i = 0; i < 12 && overlap(); ++i, later *= 2.0) {
-        o.until = s.last + later;
-        solve_column(c, model, o)->sample(&o.until, end);
+        at = o.until = s.last + later;
+        solve_column(c, model, o)->sample(&at, end);
     }
     return end;
 }
@@ -217,7 +218,8 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
     if (q.outcome == Outcome::at_rest) {
         lie_still(*c, model, found);
     } else if (!timed) {
-        const States end = end_of_sequence(c, model, o, s);
+        double at;
+        const States end = end_of_sequence(c, model, o, s, at);
         const std::size_t lowest = q.met_again ? 1 : 0;
         if (lowest == 1 && some_approach(end, 1))
             go_on_without_lowest(*c, model, o, end, found);
@@ -225,6 +227,51 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
             fly_to_top(end, lowest, c->gravity, found);
     }
     return found.greatest;
+}
+
+// How the balls part at the end of the sequence.
+struct Parting {
+    std::vector<double>
+        velocity;  // [N] [m/s] in the frame that has fallen freely since time 0: none changes in flight
+    std::vector<double> since;  // [N] [s] end of each ball's last contact; NaN: it had none
+};
+
+namespace rebound {
+
+inline Parting parting(const Solution& s, int balls, double gravity) {
+    Parting found{final_velocities(s, balls),
+                  std::vector<double>(static_cast<std::size_t>(balls), math::nan)};
+    double last = -math::infinity;
+    for_ended_contacts(s, math::nan, [&](std::size_t, const Contact& k) {
+        const std::size_t above = static_cast<std::size_t>(k.pair);
+        for (std::size_t j = above - (above > 0); j <= above; ++j)
+            if (!(k.end <= found.since[j])) found.since[j] = k.end;
+        last = math::max(last, k.end);
+    });
+    for (double& v : found.velocity) v += gravity * last;
+    return found;
+}
+
+}  // namespace rebound
+
+// `later`: once the balls above the lowest one, which is taken away when it meets the floor for the second time, have
+// no contact before them. `s` is what solve_column(c, model, o) gave without `until`.
+template <class Law>
+Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s, bool later) {
+    Parting found = rebound::parting(s, c->balls, c->gravity);
+    if (!later || !s.sequence.met_again || math::is_nan(found.velocity[0])) return found;
+    double at;
+    const States end = rebound::end_of_sequence(c, model, o, s, at);
+    for (std::size_t j = 1; j < end.balls; ++j) found.velocity[j] = end.velocity[j] + c->gravity * at;
+    if (!rebound::some_approach(end, 1)) return found;
+    const SharedColumn<Law> upper = rebound::without_lowest(*c, end);
+    const Parting rest = rebound::parting(*solve_column(upper, model, o), upper->balls, c->gravity);
+    for (std::size_t j = 1; j < end.balls; ++j) {
+        if (math::is_nan(rest.since[j - 1])) continue;
+        found.velocity[j] = rest.velocity[j - 1] + c->gravity * at;
+        found.since[j] = rest.since[j - 1] + at;
+    }
+    return found;
 }
 
 }  // namespace hardlimit::column
