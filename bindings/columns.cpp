@@ -117,13 +117,14 @@ std::vector<double> rebound_heights(const Solution& s) {
         s.column.value);
 }
 
-auto parting(const Solution& s, bool later) {
+auto parting(const Solution& s, const std::vector<int>& missing) {
+    if (!missing.empty()) require_length("missing", missing.size() + 2, s.balls);
     col::Parting found = std::visit(
         [&](const auto& column) {
             return unlocked([&](hl::Stop& stop) {
                 col::SolveOptions options = s.options;
                 options.stop = &stop;
-                return col::parting(column, s.model, options, *s.found, later);
+                return col::parting(column, s.model, options, *s.found, missing);
             });
         },
         s.column.value);
@@ -251,9 +252,9 @@ void bind_columns(nb::module_& m) {
             },
             "Velocities after the last contact that ended [m/s]; NaN at rest.")
         .def(
-            "parting", &parting, "later"_a,
-            "Velocities at the end of the sequence [m/s], in the frame that has fallen freely since time 0, and the "
-            "ends of the last contact of each ball [s]; later: once the upper balls no longer meet.")
+            "parting", &parting, "missing"_a,
+            "Velocities at the end of the sequence [m/s], in the frame that has fallen freely since time 0, and "
+            "ends of the last contact of each ball [s]. missing: contacts still to come of each upper pair.")
         .def("sample", &sample, "times"_a);
     m.def("newton", &newton, "column"_a, "until"_a, "general"_a, "tolerance"_a);
     m.def("adiabatic", &adiabatic, "column"_a, "until"_a);

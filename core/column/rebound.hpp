@@ -238,38 +238,50 @@ struct Parting {
 
 namespace rebound {
 
-inline Parting parting(const Solution& s, int balls, double gravity) {
-    Parting found{final_velocities(s, balls),
-                  std::vector<double>(static_cast<std::size_t>(balls), math::nan)};
-    double last = -math::infinity;
-    for_ended_contacts(s, math::nan, [&](std::size_t, const Contact& k) {
-        const std::size_t above = static_cast<std::size_t>(k.pair);
-        for (std::size_t j = above - (above > 0); j <= above; ++j)
-            if (!(k.end <= found.since[j])) found.since[j] = k.end;
-        last = math::max(last, k.end);
-    });
-    for (double& v : found.velocity) v += gravity * last;
-    return found;
+inline void note_end(const Contact& k, std::vector<double>& since) {
+    const std::size_t above = static_cast<std::size_t>(k.pair);
+    for (std::size_t j = above - (above > 0); j <= above; ++j)
+        if (!(k.end <= since[j])) since[j] = k.end;
 }
 
 }  // namespace rebound
 
-// `later`: once the balls above the lowest one, which is taken away when it meets the floor for the second time, have
-// no contact before them. `s` is what solve_column(c, model, o) gave without `until`.
+// `missing` [N − 2] or empty: the balls above the lowest one, which is taken away when it meets the floor for the second
+// time, go on until each pair of them has met so many times more, or meets no more. `s` is what solve_column(c, model, o)
+// gave without `until`.
 template <class Law>
-Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s, bool later) {
-    Parting found = rebound::parting(s, c->balls, c->gravity);
-    if (!later || !s.sequence.met_again || math::is_nan(found.velocity[0])) return found;
+Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s,
+                std::vector<int> missing) {
+    using namespace rebound;
+    const std::size_t balls = c->mass.size();
+    Parting found{final_velocities(s, c->balls), std::vector<double>(balls, math::nan)};
+    double last = -math::infinity;
+    for_ended_contacts(s, math::nan, [&](std::size_t, const Contact& k) {
+        note_end(k, found.since);
+        last = math::max(last, k.end);
+    });
+    for (double& v : found.velocity) v += c->gravity * last;
+    const auto all_met = [&] { return std::ranges::all_of(missing, [](int n) { return n <= 0; }); };
+    if (all_met() || !s.sequence.met_again || math::is_nan(found.velocity[0])) return found;
     double at;
-    const States end = rebound::end_of_sequence(c, model, o, s, at);
-    for (std::size_t j = 1; j < end.balls; ++j) found.velocity[j] = end.velocity[j] + c->gravity * at;
-    if (!rebound::some_approach(end, 1)) return found;
-    const SharedColumn<Law> upper = rebound::without_lowest(*c, end);
-    const Parting rest = rebound::parting(*solve_column(upper, model, o), upper->balls, c->gravity);
-    for (std::size_t j = 1; j < end.balls; ++j) {
-        if (math::is_nan(rest.since[j - 1])) continue;
-        found.velocity[j] = rest.velocity[j - 1] + c->gravity * at;
-        found.since[j] = rest.since[j - 1] + at;
+    const States end = end_of_sequence(c, model, o, s, at);
+    const SharedColumn<Law> upper = without_lowest(*c, end);
+    const std::unique_ptr<Solution> run = solve_column(upper, model, o);
+    States after(1, upper->balls);
+    after.velocity.assign(end.velocity.begin() + 1, end.velocity.end());
+    std::vector<double> since(balls - 1, math::nan);
+    last = 0.0;
+    for_ended_contacts(*run, math::nan, [&](std::size_t i, const Contact& k) {
+        if (all_met()) return;
+        --missing[static_cast<std::size_t>(k.pair) - 1];
+        note_end(k, since);
+        if (k.end < last) return;
+        last = k.end;
+        run->sample_after(i, after);
+    });
+    for (std::size_t j = 1; j < balls; ++j) {
+        found.velocity[j] = after.velocity[j - 1] + c->gravity * (at + last);
+        if (!math::is_nan(since[j - 1])) found.since[j] = at + since[j - 1];
     }
     return found;
 }

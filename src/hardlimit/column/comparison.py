@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core, html
 from ..models import ADIABATIC, MODELS
@@ -98,11 +100,15 @@ def overlapping_contacts(result: Result) -> int:
     """Ball–ball contacts of the sequence during which another contact lasts as well."""
     pair, begin, end = result.contact_times
     end = np.where(np.isnan(end), math.inf, end)
-    last = math.inf if math.isnan(result.t_end) else result.t_end
     return sum(
         bool(np.any((np.arange(len(pair)) != i) & (begin < end[i]) & (begin[i] < end)))
-        for i in np.flatnonzero((pair > 0) & (begin <= last))
+        for i in _of_balls(result)
     )
+
+
+def _of_balls(result: Result) -> NDArray[np.int64]:
+    """Indices of the ball–ball contacts of the sequence: the first ones, in the order of their begins."""
+    return np.flatnonzero(result.contact_times[0])[: result.n_contacts]
 
 
 # --- the verdict --------------------------------------------------------------------------------------------
@@ -181,11 +187,12 @@ def _difference(c: Comparison) -> _Difference:
     """What event-driven makes of the velocities at the end of the sequence."""
     if len(c.newton.column.balls) == 2 and c.newton.column.floor:
         return _of_separation(c)
-    found = _of_velocities(c, later=False)
-    if found.error <= TOLERANCE or _upper_contacts(c.newton) == _upper_contacts(c.independent):
+    found = _of_velocities(c)
+    counts = [_upper_contacts(result) for result in (c.newton, c.independent)]
+    if found.error <= TOLERANCE or (counts[0] == counts[1]).all():
         return found
-    after = _of_velocities(c, later=True)
-    return after if after.error <= TOLERANCE else found
+    later = _of_velocities(c, counts)
+    return later if later.error <= TOLERANCE else found
 
 
 def _of_separation(c: Comparison) -> _Difference:
@@ -196,26 +203,29 @@ def _of_separation(c: Comparison) -> _Difference:
     return _stated("the separation velocity", hard, true, abs(true))
 
 
-def _of_velocities(c: Comparison, later: bool) -> _Difference:
+def _of_velocities(c: Comparison, counts: Sequence[NDArray[np.int64]] = ()) -> _Difference:
     """By the ball whose velocities differ most.
 
     Each is that with which the ball leaves its last contact, when that may be. A ball that one of the models leaves
-    without any falls in the other, too, up to it.
+    without any falls in the other, too, up to it. With ``counts``, the contacts of the upper pairs under both, the
+    upper balls go on after the second floor contact until they have met as often as under the other model.
     """
-    (moves, since), (hard, hard_since) = (r._core.parting(later) for r in (c.newton, c.independent))
+    missing = [(counts[1 - i] - counts[i]).clip(0).tolist() for i in range(len(counts))] or [[], []]
+    (moves, since), (hard, hard_since) = (
+        r._core.parting(m) for r, m in zip((c.newton, c.independent), missing, strict=True)
+    )
     delay = np.nan_to_num(hard_since - since)
     apart = hard - moves - c.newton.column.gravity * delay
     worst = int(np.argmax(np.abs(apart)))
     true = float(c.newton.final_velocities[worst])
     what = f"the final velocity of ball {worst + 1}"
-    return _stated(what, true + float(apart[worst]), true, _speed(c.newton.column), later)
+    return _stated(what, true + float(apart[worst]), true, _speed(c.newton.column), later=bool(counts))
 
 
-def _upper_contacts(result: Result) -> list[int]:
-    """How many contacts of the sequence each pair has, of the balls above the lowest one."""
-    pair, begin, _ = result.contact_times
-    last = math.inf if math.isnan(result.t_end) else result.t_end
-    return np.bincount(pair[begin <= last], minlength=len(result.column.balls))[2:].tolist()
+def _upper_contacts(result: Result) -> NDArray[np.int64]:
+    """Contacts of the sequence between the balls above the lowest one, of each pair."""
+    pair = result.contact_times[0][_of_balls(result)]
+    return np.bincount(pair, minlength=len(result.column.balls))[2:]
 
 
 def _stated(what: str, hard: float, true: float, scale: float, later: bool = False) -> _Difference:
