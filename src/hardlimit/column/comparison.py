@@ -73,6 +73,9 @@ class Comparison:
 def compare(column: Column) -> Comparison:
     """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A.
 
+    The verdict compares the separation velocity of two balls on a floor, and else the velocities with which the balls
+    leave their last contacts of the sequence, before the floor is met again (see :doc:`/definitions`).
+
     Parameters
     ----------
     column : Column
