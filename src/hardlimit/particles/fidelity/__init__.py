@@ -15,8 +15,9 @@ from ...contact import Law
 from ...progress import Report, reporter
 from .. import engines
 from ..system import ParticleSystem
+from . import statistics
 from .lockstep import NEWTON, RULES, Plan, digest
-from .result import Fidelity
+from .result import RESOLUTION, Fidelity
 from .starts import Starts, checked_starts
 from .store import Store, facts_of
 
@@ -24,7 +25,7 @@ __all__ = ["MODELS", "Fidelity", "fidelity"]
 
 MODELS: Final = (NEWTON, *RULES)
 ENGINES: Final = ("events", "steps")
-MOST_REPLICAS: Final = 1_000_000
+LEAST_RESOLUTION: Final = 1e-5
 
 
 def fidelity(
@@ -37,6 +38,7 @@ def fidelity(
     samples: int = 100,
     restitution: float | None = None,
     contact_duration: float | None = None,
+    resolution: float = RESOLUTION,
     engine: str = "events",
     seed: int = 0,
     workers: int = 1,
@@ -71,6 +73,10 @@ def fidelity(
         a pair of particles of mean mass and radius: for laws given by a restitution just that.
     contact_duration : float [s], optional
         t_c of the rule tc and of t_c ν. By default that of the law at the same impact.
+    resolution : float
+        Relative difference that should be told apart, 1e-5 to 1. A rule counts as not told apart only where the bars, 99 %
+        of Student's distribution, are not longer than this; else it is not resolved, and the sentence says how many
+        replicas that would take.
     engine : {"events", "steps"}
         How Newton's equations are solved: see :func:`molecular_dynamics`. ``"steps"`` is for long contacts (t_c ν of
         0.1 and more, where large groups hang together) and heaps; its steps change ε by at most 1e-4.
@@ -123,7 +129,7 @@ def fidelity(
     """
     if not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    count = validation.whole("replicas", replicas, 1, MOST_REPLICAS)
+    count = validation.whole("replicas", replicas, 1, statistics.MOST_REPLICAS)
     many = validation.whole("workers", workers, 1, 1024)
     if scheduler is not None and many > 1:
         raise ValueError(
@@ -132,6 +138,8 @@ def fidelity(
     chosen = _checked_models(models)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     spacings = engines.checked_samples(samples)
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    resolved = validation.number("resolution", resolution, LEAST_RESOLUTION, 1.0, **limits)
     solver = validation.one_of("engine", engine, ENGINES)
     elsewhere = scheduler is not None or (many > 1 and count > 1)
     starts = checked_starts(system, seed, count, elsewhere, solver)
@@ -147,6 +155,7 @@ def fidelity(
         system=repr(first),
         dimension=first.dimension,
         arrays=tuple(kept.replicas[k] for k in range(count)),
+        resolution=resolved,
     )
 
 

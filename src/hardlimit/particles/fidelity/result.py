@@ -33,10 +33,13 @@ TOTALS: Final = {
     "end_time": ("s", "time at which the run ended"),
 }
 STATISTICS: Final = ("mean", "standard_error")
+#: Relative difference that must be told apart, unless asked otherwise.
+RESOLUTION: Final = 0.01
 
 
 class Departure(NamedTuple):
-    """Where a rule leaves the error bars of its difference from Newton's equations; made by ``Fidelity.departure``.
+    """Where a rule leaves the error bars of its difference from Newton's equations for good; made by
+    ``Fidelity.departure``.
 
     Examples
     --------
@@ -91,6 +94,9 @@ class Fidelity:
     system: str  #: the start of replica 0 in words
     dimension: int  #: 2 or 3
     arrays: tuple[Arrays, ...] = field(repr=False)  #: of each replica
+    resolution: float = (
+        RESOLUTION  #: how large a relative difference must be told apart to call a rule resolved
+    )
 
     @property
     def models(self) -> tuple[str, ...]:
@@ -176,7 +182,7 @@ class Fidelity:
         return statistics.relative_difference(values[:, self._number_of(model)], values[:, 0])
 
     def final_difference(self, quantity: str, model: str) -> statistics.Estimate:
-        """The difference at the last sample that both reached in every replica.
+        """The difference at the last sample that both reached in every replica; NaN if that is the start.
 
         Parameters
         ----------
@@ -191,6 +197,8 @@ class Fidelity:
             If there is no such quantity or model.
         """
         found, last = self.difference(quantity, model), self.last_common(self._number_of(model))
+        if last == 0:
+            return statistics.Estimate(np.array(math.nan), np.array(math.nan))
         return statistics.Estimate(found.mean[last], found.error[last])
 
     def told_apart(self, quantity: str, model: str) -> bool:
@@ -210,8 +218,8 @@ class Fidelity:
         """
         return bool(statistics.outside(self.final_difference(quantity, model), self.n_replicas))
 
-    def departure(self, quantity: str, model: str) -> Departure | None:
-        """When and with which size the model first leaves the bars for two samples in a row; None if it stays.
+    def bar(self, quantity: str, model: str) -> float:
+        """How long the bar of the final difference is: 99 % of Student's distribution; NaN for one replica.
 
         Parameters
         ----------
@@ -224,6 +232,72 @@ class Fidelity:
         ------
         ValueError
             If there is no such quantity or model.
+        """
+        return float(statistics.bar(self.final_difference(quantity, model).error, self.n_replicas))
+
+    def resolved(self, quantity: str, model: str) -> bool:
+        """Whether the bar of the final difference is not longer than ``resolution``.
+
+        Only then is a rule that is not told apart known to be near to Newton's equations.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
+        return self.bar(quantity, model) <= self.resolution
+
+    def replicas_needed(self, quantity: str, model: str) -> float:
+        """About how many replicas make the bar of the final difference as short as ``resolution``, if standard errors
+        fall as the square root of their number. NaN without a bar, infinite above a million.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
+        error = float(self.final_difference(quantity, model).error)
+        return statistics.replicas_needed(error, self.n_replicas, self.resolution)
+
+    def departure(self, quantity: str, model: str) -> Departure | None:
+        """When and with which size the model leaves its bars for good; None if it is inside them at the end.
+
+        From that sample on every one is told apart, up to the last. Of quantities that do not differ, 1 % have a
+        departure nevertheless (measured: 1.0 %, see the notes), as 1 % are told apart at the end: looking at many
+        samples adds nothing.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+
+        Notes
+        -----
+        Samples are tested backwards from the last one, each at 99 % of Student's distribution, up to the first that is
+        not told apart. Tests in such a fixed sequence keep the level of the first: Maurer, Hothorn & Lehmacher,
+        Biometrie in der chemisch-pharmazeutischen Industrie 6, 3 (1995). Measured over 48 000 comparisons of nothing
+        with nothing: 2 to 30 replicas, 100 samples, noise from independent to lasting for the whole run.
         """
         found = self.difference(quantity, model)
         at = statistics.departure(found, self.n_replicas)
@@ -254,7 +328,8 @@ class Fidelity:
     @cached_property
     def dataset(self) -> xr.Dataset:
         """Means and standard errors over ``model``, ``time`` and ``statistic``; relative differences from Newton's
-        equations over ``quantity`` as well, with time and size at which each leaves its bars (NaN: it stays)."""
+        equations over ``quantity`` as well, with time and size at which each leaves its bars
+        for good (NaN: it does not)."""
         import xarray as xr
 
         data: dict[str, Any] = {}
@@ -276,7 +351,7 @@ class Fidelity:
         found = np.array([[_stacked(self.difference(*pair)) for pair in row] for row in pairs])
         nowhere = Departure(math.nan, math.nan, math.nan)
         left = np.array([[self.departure(*pair) or nowhere for pair in row] for row in pairs])
-        size = {"units": "1", "long_name": "relative difference when it leaves its bars"}
+        size = {"units": "1", "long_name": "relative difference when it leaves its bars for good"}
         return {
             "difference": (
                 ("quantity", "model", "time", "statistic"),
@@ -289,7 +364,15 @@ class Fidelity:
             "departure_time": (
                 ("quantity", "model"),
                 left[..., 0],
-                {"units": "s", "long_name": "when the difference leaves its bars for two samples in a row"},
+                {"units": "s", "long_name": "when the difference leaves its bars for good"},
+            ),
+            "replicas_needed": (
+                ("quantity", "model"),
+                [[self.replicas_needed(*pair) for pair in row] for row in pairs],
+                {
+                    "units": "1",
+                    "long_name": "replicas that make the bar at the end as short as the resolution",
+                },
             ),
             "departure_size": (("quantity", "model", "statistic"), left[..., 1:], size),
         }
@@ -320,6 +403,7 @@ class Fidelity:
             "tc_nu": self.tc_nu,
             "n_replicas": self.n_replicas,
             "bars": self.bars,
+            "resolution": self.resolution,
             "summary": self.summary(),
             "hardlimit_version": _core.version,
         }

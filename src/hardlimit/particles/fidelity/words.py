@@ -30,24 +30,51 @@ MEASURES: Final = {
 }
 
 
+#: Per cent that are told from nothing in words.
+LEAST: Final = 0.001
+
+
 def percent(difference: Estimate) -> str:
-    """``4.1 ± 0.3 %``: the error with one digit, two if it begins with 1, and the value with as many decimals."""
+    """``4.1 ± 0.3 %``: the error with one digit, two if it begins with 1, and the value with as many decimals, of both
+    three digits at most."""
     value, error = 100.0 * float(difference.mean), 100.0 * float(difference.error)
     if math.isnan(value):
         return "–"
+    if max(abs(value), 0.0 if math.isnan(error) else error) < LEAST:
+        return f"less than {LEAST} %"
     if math.isnan(error):
-        return f"{_signed(f'{value:.2g}')} %"
-    if error < 1e-6:
-        return f"{_signed(f'{value:.3g}')} ± {'0' if error == 0.0 else '<1e-6'} %"
-    decimals = _decimals(error)
-    if decimals < 0:
-        unit = 10**-decimals
-        value, error, decimals = unit * round(value / unit), unit * round(error / unit), 0
-    return f"{_signed(f'{value:.{decimals}f}')} ± {error:.{decimals}f} %"
+        return plain_percent(0.01 * value)
+    decimals = min(_decimals(error), 2 - _exponent(value) if value else 3, 3)
+    unit = 10.0**-decimals
+    error = max(error, unit)
+    return f"{_fixed(value, decimals)} ± {_fixed(error, decimals)} %"
+
+
+def plain_percent(share: float) -> str:
+    """Two digits, three from 100 % on, never an exponent; a dash where there is none."""
+    value = 100.0 * float(share)
+    if math.isnan(value):
+        return "–"
+    if 0.0 < abs(value) < LEAST:
+        return f"less than {LEAST} %"
+    text = _fixed(value, (2 if abs(value) >= 99.5 else 1) - _exponent(value))
+    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} %"
+
+
+def _exponent(value: float) -> int:
+    """Of ten, of the first digit."""
+    return int(f"{value:e}".split("e")[1])
+
+
+def _fixed(value: float, decimals: int) -> str:
+    """Rounded to so many digits after the point, or to tens and hundreds if they are negative."""
+    return _signed(f"{round(value, decimals):.{max(decimals, 0)}f}")
 
 
 def _decimals(error: float) -> int:
     """Digits after the point that an error deserves."""
+    if error == 0.0:
+        return 3
     digits = 1 if f"{error:.1e}"[0] == "1" else 0
     return digits - int(f"{error:.{digits}e}".split("e")[1])
 
@@ -70,25 +97,54 @@ def sentence(f: Fidelity) -> str:
         return reason
     measure = next((name for name in MEASURES if _known(f, name, rules)), None)
     if measure is None:
-        return f"No verdict: there is no time to compare in.{_early(f)}"
+        missing = "there is no time to compare in" if f.last_common(0) == 0 else "no rule reached a sample"
+        return f"No verdict: {missing}.{_early(f)}"
     verb, more, less = MEASURES[measure]
     apart: list[str] = []
     same: list[str] = []
+    open_: list[str] = []
     for rule in _known(f, measure, rules):
         found = f.final_difference(measure, rule)
         if f.told_apart(measure, rule):
             size = percent(Estimate(abs(found.mean), found.error))
             who = rule if apart else f"the rule {rule} {verb}"
             apart.append(f"{who} {size} {more if found.mean > 0.0 else less}")
-        else:
+        elif f.resolved(measure, rule):
             same.append(f"{rule} ({percent(found)})")
+        else:
+            open_.append(rule)
     parts = [", ".join(apart)] if apart else []
     if same:
         whose = f"from Newton’s equations by {MEASURED[measure]}"
-        what = f"the rule {same[0]} is" if len(same) == 1 else f"the rules {_listed(same)} are"
-        parts.append(f"{what} not told apart {whose}")
-    bars = f"(± standard error of {f.n_replicas} replicas)"
-    return f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)} {bars}.{_early(f)}"
+        parts.append(f"{_subject(same)} not told apart {whose}")
+    if open_:
+        parts.append(_not_resolved(f, measure, open_))
+    errors = f"(± standard error of {f.n_replicas} replicas)" if apart or same else ""
+    return f"{' '.join(filter(None, (f'At t_c ν = {f.tc_nu:.2g}', '; '.join(parts), errors)))}.{_early(f)}"
+
+
+def _subject(rules: list[str]) -> str:
+    return f"the rule {rules[0]} is" if len(rules) == 1 else f"the rules {_listed(rules)} are"
+
+
+def _not_resolved(f: Fidelity, measure: str, rules: list[str]) -> str:
+    """How long the bars are, and what it would take."""
+    bars = [f.bar(measure, rule) for rule in rules]
+    needed = max(f.replicas_needed(measure, rule) for rule in rules)
+    sizes = " to ".join(dict.fromkeys(f"± {plain_percent(x)}" for x in (min(bars), max(bars))))
+    sizes = f"{sizes} with {f.n_replicas} replicas"
+    return (
+        f"{_subject(rules)} not resolved by {MEASURED[measure]}: {sizes} (99 % confidence); for "
+        f"± {plain_percent(f.resolution)} {_count(needed)} replicas would be needed"
+    )
+
+
+def _count(needed: float) -> str:
+    """Two digits, rounded up."""
+    if math.isinf(needed):
+        return "more than a million"
+    unit = 10 ** max(_exponent(needed) - 1, 0)
+    return f"about {math.ceil(needed / unit) * unit:d}"
 
 
 #: What the measures of the sentence are.
@@ -127,7 +183,8 @@ def _early(f: Fidelity) -> str:
             what = "inelastic collapse" if "collapse" in outcomes else "an early end"
             last = f.plan.times[f.last_common(f.models.index(model))]
             judged = f"all is judged at {last:.3g} s" if model == NEWTON else f"it is judged at {last:.3g} s"
-            judged = judged if last > 0.0 else "before the first sample"
+            if last == 0.0:
+                judged = f"{'all' if model == NEWTON else 'it'} ended before the first sample"
             said += f" {who[0].upper()}{who[1:]} met {what} in {bad} of {len(outcomes)} replicas; {judged}."
     return said
 
@@ -146,15 +203,27 @@ def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
     for name in QUANTITIES:
         differences = [f.final_difference(name, rule) for rule in rules]
         marked = [
-            percent(found) + ("*" if f.told_apart(name, rule) else "")
+            percent(found) + ("" if math.isnan(found.error) else _mark(f, name, rule))
             for found, rule in zip(differences, rules, strict=True)
         ]
         rows.append([NAMES[name], *marked])
     return ["", *rules], rows
 
 
+def _mark(f: Fidelity, name: str, rule: str) -> str:
+    return "*" if f.told_apart(name, rule) else "" if f.resolved(name, rule) else "?"
+
+
+def legend(f: Fidelity) -> str:
+    """What the marks of the table mean."""
+    long = plain_percent(f.resolution)
+    return (
+        f"± standard error. Bars: {f.bars}. * told apart: outside its bars. ? not resolved: bars over {long}."
+    )
+
+
 def departures(f: Fidelity) -> list[list[str]]:
-    """Rows: time [t_c] and size at which each rule leaves its bars; none where no rule does."""
+    """Rows: time [t_c] and size at which each rule leaves its bars for good; none where no rule does."""
     rules = [model for model in f.models if model != NEWTON]
     rows = []
     for name in QUANTITIES:
@@ -165,8 +234,7 @@ def departures(f: Fidelity) -> list[list[str]]:
 
 
 def _where(f: Fidelity, at: Departure) -> str:
-    size = percent(Estimate(np.array(at.size), np.array(at.error))).split(" ± ")[0]
-    return f"{_rounded(at.time / f.contact_duration)}: {size} %"
+    return f"{_rounded(at.time / f.contact_duration)}: {plain_percent(at.size)}"
 
 
 def _rounded(value: float) -> str:
@@ -180,17 +248,13 @@ def contacts(f: Fidelity) -> tuple[list[str], list[list[str]]]:
     rows = [
         [
             "share that overlap another in time",
-            *(_percentage(x) for x in ds["overlapped_share"].values[:, 0]),
+            *(plain_percent(x) for x in ds["overlapped_share"].values[:, 0]),
         ],
         ["median restitution", *(_number(x) for x in ds["median_restitution"].values[:, 0])],
         ["contacts of a replica", *(f"{x:.0f}" for x in ds["n_contacts"].values[:, 0])],
         ["distance of paths at the end [radii]", *(_number(x) for x in ds["divergence"].values[:, -1, 0])],
     ]
     return ["", *f.models], rows
-
-
-def _percentage(share: float) -> str:
-    return "–" if math.isnan(share) else f"{100.0 * share:.2g} %"
 
 
 def _number(value: float) -> str:
