@@ -74,9 +74,9 @@ def fidelity(
     contact_duration : float [s], optional
         t_c of the rule tc and of t_c ν. By default that of the law at the same impact.
     resolution : float
-        Relative difference that should be told apart, 1e-5 to 1. A rule counts as not told apart only where the bars, 99 %
-        of Student's distribution, are not longer than this; else it is not resolved, and the sentence says how many
-        replicas that would take.
+        Relative difference that should be told apart, 1e-5 to 1. A rule counts as not told apart only where the bars,
+        99 % of Student's distribution, are not longer than this; else it is not resolved, and the sentence says how
+        many replicas that would take.
     engine : {"events", "steps"}
         How Newton's equations are solved: see :func:`molecular_dynamics`. ``"steps"`` is for long contacts (t_c ν of
         0.1 and more, where large groups hang together) and heaps; its steps change ε by at most 1e-4.

@@ -46,8 +46,8 @@ def percent(difference: Estimate) -> str:
         return plain_percent(0.01 * value)
     decimals = min(_decimals(error), 2 - _exponent(value) if value else 3, 3)
     unit = 10.0**-decimals
-    error = max(error, unit)
-    return f"{_fixed(value, decimals)} ± {_fixed(error, decimals)} %"
+    bar = _fixed(error, decimals) if error >= 0.5 * unit else f"<{_fixed(unit, decimals)}"
+    return f"{_fixed(value, decimals)} ± {bar} %"
 
 
 def plain_percent(share: float) -> str:
