@@ -50,9 +50,9 @@ class Departure(NamedTuple):
     >>> found = hl.fidelity(
     ...     box, law=law, until=0.04, models=["newton", "law"], replicas=8, samples=8
     ... )
-    >>> time, size, error = found.departure("granular_temperature", "law")
+    >>> time, size, error = found.departure("pressure", "law")
     >>> f"at {time * 1e3:.0f} ms by {100 * size:.0f} ± {100 * error:.0f} %"
-    'at 10 ms by -18 ± 3 %'
+    'at 10 ms by -5 ± 1 %'
     """
 
     time: float  #: [s]
@@ -82,6 +82,10 @@ class Fidelity:
     >>> estimate = found.final_difference("granular_temperature", "law")
     >>> f"{100 * estimate.mean:.1f} ± {100 * estimate.error:.1f} %"
     '-0.1 ± 0.1 %'
+    >>> found.resolved("cooling", "law"), f"± {100 * found.bar('cooling', 'law'):.1f} %"
+    (False, '± 5.6 %')
+    >>> found.replicas_needed("cooling", "law")  # for ± 1 %
+    29.0
     >>> found.difference("pressure", "law").mean.shape  # one for each sample
     (5,)
     >>> found.departure("granular_temperature", "law") is None
@@ -94,9 +98,7 @@ class Fidelity:
     system: str  #: the start of replica 0 in words
     dimension: int  #: 2 or 3
     arrays: tuple[Arrays, ...] = field(repr=False)  #: of each replica
-    resolution: float = (
-        RESOLUTION  #: how large a relative difference must be told apart to call a rule resolved
-    )
+    resolution: float = RESOLUTION  #: relative difference that should be told apart
 
     @property
     def models(self) -> tuple[str, ...]:
