@@ -368,7 +368,7 @@ def test_what_is_not_resolved_is_no_agreement(resolution: float) -> None:
     if f.told_apart("cooling", "law") or bar <= resolution:
         assert "not resolved" not in str(f)
         return
-    said = re.search(r"not resolved by their cooling: ± ([\d.]+) % with 3 replicas .99 % confidence.; for ± ([\d.]+) % "
+    said = re.search(r"not resolved by cooling: ± ([\d.]+) % with 3 replicas .99 % confidence.; for ± ([\d.]+) % "
                      r"about (\d+) replicas would be needed\.$", str(f))  # fmt: skip
     assert float(said[1]) == pytest.approx(100.0 * bar, rel=0.06) and float(said[2]) == 100.0 * resolution
     assert needed <= float(said[3]) <= 1.11 * needed

@@ -202,10 +202,10 @@ def print_report(start: ParticleSystem, found: Fidelity, files: list[Path]) -> N
     if len(found.models) > 1:
         head, body = words.table(found)
         below = words.legend(found) if found.n_replicas > 1 else "no error bars"
-        show(out, "Difference from Newton’s equations at the end", table(head, body), below)
+        show(out, "Difference from Newton’s equations at the end [%]", table(head, body), below)
         left = words.departures(found)
         if left:
-            show(out, "Told apart at every sample from [t_c] on, there by", table(head, left))
+            show(out, "Told apart at every sample from [t_c] on, there by [%]", table(head, left))
     head, body = words.contacts(found)
     show(out, "Contacts", table(head, body))
     out.print(found.summary(), markup=False)

@@ -124,7 +124,7 @@ def fidelity(
     ...     disks, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
     ... )
     >>> print(found)
-    At t_c ν = 0.014 the rule law is not resolved by their cooling: ± 5.6 % with 4
+    At t_c ν = 0.014 the rule law is not resolved by cooling: ± 5.6 % with 4
     replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
     """
     if not isinstance(law, Law):

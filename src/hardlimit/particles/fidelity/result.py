@@ -478,7 +478,7 @@ class Fidelity:
 
     def _repr_html_(self) -> str:
         head, rows = words.table(self)
-        return html.table("Relative to Newton’s equations", head, rows, self.summary())
+        return html.table("Difference from Newton’s equations at the end [%]", head, rows, self.summary())
 
 
 _SHARE: Final = {"units": "1", "long_name": "share of the contacts in each bin of the restitution"}

@@ -115,7 +115,7 @@ def sentence(f: Fidelity) -> str:
             open_.append(rule)
     parts = [", ".join(apart)] if apart else []
     if same:
-        whose = f"from Newton’s equations by {MEASURED[measure]}"
+        whose = f"from Newton’s equations by {NAMES[measure]}"
         parts.append(f"{_subject(same)} not told apart {whose}")
     if open_:
         parts.append(_not_resolved(f, measure, open_))
@@ -134,7 +134,7 @@ def _not_resolved(f: Fidelity, measure: str, rules: list[str]) -> str:
     sizes = " to ".join(dict.fromkeys(f"± {plain_percent(x)}" for x in (min(bars), max(bars))))
     sizes = f"{sizes} with {f.n_replicas} replicas"
     return (
-        f"{_subject(rules)} not resolved by {MEASURED[measure]}: {sizes} (99 % confidence); for "
+        f"{_subject(rules)} not resolved by {NAMES[measure]}: {sizes} (99 % confidence); for "
         f"± {plain_percent(f.resolution)} {_count(needed)} replicas would be needed"
     )
 
@@ -145,10 +145,6 @@ def _count(needed: float) -> str:
         return "more than a million"
     unit = 10 ** max(_exponent(needed) - 1, 0)
     return f"about {math.ceil(needed / unit) * unit:d}"
-
-
-#: What the measures of the sentence are.
-MEASURED: Final = {"cooling": "their cooling", "collision_rate": "their collision rate"}
 
 
 def _no_verdict(f: Fidelity, rules: list[str]) -> str | None:
@@ -172,21 +168,31 @@ def _known(f: Fidelity, name: str, rules: list[str]) -> list[str]:
     return [rule for rule in rules if np.isfinite(f.final_difference(name, rule).mean)]
 
 
+#: How models ended early, in words.
+EARLY: Final = {"collapse": "inelastic collapse", "too_deep": "a contact too deep for its law"}
+
+
 def _early(f: Fidelity) -> str:
-    """Models that did not come to the end, in sentences of their own."""
-    said = ""
+    """Models that did not come to the end, in sentences of their own; one for all that ended alike."""
+    alike: dict[tuple[str, float], list[str]] = {}
     for model in f.models:
         outcomes = f.outcomes(model)
-        bad = sum(name != "ok" for name in outcomes)
+        bad = [name for name in outcomes if name != "ok"]
         if bad:
-            who = "Newton’s equations" if model == NEWTON else f"the rule {model}"
-            what = "inelastic collapse" if "collapse" in outcomes else "an early end"
-            last = f.plan.times[f.last_common(f.models.index(model))]
-            judged = f"all is judged at {last:.3g} s" if model == NEWTON else f"it is judged at {last:.3g} s"
-            if last == 0.0:
-                judged = f"{'all' if model == NEWTON else 'it'} ended before the first sample"
-            said += f" {who[0].upper()}{who[1:]} met {what} in {bad} of {len(outcomes)} replicas; {judged}."
-    return said
+            what = next((text for name, text in EARLY.items() if name in bad), "an early end")
+            last = float(f.plan.times[f.last_common(f.models.index(model))])
+            how = f"met {what} in {len(bad)} of {len(outcomes)} replicas"
+            alike.setdefault((f"{how}; {'all' if model == NEWTON else '…'}", last), []).append(model)
+    return "".join(_ended_early(how, last, models) for (how, last), models in alike.items())
+
+
+def _ended_early(how: str, last: float, models: list[str]) -> str:
+    many = len(models) > 1
+    who = "Newton’s equations" if models == [NEWTON] else f"the rule{'s' if many else ''} {_listed(models)}"
+    how = how.replace("…", "they" if many else "it")
+    verb = "are" if how.endswith("they") else "is"
+    judged = f"{verb} judged at {last:.3g} s" if last > 0.0 else "ended before the first sample"
+    return f" {who[0].upper()}{who[1:]} {how} {judged}."
 
 
 def _listed(parts: list[str]) -> str:
@@ -197,17 +203,22 @@ def _listed(parts: list[str]) -> str:
 
 
 def table(f: Fidelity) -> tuple[list[str], list[list[str]]]:
-    """Head and rows: what Newton's equations give at the end, and the difference of each rule in per cent."""
+    """Head and rows: the difference of each rule at the end, in per cent without the sign."""
     rules = [model for model in f.models if model != NEWTON]
     rows = []
     for name in QUANTITIES:
         differences = [f.final_difference(name, rule) for rule in rules]
         marked = [
-            percent(found) + ("" if math.isnan(found.error) else _mark(f, name, rule))
+            _bare(percent(found)) + ("" if math.isnan(found.error) else _mark(f, name, rule))
             for found, rule in zip(differences, rules, strict=True)
         ]
         rows.append([NAMES[name], *marked])
     return ["", *rules], rows
+
+
+def _bare(text: str) -> str:
+    """Short, and without the sign of per cent, which stands above the table: four rules fit into 60 characters."""
+    return text.removesuffix(" %").replace("less than ", "<").replace(" ± ", "±")
 
 
 def _mark(f: Fidelity, name: str, rule: str) -> str:
@@ -234,7 +245,7 @@ def departures(f: Fidelity) -> list[list[str]]:
 
 
 def _where(f: Fidelity, at: Departure) -> str:
-    return f"{_rounded(at.time / f.contact_duration)}: {plain_percent(at.size)}"
+    return f"{_rounded(at.time / f.contact_duration)}: {_bare(plain_percent(at.size))}"
 
 
 def _rounded(value: float) -> str:
