@@ -205,7 +205,7 @@ def print_report(start: ParticleSystem, found: Fidelity, files: list[Path]) -> N
         show(out, "Difference from Newton’s equations at the end [%]", table(head, body), below)
         left = words.departures(found)
         if left:
-            show(out, "Told apart at every sample from [t_c] on, there by [%]", table(head, left))
+            show(out, "First told apart after [t_c], by [%]", table(head, left))
     head, body = words.contacts(found)
     show(out, "Contacts", table(head, body))
     out.print(found.summary(), markup=False)

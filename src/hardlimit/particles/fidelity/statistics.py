@@ -68,27 +68,33 @@ def bar(error: Floats, replicas: int) -> Floats:
     return found
 
 
-def outside(difference: Estimate, replicas: int) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def outside(
+    difference: Estimate, replicas: int, level: float = LEVEL
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Whether a difference is told apart from nothing: larger than its bar."""
     if replicas < 2:
         return np.zeros(np.shape(difference.mean), bool)
-    found = np.abs(difference.mean) > np.maximum(bar(difference.error, replicas), SMALLEST)
+    found = np.abs(difference.mean) > np.maximum(student(replicas - 1, level) * difference.error, SMALLEST)
     return np.asarray(found)
 
 
 def departure(difference: Estimate, replicas: int) -> int | None:
-    """The sample from which on the difference is outside its bars to the end; None if it is inside at the end.
+    """The first sample at which the difference is told apart from nothing, though many are looked at; None if there is
+    none.
 
-    Samples are looked at backwards from the last one, up to the first that is inside, each at the level of its bars:
-    the chance that any of them is outside though there is no difference there is that of the first look, 1 %, however
-    many samples there are and however they depend on each other (Maurer, Hothorn & Lehmacher, in Biometrie in der
-    chemisch-pharmazeutischen Industrie 6, 3 (1995): tests in a fixed sequence). Over 48 000 comparisons of nothing with
-    nothing, of 2 to 30 replicas and noise that lasts for one sample or for all, 1.0 % had a departure.
+    Half of the level, 1 %, is divided among all samples (Bonferroni). The other half is for a difference that lasts:
+    samples are looked at backwards from the last one up to the first that is inside, and tests in a fixed sequence all
+    have the level of the first (Maurer, Hothorn & Lehmacher, Biometrie in der chemisch-pharmazeutischen Industrie 6, 3
+    (1995)). Whatever the samples have to do with each other, the chance is 1 % at most that the sample given or any
+    before it is told apart from nothing by mistake.
     """
     known = np.flatnonzero(np.isfinite(difference.mean))
-    inside = known[~outside(difference, replicas)[known]]
+    if not len(known):
+        return None
+    single = outside(difference, replicas, 0.5 * LEVEL / len(known))
+    inside = known[~outside(difference, replicas, 0.5 * LEVEL)[known]]
     lasting = known[known > inside.max(initial=-1)]
-    return int(lasting[0]) if len(lasting) else None
+    return min((int(found[0]) for found in (known[single[known]], lasting) if len(found)), default=None)
 
 
 def replicas_needed(error: float, replicas: int, resolution: float) -> float:
@@ -102,13 +108,13 @@ def replicas_needed(error: float, replicas: int, resolution: float) -> float:
 
 
 @cache
-def student(freedom: int) -> float:
-    """How many standard errors the bars are long: t with P(|T| > t) = 1 % for so many degrees of freedom."""
+def student(freedom: int, level: float = LEVEL) -> float:
+    """How many standard errors the bars are long: t with P(|T| > t) = level for so many degrees of freedom."""
     freedom = min(freedom, 1000)  # from there on it falls by 0.2 %
     low, high = 0.0, 0.5 * math.pi
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if _student_inside(middle, freedom) > 1.0 - LEVEL else (middle, high)
+        low, high = (low, middle) if _student_inside(middle, freedom) > 1.0 - level else (middle, high)
     return math.sqrt(freedom) * math.tan(low)
 
 

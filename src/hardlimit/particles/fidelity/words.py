@@ -234,7 +234,7 @@ def legend(f: Fidelity) -> str:
 
 
 def departures(f: Fidelity) -> list[list[str]]:
-    """Rows: time [t_c] and size at which each rule leaves its bars for good; none where no rule does."""
+    """Rows: time [t_c] and size at which each rule is first told apart; none where no rule is."""
     rules = [model for model in f.models if model != NEWTON]
     rows = []
     for name in QUANTITIES:
