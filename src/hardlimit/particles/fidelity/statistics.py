@@ -1,4 +1,4 @@
-"""Means over replicas with their standard errors, paired differences, and when a difference leaves its bars."""
+"""Means over replicas with their standard errors, paired differences, and when a difference is first told apart."""
 
 from __future__ import annotations
 
