@@ -231,9 +231,8 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
 
 // How the balls part at the end of the sequence.
 struct Parting {
-    std::vector<double>
-        velocity;  // [N] [m/s] in the frame that has fallen freely since time 0: none changes in flight
-    std::vector<double> since;  // [N] [s] end of each ball's last contact; NaN: it had none
+    std::vector<double> velocity;  // [N] [m/s] in the frame in free fall since time 0: none changes in flight
+    std::vector<double> since;     // [N] [s] end of each ball's last contact; NaN: it had none
 };
 
 namespace rebound {
@@ -246,9 +245,9 @@ inline void note_end(const Contact& k, std::vector<double>& since) {
 
 }  // namespace rebound
 
-// `missing` [N − 2] or empty: the balls above the lowest one, which is taken away when it meets the floor for the second
-// time, go on until each pair of them has met so many times more, or meets no more. `s` is what solve_column(c, model, o)
-// gave without `until`.
+// `missing` [N − 2] or empty: the balls above the lowest one, which is taken away when it meets the floor for the
+// second time, go on until each pair of them has met so many times more, or meets no more. `s` is what
+// solve_column(c, model, o) gave without `until`.
 template <class Law>
 Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s,
                 std::vector<int> missing) {
