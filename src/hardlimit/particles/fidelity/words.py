@@ -115,12 +115,12 @@ def sentence(f: Fidelity) -> str:
             open_.append(rule)
     parts = [", ".join(apart)] if apart else []
     if same:
-        whose = f"from Newton’s equations by {NAMES[measure]}"
-        parts.append(f"{_subject(same)} not told apart {whose}")
+        parts.append(f"{_subject(same)} not told apart from Newton’s equations by {NAMES[measure]}")
+    if parts:
+        parts[-1] += f" (± standard error of {f.n_replicas} replicas)"
     if open_:
         parts.append(_not_resolved(f, measure, open_))
-    errors = f"(± standard error of {f.n_replicas} replicas)" if apart or same else ""
-    return f"{' '.join(filter(None, (f'At t_c ν = {f.tc_nu:.2g}', '; '.join(parts), errors)))}.{_early(f)}"
+    return f"At t_c ν = {f.tc_nu:.2g} {'; '.join(parts)}.{_early(f)}"
 
 
 def _subject(rules: list[str]) -> str:
