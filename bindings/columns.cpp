@@ -117,6 +117,21 @@ std::vector<double> rebound_heights(const Solution& s) {
         s.column.value);
 }
 
+auto parting(const Solution& s, const std::vector<int>& missing) {
+    if (!missing.empty()) require_length("missing", missing.size() + 2, s.balls);
+    col::Parting found = std::visit(
+        [&](const auto& column) {
+            return unlocked([&](hl::Stop& stop) {
+                col::SolveOptions options = s.options;
+                options.stop = &stop;
+                return col::parting(column, s.model, options, *s.found, missing);
+            });
+        },
+        s.column.value);
+    return std::tuple(make_array(std::move(found.velocity), {s.balls}),
+                      make_array(std::move(found.since), {s.balls}));
+}
+
 auto contact_arrays(const Solution& s) {
     const std::vector<col::Contact>& contacts = s.found->contacts;
     const std::size_t n = contacts.size();
@@ -236,6 +251,10 @@ void bind_columns(nb::module_& m) {
                 return col::final_velocities(*s.found, static_cast<int>(s.balls), s.options.until);
             },
             "Velocities after the last contact that ended [m/s]; NaN at rest.")
+        .def(
+            "parting", &parting, "missing"_a,
+            "Velocities at the end of the sequence [m/s], in the frame that has fallen freely since time 0, and "
+            "ends of the last contact of each ball [s]. missing: contacts still to come of each upper pair.")
         .def("sample", &sample, "times"_a);
     m.def("newton", &newton, "column"_a, "until"_a, "general"_a, "tolerance"_a);
     m.def("adiabatic", &adiabatic, "column"_a, "until"_a);

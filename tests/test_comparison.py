@@ -1,5 +1,6 @@
 """The verdict on event-driven for any column: its sentence says what the numbers say."""
 
+import itertools
 import math
 import re
 
@@ -9,7 +10,7 @@ from hypothesis import event, given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, draws, falling, free_columns, law_of, laws
+from conftest import columns, draws, falling, free_columns, law_of, laws, log_floats
 
 BALL = hl.Ball(0.02, mass=0.1)
 
@@ -23,38 +24,105 @@ scenarios = st.one_of(
 )
 
 
+@st.composite
+def any_column(draw: st.DrawFn) -> hl.Column:
+    """Two to five balls from light to heavy, from touching to far apart, from soft to hard, some of them equal."""
+    n = draw(st.integers(2, 5))
+    alike = draw(st.booleans())
+
+    def for_each(values: st.SearchStrategy[float], n: int) -> list[float]:
+        return [draw(values)] * n if alike else [draw(values) for _ in range(n)]
+
+    far = log_floats(1e-3, 0.5)
+    radii, densities = for_each(log_floats(3e-3, 0.1), n), for_each(log_floats(300.0, 9000.0), n)
+    gaps = for_each(st.one_of(far, far, log_floats(1e-6, 1e-3), st.just(0.0)), n - 1)
+    restitution = st.one_of(
+        st.floats(0.5, 1.0), st.floats(0.02, 1.0), st.sampled_from([0.02, 0.1, 0.5, 0.9, 1.0])
+    )
+    stiffness = st.one_of(log_floats(1e3, 1e9), log_floats(1e7, 1e9))
+    law = hl.LinearDashpot(stiffness=draw(stiffness), restitution=draw(restitution))
+    balls = [hl.Ball(r, density=d) for r, d in zip(radii, densities, strict=True)]
+    return hl.Column(balls, gaps, radii[0] + draw(log_floats(1e-2, 1.0)), law)
+
+
 def value(text: str) -> float:
     return float(text.replace("−", "-"))
 
 
-def velocities(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, float]:
-    """What the verdict compares: under Newton, event-driven, and the scale of the error."""
+def last_contacts(result: hl.Result) -> tuple[np.ndarray, float, int]:
+    """End of the last contact of each ball before the floor is met again (NaN: none), the time of that (infinity:
+    not met again), and how many contacts there are up to then."""
+    pair, begin, end = result.contact_times
+    floor = np.flatnonzero(pair == 0)
+    again, radius = math.inf, result.column.balls[0].radius
+    for first, then in itertools.pairwise(floor):
+        middle = 0.5 * (
+            end[first] + begin[then]
+        )  # a force that sets in again within a contact is no second one
+        opened = result.model == "independent" or result.trajectory(middle).position.values[0, 0] > radius
+        if opened and math.isinf(again):
+            again, floor_again = begin[then], then
+    counts = np.isfinite(end)
+    if math.isfinite(again):
+        counts &= (pair == 0) & (np.arange(len(pair)) < floor_again) | (pair > 0) & (begin <= again)
+        if result.model == "independent":
+            counts &= np.arange(len(pair)) < floor_again
+    balls = range(len(result.column.balls))
+    ends = [end[counts & ((pair == j) | (pair == j + 1))].max(initial=-math.inf) for j in balls]
+    return np.array([x if math.isfinite(x) else math.nan for x in ends]), again, np.count_nonzero(counts)
+
+
+def at_one_instant(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Velocities of the balls under both models at one instant after the sequence, read from runs up to there, and how
+    much later the last contact of each ball ended event-driven. None if there is no such instant."""
+    column, both = found.newton.column, (found.newton, found.independent)
+    (ends, again, n), (hard_ends, hard_again, hard_n) = map(last_contacts, both)
+    if np.isnan(ends).all() or np.isnan(hard_ends).all():
+        return None
+    over = max(np.nanmax(ends), np.nanmax(hard_ends))
+    solvers = (hl.newton, hl.independent)
+    begins = [solve(column, until=over + abs(over) + 1e-5).contact_times[1] for solve in solvers]
+    next_one = min(again, hard_again, *(b[b > over].min(initial=2.0 * over + 1e-5) for b in begins))
+    if not next_one > over * (1.0 + 1e-6):
+        return None
+    instant = 0.5 * (over + next_one)
+    runs = [solve(column, until=instant) for solve in solvers]
+    if [np.count_nonzero(run.contact_times[2] <= instant) for run in runs] != [n, hard_n]:
+        return None  # several at one instant, or one goes on
+    if any(np.isnan(run.contact_times[2]).any() for run in runs):
+        return None
+    true, hard = (run.trajectory(instant).velocity.values[0] for run in runs)
+    return true, hard, np.nan_to_num(hard_ends - ends)
+
+
+def compared(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, float] | None:
+    """What the verdict compares, from :func:`at_one_instant`: under Newton, event-driven; and the scale of errors."""
     column = found.newton.column
-    both = (found.newton, found.independent)
     if column.floor and len(column.balls) == 2:
-        true, hard = (np.array([r.separation_velocity]) for r in both)
+        true, hard = (np.array([r.separation_velocity]) for r in (found.newton, found.independent))
         return true, hard, abs(float(true[0]))
-    true, hard = (r.final_velocities for r in both)
+    read = at_one_instant(found)
+    if read is None:
+        return None
+    true, hard, delay = read
     v = column.velocities
-    return true, hard, column.impact_speed if column.floor else max(v) - min(v)
+    return true, hard - column.gravity * delay, column.impact_speed if column.floor else max(v) - min(v)
 
 
 def overlapping(result: hl.Result) -> int:
     """Ball–ball contacts that share an instant with another contact, from a list of all beginnings and ends."""
     end = result.contacts.end.fillna(math.inf).values
     spans = list(zip(result.contacts.pair.values, result.contacts.begin.values, end, strict=True))
-    spans = [(p, b, e) for p, b, e in spans if not (p > 0 and b > result.t_end)]
+    of_balls = sorted((span for span in spans if span[0] > 0), key=lambda span: span[1])[: result.n_contacts]
     return sum(
         any(other is not one and max(one[1], other[1]) < min(one[2], other[2]) for other in spans)
-        for one in spans
-        if one[0] > 0
+        for one in of_balls
     )
 
 
 def check(found: hl.Comparison) -> None:
     answer, sentence = found.verdict
     outcomes = [hl.OUTCOMES[r.outcome_code] for r in (found.newton, found.independent)]
-    true, hard, scale = velocities(found)
     assert sentence.startswith(
         {"yes": "Yes: ", "no": "No: ", "by luck": "Only by luck: ", "undecided": "No verdict: "}[answer]
     )
@@ -71,29 +139,49 @@ def check(found: hl.Comparison) -> None:
     n = found.newton.n_contacts
     overlap = overlapping(found.newton)
     if answer in ("yes", "by luck"):
-        assert set(outcomes) == {"ok"} or (one_ball and set(outcomes) <= {"ok", "no_contact"})
-        error = np.abs(hard - true).max() / scale if (hard != true).any() else 0.0
-        assert error <= 0.01
+        # A single contact of the upper balls may be on either side of the second one with the floor.
+        met = {"ok", "no_contact"} if one_ball or "after the floor is met again" in sentence else {"ok"}
+        assert set(outcomes) <= met
         assert (overlap > 0) == (answer == "by luck")
         stated = re.search(r"right to ([\d.e-]+) %\.$", sentence)
-        assert error <= float(stated[1]) / 100.0 <= max(2.0 * error, 1.0001e-5)
+        assert float(stated[1]) <= 1.0
     elif "contact never ends" in sentence:
         assert outcomes[0] == "at_rest"
     elif "finite time" in sentence:
         assert outcomes[1] in ("collapse", "at_rest") and outcomes[0] != "at_rest"
-    elif "do not" in sentence or "but not under" in sentence:
+    elif "but not under" in sentence:
         assert (n == 0) != (found.independent.n_contacts == 0)
+        assert ("before the floor is met again" in sentence) is found.newton.column.floor
     elif "before the balls part" in sentence:
-        assert np.isnan(true).any() or np.isnan(hard).any()
+        assert np.isnan([r.separation_velocity for r in (found.newton, found.independent)]).any()
     else:
         said = re.search(r"gives (\S+) m/s instead of (\S+) m/s\.$", sentence)
-        worst = int(np.argmax(np.abs(hard - true)))
         assert said[1] != said[2]
-        assert value(said[1]) == pytest.approx(hard[worst], rel=5e-3, abs=1e-300)
-        assert value(said[2]) == pytest.approx(true[worst], rel=5e-3, abs=1e-300)
-        assert abs(hard[worst] - true[worst]) > 0.01 * scale
-        assert "the final velocity" not in sentence or f"of ball {worst + 1} " in sentence
+    check_numbers(found)
     check_course(sentence, overlap, n)
+
+
+def check_numbers(found: hl.Comparison) -> None:
+    """The answer, the error and the velocities are those of :func:`compared`."""
+    answer, sentence = found.verdict
+    stated = re.search(r"right to ([\d.e-]+) %\.$", sentence)
+    said = re.search(r"gives (\S+) m/s instead of (\S+) m/s\.$", sentence)
+    read = compared(found)
+    if not (stated or said) or read is None or "after the floor is met again" in sentence:
+        return
+    true, hard, scale = read
+    error = np.abs(hard - true).max() / scale if (hard != true).any() else 0.0
+    if stated:
+        assert answer in ("yes", "by luck") and error <= float(stated[1]) / 100.0 + 1e-9
+        assert float(stated[1]) / 100.0 <= max(2.0 * error, 1.0001e-5)
+        return
+    assert answer == "no" and error > 0.01 - 1e-9
+    ball = re.search(r"final velocity of ball (\d)", sentence)
+    worst = int(ball[1]) - 1 if ball else 0
+    assert abs(hard - true)[worst] == pytest.approx(error * scale, rel=1e-6)
+    shown = float(found.newton.final_velocities[worst]) if ball else true[worst]
+    assert value(said[2]) == pytest.approx(shown, rel=5e-3, abs=1e-300)
+    assert value(said[1]) == pytest.approx(shown + hard[worst] - true[worst], rel=5e-3, abs=1e-300)
 
 
 def check_course(sentence: str, overlap: int, n: int) -> None:
@@ -116,6 +204,73 @@ def test_the_sentence_agrees_with_the_numbers(column):
     event(found.verdict.answer)
     event(re.sub(r"[\d−.e]+", "#", found.verdict.sentence))
     check(found)
+
+
+@draws(400)
+@given(any_column())
+def test_a_verdict_survives_a_second_definition(column):
+    """At one instant the two models say the same as at the same stage, but for what falling makes of a delay; and balls
+    that all leave upwards and rise equally high are no reason for a No."""
+    found = hl.compare(column)
+    answer, sentence = found.verdict
+    event(answer)
+    check(found)
+    by_numbers = "right to" in sentence or "instead of" in sentence
+    read = at_one_instant(found)
+    if by_numbers and read is not None and len(column.balls) > 2 and "met again" not in sentence:
+        true, hard, delay = read
+        falls = column.gravity * np.abs(delay).max() / column.impact_speed
+        error = np.abs(hard - true).max() / column.impact_speed
+        event(f"second definition: {answer}")
+        assert error > 0.01 - falls - 1e-9 if answer == "no" else error < 0.01 + falls + 1e-9
+    if by_numbers and answer == "no" and len(column.balls) > 2 and overlapping(found.newton) == 0:
+        heights, hard_heights = found.newton.rebound_heights, found.independent.rebound_heights
+        if np.isfinite(heights).all() and (found.newton.final_velocities > 0.0).all():
+            event("second definition: heights")
+            highest = column.impact_speed**2 / (2.0 * column.gravity)
+            assert np.abs(heights - hard_heights).max() > 1e-3 * highest
+
+
+def three_balls_far_apart() -> hl.Column:
+    balls = [hl.Ball(0.02, mass=0.0027), hl.Ball(0.0335, mass=0.0577), hl.Ball(0.0335, mass=0.0577)]
+    return hl.Column(balls, [0.05, 0.3], 0.3, hl.LinearDashpot(stiffness=1e9, restitution=0.9))
+
+
+def test_the_second_floor_contact_is_on_neither_side():
+    """A table tennis ball between the floor and tennis balls: hard contacts one after the other, and rebound heights
+    that agree to 0.02 %."""
+    found = hl.compare(three_balls_far_apart())
+    assert found.verdict.answer == "yes" and "right to 0.005 %" in found.verdict.sentence
+    assert found.independent.final_velocities == pytest.approx(found.newton.final_velocities, rel=1e-3)
+    check(found)
+
+
+@pytest.mark.parametrize(
+    ("radii", "density", "gaps", "stiffness", "restitution", "height"),
+    [
+        ([0.0319] * 3, 667.0, [3.95e-3, 3.34e-4], 9.6e6, 0.1, 0.110),
+        ([4.4e-3] * 4, 406.0, [1.144e-4, 6.367e-5, 2.293e-4], 4.806e6, 0.6053, 0.6641),
+    ],
+)
+def test_a_contact_of_the_upper_balls_may_come_after_the_floor(
+    radii, density, gaps, stiffness, restitution, height
+):
+    """The second ball meets the third one just before the lowest one meets the floor again, or just after: both go on
+    alike, and so says the verdict."""
+    law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
+    column = hl.Column([hl.Ball(r, density=density) for r in radii], gaps, height, law)
+    found = hl.compare(column)
+    assert found.newton.n_contacts != found.independent.n_contacts
+    assert found.verdict.answer == "yes"
+    assert "under one of the two a last one after the floor is met again" in found.verdict.sentence
+    fewer, more = sorted((found.newton, found.independent), key=lambda result: result.n_contacts)
+    at = fewer.trajectory(last_contacts(fewer)[1] * (1.0 - 1e-9))
+    apart = np.diff(at.position.values[0, 1:]) - 2.0 * radii[0]
+    upper = hl.Column.cradle(column.balls[1:], at.velocity.values[0, 1:], law, apart)
+    solve = hl.newton if fewer.model == "newton" else hl.independent
+    end = solve(upper).contact_times[2][0]
+    after = solve(upper, until=end).trajectory(end).velocity.values[0]
+    assert np.diff(after) == pytest.approx(np.diff(more.final_velocities[1:]), abs=0.01 * column.impact_speed)
 
 
 @pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5, 0.1, 0.02, 3e-3, 1e-3])

@@ -1,6 +1,7 @@
 """``hardlimit gas compare`` as a user meets it."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -42,7 +43,7 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
     text = run("gas", "compare", *options, "--out", out, "--plot", plot).stdout
     words = " ".join(text.split())
     assert "40 spheres" in text and "Difference from Newton’s equations at the end" in text
-    assert "(± standard error of 3 replicas)" in words and "share that overlap another" in text
+    assert " 3 replicas" in words and "share that overlap another" in text
     assert max(map(len, text.splitlines())) <= 100
     means = xr.open_dataset(out, group="means")
     assert means.model.values.tolist() == ["newton", "soft", "tc"] and plot.stat().st_size > 10_000
@@ -56,6 +57,33 @@ def test_one_replica_and_one_model(start: Path) -> None:
     assert "one replica has no error bars" in " ".join(one.split())
     alone = run("gas", "compare", start, "--replicas", 2, "--models", "newton", *FAST).stdout
     assert "no rule to compare with" in " ".join(alone.split()) and "Difference" not in alone
+
+
+def test_what_is_not_resolved_is_said_to_be(start: Path) -> None:
+    """Long bars are no agreement; with the resolution they have, they are."""
+    options = [start, "--stiffness", 1e5, "--replicas", 3, "--models", "soft", *FAST]
+    text = " ".join(run("gas", "compare", *options).stdout.split())
+    assert "the rule soft is not resolved by cooling: ± " in text and "not told apart" not in text
+    assert re.search(
+        r"% with 3 replicas \(99 % confidence\); for ± 1 % about \d+ replicas would be needed\.", text
+    )
+    assert "? not resolved: bars over 1 %" in text and not re.search(r"\de[+-]?\d+ ?%", text)
+    found = printed("gas", "compare", *options, "--resolution", 1)
+    assert found["resolution"] == 1.0 and "is not told apart" in found["summary"]
+    needed = found["variables"]["replicas_needed"]
+    assert needed["dims"] == ["quantity", "model"]
+    at = found["coordinates"]["quantity"].index("cooling"), found["models"].index("soft")
+    assert 2 <= needed["values"][at[0]][at[1]] <= 3
+
+
+def test_four_rules_fit_a_narrow_terminal(start: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    text = run("gas", "compare", start, "--stiffness", 1e5, "--replicas", 3, *FAST).stdout
+    assert max(map(len, text.splitlines())) <= 60
+    rows = text.partition("at the end [%]")[2].partition("± standard error")[0]
+    for name in ("temperature", "cooling", "dissipation", "pressure"):
+        (row,) = (line for line in rows.splitlines() if line.startswith(f"{name} "))
+        assert row.count("±") == 4 or name == "pressure"
 
 
 def test_a_job_gives_start_law_and_end(tmp_path: Path) -> None:
@@ -76,6 +104,7 @@ REFUSED = {
     "replicas: got 0": ["--replicas", 0],
     "--out: got 'x.csv', must end in .nc": ["--out", "x.csv"],
     "FILE: got 'nothing'": ["nothing"],
+    "resolution: got 0": ["--resolution", 0],
     "engine: got 'lammps'": ["--engine", "lammps"],
     "scheduler | workers": ["--scheduler", "tcp://127.0.0.1:1", "--workers", 2],
     "No such option": ["--rule", "soft"],

@@ -265,21 +265,9 @@ public:
     // At `time` [s] after the first floor touch (cradle: release), between t_first and t_last of the run; at the
     // instant of a collision the state after it, beyond t_last NaN.
     Flight at(double time) {
-        const std::size_t every = IndependentRun::every(c.balls);
-        const auto after = std::upper_bound(run.states.begin() + 1, run.states.end(), time,
-                                            [&](double t, const Flight& s) { return t < s.t - run.origin; });
-        const std::size_t kept = static_cast<std::size_t>(after - run.states.begin()) - 1;
-        const bool past = next > 0 && run.contacts[next - 1].begin > time;
-        if (past || next < kept * every) {
-            next = kept * every;
-            f = run.states[kept];
-        }
-        for (; next < run.contacts.size() && run.contacts[next].begin <= time; ++next) {
-            const independent::Event e = independent::next_event(c, f);
-            independent::advance(c, f, e.in);
-            independent::collide(c, f, e.pair);
-        }
-        Flight state = f;
+        const auto after = std::upper_bound(run.contacts.begin(), run.contacts.end(), time,
+                                            [](double t, const Contact& k) { return t < k.begin; });
+        Flight state = after_collisions(static_cast<std::size_t>(after - run.contacts.begin()));
         independent::advance(c, state, time - (f.t - run.origin));
         state.t = time;
         if (!(time <= run.t_last)) {  // the limit on collisions was reached before
@@ -287,6 +275,22 @@ public:
             std::fill(state.velocity.begin(), state.velocity.end(), math::nan);
         }
         return state;
+    }
+
+    // After the first n collisions, at the instant of the last of them (of none: at release).
+    const Flight& after_collisions(std::size_t n) {
+        const std::size_t every = IndependentRun::every(c.balls);
+        const std::size_t kept = std::min(n / every, run.states.size() - 1);
+        if (n < next || next < kept * every) {
+            next = kept * every;
+            f = run.states[kept];
+        }
+        for (; next < n; ++next) {
+            const independent::Event e = independent::next_event(c, f);
+            independent::advance(c, f, e.in);
+            independent::collide(c, f, e.pair);
+        }
+        return f;
     }
 
 private:

@@ -180,11 +180,12 @@ void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, con
     }
 }
 
-// The state at the end of the sequence, or a little later if upper balls still overlap then.
+// The state at the end of the sequence, or a little later if upper balls still overlap then; `at` is that time [s].
 template <class Law>
-States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const Solution& s) {
+States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const Solution& s, double& at) {
     States end(1, c->balls);
-    s.sample(&s.last, end);
+    at = s.last;
+    s.sample(&at, end);
     const auto overlap = [&] {
         for (std::size_t j = 2; j < end.balls; ++j)
             if (end.gap[j] < 0.0) return true;
@@ -192,8 +193,8 @@ States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const S
     };
     double later = 1e-3 * s.last;
     for (int i = 0; i < 12 && overlap(); ++i, later *= 2.0) {
-        o.until = s.last + later;
-        solve_column(c, model, o)->sample(&o.until, end);
+        at = o.until = s.last + later;
+        solve_column(c, model, o)->sample(&at, end);
     }
     return end;
 }
@@ -217,7 +218,8 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
     if (q.outcome == Outcome::at_rest) {
         lie_still(*c, model, found);
     } else if (!timed) {
-        const States end = end_of_sequence(c, model, o, s);
+        double at;
+        const States end = end_of_sequence(c, model, o, s, at);
         const std::size_t lowest = q.met_again ? 1 : 0;
         if (lowest == 1 && some_approach(end, 1))
             go_on_without_lowest(*c, model, o, end, found);
@@ -225,6 +227,62 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
             fly_to_top(end, lowest, c->gravity, found);
     }
     return found.greatest;
+}
+
+// How the balls part at the end of the sequence.
+struct Parting {
+    std::vector<double> velocity;  // [N] [m/s] in the frame in free fall since time 0: none changes in flight
+    std::vector<double> since;     // [N] [s] end of each ball's last contact; NaN: it had none
+};
+
+namespace rebound {
+
+inline void note_end(const Contact& k, std::vector<double>& since) {
+    const std::size_t above = static_cast<std::size_t>(k.pair);
+    for (std::size_t j = above - (above > 0); j <= above; ++j)
+        if (!(k.end <= since[j])) since[j] = k.end;
+}
+
+}  // namespace rebound
+
+// `missing` [N − 2] or empty: the balls above the lowest one, which is taken away when it meets the floor for the
+// second time, go on until each pair of them has met so many times more, or meets no more. `s` is what
+// solve_column(c, model, o) gave without `until`.
+template <class Law>
+Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s,
+                std::vector<int> missing) {
+    using namespace rebound;
+    const std::size_t balls = c->mass.size();
+    Parting found{final_velocities(s, c->balls), std::vector<double>(balls, math::nan)};
+    double last = -math::infinity;
+    for_ended_contacts(s, math::nan, [&](std::size_t, const Contact& k) {
+        note_end(k, found.since);
+        last = math::max(last, k.end);
+    });
+    for (double& v : found.velocity) v += c->gravity * last;
+    const auto all_met = [&] { return std::ranges::all_of(missing, [](int n) { return n <= 0; }); };
+    if (all_met() || !s.sequence.met_again || math::is_nan(found.velocity[0])) return found;
+    double at;
+    const States end = end_of_sequence(c, model, o, s, at);
+    const SharedColumn<Law> upper = without_lowest(*c, end);
+    const std::unique_ptr<Solution> run = solve_column(upper, model, o);
+    States after(1, upper->balls);
+    after.velocity.assign(end.velocity.begin() + 1, end.velocity.end());
+    std::vector<double> since(balls - 1, math::nan);
+    last = 0.0;
+    for_ended_contacts(*run, math::nan, [&](std::size_t i, const Contact& k) {
+        if (all_met()) return;
+        --missing[static_cast<std::size_t>(k.pair) - 1];
+        note_end(k, since);
+        if (k.end < last) return;
+        last = k.end;
+        run->sample_after(i, after);
+    });
+    for (std::size_t j = 1; j < balls; ++j) {
+        found.velocity[j] = after.velocity[j - 1] + c->gravity * (at + last);
+        if (!math::is_nan(since[j - 1])) found.since[j] = at + since[j - 1];
+    }
+    return found;
 }
 
 }  // namespace hardlimit::column

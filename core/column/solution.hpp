@@ -55,6 +55,11 @@ public:
     virtual void prepare(Stop&) const {}
     // The states at out.n times within [first, last]. Safe to call from several threads at once.
     virtual void sample(const double* times, States& out) const = 0;
+    // The state when a contact has ended.
+    virtual void sample_after(std::size_t contact, States& out) const {
+        const double end = math::min(contacts[contact].end, last);  // rounding
+        sample(&end, out);
+    }
     // Times from first to last [s] between which nothing begins or ends.
     virtual std::vector<double> knots() const = 0;
 
@@ -64,18 +69,43 @@ protected:
     Solution& operator=(const Solution&) = delete;
 };
 
-// Velocities [N] after the last contact that ended, of those that began up to `until` (NaN: of all). NaN at rest, and
-// where no contact ended.
+// Calls f(index, contact) for the contacts of the sequence that ended: the second contact with the floor is none of it.
+// With `until`, for all contacts that began up to it.
+template <class F>
+void for_ended_contacts(const Solution& s, double until, F f) {
+    bool met = false;  // the floor
+    for (std::size_t k = 0; k < s.contacts.size(); ++k) {
+        const Contact& now = s.contacts[k];
+        const bool again = met && now.pair == 0 && now.begin >= s.sequence.t_second_touch;
+        met = met || now.pair == 0;
+        if (!math::is_nan(now.end) && !(math::is_nan(until) ? again : now.begin > until)) f(k, now);
+    }
+}
+
+// The one that ended last; −1: there is none.
+inline std::ptrdiff_t last_contact(const Solution& s, double until = math::nan) {
+    std::ptrdiff_t found = -1;
+    for_ended_contacts(s, until, [&](std::size_t k, const Contact& now) {
+        if (found < 0 || now.end >= s.contacts[static_cast<std::size_t>(found)].end)
+            found = static_cast<std::ptrdiff_t>(k);
+    });
+    return found;
+}
+
+// Velocities [N] after that contact; the lowest ball's when it meets the floor again, if a contact above lasts longer.
+// NaN at rest, and where no contact ended.
 inline std::vector<double> final_velocities(const Solution& s, int balls, double until = math::nan) {
     States end(1, balls);
-    double after = -math::infinity;
-    for (const Contact& k : s.contacts)
-        if (k.end > after && !(k.begin > until)) after = k.end;
-    if (after == -math::infinity || s.sequence.outcome == Outcome::at_rest)
-        return std::vector<double>(end.balls, math::nan);
-    after = math::min(after, s.last);  // rounding
-    s.sample(&after, end);
-    return end.velocity;
+    const std::ptrdiff_t last = last_contact(s, until);
+    if (last < 0 || s.sequence.outcome == Outcome::at_rest) return std::vector<double>(end.balls, math::nan);
+    s.sample_after(static_cast<std::size_t>(last), end);
+    std::vector<double> found = std::move(end.velocity);
+    if (math::is_nan(until) && s.contacts[static_cast<std::size_t>(last)].end > s.sequence.t_second_touch) {
+        States again(1, balls);
+        s.sample(&s.sequence.t_second_touch, again);
+        found[0] = again.velocity[0];
+    }
+    return found;
 }
 
 }  // namespace hardlimit::column

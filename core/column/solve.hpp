@@ -155,6 +155,10 @@ public:
             out.total[i].dissipated = initial - sum(out, i);
         }
     }
+    // Of several collisions at one instant, the state between them.
+    void sample_after(std::size_t contact, States& out) const override {
+        fill(IndependentMotion<Law>(*column_, run_).after_collisions(contact + 1), out, 0);
+    }
     std::vector<double> knots() const override {
         std::vector<double> times{first};
         for (const Contact& k : contacts) {  // also the instant before, since velocities jump

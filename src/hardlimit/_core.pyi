@@ -124,6 +124,11 @@ class Solution:
     def final_velocities(self) -> list[float]:
         """Velocities after the last contact that ended [m/s]; NaN at rest."""
 
+    def parting(self, missing: Sequence[int]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Velocities at the end of the sequence [m/s], in the frame that has fallen freely since time 0, and ends of the last contact of each ball [s]. missing: contacts still to come of each upper pair.
+        """
+
     def sample(self, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
 
 def newton(column: Column, until: float, general: bool, tolerance: float) -> Solution: ...

@@ -57,6 +57,12 @@ compare_options = options(
         type=int,
         help=f"Number of starts; error bars come from them.  [default: {USUAL_REPLICAS}]",
     ),
+    click.option(
+        "--resolution",
+        type=float,
+        help="Relative difference that should be told apart; the sentence says how many replicas that would take.  "
+        "[default: 0.01]",
+    ),
     click.option("--workers", type=int, help="Number of processes.  [default: one for each processor]"),
     click.option(
         "--scheduler", help="Address of a scheduler of dask.distributed, instead of processes here."
@@ -197,15 +203,11 @@ def print_report(start: ParticleSystem, found: Fidelity, files: list[Path]) -> N
     show(out, f"{start.n} {what}", table(["", ""], rows))
     if len(found.models) > 1:
         head, body = words.table(found)
-        below = (
-            f"± standard error; * told apart: more than {found.bars}"
-            if found.n_replicas > 1
-            else "no error bars"
-        )
-        show(out, "Difference from Newton’s equations at the end", table(head, body), below)
+        below = words.legend(found) if found.n_replicas > 1 else "no error bars"
+        show(out, "Difference from Newton’s equations at the end [%]", table(head, body), below)
         left = words.departures(found)
         if left:
-            show(out, "Leaves its bars after [t_c], by", table(head, left))
+            show(out, "First told apart after [t_c], by [%]", table(head, left))
     head, body = words.contacts(found)
     show(out, "Contacts", table(head, body))
     out.print(found.summary(), markup=False)

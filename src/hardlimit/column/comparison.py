@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import _core, html
 from ..models import ADIABATIC, MODELS
@@ -71,6 +73,9 @@ class Comparison:
 def compare(column: Column) -> Comparison:
     """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A.
 
+    The verdict compares the separation velocity of two balls on a floor, and else the velocities with which the balls
+    leave their last contacts of the sequence, before the floor is met again (see :doc:`/definitions`).
+
     Parameters
     ----------
     column : Column
@@ -98,11 +103,15 @@ def overlapping_contacts(result: Result) -> int:
     """Ball–ball contacts of the sequence during which another contact lasts as well."""
     pair, begin, end = result.contact_times
     end = np.where(np.isnan(end), math.inf, end)
-    last = math.inf if math.isnan(result.t_end) else result.t_end
     return sum(
         bool(np.any((np.arange(len(pair)) != i) & (begin < end[i]) & (begin[i] < end)))
-        for i in np.flatnonzero((pair > 0) & (begin <= last))
+        for i in _of_balls(result)
     )
+
+
+def _of_balls(result: Result) -> NDArray[np.int64]:
+    """Indices of the ball–ball contacts of the sequence: the first ones, in the order of their begins."""
+    return np.flatnonzero(result.contact_times[0])[: result.n_contacts]
 
 
 # --- the verdict --------------------------------------------------------------------------------------------
@@ -125,13 +134,15 @@ def _verdict(c: Comparison) -> Verdict:
         )
     if hard in _FAILURES:
         return Verdict("no", f"No: event-driven {_FAILURES[hard]}, Newton’s equations do not.")
+    found = _difference(c)
     meetings = [r.n_contacts for r in (c.newton, c.independent)]
-    if 0 in meetings and any(meetings):
+    if 0 in meetings and any(meetings) and not found.error <= TOLERANCE:
         met, missed = (
             ("Newton’s equations", "event-driven") if meetings[0] else ("event-driven", "Newton’s equations")
         )
-        return Verdict("no", f"No: the balls meet under {met} but not under {missed}.")
-    return _by_numbers(c)
+        before = " before the floor is met again" if c.newton.column.floor else ""
+        return Verdict("no", f"No: the balls meet under {met} but not under {missed}{before}.")
+    return _by_numbers(c, found)
 
 
 def _unclear(c: Comparison, true: str, hard: str) -> str | None:
@@ -144,9 +155,14 @@ def _unclear(c: Comparison, true: str, hard: str) -> str | None:
     return None
 
 
-def _by_numbers(c: Comparison) -> Verdict:
+class _Difference(NamedTuple):
+    error: float  #: of the event-driven model, relative; NaN if a model has no such value
+    clause: str  #: that states it
+    later: bool = False  #: whether contacts of the upper balls after the second floor contact count
+
+
+def _by_numbers(c: Comparison, found: _Difference) -> Verdict:
     """The verdict where both models have followed the sequence to its end."""
-    error, difference = _difference(c)
     overlap, n = overlapping_contacts(c.newton), c.newton.n_contacts
     if len(c.newton.column.balls) == 1:
         course = "there is no contact but that with the floor"
@@ -155,11 +171,13 @@ def _by_numbers(c: Comparison) -> Verdict:
         course = f"{_share(overlap, n)} of the balls {verb} while another contact lasts"
     else:
         course = "one contact follows the other"
-    if error <= TOLERANCE:
+    if found.later:
+        course += ", under one of the two a last one after the floor is met again"
+    if found.error <= TOLERANCE:
         if overlap:
-            return Verdict("by luck", f"Only by luck: {course}, and yet {difference}.")
-        return Verdict("yes", f"Yes: {course}, and {difference}.")
-    return Verdict("no", f"No: {course}{';' if overlap else ', and yet'} {difference}.")
+            return Verdict("by luck", f"Only by luck: {course}, and yet {found.clause}.")
+        return Verdict("yes", f"Yes: {course}, and {found.clause}.")
+    return Verdict("no", f"No: {course}{';' if overlap else ', and yet'} {found.clause}.")
 
 
 def _share(overlap: int, n: int) -> str:
@@ -168,26 +186,56 @@ def _share(overlap: int, n: int) -> str:
     return "the contact" if n == 1 else "both contacts" if n == 2 else f"all {n} contacts"
 
 
-def _difference(c: Comparison) -> tuple[float, str]:
-    """The relative error of the event-driven model, NaN if a model has no such value, and a clause that states it."""
-    column = c.newton.column
-    if len(column.balls) == 2 and column.floor:
-        what = "the separation velocity"
-        true, hard = c.newton.separation_velocity, c.independent.separation_velocity
-        if math.isnan(true) or math.isnan(hard):
-            who = "under Newton’s equations" if math.isnan(true) else "event-driven"
-            return math.nan, f"{who} the floor is met again before the balls part"
-        scale = abs(true)
-    else:
-        all_true, all_hard = c.newton.final_velocities, c.independent.final_velocities
-        worst = int(np.argmax(np.abs(all_hard - all_true)))
-        what = f"the final velocity of ball {worst + 1}"
-        true, hard = float(all_true[worst]), float(all_hard[worst])
-        scale = _speed(column)
+def _difference(c: Comparison) -> _Difference:
+    """What event-driven makes of the velocities at the end of the sequence."""
+    if len(c.newton.column.balls) == 2 and c.newton.column.floor:
+        return _of_separation(c)
+    found = _of_velocities(c)
+    counts = [_upper_contacts(result) for result in (c.newton, c.independent)]
+    if found.error <= TOLERANCE or (counts[0] == counts[1]).all():
+        return found
+    later = _of_velocities(c, counts)
+    return later if later.error <= TOLERANCE else found
+
+
+def _of_separation(c: Comparison) -> _Difference:
+    true, hard = c.newton.separation_velocity, c.independent.separation_velocity
+    if math.isnan(true) or math.isnan(hard):
+        who = "under Newton’s equations" if math.isnan(true) else "event-driven"
+        return _Difference(math.nan, f"{who} the floor is met again before the balls part")
+    return _stated("the separation velocity", hard, true, abs(true))
+
+
+def _of_velocities(c: Comparison, counts: Sequence[NDArray[np.int64]] = ()) -> _Difference:
+    """By the ball whose velocities differ most.
+
+    Each is that with which the ball leaves its last contact, when that may be. A ball that one of the models leaves
+    without any falls in the other, too, up to it. With ``counts``, the contacts of the upper pairs under both, the
+    upper balls go on after the second floor contact until they have met as often as under the other model.
+    """
+    missing = [(counts[1 - i] - counts[i]).clip(0).tolist() for i in range(len(counts))] or [[], []]
+    (moves, since), (hard, hard_since) = (
+        r._core.parting(m) for r, m in zip((c.newton, c.independent), missing, strict=True)
+    )
+    delay = np.nan_to_num(hard_since - since)
+    apart = hard - moves - c.newton.column.gravity * delay
+    worst = int(np.argmax(np.abs(apart)))
+    true = float(c.newton.final_velocities[worst])
+    what = f"the final velocity of ball {worst + 1}"
+    return _stated(what, true + float(apart[worst]), true, _speed(c.newton.column), later=bool(counts))
+
+
+def _upper_contacts(result: Result) -> NDArray[np.int64]:
+    """Contacts of the sequence between the balls above the lowest one, of each pair."""
+    pair = result.contact_times[0][_of_balls(result)]
+    return np.bincount(pair, minlength=len(result.column.balls))[2:]
+
+
+def _stated(what: str, hard: float, true: float, scale: float, later: bool = False) -> _Difference:
     error = 0.0 if hard == true else abs(hard - true) / scale if scale > 0.0 else math.inf
     if error <= TOLERANCE:
-        return error, f"event-driven gets {what} right to {_percent(error)}"
-    return error, f"for {what} event-driven gives {_both(hard, true)}"
+        return _Difference(error, f"event-driven gets {what} right to {_percent(error)}", later)
+    return _Difference(error, f"for {what} event-driven gives {_both(hard, true)}", later)
 
 
 def _speed(column: Column) -> float:

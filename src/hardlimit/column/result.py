@@ -162,7 +162,10 @@ class Result:
 
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
-        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest."""
+        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest.
+
+        Without ``until`` the second floor contact does not count: it is no part of the sequence.
+        """
         return _fixed(np.asarray(self._core.final_velocities()))
 
     @cached_property

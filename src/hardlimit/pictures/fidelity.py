@@ -36,7 +36,7 @@ SMALLEST: Final = 1e-9
 def fidelity(f: Fidelity) -> Figure:
     """Temperature, relative differences from Newton's equations of cooling, collision rate and pressure, how far paths
     have come apart, and the restitution of single contacts. Bands are standard errors; a dot is where a difference
-    leaves its bars."""
+    is first told apart from nothing."""
     factor, unit = scaled(float(f.plan.times[-1]), "s")
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 6.6))

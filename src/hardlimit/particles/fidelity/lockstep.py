@@ -26,6 +26,9 @@ RULES: Final = ("constant", "law", "tc", "soft")
 #: Of ε, which Newton's equations by steps may make: a tenth of what they make unless asked.
 RESTITUTION_ERROR: Final = 1e-4
 
+#: Dissipated energies up to this part of the kinetic energy of the start are none.
+ROUNDING: Final = 1e-12
+
 #: Of every sample of every model: unit and meaning.
 QUANTITIES: Final = {
     "granular_temperature": ("m2/s2", "granular temperature Σ m|v − V|²/(d Σ m)"),
@@ -143,6 +146,7 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
     kind = contact_result if isinstance(ended, contact_result.ContactResult) else result
     values = kind.series_values(rows, system)
     lost, passed = values["dissipated_energy"], rows[:, 0] - rows[0, 0]
+    lost = np.where(np.abs(lost) <= ROUNDING * system.kinetic_energy, 0.0, lost)
     lasted = np.diff(passed)
     found = {"granular_temperature": values["granular_temperature"], "cooling": _cooling(system, lost)}
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -33,10 +33,12 @@ TOTALS: Final = {
     "end_time": ("s", "time at which the run ended"),
 }
 STATISTICS: Final = ("mean", "standard_error")
+#: Relative difference that must be told apart, unless asked otherwise.
+RESOLUTION: Final = 0.01
 
 
 class Departure(NamedTuple):
-    """Where a rule leaves the error bars of its difference from Newton's equations; made by ``Fidelity.departure``.
+    """Where a rule is first told apart from Newton's equations; made by ``Fidelity.departure``.
 
     Examples
     --------
@@ -47,9 +49,9 @@ class Departure(NamedTuple):
     >>> found = hl.fidelity(
     ...     box, law=law, until=0.04, models=["newton", "law"], replicas=8, samples=8
     ... )
-    >>> time, size, error = found.departure("granular_temperature", "law")
+    >>> time, size, error = found.departure("pressure", "law")
     >>> f"at {time * 1e3:.0f} ms by {100 * size:.0f} ± {100 * error:.0f} %"
-    'at 10 ms by -18 ± 3 %'
+    'at 20 ms by -7 ± 1 %'
     """
 
     time: float  #: [s]
@@ -79,6 +81,10 @@ class Fidelity:
     >>> estimate = found.final_difference("granular_temperature", "law")
     >>> f"{100 * estimate.mean:.1f} ± {100 * estimate.error:.1f} %"
     '-0.1 ± 0.1 %'
+    >>> found.resolved("cooling", "law"), f"± {100 * found.bar('cooling', 'law'):.1f} %"
+    (False, '± 5.6 %')
+    >>> found.replicas_needed("cooling", "law")  # for ± 1 %
+    29.0
     >>> found.difference("pressure", "law").mean.shape  # one for each sample
     (5,)
     >>> found.departure("granular_temperature", "law") is None
@@ -91,6 +97,7 @@ class Fidelity:
     system: str  #: the start of replica 0 in words
     dimension: int  #: 2 or 3
     arrays: tuple[Arrays, ...] = field(repr=False)  #: of each replica
+    resolution: float = RESOLUTION  #: relative difference that should be told apart
 
     @property
     def models(self) -> tuple[str, ...]:
@@ -176,7 +183,7 @@ class Fidelity:
         return statistics.relative_difference(values[:, self._number_of(model)], values[:, 0])
 
     def final_difference(self, quantity: str, model: str) -> statistics.Estimate:
-        """The difference at the last sample that both reached in every replica.
+        """The difference at the last sample that both reached in every replica; NaN if that is the start.
 
         Parameters
         ----------
@@ -191,6 +198,8 @@ class Fidelity:
             If there is no such quantity or model.
         """
         found, last = self.difference(quantity, model), self.last_common(self._number_of(model))
+        if last == 0:
+            return statistics.Estimate(np.array(math.nan), np.array(math.nan))
         return statistics.Estimate(found.mean[last], found.error[last])
 
     def told_apart(self, quantity: str, model: str) -> bool:
@@ -210,8 +219,8 @@ class Fidelity:
         """
         return bool(statistics.outside(self.final_difference(quantity, model), self.n_replicas))
 
-    def departure(self, quantity: str, model: str) -> Departure | None:
-        """When and with which size the model first leaves the bars for two samples in a row; None if it stays.
+    def bar(self, quantity: str, model: str) -> float:
+        """How long the bar of the final difference is: 99 % of Student's distribution; NaN for one replica.
 
         Parameters
         ----------
@@ -224,6 +233,72 @@ class Fidelity:
         ------
         ValueError
             If there is no such quantity or model.
+        """
+        return float(statistics.bar(self.final_difference(quantity, model).error, self.n_replicas))
+
+    def resolved(self, quantity: str, model: str) -> bool:
+        """Whether the bar of the final difference is not longer than ``resolution``.
+
+        Only then is a rule that is not told apart known to be near to Newton's equations.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
+        return self.bar(quantity, model) <= self.resolution
+
+    def replicas_needed(self, quantity: str, model: str) -> float:
+        """About how many replicas make the bar of the final difference as short as ``resolution``, if standard errors
+        fall as the square root of their number. NaN without a bar, infinite above a million.
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+        """
+        error = float(self.final_difference(quantity, model).error)
+        return statistics.replicas_needed(error, self.n_replicas, self.resolution)
+
+    def departure(self, quantity: str, model: str) -> Departure | None:
+        """When and with which size the model is first told apart from Newton's equations; None if it never is.
+
+        The bars are longer than those of the final difference, since many samples are looked at. Of quantities that do
+        not differ, less than 1 % have a departure (0.8 % of 48 000 comparisons of nothing with nothing).
+
+        Parameters
+        ----------
+        quantity : str
+            A value of the coordinate ``quantity`` of ``dataset``, such as "granular_temperature".
+        model : str
+            One of ``models``.
+
+        Raises
+        ------
+        ValueError
+            If there is no such quantity or model.
+
+        Notes
+        -----
+        A difference counts that is outside bars of 0.5 % divided by the number of samples (Bonferroni), or that is
+        outside bars of 0.5 % from that sample on to the end: tests in a fixed sequence, here backwards, all have the
+        level of the first (Maurer, Hothorn & Lehmacher, Biometrie in der chemisch-pharmazeutischen Industrie 6, 3
+        (1995)). The rate was measured with 2 to 30 replicas and 100 samples, whose noise was independent or lasted for
+        up to the whole run.
         """
         found = self.difference(quantity, model)
         at = statistics.departure(found, self.n_replicas)
@@ -254,7 +329,8 @@ class Fidelity:
     @cached_property
     def dataset(self) -> xr.Dataset:
         """Means and standard errors over ``model``, ``time`` and ``statistic``; relative differences from Newton's
-        equations over ``quantity`` as well, with time and size at which each leaves its bars (NaN: it stays)."""
+        equations over ``quantity`` as well, with time and size at which each is first told
+        apart (NaN: never)."""
         import xarray as xr
 
         data: dict[str, Any] = {}
@@ -276,7 +352,7 @@ class Fidelity:
         found = np.array([[_stacked(self.difference(*pair)) for pair in row] for row in pairs])
         nowhere = Departure(math.nan, math.nan, math.nan)
         left = np.array([[self.departure(*pair) or nowhere for pair in row] for row in pairs])
-        size = {"units": "1", "long_name": "relative difference when it leaves its bars"}
+        size = {"units": "1", "long_name": "relative difference when it is first told apart"}
         return {
             "difference": (
                 ("quantity", "model", "time", "statistic"),
@@ -289,7 +365,15 @@ class Fidelity:
             "departure_time": (
                 ("quantity", "model"),
                 left[..., 0],
-                {"units": "s", "long_name": "when the difference leaves its bars for two samples in a row"},
+                {"units": "s", "long_name": "when the difference is first told apart, many looks considered"},
+            ),
+            "replicas_needed": (
+                ("quantity", "model"),
+                [[self.replicas_needed(*pair) for pair in row] for row in pairs],
+                {
+                    "units": "1",
+                    "long_name": "replicas that make the bar at the end as short as the resolution",
+                },
             ),
             "departure_size": (("quantity", "model", "statistic"), left[..., 1:], size),
         }
@@ -321,6 +405,7 @@ class Fidelity:
             "tc_nu": self.tc_nu,
             "n_replicas": self.n_replicas,
             "bars": self.bars,
+            "resolution": self.resolution,
             "summary": self.summary(),
             "hardlimit_version": _core.version,
         }
@@ -393,7 +478,7 @@ class Fidelity:
 
     def _repr_html_(self) -> str:
         head, rows = words.table(self)
-        return html.table("Relative to Newton’s equations", head, rows, self.summary())
+        return html.table("Difference from Newton’s equations at the end [%]", head, rows, self.summary())
 
 
 _SHARE: Final = {"units": "1", "long_name": "share of the contacts in each bin of the restitution"}
