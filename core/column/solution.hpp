@@ -49,12 +49,17 @@ public:
     double first = math::nan, last = math::nan;  // [s] what was recorded
     long steps = 0;
     double energy_error = math::nan;  // largest, relative to the initial energy; NaN unless integrated
+    int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
 
     virtual ~Solution() = default;
     // What sample() computes once for all times. After a long run that takes long, hence apart: it may be stopped.
     virtual void prepare(Stop&) const {}
     // The states at out.n times within [first, last]. Safe to call from several threads at once.
     virtual void sample(const double* times, States& out) const = 0;
+    // Greatest compression of all contacts over the smaller radius; NaN in a model without compressions.
+    virtual double largest_compression() const { return math::nan; }
+    // Whether it is at least this one: a bound may say so without it.
+    virtual bool presses_by(double part) const { return largest_compression() >= part; }
     // Times from first to last [s] between which nothing begins or ends.
     virtual std::vector<double> knots() const = 0;
 
@@ -65,13 +70,14 @@ protected:
 };
 
 // Velocities [N] after the last contact that ended, of those that began up to `until` (NaN: of all). NaN at rest, and
-// where no contact ended.
+// where no contact ended or one became too deep.
 inline std::vector<double> final_velocities(const Solution& s, int balls, double until = math::nan) {
     States end(1, balls);
     double after = -math::infinity;
     for (const Contact& k : s.contacts)
         if (k.end > after && !(k.begin > until)) after = k.end;
-    if (after == -math::infinity || s.sequence.outcome == Outcome::at_rest)
+    const Outcome outcome = s.sequence.outcome;
+    if (after == -math::infinity || outcome == Outcome::at_rest || outcome == Outcome::too_deep)
         return std::vector<double>(end.balls, math::nan);
     after = math::min(after, s.last);  // rounding
     s.sample(&after, end);
