@@ -57,4 +57,21 @@ struct CompressionBound {
     }
 };
 
+// The same for one drop and the gap of its pair.
+struct DropBound {
+    double sure, landed, gravity;  // g t that is sure; g t at the touch; g
+
+    HL_FN static DropBound of(const CompressionBound& b, double gap, double impact_speed) {
+        return {b.excluded_until(gap), b.v1 + impact_speed, b.gravity};
+    }
+    // Both compressions are excluded up to t [s] after the touch.
+    HL_FN bool holds(double t) const {
+        return sure == math::infinity || landed + gravity * math::max(t, 0.0) <= sure;
+    }
+    // They are in a sequence with so many contacts of the pair: where it had none, the floor contact counts alone.
+    HL_FN bool holds(int n_contacts, double t_end) const {
+        return n_contacts == 0 ? sure > -math::infinity : holds(t_end);
+    }
+};
+
 }  // namespace hardlimit::column

@@ -69,6 +69,7 @@ public:
         }
     }
     double largest_compression() const override {
+        if (too_deep >= 0) return deepest_compression;
         drop::Compressions all(drop_.start.groups);
         const std::vector<Node>& nodes = drop_.nodes;
         for (std::size_t i = 0; i + 1 < nodes.size(); ++i) all.look(nodes[i], nodes[i + 1].t - nodes[i].t);
@@ -79,10 +80,10 @@ public:
     }
     bool presses_by(double part) const override {
         if (drop_.nodes.empty()) return false;
-        const double lasts =
-            sequence.outcome == Outcome::at_rest && !timed_ ? math::infinity : drop_.nodes.back().t;
+        const bool lasts = sequence.outcome == Outcome::at_rest && !timed_;
         const CompressionBound bound = drop::bound_of(*column_, coupling_, part);
-        return !drop::excluded(bound, drop_.start, column_->gaps[1], lasts) && Solution::presses_by(part);
+        const DropBound sure = drop::bound_of(bound, drop_.start, column_->gaps[1]);
+        return !sure.holds(lasts ? math::infinity : last) && Solution::presses_by(part);
     }
     std::vector<double> knots() const override {
         std::vector<double> times;

@@ -23,6 +23,9 @@ RESTITUTION: Final = "restitution"
 #: Values in the examples of laws, by unit: those of a stiff grain.
 TYPICAL: Final = {"N/m": 1e6, "N/m^1.5": 1e9, "Pa": 7e10, "s": 1e-6}
 
+#: Compression over the smaller radius from which on a warning says that contact laws are stretched.
+SHALLOW: Final = 0.05
+
 #: Numbers that give an array of the same shape; a single float gives a float.
 Values = NDArray[Any] | Sequence[float] | Sequence[Sequence[float]]
 Floats = NDArray[np.float64]

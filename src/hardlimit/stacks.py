@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import validation
 from .bodies import Ball
+from .column.result import Result
 from .column.scenario import Column
 from .column.solvers import TOLERANCE, independent, newton
 from .contact import Law
@@ -221,7 +223,8 @@ def stack(
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the masses do not fit between the ends with such ratios; names it.
+        If an argument is outside its range, a contact becomes too deep, or the masses do not fit between the ends with
+        such ratios; names it.
 
     Notes
     -----
@@ -253,10 +256,14 @@ def stack(
         validation.numbers("density", density, count, lowest=0.0),
         validation.number("impact_speed", impact_speed, 0.0),
     )
-    with reporter(progress, "stack", "searches") as report:
+    with reporter(progress, "stack", "searches") as report, warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # masses that are tried
         logarithms = search.best(report)
     column = search.column(logarithms)
-    return Stack(column, model, _top(column, model))
+    found = _long_after(column, model)
+    if found._core.too_deep >= 0:
+        raise ValueError(f"law: got {validation.shown(law)}, must be stiffer: {found.outcome}")
+    return Stack(column, model, _speed_of_top(found))
 
 
 def _limits(given: Any) -> tuple[float, float]:
@@ -266,16 +273,24 @@ def _limits(given: Any) -> tuple[float, float]:
     return low, high
 
 
-def _top(column: Column, model: str, tolerance: float = TOLERANCE) -> float:
-    """Speed of the top ball over that of the impact, long after all that happens.
+def _long_after(column: Column, model: str, tolerance: float = TOLERANCE) -> Result:
+    """The stack long after all that happens.
 
     A sequence would end when the floor is met again, which may be before the push has come to the top.
     """
     speed = column.impact_speed
     contact = float(column.contacts[0].duration(speed))
     until = LATER * (contact + sum(column.gaps) / speed)
-    result = newton(column, until, tolerance=tolerance) if model == "newton" else independent(column, until)
-    return float(result.final_velocities[-1]) / speed
+    return newton(column, until, tolerance=tolerance) if model == "newton" else independent(column, until)
+
+
+def _speed_of_top(result: Result) -> float:
+    """Over that of the impact; NaN where a contact became too deep."""
+    return float(result.final_velocities[-1]) / result.column.impact_speed
+
+
+def _top(column: Column, model: str, tolerance: float = TOLERANCE) -> float:
+    return _speed_of_top(_long_after(column, model, tolerance))
 
 
 class _Search:

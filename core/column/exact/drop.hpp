@@ -161,10 +161,8 @@ inline CompressionBound bound_of(const LinearColumn& c, Coupling coupling, doubl
                                 coupling == Coupling::full);
 }
 
-// Whether energies exclude the compressions of a bound up to a time after the touch, on the clock of the solver.
-inline bool excluded(const CompressionBound& bound, const Start& s, double gap, double t) {
-    const double landed = bound.v1 + s.units.speed;  // g times the time of the fall
-    return landed + bound.gravity * math::max(t / s.units.rate, 0.0) <= bound.excluded_until(gap);
+inline DropBound bound_of(const CompressionBound& bound, const Start& s, double gap) {
+    return DropBound::of(bound, gap, s.units.speed);
 }
 
 // How long the contacts of a run may last: one at rest does for ever, unless a time was asked for.
@@ -192,8 +190,7 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
     std::erase_if(record.nodes, [&](const Node& n) { return n.t > watch.at; });
     q.goes_too_deep(watch.at);
     if (record.keep_nodes) record.nodes.push_back(watch.there);
-    if (watch.at < 0.0 &&
-        !math::is_nan(q.t_first_touch)) {  // the floor was not touched: time counts from release
+    if (watch.at < 0.0) {  // the floor was not touched: time counts from release
         q.t_first_touch = math::nan;
         record.shift(record.released);
     }
@@ -203,10 +200,11 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
 // The sequence on the clock of the solver.
 inline Sequence sequence_of(const Start& s, const CompressionBound& bound, double gap, double span,
                             Stop* stop) {
-    if (excluded(bound, s, gap, 0.0)) {
+    const DropBound sure = bound_of(bound, s, gap);
+    if (sure.holds(0.0)) {
         NoRecorder none{stop};
         const Sequence q = run_two_ball(s.groups, s.first, s.t, span, none);
-        if (excluded(bound, s, gap, lasts(q, none.last, span))) return q;
+        if (sure.holds(lasts(q, none.last, span) / s.units.rate)) return q;
     }
     Recorder record{.keep_nodes = false, .stop = stop};
     Compressions watch(s.groups);
@@ -253,13 +251,14 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, b
         record = {.keep_nodes = keep_nodes, .stop = stop};
         if (start.t == 0.0 && start.fall > 0.0) record.node({-start.fall, start.released, false, false});
     };
-    bool sure = drop::excluded(bound, start, c.gaps[1], 0.0);
-    if (sure) {
+    const DropBound sure = drop::bound_of(bound, start, c.gaps[1]);
+    bool shallow = sure.holds(0.0);
+    if (shallow) {
         restart();
         d.sequence = run_two_ball(start.groups, start.first, start.t, span, record);
-        sure = drop::excluded(bound, start, c.gaps[1], drop::lasts(d.sequence, record.last.t, span));
+        shallow = sure.holds(drop::lasts(d.sequence, record.last.t, span) / units.rate);
     }
-    if (!sure) {
+    if (!shallow) {
         restart();
         d.sequence = drop::run_watched(start, bound, span, record, watch);
         d.too_deep = watch.too_deep;

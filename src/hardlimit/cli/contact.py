@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 import click
 import numpy as np
 
-from .. import validation
+from .. import _core, validation
 from ..approximations import usual_damping
 from ..bodies import FLOOR, Ball
 from ..column import files
 from ..column.scenario import Column
-from ..contact import Contact, Law, law_parameters
+from ..column.solvers import newton
+from ..contact import SHALLOW, Contact, Law, law_parameters
 from .drop_report import law_text
 from .options import F, given_law_parameters, law_options, options, output_option, quantity_option, writable
 from .printing import console, digits, length, print_json, quantity, show, table
@@ -73,10 +75,11 @@ def contact(
     usual = usual_formula(made)
     if picture:
         draw(made, picture)
+    depth = compressions(made, ball, partner, v)
     if as_json:
-        print_json(as_mapping(made, v, usual))
+        print_json(as_mapping(made, v, depth, usual))
     else:
-        print_report(made, ball, partner, v, usual)
+        print_report(made, ball, partner, v, depth, usual)
 
 
 def chosen_law(name: str | None, parameters: dict[str, float]) -> Law:
@@ -124,6 +127,21 @@ def default_speeds(made: Contact) -> list[float]:
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
 
+def compressions(made: Contact, ball: Ball, partner: Any, speeds: Any) -> Any:
+    """Greatest compression over the smaller radius at each speed of impact; 0.5 stands for that and more."""
+    law = made.law
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
+        runs = [
+            newton(
+                Column.cradle([ball, partner], [float(v), 0.0], law)
+                if isinstance(partner, Ball)
+                else Column([ball], [], ball.radius, law, velocities=-float(v), gravity=0.0)
+            )
+            for v in speeds
+        ]
+    return np.array([run.largest_compression for run in runs])
+
+
 def takes_usual_formula(law: Law) -> bool:
     """Whether the law is a spring and a dashpot, for whose damping the usual formula is made."""
     units = {name: p["unit"] for name, p in law_parameters(type(law)).items()}
@@ -152,7 +170,7 @@ def constants(made: Contact) -> dict[str, float]:
 
 
 def print_report(
-    made: Contact, ball: Ball, partner: Any, speeds: Any, usual: dict[str, float] | None
+    made: Contact, ball: Ball, partner: Any, speeds: Any, depth: Any, usual: dict[str, float] | None
 ) -> None:
     out = console()
     bodies = f"ball of radius {length(ball.radius)}, {quantity(ball.mass * 1e3, 'g')}, and "
@@ -168,11 +186,26 @@ def print_report(
         rows.append([constant["name"].replace("_", " "), value])
     name = made.law.record["name"]
     show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
-    by_speed = [[digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s")] for v in speeds]
+    by_speed = [
+        [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), part(d)]
+        for v, d in zip(speeds, depth, strict=True)
+    ]
     title = "Over the speed of impact" if depends_on_speed(made) else "At any speed"
-    show(out, title, table(["speed [m/s]", "restitution ε", "duration"], by_speed))
+    names = ["speed [m/s]", "restitution ε", "duration", "compression / radius"]
+    show(out, title, table(names, by_speed))
+    if (depth >= SHALLOW).any():
+        out.print(
+            f"Contact laws are meant for compressions of less than {SHALLOW:.0%} of the smaller radius; "
+            f"a run ends at {_core.deepest_compression:.0%}.",
+            style="yellow",
+        )
     if usual:
         print_usual(out, made, usual)
+
+
+def part(depth: float) -> str:
+    """A compression over the radius; what is too deep is only known to be so."""
+    return digits(depth) if depth < _core.deepest_compression else f"≥ {digits(depth)}"
 
 
 def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
@@ -187,7 +220,7 @@ def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
     out.print(f"{sentence}: it assumes a contact that ends in attraction.")
 
 
-def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> dict[str, Any]:
+def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
     return {
         "law": {"name": made.law.record["name"], **made.law.parameters},
@@ -197,6 +230,7 @@ def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> di
         "speed": speeds,
         "restitution": made.restitution(speeds),
         "duration": made.duration(speeds),
+        "largest_compression": depth,
         "usual_formula": usual,
     }
 

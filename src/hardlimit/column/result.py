@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _core, html, validation
+from ..contact import SHALLOW
 from ..models import MODELS, Model
 from .scenario import Column
 
@@ -68,6 +70,12 @@ class Result:
         values["until"] = until
         values["options"] = options
         values["_core"] = core
+        if core.presses_by(SHALLOW):
+            part = f"{100.0 * result.largest_compression:.2g} % of the smaller radius"
+            warnings.warn(
+                f"a contact is compressed by {part}: contact laws are meant for less than {SHALLOW:.0%}",
+                stacklevel=3,
+            )
         return result
 
     @cached_property
@@ -144,10 +152,25 @@ class Result:
             return math.nan
         return _core.effective_restitution(velocity, self.column.impact_speed)
 
+    @cached_property
+    def largest_compression(self) -> float:
+        """Greatest compression of all contacts, over the smaller radius of the two bodies.
+
+        Contact laws describe small compressions: from 0.05 on a warning says so, and at 0.5 a run ends (see
+        :doc:`/limits`). NaN for instantaneous collisions.
+        """
+        return self._core.largest_compression()
+
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return str(_core.outcome_messages[self._core.outcome])
+        message = str(_core.outcome_messages[self._core.outcome])
+        pair = self._core.too_deep
+        if pair < 0:
+            return message
+        bodies = f"ball {pair} and ball {pair + 1}" if pair else "the floor and ball 1"
+        origin = "the first floor touch" if 0 in self._core.contacts()[0] else "release"
+        return f"{message} ({bodies}, {self._core.t_last:.6g} s after {origin})"
 
     @property
     def outcome_code(self) -> int:
@@ -156,13 +179,16 @@ class Result:
 
     @property
     def known_until(self) -> float:
-        """Time [s] up to which the motion is known: infinite unless the run was not resolved."""
-        resolved = _core.outcome_names[self.outcome_code] != "unresolved"
-        return math.inf if resolved else self._core.t_last
+        """Time [s] up to which the motion is known: infinite unless the run was not resolved or too deep."""
+        ended = _core.outcome_names[self.outcome_code] in ("unresolved", "too_deep")
+        return self._core.t_last if ended else math.inf
 
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
-        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest."""
+        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended.
+
+        NaN at rest, and where a contact became too deep.
+        """
         return _fixed(np.asarray(self._core.final_velocities()))
 
     @cached_property
@@ -286,6 +312,8 @@ class Result:
             start = min(0.0, stop)
         else:
             stop = float(marks.max(initial=0.0))
+            if self._core.too_deep >= 0:
+                stop = self._core.t_last
             start = float(marks.min(initial=0.0))
             margin = 0.05 * (stop - start)
             start, stop = max(start - margin, self._core.t_first), min(stop + margin, self.known_until)
@@ -295,7 +323,7 @@ class Result:
     def trajectory(self, times: ArrayLike | None = None) -> xr.Dataset:
         """Positions, velocities, contact forces and energies over time.
 
-        The attribute ``known_until`` is there if the run was not resolved.
+        The attribute ``known_until`` is there if the run was not resolved or too deep.
 
         Parameters
         ----------
@@ -428,6 +456,7 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("effective ε at t_f", result.effective_restitution),
             ("effective ε / ε at t_f", result.restitution_ratio),
         ]
+    found.append(("greatest compression / radius", result.largest_compression))
     for i in reversed(range(len(column.balls))):
         found.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):
