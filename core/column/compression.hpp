@@ -1,10 +1,11 @@
-// Bounds on the compression of the contacts of two balls on a floor, from energies alone: where they exclude one, nobody
-// has to look for it.
+// Bounds on the compression of the contacts of two balls on a floor, from energies alone: where they exclude one,
+// nobody has to look for it.
 //
 // As long as the floor contact is compressed by less than L1 and the pair by less than L2, kinetic energy and energy
 // stored in the contacts are together at most
 //   E = energy at release, heights being counted from where the contacts are compressed by L1 and L2.
-// It bounds the speed of the lower ball by c = √(2E/m1). With v2 the velocity of the upper ball and F12 the force on it,
+// It bounds the speed of the lower ball by c = √(2E/m1). With v2 the velocity of the upper ball and F12 the force on
+// it,
 //   m2 s²/2 = kinetic energy of the upper ball + energy stored in the pair
 // gains no more than ∫ F12 v1 dt and what the ball falls, since dashpots only take from it, and by momentum
 // ∫ F12 dt = m2 (v2 − v2(0) + g t). As v2 <= s,

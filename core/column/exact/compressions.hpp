@@ -33,8 +33,8 @@ public:
     explicit Compressions(const TwoBall& groups, double floor = exact::never, double pair = exact::never)
         : s(groups), limit{floor, pair} {}
 
-    // From a node over dt, or for good. A quarter of a piece holds no two turns of a gap. Steps grow where one closed form
-    // lasts longer than 4 pieces: by then a contact swings about where it will rest, or creeps there.
+    // From a node over dt, or for good. A quarter of a piece holds no two turns of a gap. Steps grow where one closed
+    // form lasts longer than 4 pieces: by then a contact swings about where it will rest, or creeps there.
     void look(const Node& n, double dt) {
         if (too_deep >= 0 || !(n.floor || n.pair)) return;
         const double least = 0.25 * exact::piece_length(s, n.floor, n.pair);
