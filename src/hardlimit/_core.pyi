@@ -72,6 +72,8 @@ def model_records() -> list:
     The models of a column in the order of their numbers: name, labels, limits.
     """
 
+deepest_compression: float = 0.5
+
 class Column:
     """A column of balls in SI units."""
 
@@ -109,6 +111,13 @@ class Solution:
 
     @property
     def energy_error(self) -> float: ...
+
+    @property
+    def too_deep(self) -> int: ...
+
+    def largest_compression(self) -> float: ...
+
+    def presses_by(self, part: float) -> bool: ...
 
     def contacts(self) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
 
