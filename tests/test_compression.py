@@ -100,7 +100,11 @@ def at_limit(column: hl.Column, solve) -> tuple[hl.Column, hl.Column]:
 
 
 @draws(30)
-@given(columns(least=2, most=2, law=st.floats(0.1, 1.0).map(lambda e: hl.LinearDashpot(stiffness=1e4, restitution=e))))
+@given(
+    columns(
+        least=2, most=2, law=st.floats(0.1, 1.0).map(lambda e: hl.LinearDashpot(stiffness=1e4, restitution=e))
+    )
+)
 def test_both_solvers_end_at_the_limit(column: hl.Column) -> None:
     above, below = at_limit(column, hl.newton)
     for method in ("exact", "general"):
@@ -223,7 +227,9 @@ def test_pairs_that_meet_too_hard_before_the_floor() -> None:
 
 def test_cradles_end_as_well() -> None:
     balls = [hl.Ball(0.01, mass=0.1)] * 3
-    result = hl.newton(hl.Column.cradle(balls, [3.0, 0.0, 0.0], hl.LinearDashpot(stiffness=100.0, restitution=1.0)))
+    result = hl.newton(
+        hl.Column.cradle(balls, [3.0, 0.0, 0.0], hl.LinearDashpot(stiffness=100.0, restitution=1.0))
+    )
     assert result.outcome_code == TOO_DEEP and "ball 1 and ball 2" in result.outcome
 
 
@@ -339,8 +345,12 @@ def test_one_contact_on_the_command_line() -> None:
     elastic = math.sqrt(0.01 / 1e4) / 0.01
     assert code == 0
     assert json.loads(text)["largest_compression"] == pytest.approx([elastic], rel=1e-9)
-    code, text = run(*arguments, "--restitution", "1", "--other-radius", "5mm", "--other-mass", "10g", "--json")
-    assert json.loads(text)["largest_compression"] == pytest.approx([math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9)
+    code, text = run(
+        *arguments, "--restitution", "1", "--other-radius", "5mm", "--other-mass", "10g", "--json"
+    )
+    assert json.loads(text)["largest_compression"] == pytest.approx(
+        [math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9
+    )
     code, text = run(*arguments, "--restitution", "1", "--speed", "100")
     assert code == 0 and "≥ 0.5" in text and "less than 5%" in text
 
@@ -386,7 +396,7 @@ def test_energies_are_functions_of_the_state(column: hl.Column) -> None:
         results.append(hl.newton(column))
     seen = []
     for result in results:
-        pair, begin, end = result.contact_times
+        _, begin, end = result.contact_times
         last = result._core.t_last
         marks = np.concatenate([begin, end])
         marks = marks[np.isfinite(marks)][:40]
@@ -397,12 +407,16 @@ def test_energies_are_functions_of_the_state(column: hl.Column) -> None:
         path = result.trajectory(times)
         z = path.position.values
         radii = np.array([ball.radius for ball in column.balls])
-        total = (path.kinetic_energy + path.potential_energy + path.contact_energy + path.dissipated_energy).values
+        total = (
+            path.kinetic_energy + path.potential_energy + path.contact_energy + path.dissipated_energy
+        ).values
         scale = total[0]
         assert np.allclose(total, scale, rtol=0.0, atol=1e-9 * scale)
         assert np.diff(path.dissipated_energy.values).min(initial=0.0) >= -1e-11 * scale
         depth = np.column_stack([radii[0] - z[:, 0], radii[1:] + radii[:-1] - np.diff(z, axis=1)])
-        stored = sum(contact.energy(np.maximum(depth[:, j], 0.0)) for j, contact in enumerate(column.contacts))
+        stored = sum(
+            contact.energy(np.maximum(depth[:, j], 0.0)) for j, contact in enumerate(column.contacts)
+        )
         assert np.allclose(path.contact_energy.values, stored, rtol=1e-5, atol=1e-9 * scale)
         for t in marks:
             if not result._core.t_first < t < last:

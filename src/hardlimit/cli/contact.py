@@ -190,7 +190,9 @@ def print_report(
         [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), part(d)]
         for v, d in zip(speeds, depth, strict=True)
     ]
-    title = "Over the speed of impact" if depends_on_speed(made) else "At any speed, the compression at this one"
+    title = (
+        "Over the speed of impact" if depends_on_speed(made) else "At any speed, the compression at this one"
+    )
     names = ["speed [m/s]", "restitution ε", "duration", "compression / radius"]
     show(out, title, table(names, by_speed))
     if (depth >= SHALLOW).any():
