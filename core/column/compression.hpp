@@ -23,6 +23,7 @@ struct CompressionBound {
     double floor, pair;                // L1, L2 [m]
     double floor_energy, pair_energy;  // stored at L1 and L2 [J]
     bool coupled;                      // the lower ball feels the upper one
+    double stored = 0.0;               // in the contacts at release [J]
 
     // Of compressions by `part` of the smaller radius.
     template <class Law>
@@ -47,7 +48,7 @@ struct CompressionBound {
     // g t [m/s], t being the time since release, up to which both compressions are excluded if the pair was released
     // with this gap; −∞: they are not, ∞: for good.
     HL_FN double excluded_until(double gap) const {
-        const double e = 0.5 * (m1 * (v1 * v1) + m2 * (v2 * v2)) +
+        const double e = stored + 0.5 * (m1 * (v1 * v1) + m2 * (v2 * v2)) +
                          gravity * (m1 * (height + floor) + m2 * (height + gap + floor + pair));
         if (!(floor_energy > e)) return -math::infinity;
         if (coupled && pair_energy > e) return math::infinity;

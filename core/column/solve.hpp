@@ -73,17 +73,17 @@ public:
         drop::Compressions all(drop_.start.groups);
         const std::vector<Node>& nodes = drop_.nodes;
         for (std::size_t i = 0; i + 1 < nodes.size(); ++i) all.look(nodes[i], nodes[i + 1].t - nodes[i].t);
-        if (sequence.outcome == Outcome::at_rest && !timed_) all.look(nodes.back(), exact::never);
+        if (rests()) all.look(nodes.back(), exact::never);
         const double metre = drop_.start.per_metre;
         return math::max(all.greatest[0] / (smaller_radius(*column_, 0) * metre),
                          all.greatest[1] / (smaller_radius(*column_, 1) * metre));
     }
     bool presses_by(double part) const override {
         if (drop_.nodes.empty()) return false;
-        const bool lasts = sequence.outcome == Outcome::at_rest && !timed_;
         const CompressionBound bound = drop::bound_of(*column_, coupling_, part);
-        const DropBound sure = drop::bound_of(bound, drop_.start, column_->gaps[1]);
-        return !sure.holds(lasts ? math::infinity : last) && Solution::presses_by(part);
+        const bool sure = drop::bound_of(bound, drop_.start, column_->gaps[1]).holds(last);
+        if (sure && (!rests() || drop::settles(*column_, drop_, bound))) return false;
+        return Solution::presses_by(part);
     }
     std::vector<double> knots() const override {
         std::vector<double> times;
@@ -100,6 +100,8 @@ private:
         nullptr};  // up to each node; null: not asked for yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
+    // Contacts last for good after the last node.
+    bool rests() const { return sequence.outcome == Outcome::at_rest && !timed_; }
 };
 
 inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {

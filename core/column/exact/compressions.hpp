@@ -46,6 +46,8 @@ public:
             double first = next;
             if (n.floor) compare(0, n, t, next, {from.u, from.du}, {to.u, to.du}, first);
             if (n.pair) compare(1, n, t, next, {from.w, from.dw}, {to.w, to.dw}, first);
+            const bool still = same(from.u, to.u) && same(from.w, to.w) && n.floor && n.pair;
+            if (still && t > 64.0 * least) break;  // at rest
             t = next;
             from = to;
         }
@@ -58,6 +60,7 @@ private:
     TwoBall s;
     double limit[2];
 
+    static bool same(double a, double b) { return math::abs(a - b) <= 4.0 * math::epsilon * math::abs(a); }
     Gap of(int j, const Node& n, double t) const {
         const Gaps x = state_at(s, n, t);
         return j == 0 ? Gap{x.u, x.du} : Gap{x.w, x.dw};

@@ -204,7 +204,8 @@ inline Sequence sequence_of(const Start& s, const CompressionBound& bound, doubl
     if (sure.holds(0.0)) {
         NoRecorder none{stop};
         const Sequence q = run_two_ball(s.groups, s.first, s.t, span, none);
-        if (sure.holds(lasts(q, none.last, span) / s.units.rate)) return q;
+        const bool given_up = stop && stop->stopped();
+        if (given_up || sure.holds(lasts(q, none.last, span) / s.units.rate)) return q;
     }
     Recorder record{.keep_nodes = false, .stop = stop};
     Compressions watch(s.groups);
@@ -223,6 +224,22 @@ inline Start start_drop(const LinearColumn& c, Coupling coupling) {
 inline double scaled_span(double until, const Units& units) {
     return math::is_nan(until) ? -math::infinity : math::min(until * units.rate, 0x1p52);
 }
+
+namespace drop {
+
+// Whether the energies at the last node exclude the compressions of a bound from there on.
+inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound) {
+    const Units& units = d.start.units;
+    const Gaps& x = d.nodes.back().x;
+    const double metre = units.speed / units.rate;
+    bound.height = x.u * metre;
+    bound.v1 = x.du * units.speed;
+    bound.v2 = (x.du + x.dw) * units.speed;
+    bound.stored = mechanical_energy(c, units, x).stored;
+    return bound.excluded_until(x.w * metre) == math::infinity;
+}
+
+}  // namespace drop
 
 // Nothing but the sequence, in SI units.
 inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until, Stop* stop) {
@@ -256,7 +273,8 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, b
     if (shallow) {
         restart();
         d.sequence = run_two_ball(start.groups, start.first, start.t, span, record);
-        shallow = sure.holds(drop::lasts(d.sequence, record.last.t, span) / units.rate);
+        const double end = drop::lasts(d.sequence, record.last.t, span) / units.rate;
+        shallow = sure.holds(end) || (stop && stop->stopped());
     }
     if (!shallow) {
         restart();
