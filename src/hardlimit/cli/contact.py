@@ -197,8 +197,8 @@ def print_report(
     show(out, title, table(names, by_speed))
     if (depth >= SHALLOW).any():
         out.print(
-            f"Contact laws are meant for compressions of less than {SHALLOW:.0%} of the smaller radius; "
-            f"a run ends at {_core.deepest_compression:.0%}.",
+            f"Contact laws are meant for compressions of less than {100.0 * SHALLOW:g} % of the smaller radius; "
+            f"a run ends at {100.0 * _core.deepest_compression:g} %.",
             style="yellow",
         )
     if usual:

@@ -62,8 +62,8 @@ def depth_line(result: Result) -> str:
         return ""
     if result._core.too_deep < 0:
         return (
-            f"A contact is compressed by {100.0 * deepest:.2g} % of the smaller radius: "
-            f"contact laws are meant for less than {SHALLOW:.0%}."
+            f"A contact is compressed by {100.0 * deepest:.3g} % of the smaller radius: "
+            f"contact laws are meant for less than {100.0 * SHALLOW:g} %."
         )
     return f"{result.outcome[0].upper()}{result.outcome[1:]}.{stiff_enough(result)}"
 

@@ -71,9 +71,9 @@ class Result:
         values["options"] = options
         values["_core"] = core
         if core.presses_by(SHALLOW):
-            part = f"{100.0 * result.largest_compression:.2g} % of the smaller radius"
+            part = f"{100.0 * result.largest_compression:.3g} % of the smaller radius"
             warnings.warn(
-                f"a contact is compressed by {part}: contact laws are meant for less than {SHALLOW:.0%}",
+                f"a contact is compressed by {part}: contact laws are meant for less than {100.0 * SHALLOW:g} %",
                 stacklevel=3,
             )
         return result
