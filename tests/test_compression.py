@@ -331,6 +331,8 @@ def test_the_command_says_what_would_do() -> None:
     assert hl.newton(paper(1e5)).outcome_code == 0
     code, text = run("drop", "--stiffness", "1e5")
     assert code == 0 and "A contact is compressed by 15.8 % of the smaller radius" in " ".join(text.split())
+    code, text = run("stack", "--balls", "2", "--stiffness", "1")
+    assert code == 2 and "law: got LinearDashpot(stiffness=1.0, restitution=0.7), must be stiffer" in text
     code, text = run("drop")
     assert code == 0 and "compressed by" not in text
 
@@ -373,6 +375,14 @@ def test_a_stack_that_is_too_soft() -> None:
     law = hl.LinearDashpot(stiffness=1.0, restitution=0.9)
     with pytest.raises(ValueError, match=r"law: got LinearDashpot.*must be stiffer: too deep"):
         hl.stack(2, law, bottom_mass=0.6)
+    with pytest.warns(UserWarning, match="a contact is compressed by 28.2 %") as told:
+        soft = hl.stack(2, law.replace(stiffness=3e3), bottom_mass=0.6)
+    assert len(told) == 1 and told[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert soft.speed_under("newton") == soft.speed
+    code, text = run("stack", "--balls", "2", "--stiffness", "3e3", "--bottom-mass", "0.6")
+    assert code == 0 and text.count("hardlimit: a contact is compressed by") <= 1
 
 
 def test_an_oblique_drop_that_is_too_soft() -> None:

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import validation
 from .bodies import Ball
-from .column.result import Result
+from .column.result import Result, stretched
 from .column.scenario import Column
 from .column.solvers import TOLERANCE, independent, newton
-from .contact import Law
+from .contact import SHALLOW, Law
 from .descent import Domain, descend
 from .progress import Report, reporter
 
@@ -256,13 +256,14 @@ def stack(
         validation.numbers("density", density, count, lowest=0.0),
         validation.number("impact_speed", impact_speed, 0.0),
     )
-    with reporter(progress, "stack", "searches") as report, warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # masses that are tried
+    with reporter(progress, "stack", "searches") as report:
         logarithms = search.best(report)
     column = search.column(logarithms)
     found = _long_after(column, model)
     if found._core.too_deep >= 0:
         raise ValueError(f"law: got {validation.shown(law)}, must be stiffer: {found.outcome}")
+    if found.largest_compression >= SHALLOW:
+        warnings.warn(stretched(found), stacklevel=2)
     return Stack(column, model, _speed_of_top(found))
 
 
@@ -274,14 +275,17 @@ def _limits(given: Any) -> tuple[float, float]:
 
 
 def _long_after(column: Column, model: str, tolerance: float = TOLERANCE) -> Result:
-    """The stack long after all that happens.
+    """The stack long after all that happens; in silence, since the stack that is found has told of its compression.
 
     A sequence would end when the floor is met again, which may be before the push has come to the top.
     """
     speed = column.impact_speed
     contact = float(column.contacts[0].duration(speed))
     until = LATER * (contact + sum(column.gaps) / speed)
-    return newton(column, until, tolerance=tolerance) if model == "newton" else independent(column, until)
+    if model == "independent":
+        return independent(column, until)
+    with warnings.catch_warnings(action="ignore", category=UserWarning):
+        return newton(column, until, tolerance=tolerance)
 
 
 def _speed_of_top(result: Result) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from .. import saving
 from ..column import files
 from ..column.comparison import Comparison
-from ..column.result import Result
+from ..column.result import Result, stretched
 from ..column.scenario import Column
 from ..column.solvers import newton
 from ..contact import SHALLOW, Law, law_parameters
@@ -61,10 +61,8 @@ def depth_line(result: Result) -> str:
     if not deepest >= SHALLOW:
         return ""
     if result._core.too_deep < 0:
-        return (
-            f"A contact is compressed by {100.0 * deepest:.3g} % of the smaller radius: "
-            f"contact laws are meant for less than {100.0 * SHALLOW:g} %."
-        )
+        text = stretched(result)
+        return f"{text[0].upper()}{text[1:]}."
     return f"{result.outcome[0].upper()}{result.outcome[1:]}.{stiff_enough(result)}"
 
 

@@ -6,6 +6,7 @@ import contextlib
 import io
 import os
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TextIO
@@ -34,7 +35,9 @@ class Program(click.Group):
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="replace")  # Greek letters and signs on a terminal without them
-        code = ended(run)
+        with warnings.catch_warnings():
+            warnings.showwarning = warned
+            code = ended(run)
         for stream in (sys.stdout, sys.stderr):
             give_up_if_full(stream)
         sys.exit(code)
@@ -82,6 +85,11 @@ def ended(run: Callable[[], Any]) -> int:
         complain(f"hardlimit: {reason(error)}")
         return FAILURE
     return code if isinstance(code, int) else 0
+
+
+def warned(message: Warning | str, *_: Any, **__: Any) -> None:
+    """A warning of the package as one line, without the place in the code."""
+    complain(f"hardlimit: {message}")
 
 
 def complain(message: str) -> None:

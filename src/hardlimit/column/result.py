@@ -71,11 +71,7 @@ class Result:
         values["options"] = options
         values["_core"] = core
         if core.presses_by(SHALLOW):
-            part = f"{100.0 * result.largest_compression:.3g} % of the smaller radius"
-            warnings.warn(
-                f"a contact is compressed by {part}: contact laws are meant for less than {100.0 * SHALLOW:g} %",
-                stacklevel=3,
-            )
+            warnings.warn(stretched(result), stacklevel=3)
         return result
 
     @cached_property
@@ -439,6 +435,12 @@ def _fixed(array: NDArray[Any]) -> NDArray[Any]:
     """The array, read-only: a result remembers it."""
     array.flags.writeable = False
     return array
+
+
+def stretched(result: Result) -> str:
+    """What a warning says of contacts that are compressed by ``SHALLOW`` and more."""
+    part = f"{100.0 * result.largest_compression:.3g} % of the smaller radius"
+    return f"a contact is compressed by {part}: contact laws are meant for less than {100.0 * SHALLOW:g} %"
 
 
 def quantities(result: Result) -> list[tuple[str, float]]:
