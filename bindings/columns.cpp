@@ -212,7 +212,6 @@ nb::list model_records() {
 void bind_columns(nb::module_& m) {
     m.def("model_records", &model_records,
           "The models of a column in the order of their numbers: name, labels, limits.");
-    m.attr("deepest_compression") = hl::deepest_compression;
     nb::class_<Column>(m, "Column", "A column of balls in SI units.");
     m.def("make_column", &make_column, "floor"_a, "gravity"_a, "mass"_a, "radius"_a, "contacts"_a, "gaps"_a,
           "velocity"_a);

@@ -8,6 +8,7 @@
 #include "../core/contact/powers.hpp"
 #include "arrays.hpp"
 #include "contact.hpp"
+#include "particles/planar_contact.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -152,6 +153,20 @@ void bind_contacts(nb::module_& m) {
                 return std::visit(
                     [&](const auto& law) {
                         return map(speed, [&](double v) { return law.duration(v, c.pair.effective_mass); });
+                    },
+                    c.law);
+            },
+            "speed"_a)
+        .def(
+            "compression",
+            [](const Contact& c, In speed) {
+                return std::visit(
+                    [&](const auto& law) {
+                        return map(speed, [&](double v) {
+                            const double mass = c.pair.effective_mass;
+                            return hl::particles::solve_planar_contact(law, {mass, hl::math::infinity, v})
+                                .greatest;
+                        });
                     },
                     c.law);
             },

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "contact/law.hpp"
 #include "math.hpp"
 #include "outcome.hpp"
 
@@ -54,6 +55,7 @@ NB_MODULE(_core, m) {
     }
     m.attr("outcome_names") = nb::tuple(names);
     m.attr("outcome_messages") = nb::tuple(messages);
+    m.attr("deepest_compression") = hl::deepest_compression;
     bind_contacts(m);
     bind_math(m);
     bind_columns(m);

@@ -140,7 +140,8 @@ inline auto rows(const Numbers& three, int dimension) {
 template <class Engine>
 EarlyEnd early_end(const Engine& engine) {
     if (engine.outcome() == Outcome::ok) return {};
-    return std::tuple(engine.time(), engine.ended_by(), std::optional<i64>());
+    const i64 wall = engine.ended_at_wall();
+    return std::tuple(engine.time(), engine.ended_by(), wall < 0 ? std::optional(wall) : std::nullopt);
 }
 
 // Contacts as begin, end, first, second, impact_speed, separation_speed, overlapped.

@@ -20,7 +20,7 @@ namespace {
 // A survey under a law that is not named.
 struct Seen {
     Numbers position, velocity;
-    double kinetic, potential, contact, dissipated, momentum[3], virial;
+    double kinetic, potential, contact, dissipated, momentum[3], virial, largest_compression;
     std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
     std::vector<hp::ContactRow> open;
 };
@@ -37,6 +37,7 @@ public:
     virtual std::uint64_t contacts_logged() const = 0;
     virtual hl::Outcome outcome() const = 0;
     virtual std::vector<hl::i64> ended_by() const = 0;
+    virtual hl::i64 ended_at_wall() const = 0;
     virtual int largest_cluster() const = 0;
     virtual double cluster_share() const = 0;
     virtual Seen survey() const = 0;
@@ -61,6 +62,7 @@ public:
     std::uint64_t contacts_logged() const override { return run_.contacts_logged(); }
     hl::Outcome outcome() const override { return run_.outcome(); }
     std::vector<hl::i64> ended_by() const override { return run_.ended_by(); }
+    hl::i64 ended_at_wall() const override { return run_.ended_at_wall(); }
     int largest_cluster() const override { return run_.largest_cluster(); }
     double cluster_share() const override { return run_.cluster_share(); }
     Seen survey() const override {
@@ -73,6 +75,7 @@ public:
                 s.dissipated,
                 {s.momentum[0], s.momentum[1], s.momentum[2]},
                 s.virial,
+                s.largest_compression,
                 s.in_contact,
                 s.begun,
                 s.begun_pairs,
@@ -126,7 +129,7 @@ public:
     const BoxSetting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonEvents 7";
+    static constexpr const char* mark = "NewtonEvents 8";
     BoxSetting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -150,6 +153,7 @@ nb::dict observe(const NewtonEvents& run) {
     d["momentum"] = make_array(Numbers(seen.momentum, seen.momentum + axes), {axes});
     d["virial"] = seen.virial;
     d["kinetic_integral"] = nb::none();
+    d["largest_compression"] = seen.largest_compression;
     d["n_in_contact"] = seen.in_contact;
     d["n_contacts"] = seen.begun;
     d["n_pairs"] = seen.begun_pairs;

@@ -1,10 +1,13 @@
 // Binding of the engine that takes small steps: arrays in and out, the threads run with the interpreter unlocked.
 #include "particles/newton_steps.hpp"
+#include "particles/steps/isolated.hpp"
 
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 
 #include <memory>
 #include <string>
+#include <tuple>
 #include <variant>
 
 #include "newton_boxes.hpp"
@@ -41,6 +44,8 @@ public:
     virtual double skin() const = 0;
     virtual hl::Outcome outcome() const = 0;
     virtual std::vector<hl::i64> ended_by() const = 0;
+    virtual hl::i64 ended_at_wall() const = 0;
+    virtual double largest_compression() const = 0;
     virtual const steps::ContactLog& log() const = 0;
     virtual void state(double* position, double* velocity) const = 0;
     virtual hp::StepsObservables observe() const = 0;
@@ -84,6 +89,8 @@ public:
     double skin() const override { return steps_.skin(); }
     hl::Outcome outcome() const override { return steps_.outcome(); }
     std::vector<hl::i64> ended_by() const override { return steps_.ended_by(); }
+    hl::i64 ended_at_wall() const override { return steps_.ended_at_wall(); }
+    double largest_compression() const override { return steps_.largest_compression(); }
     const steps::ContactLog& log() const override { return steps_.log(); }
     void state(double* position, double* velocity) const override { steps_.state(position, velocity); }
     hp::StepsObservables observe() const override { return steps_.observe(); }
@@ -127,7 +134,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonSteps 3";
+    static constexpr const char* mark = "NewtonSteps 5";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 
@@ -152,6 +159,7 @@ nb::dict observe(const NewtonSteps& run) {
     d["momentum"] = make_array(Numbers(seen.momentum, seen.momentum + axes), {axes});
     d["virial"] = seen.virial;
     d["kinetic_integral"] = nb::none();
+    d["largest_compression"] = run.engine().largest_compression();
     d["n_in_contact"] = seen.in_contact;
     const steps::ContactLog& log = run.engine().log();
     d["n_contacts"] = log.begun();
@@ -213,16 +221,20 @@ void bind_newton_steps(nb::module_& m) {
     bind_engine(m);
     using hl::bindings::Contact;
     m.def(
-        "restitution_error",
+        "step_errors",
         [](const Contact& c, double speed, double time_step) {
             return std::visit(
                 [&](const auto& law) {
-                    return steps::restitution_error(law, c.pair.effective_mass, speed, time_step);
+                    const steps::ContactErrors found =
+                        steps::contact_errors(law, c.pair.effective_mass, speed, time_step);
+                    return std::tuple(found.restitution, found.energy, found.position);
                 },
                 c.law);
         },
         "contact"_a, "speed"_a, "time_step"_a,
-        "The largest error of the coefficient of restitution that steps make; NaN where a contact does not end.");
+        "The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the "
+        "energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. "
+        "Infinite where a contact does not end.");
     m.def(
         "longest_step",
         [](const Contact& c, double speed, double error) {
@@ -232,6 +244,5 @@ void bind_newton_steps(nb::module_& m) {
                 },
                 c.law);
         },
-        "contact"_a, "speed"_a, "error"_a,
-        "The longest time step whose error of the restitution is at most `error`.");
+        "contact"_a, "speed"_a, "error"_a, "The longest time step whose `step_errors` are at most `error`.");
 }

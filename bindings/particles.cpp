@@ -325,6 +325,7 @@ nb::dict observe(const HardSpheres& h) {
     seen["dissipated_energy"] = o.dissipated_energy;
     seen["virial"] = o.virial;
     seen["kinetic_integral"] = o.kinetic_integral;
+    seen["largest_compression"] = e.largest_compression();
     return seen;
 }
 
@@ -358,6 +359,7 @@ void bind_particles(nb::module_& m) {
              "To `until` [s] or to the instant of row number `max_rows` of the log (0: no limit). "
              "progress(time, rows) is called about every 0.1 s.")
         .def_prop_ro("time", [](const HardSpheres& h) { return h.engine().time(); })
+        .def_prop_ro("n_events", [](const HardSpheres& h) { return h.engine().events(); })
         .def_prop_ro("n_rows",
                      [](const HardSpheres& h) {
                          const box::Counts c = h.engine().counts();

@@ -292,7 +292,7 @@ def test_soft_contacts_are_counted_and_resumed(tmp_path):
 @pytest.mark.parametrize("away", [0, 1])
 def test_a_body_that_just_reaches_a_ceiling(speed, away):
     """Drawn back, its parabola lies in the wall and leads on into it: the wall is not met again before t_c."""
-    radius, law = 1e-4, hl.LinearDashpot(stiffness=1e6, damping=10.0)
+    radius, law = 1e-4, hl.LinearDashpot(stiffness=1e8, damping=100.0)
     height, down = 8e-4, 3.5 * (1 if away else -1)
     start = radius if away else height - radius  # gravity leads away from the wall that it touches
     system = hl.ParticleSystem(
@@ -320,8 +320,8 @@ def test_a_body_that_just_reaches_a_ceiling(speed, away):
 
 
 def test_what_the_soft_rule_cannot_describe_ends_the_run():
-    """A contact that goes through the centre; a body at rest on a floor."""
-    radius, law = 1e-3, hl.LinearDashpot(stiffness=1e6, damping=10.0)
+    """A contact deeper than any law describes."""
+    radius, law = 1e-3, hl.LinearDashpot(stiffness=1.4e11, damping=10.0)
     heavy = hl.ParticleSystem(
         positions=[[0.005, 0.01], [0.01, 0.01]],
         velocities=[[10.0, 0.0], [0.0, 0.0]],
@@ -329,10 +329,11 @@ def test_what_the_soft_rule_cannot_describe_ends_the_run():
         mass=1e3,
         box=[0.02] * 2,
     )
-    through = hl.event_driven(heavy, law=law, rule="soft", until=1.0)
-    assert through.outcome_name == "invalid" and "too soft" in through.outcome
+    through = hl.event_driven(heavy, law=law, rule="soft", until=1.0, log=True)
+    assert through.outcome_name == "too_deep" and "half of the smaller radius" in through.outcome
+    assert through.largest_compression == pytest.approx(0.6, rel=0.01) and len(through.collisions.time) == 1
     assert through.early_end == EarlyEnd(through.time, tuple(through.system.positions[0]), (0, 1), None)
-    assert "particles 0 and 1 at 0.0003 s, near (0.008, 0.01) m" in through.outcome
+    assert "of particles 0 and 1 at 0.0003 s, near (0.008, 0.01) m" in through.outcome
     assert np.isfinite(through.system.positions).all() and through.time == pytest.approx(0.003 / 10.0)
 
 
@@ -364,6 +365,72 @@ def test_every_early_end_says_when_where_and_with_whom(tmp_path, height, damping
     assert run.early_end.time == pytest.approx(fall)
     again = hl.resume(path, until=2.0)
     assert (again.outcome, again.early_end) == (run.outcome, run.early_end)
+
+
+#: Rules of a body that has nowhere to go, with the contact law under which Newton's equations go on.
+NOWHERE = {
+    "elastic": {"restitution": 1.0},
+    "constant": {"restitution": 0.5},
+    "nearly elastic": {"restitution": 0.999},
+    "tc": {"restitution": 0.5, "rule": "tc", "contact_duration": 1e-3},
+    "law": {"law": LAW},
+    **{
+        f"soft, {type(law).__name__}": {"law": law, "rule": "soft"}
+        for law in (
+            hl.LinearDashpot(stiffness=3.8e6, restitution=0.5),
+            hl.Tsuji(elastic_prefactor=1e6, restitution=0.5),
+            hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.5, impact_speed=1.0),
+        )
+    },
+}
+MOST_AT_ONCE = 13_000
+
+
+@pytest.mark.parametrize("rule", NOWHERE)
+@pytest.mark.parametrize(
+    ("fitting", "speed", "gravity"),
+    [(1, 1.0, 0.0), (1, 1e-165, 9.81), (2, 0.0, 9.81), (2, 1e-165, 0.0), (3, 1e-320, 9.81), (3, 1.0, 0.0)],
+)
+def test_bodies_that_fit_exactly_between_walls_end_or_go_on(rule, fitting, speed, gravity):
+    """A chain from wall to wall without any room; the first moves. Whatever comes out is bounded and has a name."""
+    radius, settings = 0.25, NOWHERE[rule]
+    system = hl.ParticleSystem(
+        [[3.0, radius * (2 * k + 1)] for k in range(fitting)], [[0.5, speed]] + [[0.5, 0.0]] * (fitting - 1),
+        radius, mass=1.0, box=[6.0, 2.0 * radius * fitting], boundary="wall", gravity=gravity,
+    )  # fmt: skip
+    run = hl.event_driven(system, until=5.0, log=True, **settings)
+    assert run.outcome_name in ("ok", "collapse", "at_rest") and run.n_collisions <= MOST_AT_ONCE
+    assert len(run.collisions.time) == run.n_collisions and np.isfinite(run.system.velocities).all()
+    if run.outcome_name != "ok":
+        assert run.early_end.wall in (-3, -4) or len(run.early_end.particles) == 2
+        assert "molecular_dynamics goes on" in run.outcome and run.early_end.who() in run.outcome
+        assert rule in ("constant", "nearly elastic", "law") or "the rule tc" not in run.outcome
+    if gravity and speed == 0.0:
+        assert run.outcome_name == "at_rest" and run.early_end == EarlyEnd(0.0, (3.0, radius), (0,), -3)
+
+
+@pytest.mark.parametrize("engine", ["events", "steps"])
+@pytest.mark.parametrize("speed", [0.0, 1e-320, 1e-165, 1.0])
+def test_newton_goes_on_where_there_is_no_room(engine, speed):
+    """What the message says; here crashed the table of contacts, whose index was not a number."""
+    system = hl.ParticleSystem(
+        [[1.0, 3.0]], [[speed, 1.0]], 1.0, mass=1.0, box=[2.0, 6.0], boundary="wall", gravity=[0.0, -0.1]
+    )
+    law = NOWHERE["soft, LinearDashpot"]["law"]
+    run = hl.molecular_dynamics(system, law=law, until=0.5, engine=engine)
+    assert run.outcome == "ok" and run.time == 0.5 and np.isfinite(run.system.positions).all()
+    assert abs(run.system.velocities[0, 0]) <= speed and run.system.velocities[0, 1] == pytest.approx(0.95)
+
+
+def test_a_ceiling_reached_without_speed_holds_nobody():
+    """Gravity leads away from it: no contact, whose speed would be zero, and no rest."""
+    system = hl.ParticleSystem(
+        [[1.0, 1.0]], [[0.0, 1.0]], 0.5, mass=1.0, box=[2.0, 2.0], boundary="wall", gravity=1.0
+    )
+    for settings in (NOWHERE["elastic"], NOWHERE["constant"], NOWHERE["soft, LinearDashpot"]):
+        run = hl.event_driven(system, until=1.5, log=True, **settings)
+        assert run.outcome == "ok" and run.n_collisions == 1 and run.collisions.impact_speed.values == 0.0
+        assert run.system.positions[0, 1] == 1.375 and run.system.velocities[0, 1] == -0.5
 
 
 def test_who_ends_early_in_words():

@@ -525,7 +525,10 @@ REFUSED = {
     "system: the function made 1": {"system": lambda seed: seed + 1},
     "system: got <function": {"system": lambda seed: gas(seed), "replicas": 2, "workers": 2},
     "system: replicas 0 and 1 start the same": {"system": lambda seed: gas(3), "replicas": 2},
-    "box: got": {"system": hl.ParticleSystem([[0, 0], [2e-3, 2e-3]], np.zeros((2, 2)), 1e-3, 1.0, box=4.1e-3)},
+    "box: got": {
+        "system": hl.ParticleSystem([[0, 0], [2e-3, 2e-3]], np.zeros((2, 2)), 1e-3, 1.0, box=4.1e-3),
+        "engine": "events",
+    },
 }  # fmt: skip
 
 

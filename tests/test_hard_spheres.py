@@ -362,7 +362,10 @@ def test_size_ratio_of_a_hundred() -> None:
 )
 def test_restitution_follows_the_law(law: tuple) -> None:
     contact = _core.make_contact(*law, 0.5, 0.25)
-    for speed in np.geomspace(1e-6, 1e3, 60):
+    speeds = np.geomspace(1e-6, 1e3, 60)
+    speeds = speeds[contact.compression(speeds) < 0.2]  # less than a law describes
+    assert len(speeds) > 40
+    for speed in speeds:
         run = engine([[1.0, 1.0], [3.0, 1.0]], [[speed, 0.0], [0.0, 0.0]], box=9.0, rule="law", law=law)
         run.advance(math.inf, 1)
         after = run.state()[1][:, 0]

@@ -298,7 +298,7 @@ def test_what_is_refused() -> None:
     for normal, tangential in [(0.0, 1.0), (-1.0, 0.0), (math.nan, 1.0), (1.0, math.nan), (math.inf, 0.0)]:
         end = _core.planar_contact(contact, 1.0, normal, tangential)
         assert end["outcome"] == "invalid" and math.isnan(end["duration"]) and math.isnan(end["normal_shift"])
-    assert _core.planar_contact(contact, 1.0, 2.0 * (1.0 + 1e-12), 0.0)["outcome"] == "invalid"
+    assert _core.planar_contact(contact, 1.0, 2.0 * (1.0 + 1e-12), 0.0)["outcome"] == "too_deep"
     end = _core.planar_contact(contact, 1.0, 2.0 * (1.0 - 1e-12), 0.0)
     assert end["outcome"] == "ok" and end["duration"] == pytest.approx(math.pi / 4.0, rel=1e-14)
     with pytest.raises(ValueError, match=r"^times: "):

@@ -8,7 +8,7 @@
 
 namespace hardlimit::particles {
 
-inline constexpr char archive_mark[16] = "hardlimit box 3";
+inline constexpr char archive_mark[16] = "hardlimit box 4";
 
 // FNV-1a over words of eight bytes: tells a damaged file from a whole one.
 HL_FN u64 checksum(const char* data, std::size_t n) {

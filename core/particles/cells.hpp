@@ -86,7 +86,7 @@ public:
         const Grid<d>& g = grids_[level];
         Place<d> p;
         for (int k = 0; k < d; ++k)
-            p[k] = std::clamp(static_cast<int>(position[k] / g.edge[k]), 0, g.cells[k] - 1);
+            p[k] = static_cast<int>(math::clamp(position[k] / g.edge[k], 0.0, g.cells[k] - 1.0));
         return p;
     }
 

@@ -10,6 +10,7 @@
 // Events of a pair, each with the function that falls to zero there (d = depth of the law's slack at this rate):
 //   open → closed      −ξ                           slack → open      ξ
 //   closed → slack     s − max(d, 0)^{1/p}          slack → closed    −(ξ − d)      (a new contact)
+// A closed pair that reaches the largest compression of its law (deepest_compression) ends the run of the cluster.
 // Under a linear law a step is a series instead (cluster_linear.hpp), and these events are zeros of polynomials.
 //
 // A slack pair overlaps without force. A pair that has just been put on a surface is `fresh`: what vanishes there
@@ -53,11 +54,18 @@ struct Touching {
     bool fresh = false;       // has just been put on a surface
     bool rooted = false;      // s is integrated
     bool overlapped = false;  // shared a body with another contact while it lasted
-    bool scaled = false;      // s_unit and depth_unit are known
-    double s = 0.0;           // where rooted
+    bool scaled = false;      // what follows is known
+    bool may_be_too_deep = false, may_be_deepest = false;  // the cluster has the energy for it
+    double s = 0.0;                                        // where rooted
     double s_unit = 0.0, depth_unit = 0.0;
     double begin = 0.0, impact_speed = 0.0;  // of the contact that is closed
 };
+
+// The user's number of its wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
+template <class Law>
+int wall_number(const Touching<Law>& q) {
+    return (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
+}
 
 // One contact that has ended.
 struct EndedContact {
@@ -95,14 +103,16 @@ public:
     const hardlimit_abi::SeriesKernels* kernels = nullptr;  // under a linear law
     double base = 0.0;                                      // the instant from which `time` counts [s]
     double time = 0.0;                                      // [s]
-    double dissipated = 0.0;                                // [J]
+    double dissipated = 0.0;                                // and what slack pairs still hold [J]
     double virial = 0.0;                                    // ∫ Σ r·F dt over pairs of bodies [J s]
     double tolerance = 1e-11;  // of a step, relative to the units of length, speed and time
     bool record = false;
     std::vector<EndedContact> ended;
     Trace trace;
     bool unresolved = false;
-    long begun = 0, begun_pairs = 0;  // contacts since the start of this object; those between two bodies
+    int too_deep = -1;                 // the pair that ended the run
+    double largest_compression = 0.0;  // of all contacts, and of those before, over the smaller radius
+    long begun = 0, begun_pairs = 0;   // contacts since the start of this object; those between two bodies
 
     // As a new one, but for its storage.
     void clear() {
@@ -110,7 +120,8 @@ public:
         pairs.clear();
         ended.clear();
         trace.clear();
-        base = time = dissipated = virial = 0.0;
+        base = time = dissipated = virial = largest_compression = 0.0;
+        too_deep = -1;
         record = unresolved = known_ = false;
         begun = begun_pairs = steps_ = 0;
         h_ = 0.0;
@@ -156,10 +167,11 @@ public:
         return mean;
     }
 
-    double contact_energy() const {
+    // Elastic energy of the pairs that push each other, or of those that overlap without force [J].
+    double stored(Touch state) const {
         double sum = 0.0;
         for (const Touching<Law>& pair : pairs)
-            if (pair.touch == Touch::closed) sum += pair.law.energy(depth_root(pair));
+            if (pair.touch == state) sum += pair.law.energy(math::max(depth_root(pair), 0.0));
         return sum;
     }
 
@@ -168,7 +180,7 @@ private:
         gather();
         const double from = time;
         const long before = steps_;
-        while (time < until && !unresolved && !stop()) {
+        while (time < until && !unresolved && too_deep < 0 && !stop()) {
             if (!through && all(Touch::open)) break;
             if (!(speed_unit_ > at_rest))
                 stay(until);
@@ -189,7 +201,7 @@ private:
     // Part of the sum of the radii from which on a compression is known by the positions.
     static constexpr double resolved_depth = 1e-12;
 
-    enum class Event : unsigned char { none, begins, ends, opens, engages };
+    enum class Event : unsigned char { none, begins, ends, opens, engages, deepens };
     struct Geometry {
         double depth, rate, distance;
         Vector3 normal;  // from the first body to the second
@@ -330,7 +342,29 @@ private:
             q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
         }
         q.depth_unit = power(q.s_unit, p);
+        const auto may_reach = [&](double part) {
+            return q.law.energy(onset_root<p>(part * smaller_radius(q))) <= most_energy();
+        };
+        q.may_be_too_deep = may_reach(deepest_compression);
+        q.may_be_deepest = may_reach(largest_compression);
         q.scaled = true;
+    }
+
+    double smaller_radius(const Touching<Law>& q) const {
+        const double first = members[static_cast<std::size_t>(q.first)].radius;
+        return q.second < 0 ? first : math::min(first, members[static_cast<std::size_t>(q.second)].radius);
+    }
+
+    // That one contact can store: all of it, and what the members' weight does over a radius each [J].
+    double most_energy() const {
+        const double pull = math::sqrt(dot(gravity, gravity));
+        double sum = energy_unit();
+        for (const Member& m : members) sum += m.mass * pull * m.radius;
+        return sum;
+    }
+
+    void note_depth(const Touching<Law>& q, double depth) {
+        largest_compression = math::max(largest_compression, depth / smaller_radius(q));
     }
 
     double time_unit() const {
@@ -546,12 +580,30 @@ private:
         for (std::size_t q = 0; q < pairs.size(); ++q)
             if (pairs[q].fresh && (what == Event::none || which != static_cast<int>(q)))
                 pairs[q].fresh = still_fresh(static_cast<int>(q));
+        note_depths(length);
         y_.swap(end_);
         k_.swap(k_end_);
         if (last) y_[clock()] = until;
         time = y_[clock()];
         keep();
         if (what != Event::none) apply(what, which);
+    }
+
+    // The greatest compressions in the step from y_ to end_. Where the rate falls through zero, one more step leads
+    // near the zero, and a parabola to the greatest compression.
+    void note_depths(double length) {
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            const Touching<Law>& q = pairs[i];
+            if (q.touch != Touch::closed || !q.may_be_deepest) continue;
+            const Geometry a = geometry(q, y_.data()), b = geometry(q, end_.data());
+            note_depth(q, math::max(a.depth, b.depth));
+            if (!(a.rate > 0.0 && b.rate < 0.0)) continue;
+            probe(length * (a.rate / (a.rate - b.rate)));
+            const Geometry near = geometry(q, trial_.data());
+            const double slope = acceleration(q, near, trial_.data(), k_trial_.data());
+            const double beyond = k_trial_[clock()] * near.rate * near.rate / (-2.0 * slope);
+            note_depth(q, near.depth + (slope < 0.0 ? beyond : 0.0));
+        }
     }
 
     // A contact that has begun within rounding of touch and parts is over: with s < 0, γ would be too, and time would
@@ -627,6 +679,8 @@ private:
     void take_up(int index, double unit);
     double longest_step() const;
     void find_end(const series::Followed& f, Found& found) const;
+    void find_depth(const series::Followed& f, Found& found) const;
+    void note_depths(const series::Followed& f, double at);
     void open_pairs(Found& found);
     void put_in_order();
     void find_begins(Found& found);
@@ -740,7 +794,12 @@ private:
     static std::array<Event, 2> events_of(const Touching<Law>& q) {
         if (q.touch == Touch::open) return {Event::begins, Event::none};
         if (q.touch == Touch::slack) return {Event::opens, Event::engages};
-        return {Event::ends, Event::none};
+        return {Event::ends, q.may_be_too_deep ? Event::deepens : Event::none};
+    }
+
+    // What is left of the largest compression of the law [m].
+    double depth_left(const Touching<Law>& q, const Geometry& g) const {
+        return deepest_compression * smaller_radius(q) - g.depth;
     }
 
     Surface surface(int index, Event kind, const double* y, const double* dy) const {
@@ -750,6 +809,7 @@ private:
         const auto simple = [](double f, double df) { return Surface{f, df, f, df}; };
         if (kind == Event::begins) return simple(-g.depth, -depth_slope);
         if (kind == Event::opens) return simple(g.depth, depth_slope);
+        if (kind == Event::deepens) return simple(depth_left(q, g), -depth_slope);
         const Slack slack = q.law.slack(g.rate);
         const double rate_slope = acceleration(q, g, y, dy);
         const double excess = g.depth - slack.depth, excess_slope = depth_slope - slack.slope * rate_slope;
@@ -902,6 +962,8 @@ private:
             begin(index, g);
         } else if (what == Event::ends) {
             end(index, g);
+        } else if (what == Event::deepens) {
+            too_deep = index;
         } else {
             q.touch = Touch::open;
         }

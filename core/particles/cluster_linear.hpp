@@ -20,6 +20,7 @@ void Cluster<Law>::follow(double until) {
     const bool last = rest <= step;
     for (const series::Followed& f : followed_) find_end(f, found);
     if (followed_.size() < pairs.size()) find_begins(found);
+    for (const series::Followed& f : followed_) note_depths(f, found.at);
     move(found.at, unit);
     if (last && found.what == Event::none) y_[clock()] = until;
     time = y_[clock()];
@@ -45,6 +46,7 @@ double Cluster<Law>::height(const Touching<Law>& q, Event kind) const {
     const Geometry g = geometry(q, y_.data());
     if (kind == Event::begins) return -g.depth;
     if (kind == Event::opens) return g.depth;
+    if (kind == Event::deepens) return depth_left(q, g);
     const double excess = g.depth - q.law.slack(g.rate).depth;
     return kind == Event::ends ? excess : -excess;
 }
@@ -134,10 +136,57 @@ double Cluster<Law>::longest_step() const {
 template <class Law>
 void Cluster<Law>::find_end(const series::Followed& f, Found& found) const {
     const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-    if (q.touch == Touch::closed) return consider(f.pair, Event::ends, f.push(), f.spring, found);
+    if (q.touch == Touch::closed) {
+        consider(f.pair, Event::ends, f.push(), f.spring, found);
+        return find_depth(f, found);
+    }
     series::Terms force = f.push();
     for (double& x : force.of) x = -x;
     consider(f.pair, Event::engages, force, f.spring, found);
+}
+
+// Where the largest compression of the law is reached.
+template <class Law>
+void Cluster<Law>::find_depth(const series::Followed& f, Found& found) const {
+    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+    if (!q.may_be_too_deep) return;
+    series::Terms left = f.second < 0 ? f.depth : f.bodies.distance;
+    if (f.second < 0)
+        for (double& x : left.of) x = -x;
+    left[0] = depth_left(q, geometry(q, y_.data()));
+    consider(f.pair, Event::deepens, left, 1.0, found);
+}
+
+// The greatest compression of a pair up to a place in the step: where its rate falls through zero, by Newton's method.
+template <class Law>
+void Cluster<Law>::note_depths(const series::Followed& f, double at) {
+    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+    if (!f.closed || !q.may_be_deepest) return;
+    const series::Terms& shape = f.second < 0 ? f.depth : f.bodies.distance;
+    const double sign = f.second < 0 ? 1.0 : -1.0, whole = f.second < 0 ? 0.0 : f.reach;
+    struct Depth {
+        double value, rate, bend;
+    };
+    const auto depth = [&](double t) {
+        double value = 0.0, rate = 0.0, bend = 0.0;
+        for (int k = series::order; k >= 0; --k) {
+            bend = bend * t + 2.0 * rate;
+            rate = rate * t + value;
+            value = value * t + shape[static_cast<std::size_t>(k)];
+        }
+        return Depth{whole + sign * value, sign * rate, sign * bend};
+    };
+    const Depth first = depth(0.0), last = depth(at);
+    note_depth(q, math::max(first.value, last.value));
+    if (!(first.rate > 0.0 && last.rate < 0.0)) return;
+    double t = at * (first.rate / (first.rate - last.rate));
+    for (int i = 0; i < 8; ++i) {
+        const Depth here = depth(t);
+        note_depth(q, here.value);
+        const double next = math::clamp(t - here.rate / here.bend, 0.0, at);
+        if (!(math::abs(next - t) > 1e-7 * at)) break;
+        t = next;
+    }
 }
 
 // Whether a pair that has overlapped is apart after the step. Where it would push again it may be apart as well.

@@ -58,9 +58,13 @@ public:
     // To `until` [s], or to the instant of row number `most_rows` of the log (0: no limit), or until `stop`.
     virtual void advance(double until, i64 most_rows, Stop& stop) = 0;
     virtual double time() const = 0;
+    virtual i64 events() const = 0;  // since it was made or loaded: collisions, cell crossings, predictions
     virtual Counts counts() const = 0;
     virtual Outcome outcome() const = 0;
     virtual EarlyEnd early_end() const = 0;
+    // Of all contacts so far as the law has them, over the smaller radius, with that at which the run ended; NaN
+    // without a law or a collision.
+    virtual double largest_compression() const = 0;
     // n·d values each, in the user's order; positions along continuous paths, not folded into the box.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;

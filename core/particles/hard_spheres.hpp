@@ -43,11 +43,13 @@ public:
 
     void advance(double until, i64 most_rows, Stop& stop) override;
     double time() const override { return now_; }
+    i64 events() const override { return events_; }
     Counts counts() const override {
         return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, soft_contacts_, soft_third_body_};
     }
     Outcome outcome() const override { return outcome_; }
     EarlyEnd early_end() const override { return early_end_; }
+    double largest_compression() const override { return deepest_.compression; }
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     Log take_log() override { return std::exchange(log_, {}); }
@@ -86,6 +88,7 @@ private:
     CollapseWatch watch_;
     Log log_;
     double now_ = 0.0;  // [s]
+    i64 events_ = 0;
     Outcome outcome_ = Outcome::ok;
     EarlyEnd early_end_{math::nan, -1, 0};
     hardlimit_abi::TouchKernels::Of touch_{};
@@ -105,7 +108,8 @@ private:
     std::unique_ptr<SoftRule> soft_;
     Records<SoftContact> softs_;  // under the soft rule only
     i64 soft_contacts_ = 0, soft_third_body_ = 0;
-    bool fetches_ = false;  // whether the system is too large for a core's caches
+    DeepestImpact deepest_;  // where there is a law
+    bool fetches_ = false;   // whether the system is too large for a core's caches
 
     static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.of[d - 2][static_cast<int>(motion)];
@@ -210,11 +214,12 @@ private:
                          double speed, std::array<double, 2> waited);
     u32 except_for(u32 i, u32 partner) const;
     void keep_bounds(u32 i);
-    double restitution(bool within_contact, double speed, PairGeometry pair);
+    double restitution(bool within_contact, double speed, PairGeometry pair, double smaller_radius);
     PairGeometry geometry(u32 i, u32 j) const;
     void note(u32 i, i64 second, double speed, double lost, double waited);
     std::pair<i64, i64> named(u32 i, i64 second) const;
     void end_here(Outcome outcome, u32 i, i64 second);
+    void give_up(Outcome outcome, u32 i, i64 second, double speed);
 };
 
 // What a saved run begins with, to be known before its type is.
@@ -237,6 +242,7 @@ void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& s
         now_ = math::max(now_, due->time);
         const u32 i = due->id;
         calendar_.pop();
+        ++events_;
         if (fetches_) ahead().step();
         happen(i);
     }

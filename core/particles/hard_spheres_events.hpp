@@ -63,7 +63,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     schedule(i);
 }
 
-// Bounces off the wall of its own event.
+// Bounces off the wall of its own event. One that arrives without a speed stays there if gravity presses it on.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
     Particle<d>& p = particles_[i];
@@ -76,21 +76,27 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
     const double moved = place - p.position[axis];  // by rounding, or where a soft contact was cut short
     p.position[axis] = place;
     const double before = p.velocity[axis], speed = math::abs(before);
+    const i64 wall = wall_number(own);
+    if (soft_) tally_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
     if constexpr (motion == Motion::growing) {
         p.velocity[axis] = away * math::max(speed, separation * radius(i) * growth_.rate);
         ++tally_.walls;
+    } else if (speed == 0.0) {
+        ++tally_.walls;
+        note(i, wall, speed, 0.0, math::infinity);
+        if (!(away * box_.gravity[axis] > 0.0)) return end_here(Outcome::at_rest, i, wall);
     } else if (soft_) {
-        tally_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
         meet_wall_softly(i, axis, away, speed);
     } else {
-        const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)});
+        const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)}, radius(i));
+        if (deepest_.too_deep) return give_up(Outcome::too_deep, i, wall, speed);
         p.velocity[axis] = away * (e * speed);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
         tally_.advance(now_);
         tally_.kinetic -= lost;
         tally_.momentum[axis] += m * (p.velocity[axis] - before);
         ++tally_.walls;
-        note(i, -1 - 2 * axis - (is_high(own) ? 1 : 0), speed, lost, waited);
+        note(i, wall, speed, lost, waited);
     }
     count_collision(i);
     keep_bounds(i);
@@ -125,12 +131,13 @@ bool HardSpheres<d, motion, mixed>::had_before(u32 i, double waited) const {
 }
 
 template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::restitution(bool within_contact, double speed, PairGeometry pair) {
+double HardSpheres<d, motion, mixed>::restitution(bool within_contact, double speed, PairGeometry pair,
+                                                  double smaller_radius) {
     if (within_contact) {
         ++tally_.elastic_by_tc;
         return 1.0;
     }
-    return rule_.restitution(speed, pair);
+    return rule_.restitution(speed, pair, smaller_radius, deepest_);
 }
 
 template <int d, Motion motion, bool mixed>
@@ -151,9 +158,8 @@ void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double
         log_.second.push_back(last);
         log_.impact_speed.push_back(speed);
     }
-    if (rule_.elastic_always()) return;
     const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
-    const Impact impact{now_, i, second, speed, waited, !rule_.is_tc()};
+    const Impact impact{now_, i, second, speed, waited, !rule_.is_tc() && !rule_.elastic_always()};
     if (watch_.collapses(impact, largest_radius_, typical, name)) end_here(Outcome::collapse, i, second);
 }
 
@@ -173,6 +179,14 @@ void HardSpheres<d, motion, mixed>::end_here(Outcome outcome, u32 i, i64 second)
     early_end_ = {now_, first, last};
 }
 
+// The same where the collision has no result: it is logged, and velocities stay.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::give_up(Outcome outcome, u32 i, i64 second, double speed) {
+    ++(second < 0 ? tally_.walls : tally_.pairs);
+    note(i, second, speed, 0.0, math::infinity);
+    end_here(outcome, i, second);
+}
+
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     Particle<d>&p = particles_[i], &q = particles_[j];
@@ -183,10 +197,13 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     nearest(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
-    if (motion != Motion::growing && soft_)
+    if (motion != Motion::growing && !(speed > 0.0)) {  // by rounding: they only touch
+        if (soft_) softs_[i] = {now_, j}, softs_[j] = {now_, i};
+    } else if (motion != Motion::growing && soft_) {
         collide_softly(i, j, r, v, distance, speed);
-    else
+    } else {
         collide_at_once(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
+    }
     count_collision(i);
     count_collision(j);
     keep_bounds(i);
@@ -211,7 +228,9 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
         const double rate = (radius(i) + radius(j)) * growth_.rate;
         gain = (speed + math::max(speed, separation * rate)) / distance;
     } else {
-        const double e = restitution(had_before(i, waited[0]) || had_before(j, waited[1]), speed, pair);
+        const bool within_contact = had_before(i, waited[0]) || had_before(j, waited[1]);
+        const double e = restitution(within_contact, speed, pair, math::min(radius(i), radius(j)));
+        if (deepest_.too_deep) return give_up(Outcome::too_deep, i, j, speed);
         gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
         tally_.virial.add(distance * distance * reduced * gain);

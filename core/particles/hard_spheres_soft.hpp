@@ -46,12 +46,9 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     const double sideways = math::sqrt(square);
     const PairGeometry pair = geometry(i, j);
     const double touch = radius(i) + radius(j);
-    const SoftImpact impact = (*soft_)({pair.effective_mass, touch, speed, sideways, 0.0}, pair);
-    if (impact.outcome != Outcome::ok) {
-        note(i, j, speed, 0.0, math::infinity);
-        ++tally_.pairs;
-        return end_here(impact.outcome, i, j);
-    }
+    const SoftImpact impact = (*soft_)({pair.effective_mass, touch, speed, sideways, 0.0}, pair,
+                                       math::min(radius(i), radius(j)), deepest_);
+    if (impact.outcome != Outcome::ok) return give_up(impact.outcome, i, j, speed);
     const DrawnBack& end = impact.drawn_back;
     double change[d], shift[d];
     for (int k = 0; k < d; ++k) {
@@ -77,14 +74,11 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double away, double speed) {
     const double m = mass(i), pressing = -away * box_.gravity[axis];
-    const SoftImpact impact = (*soft_)({m, math::infinity, speed, 0.0, pressing}, {m, radius(i)});
-    const i64 wall = -1 - 2 * axis - (away < 0.0 ? 1 : 0);
+    const i64 wall = wall_number(own_event(axis, away < 0.0));
+    const SoftImpact impact =
+        (*soft_)({m, math::infinity, speed, 0.0, pressing}, {m, radius(i)}, radius(i), deepest_);
+    if (impact.outcome != Outcome::ok) return give_up(impact.outcome, i, wall, speed);
     ++tally_.walls;
-    if (impact.outcome != Outcome::ok || speed == 0.0) {
-        note(i, wall, speed, 0.0, math::infinity);
-        end_here(speed == 0.0 ? Outcome::at_rest : impact.outcome, i, wall);
-        return;
-    }
     const DrawnBack& end = impact.drawn_back;
     double change[d] = {}, shift[d] = {};
     change[axis] = away * (end.normal_velocity + speed);

@@ -76,8 +76,10 @@ public:
     bool paused() const { return paused_; }
     double time() const { return now_; }
     Outcome outcome() const { return outcome_; }
-    // The members of the group at which the run ended before it was to, by the user's numbers.
+    // Where a run ended early: the members of the group or of the contact, by the user's numbers; and the wall of the
+    // contact, or 0.
     const std::vector<i64>& ended_by() const { return ended_by_; }
+    i64 ended_at_wall() const { return ended_at_wall_; }
     std::uint64_t events() const { return events_; }
     int largest_cluster() const { return largest_cluster_; }
     // Part of all time that bodies have spent in groups of several contacts.
@@ -91,7 +93,8 @@ public:
         std::vector<double> position, velocity;  // [3 N], along the unfolded paths
         double kinetic, potential, contact, dissipated;
         double momentum[3];
-        double virial;  // ∫ Σ r·F dt over pairs since the start [J s]
+        double virial;               // ∫ Σ r·F dt over pairs since the start [J s]
+        double largest_compression;  // of all contacts so far, over the smaller radius
         std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
         std::vector<Row> open;  // contacts that last, and those that are over in groups still together
     };
@@ -110,6 +113,7 @@ private:
         int body[2];              // second < 0: a wall
         double dissipated;        // [J]
         double virial;            // [J s]
+        double compression;       // the greatest, over the smaller radius
         alignas(64) double span;  // [s]
         double share[2];          // of what happens to the relative path, that of each member
         double room[2];           // by which a member's path can leave the triangle of passes() [m]
@@ -208,14 +212,17 @@ private:
     bool images_ = false;         // several of a body may be near
     bool walled_ = false;         // there are walls
     bool fetches_ = false;        // all that is held is too large for the caches
-    double now_ = 0.0, dissipated_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    double now_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
+    double dissipated_ = 0.0;  // and what slack pairs still hold [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
-    double work_ = 0.0;               // that counts [steps of a body]
-    std::uint64_t begun_before_ = 0;  // contacts, when it was counted last
+    double largest_compression_ = 0.0;  // but for groups still together
+    double work_ = 0.0;                 // that counts [steps of a body]
+    std::uint64_t begun_before_ = 0;    // contacts, when it was counted last
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<i64> ended_by_;
+    i64 ended_at_wall_ = 0;
     std::vector<Row> log_;
 
     u32 size32() const { return static_cast<u32>(paths_.size()); }
@@ -301,7 +308,8 @@ private:
     void gather_touching(std::size_t last, Joined& set);
     void build(int index, Joined& set);
     bool takes_too_long(const Cluster<Law>& c);
-    void end_here(const std::vector<int>& bodies);
+    void end_here(Outcome outcome, const std::vector<int>& bodies, i64 wall = 0);
+    bool ends_too_deep(int index);
     int spare_group();
     void open_group(Group& g, const std::vector<int>& set) const;
     void pair_up(Group& g, std::vector<Live>& live) const;
@@ -475,6 +483,7 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
              dissipated_,
              {},
              virial_,
+             largest_compression_,
              0,
              begun_,
              begun_pairs_,
@@ -499,9 +508,11 @@ typename NewtonEvents<Law>::Survey NewtonEvents<Law>::survey() const {
         if (!g.alive) continue;
         start(g, c);
         c.run_through(now_ - c.base);
-        s.contact += c.contact_energy();
-        s.dissipated += c.dissipated;
+        const double slack = c.stored(Touch::slack);
+        s.contact += c.stored(Touch::closed) + slack;
+        s.dissipated += c.dissipated - slack;
         s.virial += c.virial;
+        s.largest_compression = math::max(s.largest_compression, c.largest_compression);
         s.begun += static_cast<std::uint64_t>(c.begun);
         s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
         for (std::size_t m = 0; m < g.body.size(); ++m)

@@ -18,6 +18,8 @@ void NewtonEvents<Law>::begin_contacts() {
             pair.pair.touch = Touch::closed;
             ++begun_;
             begun_pairs_ += j >= 0;
+        } else {
+            dissipated_ += law(i, j).energy(onset_root<Law::onset_power>(depth));
         }
         live.push_back(pair);
         for (const int k : {i, j})
@@ -84,6 +86,7 @@ void NewtonEvents<Law>::conflict(int i, int j) {
 template <class Law>
 void NewtonEvents<Law>::finish(int first) {
     const int index = pending_[first].group;
+    if (ends_too_deep(index)) return;
     const Group& g = group(index);
     Joined set{{g.body.begin(), g.body.end()}, {}, g.until};
     const std::vector<int>& bodies = set.body;
@@ -101,6 +104,7 @@ template <class Law>
 void NewtonEvents<Law>::finish_isolated(int index) {
     const Isolated& l = group(index).lone;
     ++ended_;
+    largest_compression_ = math::max(largest_compression_, l.compression);
     if (keep_log_) log_.push_back(row_of(group(index), l.pair, l.contact));
     dissipated_ += l.dissipated;
     virial_ += l.virial;
@@ -205,7 +209,8 @@ void NewtonEvents<Law>::form(Joined& set) {
         const int index = spare_group();
         build(index, set);
         const Cluster<Law>& after = group(index).cluster->after;
-        if (after.unresolved || takes_too_long(after)) end_here(set.body);
+        if (after.unresolved || takes_too_long(after)) end_here(Outcome::unresolved, set.body);
+        if (after.time == 0.0 && ends_too_deep(index)) return;
         std::vector<int> near;
         if (after.time > 0.0 && outcome_ == Outcome::ok)
             for (const int i : set.body) {
@@ -287,13 +292,27 @@ bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     return work_ > most;
 }
 
-// The run is over, at this group.
+// The run is over, at these bodies.
 template <class Law>
-void NewtonEvents<Law>::end_here(const std::vector<int>& bodies) {
+void NewtonEvents<Law>::end_here(Outcome outcome, const std::vector<int>& bodies, i64 wall) {
     if (outcome_ != Outcome::ok) return;
-    outcome_ = Outcome::unresolved;
+    outcome_ = outcome;
+    ended_at_wall_ = wall;
     for (const int i : bodies) ended_by_.push_back(pending_[i].name);
     std::sort(ended_by_.begin(), ended_by_.end());
+}
+
+// Whether a contact of the group has now reached the largest compression of its law. The group stays as it is.
+template <class Law>
+bool NewtonEvents<Law>::ends_too_deep(int index) {
+    const Group& g = group(index);
+    const Cluster<Law>& c = g.cluster->after;
+    if (c.too_deep < 0) return false;
+    const Touching<Law>& q = c.pairs[static_cast<std::size_t>(c.too_deep)];
+    std::vector<int> bodies{g.body[static_cast<std::size_t>(q.first)]};
+    if (q.second >= 0) bodies.push_back(g.body[static_cast<std::size_t>(q.second)]);
+    end_here(Outcome::too_deep, bodies, q.second < 0 ? wall_number(q) : 0);
+    return true;
 }
 
 template <class Law>
@@ -321,6 +340,7 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     c.base = now_;
     c.gravity = gravity_;
     c.largest_place = *std::ranges::max_element(box_.edge);
+    c.largest_compression = largest_compression_;
     c.kernels = series_;
     for (std::size_t m = 0; m < set.size(); ++m) put_member(g, m, c.members.emplace_back());
 }
@@ -648,11 +668,12 @@ void NewtonEvents<Law>::settle(int index, bool at_end, std::vector<Live>& live) 
     if (!at_end) {
         start(g, g.cluster->after);
         g.cluster->after.run_through(now_ - g.cluster->after.base);
-        if (g.cluster->after.unresolved) end_here({g.body.begin(), g.body.end()});
+        if (g.cluster->after.unresolved) end_here(Outcome::unresolved, {g.body.begin(), g.body.end()});
     }
     const Cluster<Law>& c = g.cluster->after;
     dissipated_ += c.dissipated;
     virial_ += c.virial;
+    largest_compression_ = math::max(largest_compression_, c.largest_compression);
     begun_ += static_cast<std::uint64_t>(c.begun);
     begun_pairs_ += static_cast<std::uint64_t>(c.begun_pairs);
     if (!g.isolated) clustered_ += (now_ - c.base) * static_cast<double>(g.body.size());
@@ -739,6 +760,7 @@ void NewtonEvents<Law>::start(const Group& g, Cluster<Law>& c) const {
     c.base = g.lone.contact.begin;
     c.gravity = gravity_;
     c.largest_place = *std::ranges::max_element(box_.edge);
+    c.largest_compression = largest_compression_;
     c.kernels = series_;
     for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.lone.before[m]);
     c.pairs.push_back(g.lone.pair);
@@ -750,8 +772,7 @@ typename NewtonEvents<Law>::Row NewtonEvents<Law>::row_of(const Group& g, const 
     const auto name = [&](int member) {
         return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].name);
     };
-    int first = name(q.first),
-        second = q.second >= 0 ? name(q.second) : (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
+    int first = name(q.first), second = q.second >= 0 ? name(q.second) : wall_number(q);
     if (second >= 0 && second < first) std::swap(first, second);
     return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
 }

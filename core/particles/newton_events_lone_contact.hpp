@@ -28,6 +28,7 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
     const double separation = end.radial_speed, swing = end.tangential_speed;
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
     q.impact_speed = approach;
+    l.compression = end.greatest / math::min(a.radius, b.radius);
     l.dissipated =
         0.5 * q.mass * (end.speed_loss * (approach + separation) + (sideways - swing) * (sideways + swing));
     // r × the equation of motion, integrated over the contact.
@@ -36,8 +37,8 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
     part_pair(l, after, end, normal, across);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
-    return end.turn < widest_turn && l.span * (approach + sideways) <= travel_ &&
-           share * l.margin <= widest_margin_;
+    return l.compression < deepest_compression && end.turn < widest_turn &&
+           l.span * (approach + sideways) <= travel_ && share * l.margin <= widest_margin_;
 }
 
 // On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
@@ -89,6 +90,7 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
     const double opening =
         end.compression > 0.0 ? 2.0 * end.compression / (end.radial_speed + math::sqrt(square)) : 0.0;
     l.span = end.duration + opening;
+    l.compression = end.greatest / a.radius;
     Member& to = after[0] = a;
     for (std::size_t k = 0; k < 3; ++k) {
         to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
@@ -106,7 +108,8 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
     l.margin = math::abs(off);
     l.off = {};
     l.off[axis] = -q.side * off;
-    return l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel_ && l.margin <= widest_margin_;
+    return l.compression < deepest_compression &&
+           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel_ && l.margin <= widest_margin_;
 }
 
 // Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its

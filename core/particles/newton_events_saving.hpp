@@ -10,7 +10,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
     archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_place), archive(c.base),
         archive(c.time);
     archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
-        archive(c.unresolved);
+        archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
 }
 
 // All but the groups; the queues follow from what the bodies and groups hold.
@@ -21,7 +21,7 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
-    archive(ended_by_);
+    archive(ended_by_), archive(ended_at_wall_), archive(largest_compression_);
 }
 
 template <class Law>

@@ -1,9 +1,10 @@
 // Newton's equations for a box of spheres or disks in small equal steps.
 //
 // Leapfrog: the forces at t_n change the velocities from t_n − h/2 to t_n + h/2, with which the bodies move on to
-// t_{n+1}. A force that depends on the velocity is taken at v_{n−1/2} + a_{n−1} h/2, which is v_n to second order;
-// with the velocity half a step ago, ε is right to first order only. New contacts get the impulse that equal steps
-// miss (steps/onset.hpp). So positions, velocities, energies and ε are all of second order in h.
+// t_{n+1}. A force that depends on the velocity is taken at v_n = v_{n−1/2} + a_n h/2, where a_n holds this force
+// itself (steps/strength.hpp says how, and what is dissipated) and those of the step before of other contacts; with
+// the velocity half a step ago, ε is right to first order only. New contacts get the impulse that equal steps miss
+// (steps/onset.hpp). So positions, velocities, energies and ε are all of second order in h.
 //
 // A step is a sweep over the list of neighbours, which finds the few pairs in contact, and a pass that moves all
 // bodies, slab by slab (steps/schedule.hpp). An advance begins and ends with half a step of the velocities: between
@@ -91,8 +92,16 @@ public:
     double time_step() const { return time_step_; }
     std::uint64_t steps_taken() const { return taken_; }
     Outcome outcome() const { return outcome_; }
-    // The body that moved too far in a step, by the user's number, where the run ended for that.
+    // Where a run ended early: the body that moved too far in a step, or the bodies of the contact that was too deep,
+    // by the user's numbers; and its wall, or 0.
     const std::vector<i64>& ended_by() const { return ended_by_; }
+    i64 ended_at_wall() const { return ended_at_wall_; }
+    // At the instants of the steps, over the smaller radius.
+    double largest_compression() const {
+        double largest = largest_compression_;
+        for (const Slab& s : slabs_) largest = math::max(largest, s.largest_compression);
+        return largest;
+    }
     const steps::ContactLog& log() const { return log_; }
     std::size_t count() const { return bodies_.count(); }
     double skin() const { return skin_; }
@@ -165,6 +174,7 @@ private:
         std::atomic<bool> faster{false};
         std::array<std::atomic<double>, most_ahead> fastest{};  // [m/s] in each step, if beyond fastest_
         std::array<std::atomic<bool>, most_slabs> changes{};    // contacts of a slab have begun or ended
+        std::atomic<bool> too_deep{false};                      // a contact
     };
     // What the threads of a crew do.
     struct Job {
@@ -209,6 +219,7 @@ private:
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<i64> ended_by_;
+    i64 ended_at_wall_ = 0;
 
     double skin_ = 0.0;                         // [m]
     double travelled_ = 0.0, allowance_ = 0.0;  // how far a body may have moved, and may [m]
@@ -216,7 +227,7 @@ private:
     bool unproven_ = false;                     // a step was made though a body may have moved further
     std::uint64_t lists_ = 0;
 
-    double dissipated_ = 0.0, virial_ = 0.0;  // before the list was made
+    double dissipated_ = 0.0, virial_ = 0.0, largest_compression_ = 0.0;  // before the list was made
     steps::ContactLog log_;
     std::vector<std::pair<std::uint32_t, std::size_t>> changes_;  // slab, place in its changes
     std::atomic<double> reached_{0.0};
@@ -372,6 +383,7 @@ private:
                 break;
             case Phase::step:
                 note_changes();
+                if (news_.too_deep.load(std::memory_order_relaxed)) end_too_deep();
                 if (now_.closing) {
                     phase_ = Phase::over;
                     break;
@@ -581,6 +593,7 @@ private:
                 for (const std::uint32_t i : *pushed) moving_pushes_.push_back({i, bodies_.push[i]});
             dissipated_ += s.dissipated, virial_ += s.virial;
         }
+        largest_compression_ = largest_compression();
     }
 
     void find_cells(std::uint32_t task) {
@@ -622,7 +635,7 @@ private:
             s.last_cell = layer * in_layer, s.last_body = start_[s.last_cell];
             s.touches.clear(), s.vacant.clear(), s.vacated.clear(), s.changes.clear();
             s.clear_step();
-            s.dissipated = s.virial = s.farthest = s.fastest = 0.0;
+            s.dissipated = s.virial = s.farthest = s.fastest = s.largest_compression = 0.0;
         }
         divide(course_.shares());
     }
@@ -676,6 +689,7 @@ private:
                 same = same && turns[static_cast<std::size_t>(axis)] == sense * t.turns[axis];
             if (!same) continue;
             put(s, s.touch_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], t);
+            s.touches.back().normal *= static_cast<double>(sense);
             return true;
         }
         return false;
@@ -711,6 +725,10 @@ private:
     void sweep(std::uint32_t index, std::uint32_t ahead) {
         Slab& slab = slabs_[index];
         steps::Forces<Law>(box_, grid_, bodies_, laws_, instant(ahead)).of(slab, borders_[index]);
+        if (slab.largest_compression >= deepest_compression) {
+            news_.too_deep.store(true, std::memory_order_relaxed);
+            course_.end_after(ahead);
+        }
         std::atomic<bool>& news = news_.changes[index];
         if (!slab.changes.empty() && !news.load(std::memory_order_relaxed))
             news.store(true, std::memory_order_relaxed);
@@ -745,6 +763,16 @@ private:
         changes_.clear();
     }
 
+    // The run is over: a contact has reached the largest compression of its law.
+    void end_too_deep() {
+        const auto deepest = std::ranges::max_element(slabs_, {}, &Slab::largest_compression);
+        outcome_ = Outcome::too_deep;
+        ended_by_ = {deepest->deepest[0]};
+        ended_at_wall_ = deepest->deepest[1] < 0 ? deepest->deepest[1] : 0;
+        if (ended_at_wall_ == 0) ended_by_.push_back(deepest->deepest[1]);
+        std::ranges::sort(ended_by_);
+    }
+
     // --- all of it, as bytes --------------------------------------------------------------------------------------
 
     template <class Archive>
@@ -752,7 +780,7 @@ private:
         archive(bodies_.place), archive(bodies_.motion), archive(bodies_.label), archive(bodies_.push);
         archive(sorting_.reference()), archive(grid_), archive(start_);
         archive(time_), archive(h_), archive(taken_), archive(now_), archive(outcome_);
-        archive(ended_by_);
+        archive(ended_by_), archive(ended_at_wall_), archive(largest_compression_);
         archive(skin_), archive(fastest_), archive(travelled_), archive(allowance_), archive(lists_);
         archive(limit_), archive(course_end_), archive(unproven_);
         archive(from_), archive(until_), archive(planned_), archive(done_), archive(paused_);

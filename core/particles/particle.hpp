@@ -40,6 +40,8 @@ enum class Own : u32 {
     ends,    // its group of bodies in contact ends
 };
 constexpr Own own_event(int axis, bool high) { return static_cast<Own>(2 * axis + (high ? 1 : 0)); }
+// The user's number of the wall that is met: −1 − 2·axis at 0, −2 − 2·axis at the edge.
+constexpr i64 wall_number(Own own) { return -1 - static_cast<i64>(own); }
 constexpr int axis_of(Own own) { return static_cast<int>(own) / 2; }
 constexpr bool is_high(Own own) { return (static_cast<u32>(own) & 1u) != 0; }
 

@@ -35,7 +35,10 @@ struct Approach {
     double gravity = 0.0;           // that presses a body against a wall [m/s²]
 };
 
-// The end of a contact. Where there is none (`outcome`) the numbers are NaN.
+// The energy of a slower one may be too small for a number [m/s].
+inline constexpr double slowest_approach = 1e-100;
+
+// The end of a contact. Where there is none (`outcome`) the numbers are NaN, but for the greatest compression at rest.
 struct PlanarContact {
     Outcome outcome;
     double duration;          // from touch to zero force [s]; infinite if the contact never ends
@@ -45,6 +48,7 @@ struct PlanarContact {
     double tangential_speed;  // across it [m/s]
     double speed_loss;        // normal_speed − radial_speed [m/s], with its own digits
     double rate_square;       // ∫ (dξ/dt)² dt [m²/s]: the virial needs it
+    double greatest;          // compression [m]
 };
 
 // During a contact, or after it.
@@ -87,7 +91,7 @@ struct PlanarMotion {
         const double share = a.tangential_speed / a.normal_speed;
         length = elastic / (1.0 + share * share * (elastic / a.distance));
         speed = a.normal_speed;
-        if (a.gravity > 0.0) rescale_under_gravity(of);
+        if (a.gravity * length > faint_pull * speed * speed) rescale_under_gravity(of);
         root = onset_root<p>(length);
         const double slowness = a.tangential_speed / speed;
         force_unit = length / speed / speed / a.effective_mass;
@@ -96,6 +100,7 @@ struct PlanarMotion {
         gravity = a.gravity * length / speed / speed;
     }
 
+    static constexpr double faint_pull = 1e-30;  // in units of V²/L: no weight presses deeper than the impact
     static double power(double s) { return column::newton::power<p>(s); }
 
     void operator()(const double* y, double* dy) const {
@@ -150,7 +155,8 @@ struct PlanarMotion {
                           -at.rate,
                           0.0,
                           approach.normal_speed + at.rate,
-                          speed * length * y[square]};
+                          speed * length * y[square],
+                          math::nan};
         if (lost < 0.75 * start * start) {
             end.radial_speed = speed * math::sqrt(start * start - lost);
             end.speed_loss = speed * lost / (start + end.radial_speed / speed);
@@ -176,22 +182,20 @@ public:
     static constexpr double tolerance = 1e-14;  // relative, of one step
     // In τ. A force of a high power of σ begins so slowly that the estimator does not see the error.
     static constexpr double longest_step = 0.2;
-    static constexpr double deepest = 0.5;  // of the distance: beyond, the pair is refused
+    static constexpr double deepest = 0.5;  // of the distance: there a contact of two bodies is given up
     static constexpr long most_steps = 1'000'000;
+    static constexpr double strong_pull = 1e17;  // beside which the force of a contact is rounding
     static constexpr double resting_part =
         1e-10;  // of speed and weight: what is left of a motion that dies away
 
     PlanarRun(const Law& law, const Approach& approach) : motion_(law, approach) {}
 
-    // An elastic head-on impact would press the centres no nearer than to l/2, and every number makes sense.
-    static bool accepts(const Law& law, const Approach& a) {
+    // Whether every number makes sense.
+    static bool accepts(const Approach& a) {
         const double fastest = math::max(a.normal_speed, a.tangential_speed);
-        const bool numbers = a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
-                             a.tangential_speed >= 0.0 && math::is_finite(a.gravity) &&
-                             math::is_finite(fastest) && math::is_finite(a.effective_mass);
-        if (!numbers || a.distance == math::infinity) return numbers;
-        const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
-        return a.gravity == 0.0 && energy <= law.energy(onset_root<Law::onset_power>(deepest * a.distance));
+        return a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
+               a.tangential_speed >= 0.0 && math::is_finite(a.gravity) && math::is_finite(fastest) &&
+               math::is_finite(a.effective_mass) && (a.gravity == 0.0 || a.distance == math::infinity);
     }
 
     const PlanarMotion<Law>& motion() const { return motion_; }
@@ -199,6 +203,7 @@ public:
     // visit(*this) after every interval: from begin(), of the length length() in τ, to end().
     template <class Visit>
     PlanarContact integrate(Visit&& visit) {
+        if (motion_.gravity < -strong_pull) return pulled_off();
         double y[n] = {0.0, motion_.approach.normal_speed / motion_.speed};
         motion_(y, stages_);
         copy(y, begin_);
@@ -207,19 +212,46 @@ public:
                 if (h_ < 1e-30) break;
                 continue;
             }
+            if (!(greatest_ > 0.0) && !(end_[M::rate] > 0.0)) greatest_ = compression_at_rest();
             const bool over = ends();
             visit(*this);
-            if (over) return motion_.finish(end_);
-            if (motion_.gravity > 0.0 && rests()) return without_end(Outcome::at_rest);
+            if (over && !(greatest_ > deepest * motion_.approach.distance)) {
+                PlanarContact end = motion_.finish(end_);
+                end.greatest = greatest_;
+                return end;
+            }
+            const double compression = math::max(motion_.state(end_).compression, greatest_);
+            if (compression > deepest * motion_.approach.distance) return without_end(Outcome::too_deep);
+            if (motion_.gravity > 0.0 && rests()) {
+                PlanarContact end = without_end(Outcome::at_rest);
+                end.greatest = greatest_ > 0.0 ? greatest_ : compression;
+                return end;
+            }
             copy(end_, begin_);
             copy(slope_, stages_);
         }
         return without_end(Outcome::unresolved);
     }
 
+    // Gravity leads away from the wall, and turns the body around before any force acts.
+    PlanarContact pulled_off() const {
+        const Approach& a = motion_.approach;
+        const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
+        return {Outcome::ok,
+                duration,
+                0.0,
+                0.0,
+                speed,
+                a.tangential_speed,
+                0.0,
+                speed * speed / 3.0 * duration,
+                0.25 * speed * duration};
+    }
+
     static PlanarContact without_end(Outcome outcome) {
         const double never = outcome == Outcome::at_rest ? math::infinity : math::nan;
-        return {outcome, never, math::nan, math::nan, math::nan, math::nan, math::nan, math::nan};
+        constexpr double none = math::nan;
+        return {outcome, never, none, none, none, none, none, none, none};
     }
 
     double begin_time() const { return begin_[M::time] * time_unit(); }
@@ -255,11 +287,19 @@ private:
     double begin_[n], end_[n], slope_[n];
     double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
     double h_ = longest_step, length_ = 0.0;
+    double greatest_ = 0.0;  // compression, once the bodies separate [m]
 
     static void copy(const double* from, double* to) {
         for (int i = 0; i < n; ++i) to[i] = from[i];
     }
     double time_unit() const { return motion_.length / motion_.speed; }
+
+    // Pressed by its weight from near rest, a body begins so slowly that its steps must grow with its motion.
+    double longest() const {
+        if (!(motion_.gravity > 0.0)) return longest_step;
+        const double motion = math::max(math::abs(end_[M::rate]), math::abs(end_[M::root_depth]));
+        return longest_step / math::clamp(motion, 1e-100, 1.0);
+    }
 
     bool take_step() {
         DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
@@ -270,7 +310,7 @@ private:
         if (motion_.gravity > 0.0) scale[M::rate] = math::max(scale[M::rate], rounding_of_rate());
         const double error = DormandPrince::error(stages_, h_, n, scale);
         length_ = h_;
-        h_ = math::min(h_ * DormandPrince::growth(error), longest_step);
+        h_ = math::min(h_ * DormandPrince::growth(error), longest());
         if (!(error <= 1.0)) return false;
         motion_(end_, slope_);
         return true;
@@ -280,6 +320,21 @@ private:
     double rounding_of_rate() const {
         const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
         return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
+    }
+
+    // The greatest compression [m], in the step just taken: where the rate falls through zero, by Newton's method. It
+    // hardly changes near there, so that the square of what is left of the rate is the error.
+    double compression_at_rest() {
+        double x = length_ * (begin_[M::rate] / (begin_[M::rate] - end_[M::rate]));
+        double at[n], slope[n];
+        for (int i = 0; i < 8; ++i) {
+            DormandPrince::step(motion_, begin_, x, n, stages_, at);
+            motion_(at, slope);
+            const double step = at[M::rate] / slope[M::rate];
+            if (!(math::abs(step) > 1e-7 * length_)) break;
+            x = math::clamp(x - step, 0.0, length_);
+        }
+        return motion_.state(at).compression;
     }
 
     // Whether the contact ends in the step just taken; if so, end_ moves there.
@@ -338,11 +393,22 @@ private:
     }
 };
 
-// The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it.
+// The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it, `too_deep` where the centres come
+// nearer than half of their distance at touch. An approach slower than slowest_approach is that at this speed, with all
+// speeds and lengths in proportion.
 template <class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
-    if (!PlanarRun<Law>::accepts(law, approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
-    return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
+    if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
+    if (approach.normal_speed >= slowest_approach)
+        return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
+    const double part = approach.normal_speed / slowest_approach;
+    Approach faster = approach;
+    faster.normal_speed = slowest_approach;
+    if (approach.gravity < 0.0) faster.gravity = math::max(approach.gravity / part, -1e100);
+    PlanarContact end = PlanarRun<Law>(law, faster).integrate([](const auto&) {});
+    for (double* x : {&end.compression, &end.radial_speed, &end.speed_loss, &end.greatest}) *x *= part;
+    end.rate_square *= part * part;
+    return end;
 }
 
 // The pair a time [s] after the end of a contact: straight, at a wall the parabola.
@@ -367,7 +433,7 @@ PlanarContact sample_planar_contact(const Law& law, const Approach& approach, co
                                     PlanarState* states) {
     long done = 0;
     PlanarContact end = PlanarRun<Law>::without_end(Outcome::invalid);
-    if (PlanarRun<Law>::accepts(law, approach)) {
+    if (PlanarRun<Law>::accepts(approach)) {
         end = PlanarRun<Law>(law, approach).integrate([&](auto& run) {
             while (done < count && times[done] <= run.end_time()) {
                 states[done] = run.at(times[done]);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "../contact/registry.hpp"
+#include "deepest_impact.hpp"
 #include "particle.hpp"
 
 namespace hardlimit::particles {
@@ -20,6 +21,8 @@ template <class Law>
 class TabledRestitution {
 public:
     TabledRestitution(const Law& law, double mass) : law_(law), mass_(mass), pieces_(octaves * per_octave) {}
+
+    const Law& law() const { return law_; }
 
     double operator()(double speed) {
         const u64 bits = bits_of<double>(speed);
@@ -64,11 +67,11 @@ private:
     }
 };
 
-// ε(v) under a law that the engine does not know.
+// ε(v) under a law that the engine does not know. `radius`: the smaller one, for the deepest impact [m].
 class LawRestitution {
 public:
     virtual ~LawRestitution() = default;
-    virtual double operator()(double speed, PairGeometry pair) = 0;
+    virtual double operator()(double speed, PairGeometry pair, double radius, DeepestImpact& deepest) = 0;
 };
 
 // How Python and files choose a rule.
@@ -90,12 +93,17 @@ public:
             known_.push_back({pair, TabledRestitution<Law>(law_of(pair), pair.effective_mass)});
     }
 
-    double operator()(double speed, PairGeometry pair) override {
+    double operator()(double speed, PairGeometry pair, double radius, DeepestImpact& deepest) override {
+        const Approach head_on{pair.effective_mass, math::infinity, speed};
         for (Known& k : known_)
             if (k.pair.effective_mass == pair.effective_mass &&
-                k.pair.effective_radius == pair.effective_radius)
+                k.pair.effective_radius == pair.effective_radius) {
+                note_impact(deepest, k.restitution.law(), head_on, radius);
                 return k.restitution(speed);
-        return law_of(pair).restitution(speed, pair.effective_mass);
+            }
+        const Law law = law_of(pair);
+        note_impact(deepest, law, head_on, radius);
+        return law.restitution(speed, pair.effective_mass);
     }
 
 private:
@@ -130,8 +138,8 @@ public:
     bool elastic_always() const { return !law_ && choice_.restitution == 1.0; }
     bool is_tc() const { return choice_.contact_duration >= 0.0; }
     double contact_duration() const { return choice_.contact_duration; }
-    double restitution(double speed, PairGeometry pair) const {
-        return law_ ? (*law_)(speed, pair) : choice_.restitution;
+    double restitution(double speed, PairGeometry pair, double radius, DeepestImpact& deepest) const {
+        return law_ ? (*law_)(speed, pair, radius, deepest) : choice_.restitution;
     }
 
 private:

@@ -49,7 +49,7 @@ struct DampedMore {
     }
 };
 
-// `virial`: ∫ (dξ/dt)² dt as well, which costs half as much again; NaN without.
+// `virial`: ∫ (dξ/dt)² dt and the greatest compression as well, which costs half as much again; NaN without.
 template <class Law, bool virial = false>
 class SoftContacts {
 public:
@@ -83,7 +83,8 @@ public:
     }
 
     PlanarContact operator()(const Law& law, const Approach& a) {
-        const bool simple = a.gravity == 0.0 && a.normal_speed > 0.0 && a.tangential_speed >= 0.0;
+        const bool simple =
+            a.gravity == 0.0 && a.normal_speed >= slowest_approach && a.tangential_speed >= 0.0;
         const bool own = is_own(law, a);
         const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
         if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);
@@ -292,16 +293,20 @@ private:
         const double lost = f[2] * a.normal_speed;
         const double turn = a.tangential_speed / a.distance * duration * (1.0 + part * f[3]);
         const double across = tangential_speed(a, left);
-        double square = math::nan;
-        if constexpr (virial) square = f[4] * (a.normal_speed * a.normal_speed * duration);
-        return {Outcome::ok, duration, turn, left, a.normal_speed - lost, across, lost, square};
+        double square = math::nan, greatest = math::nan;
+        if constexpr (virial)
+            square = f[4] * (a.normal_speed * a.normal_speed * duration), greatest = f[5] * unit;
+        return {Outcome::ok, duration, turn, left, a.normal_speed - lost, across, lost, square, greatest};
     }
     static Values functions_of(const Approach& a, double part, const PlanarContact& end) {
         const double unit = part * a.distance;
         const double straight = a.tangential_speed * end.duration / a.distance;
         Values f{end.duration * (a.normal_speed / unit), end.compression / unit,
                  end.speed_loss / a.normal_speed, (end.turn - straight) / (straight * part)};
-        if constexpr (virial) f[4] = end.rate_square / (a.normal_speed * a.normal_speed * end.duration);
+        if constexpr (virial) {
+            f[4] = end.rate_square / (a.normal_speed * a.normal_speed * end.duration);
+            f[5] = end.greatest / unit;
+        }
         return f;
     }
 

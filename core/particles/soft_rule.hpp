@@ -18,7 +18,9 @@ struct SoftImpact {
 class SoftRule {
 public:
     virtual ~SoftRule() = default;
-    virtual SoftImpact operator()(const Approach& approach, PairGeometry pair) = 0;
+    // `radius`: the smaller one, for the deepest impact [m].
+    virtual SoftImpact operator()(const Approach& approach, PairGeometry pair, double radius,
+                                  DeepestImpact& deepest) = 0;
 };
 
 template <class Law>
@@ -32,10 +34,14 @@ public:
           alike_(alike),
           contacts_(law_, usual.effective_mass, distance, !alike) {}
 
-    SoftImpact operator()(const Approach& approach, PairGeometry pair) override {
+    SoftImpact operator()(const Approach& approach, PairGeometry pair, double radius,
+                          DeepestImpact& deepest) override {
         const bool usual = alike_ && pair.effective_mass == usual_.effective_mass &&
                            pair.effective_radius == usual_.effective_radius;
-        const PlanarContact end = contacts_(usual ? law_ : law_of(pair), approach);
+        const Law law = usual ? law_ : law_of(pair);
+        note_impact(deepest, law, approach, radius);
+        if (deepest.too_deep) return {Outcome::too_deep, {}, 0.0};
+        const PlanarContact end = contacts_(law, approach);
         return {end.outcome, draw_back(approach, end), end.duration};
     }
 

@@ -221,7 +221,9 @@ def two_engines(ax):
     steps = np.geomspace(4e-7, 2.5e-8, 7)
     for e, colour in zip((1.0, 0.9, 0.7), COLOURS, strict=False):
         law = hl.LinearDashpot(stiffness=1e5, restitution=e)
-        exact = hl.molecular_dynamics(start, law=law, until=1e-3, samples=2).system.velocities
+        exact = hl.molecular_dynamics(
+            start, law=law, until=1e-3, engine="events", samples=2
+        ).system.velocities
         off = [
             np.abs(
                 hl.molecular_dynamics(

@@ -23,6 +23,7 @@ from .column.comparison import Comparison, Verdict, compare
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
+from .compression import CompressionWarning
 from .contact import Contact, Law
 from .convert import convert, convert_back
 from .laws import *  # noqa: F403
@@ -61,6 +62,7 @@ __all__ = [
     "Ball",
     "Column",
     "Comparison",
+    "CompressionWarning",
     "Contact",
     "Law",
     "Result",

@@ -14,6 +14,7 @@ from .column.scenario import Column as Column
 from .column.solvers import adiabatic as adiabatic
 from .column.solvers import independent as independent
 from .column.solvers import newton as newton
+from .compression import CompressionWarning as CompressionWarning
 from .contact import Contact as Contact
 from .contact import Law as Law
 from .convert import convert as convert

@@ -13,6 +13,8 @@ outcome_names: tuple = ...
 
 outcome_messages: tuple = ...
 
+deepest_compression: float = 0.5
+
 def law_records() -> list:
     """What the registered contact laws state about themselves."""
 
@@ -32,6 +34,8 @@ class Contact:
     def restitution(self, speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
     def duration(self, speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
+
+    def compression(self, speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
     def energy(self, compression: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
@@ -71,8 +75,6 @@ def model_records() -> list:
     """
     The models of a column in the order of their numbers: name, labels, limits.
     """
-
-deepest_compression: float = 0.5
 
 class Column:
     """A column of balls in SI units."""
@@ -207,6 +209,9 @@ class HardSpheres:
 
     @property
     def time(self) -> float: ...
+
+    @property
+    def n_events(self) -> int: ...
 
     @property
     def n_rows(self) -> int: ...
@@ -392,12 +397,10 @@ class NewtonSteps:
     @staticmethod
     def load(state: bytes) -> NewtonSteps: ...
 
-def restitution_error(contact: Contact, speed: float, time_step: float) -> float:
+def step_errors(contact: Contact, speed: float, time_step: float) -> tuple[float, float, float]:
     """
-    The largest error of the coefficient of restitution that steps make; NaN where a contact does not end.
+    The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. Infinite where a contact does not end.
     """
 
 def longest_step(contact: Contact, speed: float, error: float) -> float:
-    """
-    The longest time step whose error of the restitution is at most `error`.
-    """
+    """The longest time step whose `step_errors` are at most `error`."""

@@ -23,9 +23,6 @@ RESTITUTION: Final = "restitution"
 #: Values in the examples of laws, by unit: those of a stiff grain.
 TYPICAL: Final = {"N/m": 1e6, "N/m^1.5": 1e9, "Pa": 7e10, "s": 1e-6}
 
-#: Compression over the smaller radius from which on a warning says that contact laws are stretched.
-SHALLOW: Final = 0.05
-
 #: Numbers that give an array of the same shape; a single float gives a float.
 Values = NDArray[Any] | Sequence[float] | Sequence[Sequence[float]]
 Floats = NDArray[np.float64]
@@ -141,6 +138,42 @@ class Contact:
         array([196.2, 123.8])
         """
         return _over_speeds(self.core.duration, speed)
+
+    @overload
+    def compression(self, speed: float = ...) -> float: ...
+    @overload
+    def compression(self, speed: Values) -> Floats: ...
+    def compression(self, speed: float | Values = 1.0) -> float | Floats:
+        """Greatest compression of an isolated head-on collision.
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array [m]
+            Of the same shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+
+        Notes
+        -----
+        By integration of m_eff d²ξ/dt² = −F to dξ/dt = 0 (Eq. 8). Without damping v √(m_eff/k) under the linear law
+        and (5 m_eff v²/(4 ρ))^(2/5) under that of Hertz. Laws describe small compressions: see the limits.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+        >>> contact = law.between(hl.Ball(0.01, mass=0.01))
+        >>> f"{contact.compression(1.0) * 1e3:.3f} mm"
+        '0.100 mm'
+        """
+        return _over_speeds(self.core.compression, speed)
 
     @overload
     def force(self, compression: float, rate: float = ...) -> float: ...

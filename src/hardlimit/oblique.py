@@ -175,7 +175,9 @@ def _until_parted(column: Column, system: ParticleSystem) -> ContactResult:
     """The run up to where no contact is open and the gap grows."""
     until = LONGER * _sequence(column)
     for _ in range(MOST_DOUBLINGS):
-        run = molecular_dynamics(system, law=column.laws[0], until=until, samples=1, log=True)
+        run = molecular_dynamics(
+            system, law=column.laws[0], until=until, engine="events", samples=1, log=True
+        )
         if run.outcome_name != "ok":
             raise RuntimeError(f"oblique drop: {run.outcome}")
         if _parted(run):

@@ -1,7 +1,8 @@
-"""How far a long computation has come: a bar on stderr, in a terminal or a notebook, or what the caller wants."""
+"""How far a long computation has come: a bar on stderr, lines in a log, or what the caller wants."""
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,9 @@ from .validation import shown
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+#: Seconds [wall clock] until the first line in a log, and at most until the next.
+FIRST, LONGEST = 10.0, 600.0
 
 Report = Callable[[int, int], object]  #: called with (done, total)
 
@@ -33,14 +37,25 @@ def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractC
     return nullcontext(progress)
 
 
+class Shown:
+    """What is shown of a computation, to be told (done, total) like any ``Report``; ``note`` says how it gets on."""
+
+    def __init__(self, tell: Callable[[int, int, str], object]) -> None:
+        self.note = ""
+        self._tell = tell
+
+    def __call__(self, done: int, total: int) -> None:
+        self._tell(done, total, self.note)
+
+
 @contextmanager
-def bar(title: str, rate: str | None = None, console: Console | None = None) -> Iterator[Report]:
-    """A progress bar on stderr that goes away at its end; nothing where stderr is neither terminal nor notebook.
+def bar(title: str, rate: str | None = None, console: Console | None = None) -> Iterator[Shown]:
+    """A progress bar on stderr that goes away at its end; where stderr is neither terminal nor notebook a line now and
+    then, the first after 10 s.
 
     ``rate`` names what is counted: so many of them per second stand beside the bar.
     """
-    from rich.console import Console
-    from rich.filesize import pick_unit_and_suffix
+    from rich.console import Console, RenderableType
     from rich.progress import (
         BarColumn,
         Progress,
@@ -51,17 +66,75 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
     )
     from rich.text import Text
 
+    out = Console(stderr=True, highlight=False) if console is None else console
+    if not (out.is_terminal or out.is_jupyter):
+        yield Shown(Lines(title, rate, out))
+        return
+
     class Rate(ProgressColumn):
         def render(self, task: Any) -> Text:
             speed = task.finished_speed or task.speed
-            unit, prefix = pick_unit_and_suffix(int(speed or 1), ["", "k", "M", "G"], 1000)
-            return Text(f"{speed / unit:.3g} {prefix}{rate}/s" if speed else "", style="cyan")
+            return Text(per_second(speed, rate) if speed and rate else "", style="cyan")
 
-    out = Console(stderr=True, highlight=False) if console is None else console
+    class WithNote(Progress):
+        note = ""
+
+        def get_renderables(self) -> Iterator[RenderableType]:
+            yield from super().get_renderables()
+            if self.note:
+                yield Text(self.note, style="cyan")
+
     columns: list[Any] = [TextColumn("{task.description}"), BarColumn(), TaskProgressColumn()]
     columns += [Rate()] if rate else []
     columns += [TimeRemainingColumn()]
-    shows = out.is_terminal or out.is_jupyter
-    with Progress(*columns, console=out, transient=True, disable=not shows) as shown_bar:
+    with WithNote(*columns, console=out, transient=True) as shown_bar:
         task = shown_bar.add_task(title, total=None)
-        yield lambda done, total: shown_bar.update(task, completed=done, total=total)
+
+        def tell(done: int, total: int, note: str) -> None:
+            shown_bar.note = note
+            shown_bar.update(task, completed=done, total=total)
+
+        yield Shown(tell)
+
+
+class Lines:
+    """How far, in a log: a line after ``FIRST`` seconds, the next after twice as many, then every ``LONGEST``."""
+
+    def __init__(self, title: str, rate: str | None, out: Console) -> None:
+        self._title, self._rate, self._out = title, rate, out
+        self._begun = clock.monotonic()
+        self._seen, self._next = (self._begun, 0), FIRST
+
+    def __call__(self, done: int, total: int, note: str) -> None:
+        now = clock.monotonic()
+        if now - self._begun < self._next:
+            return
+        before, had = self._seen
+        parts = [f"{done / total:.0%}"] if total else []
+        parts += [f"after {duration(now - self._begun)}"]
+        parts += (
+            [per_second((done - had) / (now - before), self._rate)] if self._rate and now > before else []
+        )
+        line = f"{self._title}: {', '.join(parts)}{f'; {note}' if note else ''}"
+        self._out.print(line, soft_wrap=True, markup=False)
+        self._seen = now, done
+        lasted = now - self._begun
+        self._next = lasted + min(lasted, LONGEST)
+
+
+def per_second(speed: float, what: str) -> str:
+    """So many of what is counted, with a prefix."""
+    from rich.filesize import pick_unit_and_suffix
+
+    unit, prefix = pick_unit_and_suffix(int(speed or 1), ["", "k", "M", "G"], 1000)
+    return f"{speed / unit:.3g} {prefix}{what}/s"
+
+
+def duration(seconds: float) -> str:
+    """In words, for somebody who waits."""
+    if not seconds < 1e9:
+        return "decades"
+    for name, unit in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * unit:
+            return f"{seconds / unit:.0f} {name}"
+    return f"{seconds:.0f} s" if seconds >= 1.0 else "less than a second"

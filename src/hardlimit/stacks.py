@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import validation
+from . import compression, validation
 from .bodies import Ball
-from .column.result import Result, stretched
+from .column.result import Result
 from .column.scenario import Column
 from .column.solvers import TOLERANCE, independent, newton
-from .contact import SHALLOW, Law
+from .contact import Law
 from .descent import Domain, descend
 from .progress import Report, reporter
 
@@ -262,8 +262,7 @@ def stack(
     found = _long_after(column, model)
     if found._core.too_deep >= 0:
         raise ValueError(f"law: got {validation.shown(law)}, must be stiffer: {found.outcome}")
-    if found.largest_compression >= SHALLOW:
-        warnings.warn(stretched(found), stacklevel=2)
+    compression.warn(found.largest_compression, stacklevel=3)
     return Stack(column, model, _speed_of_top(found))
 
 
@@ -284,7 +283,7 @@ def _long_after(column: Column, model: str, tolerance: float = TOLERANCE) -> Res
     until = LATER * (contact + sum(column.gaps) / speed)
     if model == "independent":
         return independent(column, until)
-    with warnings.catch_warnings(action="ignore", category=UserWarning):
+    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
         return newton(column, until, tolerance=tolerance)
 
 

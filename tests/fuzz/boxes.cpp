@@ -1,5 +1,7 @@
 // Fuzz target: small boxes of hard spheres and disks, of every kind and under every rule, which nothing else runs under
 // sanitizers: a few hundred collisions, then saved, loaded and gone on with.
+#include <algorithm>
+#include <type_traits>
 #include <vector>
 
 #include "particles/make_engine.hpp"
@@ -28,9 +30,24 @@ private:
         if (kind == 1) rule.contact_duration = time * draw.decades(1e-6, 1.0);
         if (kind < 2) return;
         rule.soft = kind == 3;
-        rule.law = 0, rule.alternative = 1;  // linear, by stiffness and damping
-        rule.parameters[0] = 1e6;
-        rule.parameters[1] = draw.often({0.0}, [&] { return draw.decades(1e-3, 10.0); });
+        fuzz::with_some_law(draw, [&]<class Law>() {
+            const fuzz::Material<Law> material(draw);
+            const LawRecord& record = Law::record;
+            rule.law = place_of<Law>();
+            rule.alternative = material.alternative;
+            std::copy_n(material.parameters, record.n_common + record.n_in_alternative[material.alternative],
+                        rule.parameters);
+        });
+    }
+    template <class Wanted>
+    static int place_of() {
+        int place = 0, found = -1;
+#define HL_PLACE(Law)                                                 \
+    if (std::is_same_v<Wanted, contact::Law>) found = place; \
+    ++place;
+        HARDLIMIT_LAWS(HL_PLACE)
+#undef HL_PLACE
+        return found;
     }
 };
 

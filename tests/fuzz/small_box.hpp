@@ -1,5 +1,6 @@
 // A small box of any kind for a fuzz target: bodies on the places of a lattice, some of them moved, so that they may
-// touch and do not overlap.
+// touch and do not overlap. Often they have no room at all, move as in a mirror, or so slowly that the squares of
+// their speeds are no numbers.
 #pragma once
 #include <vector>
 
@@ -31,6 +32,8 @@ struct SmallBox {
             apart = draw.decades(1e-6, 1.0);
             for (double& x : together) x = (1.0 - apart) * draw.between(-speed, speed);
         }
+        mirrored = draw.below(8) == 0;
+        slow = draw.below(4) == 0;
         int places[3] = {1, 1, 1};
         for (int k = 0; k < s.dimension; ++k) {
             places[k] = 1 + draw.below(most_places);
@@ -38,6 +41,7 @@ struct SmallBox {
             s.periodic[k] = draw.below(2) == 0;
             if (s.periodic[k]) s.edge[k] = math::max(s.edge[k], least_edge * large);
             s.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
+            if (slow) s.gravity[k] *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-320, 1.0); });
         }
         for (int x = 0; x < places[0]; ++x)
             for (int y = 0; y < places[1]; ++y)
@@ -56,6 +60,7 @@ struct SmallBox {
 
 private:
     double together[3] = {}, apart = 1.0;
+    bool mirrored, slow;
 
     template <class Source>
     void add(Draw<Source>& draw, const int (&at)[3], double spacing, double size) {
@@ -63,7 +68,9 @@ private:
             const double room = 0.5 * spacing - size;
             const double aside = draw.often({0.0}, [&] { return draw.between(-room, room); });
             position.push_back(math::min(spacing * (at[k] + 0.5) + aside, s.edge[k]));
-            const double own = draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); });
+            double own = draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); });
+            if (mirrored) own = (at[0] + at[1] + at[2]) % 2 == 0 ? speed : -speed;
+            if (slow) own *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-322, 1e-10); });
             velocity.push_back(together[k] + apart * own);
         }
         radius.push_back(size);

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "../pair_laws.hpp"
-#include "isolated.hpp"
 #include "neighbours.hpp"
 #include "schedule.hpp"
 #include "touches.hpp"
@@ -32,6 +31,8 @@ struct alignas(64) Slab {
     std::vector<Change> changes;
     double dissipated = 0.0, virial = 0.0;  // [J] since the list was made
     double farthest = 0.0, fastest = 0.0;   // squares [m²], [m²/s²]
+    double largest_compression = 0.0;       // since the list was made, over the smaller radius
+    std::int32_t deepest[2] = {-1, -1};     // whose it was: as first and second of a Record
 
     bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
     void clear_step() { pushed_here.clear(), pushed_beyond.clear(), jolts.clear(); }
@@ -41,6 +42,7 @@ struct alignas(64) Slab {
         archive(pairs), archive(walls), archive(touch_of_pair), archive(touch_of_wall);
         archive(touches), archive(vacant), archive(pushed_here), archive(pushed_beyond);
         archive(dissipated), archive(virial);
+        archive(largest_compression), archive(deepest);
     }
 };
 
@@ -114,11 +116,9 @@ public:
             if (t.at_first == nobody) continue;
             const bool pair = t.at_second != nobody;
             double impulse = 0.0;
-            slab.dissipated += 0.5 * h * t.loss;
             if (t.fresh && t.force > 0.0) {
-                const auto [force, loss] = setting_in(t);
-                impulse = 0.5 * h * t.force + force.missed(t.onset, h) - force.reached(t.onset);
-                slab.dissipated += 0.5 * h * t.loss + loss.missed(t.onset, h) - loss.reached(t.onset);
+                const auto force = force_sets_in(t.law, t.onset.rate);
+                impulse = 0.5 * h * t.force + force.missed(t.onset, h) - force.reached(t.onset, t.force);
                 jolt(slab, bodies, t, impulse);
             }
             if (pair) slab.virial += (0.5 * h * t.force + impulse) * t.distance;
@@ -204,24 +204,52 @@ private:
             slab.touches[static_cast<std::size_t>(slot)] = begin(m, apart);
         }
         Touch<Law>& t = slab.touches[static_cast<std::size_t>(slot)];
-        const double rate = -dot(m.normal, m.relative + m.acceleration * now_.ahead);
-        const double compression = m.compression();
-        const double margin = compression - math::max(0.0, t.law.slack(rate).depth);
-        const Strength p = compression > 0.0 ? strength_of(t.law, compression, rate) : Strength{0.0, 0.0};
+        // The others' forces are those of the step before, its own is not known yet.
+        const double own = inverse_mass(m) * now_.ahead, compression = m.compression();
+        const double rate = own * t.force - dot(m.normal, m.relative + m.acceleration * now_.ahead);
+        const Strength p = fresh ? strength_at_onset(t.law, compression, rate, inverse_mass(m), t.onset)
+                                 : strength_of(t.law, compression, rate, own);
+        const double margin = compression - math::max(0.0, t.law.slack(p.rate).depth);
         if ((p.force > 0.0) != t.closed) {
             note(slab, slot, t, m, margin, fresh);
             t.closed = p.force > 0.0;
         }
+        if (now_.ahead > 0.0)
+            slab.dissipated += fresh ? dissipated_at_onset(t.law, p, t.onset) : dissipated(t, p, m);
         t.at_first = m.first, t.at_second = m.second;
         t.normal = m.normal, t.distance = m.distance;
-        t.margin = margin, t.fresh = fresh;
-        t.force = p.force, t.loss = p.loss, t.compression = compression;
+        t.margin = margin, t.fresh = fresh, t.compression = compression;
+        static_cast<Strength&>(t) = p;
+        note_depth(slab, t, m);
         act(slab, t);
         if (!(compression > 0.0)) {
             t.at_first = nobody;
             slab.vacated.push_back(slot);
             slot = -1;
         }
+    }
+
+    double inverse_mass(const Meeting& m) const {  // of the relative motion
+        return bodies_.motion[m.first][3] + (m.second != nobody ? bodies_.motion[m.second][3] : 0.0);
+    }
+    // Since the last step; t is as it was then. With the forces of others the rate of that step is known only now, and
+    // what was dissipated until then is put right.
+    double dissipated(Touch<Law>& t, const Strength& p, const Meeting& m) const {
+        Strength before = t;
+        if (!t.fresh) before.rate = -dot(t.normal, m.relative - m.acceleration * now_.ahead);
+        const double late = 0.5 * t.damped * (before.rate - t.rate);
+        if (!(m.compression() > 0.0)) return late + dissipated_at_end(t.law, before, t.compression);
+        t.damped = damped(before, p, now_.h);
+        if (t.fresh) t.damped += missed_damping(t.law, before, t.onset, now_.h);
+        return late + dissipated_between(before, p, now_.h, inverse_mass(m), t.damped);
+    }
+
+    void note_depth(Slab<Law>& slab, const Touch<Law>& t, const Meeting& m) const {
+        const double first = bodies_.place[m.first][3];
+        const double part = t.compression / (m.second == nobody ? first : math::min(first, m.reach - first));
+        if (!(part > slab.largest_compression)) return;
+        slab.largest_compression = part;
+        slab.deepest[0] = t.first, slab.deepest[1] = t.second;
     }
 
     static std::int32_t vacancy(Slab<Law>& slab) {
@@ -263,8 +291,7 @@ private:
         const bool pair = m.second != nobody;
         const double along = dot(m.normal, m.relative);
         const double turning = pair ? (dot(m.relative, m.relative) - along * along) / m.distance : 0.0;
-        const double inverse_mass = bodies_.motion[m.first][3] + (pair ? bodies_.motion[m.second][3] : 0.0);
-        const double bend = own * inverse_mass - dot(m.normal, m.acceleration) - turning;
+        const double bend = own * inverse_mass(m) - dot(m.normal, m.acceleration) - turning;
         return grown / now_.h + bend * (time - (now_.time - 0.5 * now_.h));
     }
 
@@ -283,25 +310,14 @@ private:
         slab.changes.push_back({t, now_.step, time, slot, begins, -rate, since});
     }
 
-    static std::pair<SettingIn<Law::onset_power>, SettingIn<Law::onset_power>> setting_in(
-        const Touch<Law>& t) {
-        auto force = force_sets_in(t.law, t.onset.rate);
-        auto loss = loss_sets_in(t.law, t.onset.rate);
-        force.value = t.force;
-        loss.value = t.loss;
-        return {force, loss};
-    }
-
     void act(Slab<Law>& slab, const Touch<Law>& t) {
-        double impulse = 0.0, lost = now_.weight * t.loss;
+        double impulse = 0.0;
         if (t.fresh && t.force > 0.0) {
-            const auto [force, loss] = setting_in(t);
-            impulse =
-                now_.closing ? force.reached(t.onset) - now_.weight * t.force : force.missed(t.onset, now_.h);
-            lost = now_.closing ? loss.reached(t.onset) : lost + loss.missed(t.onset, now_.h);
+            const auto force = force_sets_in(t.law, t.onset.rate);
+            impulse = now_.closing ? force.reached(t.onset, t.force) - now_.weight * t.force
+                                   : force.missed(t.onset, now_.h);
             jolt(slab, bodies_, t, impulse);
         }
-        slab.dissipated += lost;
         if (t.at_second != nobody) slab.virial += (now_.weight * t.force + impulse) * t.distance;
         if (!(t.force > 0.0)) return;
         push(slab, t.at_first, t.normal * (-t.force * bodies_.motion[t.at_first][3]));

@@ -63,11 +63,10 @@ struct Onset {
     double rate;   // speed of approach [m/s]
 };
 
-// A quantity that sets in with a contact, such as the force: its leading terms, and its value at the first step.
+// A force that sets in with a contact, by its leading terms [N].
 template <int p>
 struct SettingIn {
     LeadingTerms<p> terms;
-    double value;
 
     // What steps of h, the first of which counts in full, miss of the integral.
     double missed(Onset at, double h) const {
@@ -77,8 +76,8 @@ struct SettingIn {
             if (terms.c[j] != 0.0) sum += terms.c[j] * power(depth, j) * hurwitz_zeta(double(j) / p, s);
         return -sum * h;
     }
-    // The integral from touch to the first step in contact.
-    double reached(Onset at) const {
+    // The integral from touch to the first step in contact, where the force is `value`.
+    double reached(Onset at, double value) const {
         double sum = 0.0, rest = value;
         for (int j = 0; j < p; ++j) {
             if (terms.c[j] == 0.0) continue;
@@ -93,22 +92,22 @@ private:
     static double power(double depth, int j) { return j == 0 ? 1.0 : math::pow(depth, double(j) / p); }
 };
 
-// How the force of a law sets in [N], `value` being left to the caller.
+// How the force of a law sets in.
 template <class Law>
 SettingIn<Law::onset_power> force_sets_in(const Law& law, double rate) {
     constexpr int p = Law::onset_power;
     LeadingTerms<p> s{}, speed{};
     if constexpr (p > 1) s.c[1] = 1.0;
     speed.c[0] = rate;
-    return {law.force(s, speed), 0.0};
+    return {law.force(s, speed)};
 }
-// The same of the power that the contact dissipates [W].
+// The same of the part that damps.
 template <class Law>
-SettingIn<Law::onset_power> loss_sets_in(const Law& law, double rate) {
+SettingIn<Law::onset_power> damping_sets_in(const Law& law, double rate) {
     constexpr int p = Law::onset_power;
     LeadingTerms<p> s{};
     if constexpr (p > 1) s.c[1] = 1.0;
-    return {(force_sets_in(law, rate).terms - law.elastic_force(s)) * rate, 0.0};
+    return {force_sets_in(law, rate).terms - law.elastic_force(s)};
 }
 
 }  // namespace hardlimit::particles::steps

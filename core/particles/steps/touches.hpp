@@ -8,7 +8,7 @@
 
 #include "../contact_row.hpp"
 #include "bodies.hpp"
-#include "onset.hpp"
+#include "strength.hpp"
 
 namespace hardlimit::particles::steps {
 
@@ -22,13 +22,14 @@ struct Record {
 
 // Two bodies, or a body and a wall, that overlap. They are in contact (`closed`) while they push each other.
 template <class Law>
-struct Touch : Record {
+struct Touch : Record, Strength {  // the force of the last step
     Law law;
     std::array<std::int32_t, 3> turns;  // by which image of the second, in edges along the unfolded paths
     std::uint32_t at_first, at_second;  // indices; the second is none at a wall
     Four normal;                        // unit vector from the one at `at_first` to the other
     double distance;                    // of the centres, or to the wall [m]
-    double force, loss, compression;    // at the last step [N], [W], [m]
+    double compression;                 // at the last step [m]
+    double damped;                      // impulse of damping in the step that led there [N s]
     double margin;                      // how far ξ is above the law's slack [m]
     Onset onset;
     bool fresh;  // the last step was its first

@@ -25,7 +25,7 @@ from hardlimit.pictures import plots
 balls = [hl.Ball(radius=radius, density=1100) for radius in (0.032, 0.022, 0.016, 0.011)]
 rubber = hl.Viscoelastic(youngs_modulus=5e6, poisson_ratio=0.49, restitution=0.9, impact_speed=3.0)
 gaps = np.geomspace(1e-5, 2e-2, 60)
-warnings.filterwarnings("ignore", "a contact is compressed")
+warnings.simplefilter("ignore", hl.CompressionWarning)
 
 
 def top(model, gap):

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 import click
 import numpy as np
 
-from .. import _core, validation
+from .. import compression, validation
 from ..approximations import usual_damping
 from ..bodies import FLOOR, Ball
 from ..column import files
 from ..column.scenario import Column
-from ..column.solvers import newton
-from ..contact import SHALLOW, Contact, Law, law_parameters
+from ..contact import Contact, Law, law_parameters
 from .drop_report import law_text
 from .options import F, given_law_parameters, law_options, options, output_option, quantity_option, writable
 from .printing import console, digits, length, print_json, quantity, show, table
@@ -128,18 +126,9 @@ def default_speeds(made: Contact) -> list[float]:
 
 
 def compressions(made: Contact, ball: Ball, partner: Any, speeds: Any) -> Any:
-    """Greatest compression over the smaller radius at each speed of impact; 0.5 stands for that and more."""
-    law = made.law
-    with warnings.catch_warnings(action="ignore", category=UserWarning):
-        runs = [
-            newton(
-                Column.cradle([ball, partner], [float(v), 0.0], law)
-                if isinstance(partner, Ball)
-                else Column([ball], [], ball.radius, law, velocities=-float(v), gravity=0.0)
-            )
-            for v in speeds
-        ]
-    return np.array([run.largest_compression for run in runs])
+    """Greatest compression over the smaller radius at each speed of impact."""
+    radius = min(ball.radius, partner.radius)
+    return made.compression(speeds) / radius
 
 
 def takes_usual_formula(law: Law) -> bool:
@@ -187,27 +176,18 @@ def print_report(
     name = made.law.record["name"]
     show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
     by_speed = [
-        [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), part(d)]
+        [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), digits(d)]
         for v, d in zip(speeds, depth, strict=True)
     ]
     title = (
         "Over the speed of impact" if depends_on_speed(made) else "At any speed, the compression at this one"
     )
-    names = ["speed [m/s]", "restitution ε", "duration", "compression / radius"]
+    names = ["speed [m/s]", "restitution ε", "duration", "compression [smaller radius]"]
     show(out, title, table(names, by_speed))
-    if (depth >= SHALLOW).any():
-        out.print(
-            f"Contact laws are meant for compressions of less than {100.0 * SHALLOW:g} % of the smaller radius; "
-            f"a run ends at {100.0 * _core.deepest_compression:g} %.",
-            style="yellow",
-        )
+    if said := compression.too_soft(float(depth.max())):
+        out.print(f"{said[0].upper()}{said[1:]}.", style="yellow")
     if usual:
         print_usual(out, made, usual)
-
-
-def part(depth: float) -> str:
-    """A compression over the radius; what is too deep is only known to be so."""
-    return digits(depth) if depth < _core.deepest_compression else f"≥ {digits(depth)}"
 
 
 def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:

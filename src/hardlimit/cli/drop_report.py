@@ -10,13 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import saving
+from .. import compression, saving
 from ..column import files
 from ..column.comparison import Comparison
-from ..column.result import Result, stretched
+from ..column.result import Result
 from ..column.scenario import Column
 from ..column.solvers import newton
-from ..contact import SHALLOW, Law, law_parameters
+from ..contact import Law, law_parameters
 from ..models import MODELS
 from .printing import console, digits, length, plain, quantity, show, table
 
@@ -57,12 +57,11 @@ def print_report(found: Comparison, shown: Result) -> None:
 
 def depth_line(result: Result) -> str:
     """What is to be said of the greatest compression; nothing where it is small."""
-    deepest = result.largest_compression
-    if not deepest >= SHALLOW:
+    said = compression.too_soft(result.largest_compression)
+    if said is None:
         return ""
     if result._core.too_deep < 0:
-        text = stretched(result)
-        return f"{text[0].upper()}{text[1:]}."
+        return f"{said[0].upper()}{said[1:]}."
     return f"{result.outcome[0].upper()}{result.outcome[1:]}.{stiff_enough(result)}"
 
 
@@ -71,7 +70,7 @@ def stiff_enough(result: Result) -> str:
     column = result.column
     law = column.laws[0]
     name = next(iter(law.parameters))  # the elastic constant
-    with warnings.catch_warnings(action="ignore", category=UserWarning):
+    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
         for decade in range(1, MOST_DECADES + 1):
             stiffer = [each.replace(**{name: each.parameters[name] * 10.0**decade}) for each in column.laws]
             if newton(column.replace(law=stiffer), result.until)._core.too_deep < 0:
@@ -174,7 +173,7 @@ def comparison_rows(column: Column) -> list[tuple[str, Callable[[Result], str]]]
                 ("effective ε / ε at t_f", lambda r: digits(r.restitution_ratio)),
                 ("effective ε / ε at separation", lambda r: digits(r.restitution_ratio_at_separation)),
             ]
-    rows.append(("greatest compression / radius", lambda r: digits(r.largest_compression)))
+    rows.append(("largest compression [smaller radius]", lambda r: digits(r.largest_compression)))
     for i in reversed(range(len(column.balls))):
         rows.append((f"final velocity of ball {i + 1} [m/s]", partial(_of_ball, "final_velocities", i)))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):

@@ -49,7 +49,9 @@ compare_options = options(
         "--until", unit="s", help="End of each run [s].  [default: some 20 collisions per particle]"
     ),
     click.option("--samples", type=int, help="Equal spacings in time.  [default: 100]"),
-    click.option("--engine", help="How Newton’s equations are solved: events | steps.  [default: events]"),
+    click.option(
+        "--engine", help="How Newton’s equations are solved: auto | events | steps.  [default: auto]"
+    ),
     click.option(
         "--replicas",
         type=int,

@@ -7,9 +7,9 @@ from typing import Any, Final
 
 import click
 
-from ..particles.contact_result import ContactResult, quantities
+from ..particles.contact_result import ContactResult, choice, quantities
 from ..particles.lammps.folder import lammps_input
-from ..particles.molecular_dynamics import UNITS, molecular_dynamics
+from ..particles.molecular_dynamics import NAMES, molecular_dynamics
 from ..particles.system import ParticleSystem, described
 from .gas_job import ContactJob, make_contact_job
 from .gas_report import mapping, save
@@ -18,12 +18,15 @@ from .printing import console, digits, print_json, show, table
 
 engine_options = options(
     click.option(
-        "--engine", type=click.Choice(list(UNITS)), help="Solve Newton's equations instead, with a --law."
+        "--engine",
+        type=click.Choice(NAMES),
+        help="Solve Newton's equations instead, with a --law; auto: events or steps, whichever costs less.",
     ),
     quantity_option(
         "--restitution-error",
         unit="1",
-        help="Error of ε that the time step may make (steps, lammps).  [default: 0.001]",
+        help="Error of ε that the time step may make (steps, lammps), by steps of energies and positions as well.  "
+        "[default: 0.001]",
     ),
     quantity_option(
         "--time-step", unit="s", help="Instead of that error, the longest step [s] (steps, lammps)."
@@ -61,7 +64,8 @@ def run_contacts(file: str | None, resume: str | None, as_json: bool, given: dic
         **own,
         **job.options,
     )
-    files = [] if job.save is None else [save(result, job.save, {"engine": result.engine}, "contacts")]
+    how = {name: getattr(result, name) for name in ("engine", "engine_reason")}
+    files = [] if job.save is None else [save(result, job.save, how, "contacts")]
     if as_json:
         print_json(as_mapping(job.system, result, files))
     else:
@@ -110,6 +114,8 @@ def print_report(start: ParticleSystem, result: ContactResult, files: list[Path]
     show(out, f"{start.n} {what}", table(["", ""], [[label, text] for label, text in described(start)]))
     rows = [[label, digits(value)] for label, value in quantities(result)]
     show(out, f"Newton's equations, {result.law!r}", table(["", result.engine], rows))
+    if result.engine_reason:
+        out.print(choice(result), markup=False)
     style = "default" if result.outcome_code == 0 else "yellow"
     out.print(f"outcome: {result.outcome}", style=style, markup=False)
     for path in files:
@@ -126,6 +132,7 @@ def as_mapping(start: ParticleSystem, result: ContactResult, files: list[Path]) 
         files,
         {
             "engine": result.engine,
+            "engine_reason": result.engine_reason,
             "law": {"name": law.record["name"], **law.parameters},
             **{name: getattr(result, name) for name in names},
             "time_step": result.time_step,

@@ -7,11 +7,13 @@ import io
 import os
 import sys
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, TextIO
 
 import click
+
+from ..compression import CompressionWarning
 
 FAILURE = 1
 BAD_INPUT = 2
@@ -35,8 +37,7 @@ class Program(click.Group):
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="replace")  # Greek letters and signs on a terminal without them
-        with warnings.catch_warnings():
-            warnings.showwarning = warned
+        with compression_told():
             code = ended(run)
         for stream in (sys.stdout, sys.stderr):
             give_up_if_full(stream)
@@ -87,9 +88,20 @@ def ended(run: Callable[[], Any]) -> int:
     return code if isinstance(code, int) else 0
 
 
-def warned(message: Warning | str, *_: Any, **__: Any) -> None:
-    """A warning of the package as one line, without the place in the code."""
-    complain(f"hardlimit: {message}")
+@contextlib.contextmanager
+def compression_told() -> Iterator[None]:
+    """Contacts that are deep are told in one line on stderr, without a place in the code."""
+    usual = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        if issubclass(category, CompressionWarning):
+            complain(f"warning: {message}")
+        else:
+            usual(message, category, *where)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
 
 
 def complain(message: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -12,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, html, validation
-from ..contact import SHALLOW
+from .. import _core, compression, html, validation
 from ..models import MODELS, Model
 from .scenario import Column
 
@@ -70,8 +68,8 @@ class Result:
         values["until"] = until
         values["options"] = options
         values["_core"] = core
-        if core.presses_by(SHALLOW):
-            warnings.warn(stretched(result), stacklevel=3)
+        if core.presses_by(compression.DEEP):
+            compression.warn(result.largest_compression)
         return result
 
     @cached_property
@@ -437,12 +435,6 @@ def _fixed(array: NDArray[Any]) -> NDArray[Any]:
     return array
 
 
-def stretched(result: Result) -> str:
-    """What a warning says of contacts that are compressed by ``SHALLOW`` and more."""
-    part = f"{100.0 * result.largest_compression:.3g} % of the smaller radius"
-    return f"a contact is compressed by {part}: contact laws are meant for less than {100.0 * SHALLOW:g} %"
-
-
 def quantities(result: Result) -> list[tuple[str, float]]:
     """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
     column = result.column
@@ -458,7 +450,7 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("effective ε at t_f", result.effective_restitution),
             ("effective ε / ε at t_f", result.restitution_ratio),
         ]
-    found.append(("greatest compression / radius", result.largest_compression))
+    found += compression.rows(result.largest_compression)
     for i in reversed(range(len(column.balls))):
         found.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):

@@ -11,11 +11,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from .. import _core
+from .. import _core, compression
 from ..contact import Law
-from ..progress import Report
+from ..progress import Report, Shown
 from . import checkpoint, early_end, engines
 from .contact_result import COLUMNS, LOG, ContactResult
+from .pace import Pace
+from .softness import refuse_too_soft
 from .system import Floats, ParticleSystem
 
 #: In the header of a checkpoint.
@@ -58,6 +60,7 @@ class Settings:
     threads: int
     path: Path | None = None  #: of the checkpoint
     every: float = math.inf  #: seconds between two checkpoints [wall clock]
+    reason: str = ""  #: for the engine, unless it was asked for
 
     @property
     def takes_steps(self) -> bool:
@@ -82,6 +85,7 @@ class ContactCourse:
         self._log = None if log is None else [log]
         self._portion = 100
         self._saved_at = clock.monotonic()
+        self._pace = Pace()
 
     def set_end(self, until: float) -> None:
         """Go on to another end; the spacing of the samples stays."""
@@ -99,7 +103,9 @@ class ContactCourse:
         """
         for _ in self.steps(report):
             pass
-        return self.result()
+        found = self.result()
+        compression.warn(found.largest_compression)
+        return found
 
     def steps(self, report: Report) -> Iterator[float]:
         """To the end, with a stop at every sample; yields its time [s]."""
@@ -139,6 +145,8 @@ class ContactCourse:
         else:
             done = self.engine.contacts_reached
             report(done, max(done, 1, round(done * (end / time)) if time > 0.0 else 0))
+            if isinstance(report, Shown):
+                report.note = self._pace.note(self.system, self.settings.law, self.engine, end)
 
     # --- what is kept ---------------------------------------------------------------------------------------
 
@@ -152,11 +160,7 @@ class ContactCourse:
 
     def _row(self) -> tuple[float, ...]:
         """The sums of ``COLUMNS`` now."""
-        seen = self.engine.observe()
-        mass, kinetic = float(self.system.mass.sum()), float(seen["kinetic_energy"])
-        momentum = np.asarray(seen["momentum"])
-        temperature = (2.0 * kinetic - float(momentum @ momentum) / mass) / (self.system.dimension * mass)
-        values = {**seen, "granular_temperature": max(temperature, 0.0), "time": self.engine.time}
+        values = {**engines.observed(self.system, self.engine), "time": self.engine.time}
         return tuple(float(values[name]) for name in COLUMNS)
 
     def _logged(self) -> int:
@@ -183,6 +187,7 @@ class ContactCourse:
         header = {
             "kind": KIND,
             "engine": self.settings.engine,
+            "engine_reason": self.settings.reason,
             "law": engines.law_entry(self.settings.law),
             "boundary": list(self.system.boundary),
             "target": vars(self.target),
@@ -211,10 +216,12 @@ class ContactCourse:
             system=now,
             law=self.settings.law,
             engine=self.settings.engine,
+            engine_reason=self.settings.reason,
             outcome_name=self.engine.outcome,
             rows=np.array(self._rows),
             log=log,
             time=self.engine.time,
+            largest_compression=seen["largest_compression"],
             early_end=early_end.of_engine(self.engine, now),
             **{name: seen[name] for name in counts},
             **{name: getattr(self.engine, name) for name in special},
@@ -224,7 +231,14 @@ class ContactCourse:
 def start(
     system: ParticleSystem, settings: Settings, time_step: float | None, target: Target, log: bool
 ) -> ContactCourse:
-    """A run at its beginning; the arguments are checked."""
+    """A run at its beginning; the other arguments are checked.
+
+    Raises
+    ------
+    ValueError
+        If contacts under the law would be too deep.
+    """
+    refuse_too_soft(system, settings.law)
     engine = ENGINES[settings.engine](
         *engines.scene(system),
         engines.choice(settings.law),
@@ -245,7 +259,14 @@ def load(path: Any) -> ContactCourse:
     header, arrays = checkpoint.read(path)
     try:
         law = engines.law_of(header["law"])
-        settings = Settings(law, header["engine"], int(header["threads"]), Path(path), float(header["every"]))
+        settings = Settings(
+            law,
+            header["engine"],
+            int(header["threads"]),
+            Path(path),
+            float(header["every"]),
+            header["engine_reason"],
+        )
         engine = ENGINES[settings.engine].load(arrays["engine"].tobytes())
         system = engines.system_in(header, arrays, engine)
         log = engines.log_in(arrays, len(LOG))

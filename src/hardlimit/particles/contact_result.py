@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, html
+from .. import _core, compression, html
 from ..contact import Law
 from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
@@ -40,7 +40,7 @@ COLUMNS: Final = (
 SERIES: Final = {
     "kinetic_energy": ("J", "Σ m v²/2"),
     "potential_energy": ("J", "−Σ m g·x along unfolded paths"),
-    "contact_energy": ("J", "elastic energy of all that overlap"),
+    "contact_energy": ("J", "elastic energy of all that overlap, also where the force has ended"),
     "dissipated_energy": ("J", "energy lost in contacts so far"),
     "granular_temperature": ("m2/s2", "granular temperature Σ m|v − V|²/(d Σ m)"),
     "n_contacts": ("1", "contacts that began so far, those with walls included"),
@@ -66,6 +66,8 @@ LOG: Final = (
 
 OUTCOMES: Final = {
     "ok": "ok",
+    "too_deep": "too deep: the contact of {who} reached half of the smaller radius, beyond the range of contact laws, "
+    "{where}",
     "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
     "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
     "engine='steps' is made for that",
@@ -117,12 +119,15 @@ class ContactResult:
     n_steps: int | None = None  #: of steps and LAMMPS
     largest_cluster: int | None = None  #: of events, the most particles that were integrated together
     cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
+    largest_compression: float | None = None  #: of all contacts, over the smaller radius; None by LAMMPS
     early_end: EarlyEnd | None = None  #: where and when, unless the run went to its end
+    engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty where it was asked for
 
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return in_words(OUTCOMES["ok" if self.outcome_name == "ok" else self.engine], self.early_end)
+        said = self.outcome_name if self.outcome_name in OUTCOMES else self.engine
+        return in_words(OUTCOMES[said], self.early_end)
 
     @property
     def outcome_code(self) -> int:
@@ -201,6 +206,7 @@ class ContactResult:
             "system": repr(self.system),
             "law": repr(self.law),
             "engine": self.engine,
+            **({"engine_reason": self.engine_reason} if self.engine_reason else {}),
             **({} if self.time_step is None else {"time_step": self.time_step}),
             "outcome": self.outcome,
             "hardlimit_version": _core.version,
@@ -209,10 +215,12 @@ class ContactResult:
     def __repr__(self) -> str:
         counted = "" if self.n_contacts is None else f"{self.n_contacts} contacts in "
         found = f"{counted}{self.time:.6g} s, {self.outcome}"
-        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}>"
+        why = f"; {choice(self)}" if self.engine_reason else ""
+        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}{why}>"
 
     def _repr_html_(self) -> str:
         rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows += [["engine", choice(self)]] if self.engine_reason else []
         return html.table(f"{self.engine}, {self.law!r}", ["", ""], [*rows, ["outcome", self.outcome]])
 
 
@@ -235,6 +243,11 @@ def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
     return found
 
 
+def choice(result: ContactResult) -> str:
+    """Why this engine, where nobody asked for it."""
+    return f"chose {result.engine}: {result.engine_reason}"
+
+
 def quantities(result: ContactResult) -> list[tuple[str, float]]:
     """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
     kept = dict(zip(COLUMNS, result.rows.T, strict=True))
@@ -251,6 +264,7 @@ def quantities(result: ContactResult) -> list[tuple[str, float]]:
         ("granular temperature at the start [m²/s²]", float(kept["granular_temperature"][0])),
         ("granular temperature at the end [m²/s²]", float(kept["granular_temperature"][-1])),
         ("dissipated energy [J]", float(kept["dissipated_energy"][-1])),
+        *compression.rows(result.largest_compression),
         ("error of the energy balance", result.energy_error),
     ]
 

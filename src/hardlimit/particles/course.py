@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
+from .. import _core, compression
 from ..progress import Report
 from . import checkpoint, early_end, engines
 from .result import COLUMNS, ParticleResult, Settings
@@ -90,7 +90,9 @@ class Course:
         """
         for _ in self.steps(report):
             pass
-        return self.result()
+        found = self.result()
+        compression.warn(found.largest_compression)
+        return found
 
     def steps(self, report: Report) -> Iterator[float]:
         """To the end, with a stop at every sample; yields its time [s]."""
@@ -162,20 +164,11 @@ class Course:
 
     def _row(self) -> tuple[float, ...]:
         """The sums of ``COLUMNS`` now."""
-        seen = self.engine.observe()
-        mass, kinetic = float(self.system.mass.sum()), float(seen["kinetic_energy"])
-        momentum, integral = np.asarray(seen["momentum"]), seen["kinetic_integral"]
-        temperature = (2.0 * kinetic - float(momentum @ momentum) / mass) / (self.system.dimension * mass)
         values = {
+            **engines.observed(self.system, self.engine),
             "time": self.engine.time,
-            "kinetic_energy": kinetic,
-            "potential_energy": seen["potential_energy"],
-            "granular_temperature": max(temperature, 0.0),
             "n_collisions": self.engine.n_rows,
             "n_pairs": self.engine.n_pairs,
-            "virial": seen["virial"],
-            "kinetic_integral": math.nan if integral is None else integral,
-            "dissipated_energy": seen["dissipated_energy"],
         }
         return tuple(float(values[name]) for name in COLUMNS)
 
@@ -235,7 +228,7 @@ class Course:
         rows = self._sampled[0]
         if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_rows:
             rows = [*rows, self._row()]
-        now = self.current()
+        now, largest = self.current(), self.engine.observe()["largest_compression"]
         idle = self.target.idle > PATIENCE and self.engine.outcome == "ok"
         return ParticleResult(
             system=now,
@@ -248,6 +241,7 @@ class Course:
             n_elastic_by_tc=self.engine.n_elastic_by_tc,
             n_soft=self.engine.n_soft,
             n_soft_third_body=self.engine.n_soft_third_body,
+            largest_compression=None if math.isnan(largest) else largest,
             early_end=early_end.of_engine(self.engine, now),
             rows=np.array(rows),
             log=self._joined_log(),

@@ -63,10 +63,20 @@ def checked_samples(samples: Any) -> int:
 # --- in and out ---------------------------------------------------------------------------------------------
 
 
+def common_fall(system: ParticleSystem) -> Floats:
+    """Gravity along the periodic axes [m/s²], (d,); 0 along others.
+
+    It accelerates all particles alike, and no wall stops them. Engines work in a frame that falls with it, at rest at
+    the start of the run: there speeds do not grow, and neither does the rate at which particles cross cells.
+    """
+    periodic = [side == "periodic" for side in system.boundary]
+    return np.where(periodic, system.gravity, 0.0)
+
+
 def scene(
     system: ParticleSystem,
 ) -> tuple[Floats, Floats, Floats, Floats, list[float], list[bool], list[float]]:
-    """A system as the engines take it."""
+    """A system as the engines take it: without the common fall."""
     return (
         system.positions,
         system.velocities,
@@ -74,7 +84,7 @@ def scene(
         np.ascontiguousarray(system.mass),
         system.box.tolist(),
         [side == "periodic" for side in system.boundary],
-        system.gravity.tolist(),
+        (system.gravity - common_fall(system)).tolist(),
     )
 
 
@@ -83,9 +93,45 @@ def choice(law: Law) -> tuple[str, int, list[float]]:
     return law.record["name"], law.alternative, list(law.parameters.values())
 
 
+def state(system: ParticleSystem, engine: Any) -> tuple[Floats, Floats]:
+    """Positions along unfolded paths [m] and velocities [m/s] now, (N, d) each, the common fall included."""
+    positions, velocities = engine.state()
+    gained = engine.time * common_fall(system)
+    if gained.any():
+        positions += 0.5 * engine.time * gained
+        velocities += gained
+    return positions, velocities
+
+
+def observed(system: ParticleSystem, engine: Any) -> dict[str, Any]:
+    """The sums that an engine knows, those over the common fall included, and the granular temperature."""
+    seen, fall = dict(engine.observe()), common_fall(system)
+    if fall.any():
+        seen["potential_energy"] -= float(system.mass @ (engine.state()[0] @ fall))
+    return with_fall(system, engine.time, seen)
+
+
+def with_fall(system: ParticleSystem, time: Any, seen: dict[str, Any]) -> dict[str, Any]:
+    """Sums of the laboratory from those of the falling frame, whose potential is that of all gravity; each a number or
+    one for each ``time`` [s]. With the granular temperature, which is the same in both but loses its digits where the
+    fall is fast.
+    """
+    mass, kinetic, momentum = float(system.mass.sum()), seen["kinetic_energy"], np.asarray(seen["momentum"])
+    drift = (momentum * momentum).sum(axis=-1)
+    temperature = np.maximum(2.0 * kinetic - drift / mass, 0.0) / (system.dimension * mass)
+    gained = np.multiply.outer(time, common_fall(system))
+    fallen = 0.5 * mass * (gained * gained).sum(axis=-1)
+    return seen | {
+        "kinetic_energy": kinetic + (gained * momentum).sum(axis=-1) + fallen,
+        "potential_energy": seen["potential_energy"] - fallen,
+        "momentum": momentum + mass * gained,
+        "granular_temperature": temperature,
+    }
+
+
 def present(system: ParticleSystem, engine: Any) -> ParticleSystem:
     """The system now, inside the box."""
-    positions, velocities = engine.state()
+    positions, velocities = state(system, engine)
     for axis, side in enumerate(system.boundary):
         edge = system.box[axis]
         if side == "periodic":
@@ -129,11 +175,11 @@ def kept(system: ParticleSystem, engine: Any, rows: Floats, log: Log | None) -> 
 
 def system_in(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], engine: Any) -> ParticleSystem:
     """The system of a checkpoint, its paths unfolded."""
+    fixed = {name: arrays[name] for name in FIXED} | {"boundary": tuple(header["boundary"])}
     positions, velocities = engine.state()
-    fixed = {name: arrays[name] for name in FIXED}
-    return ParticleSystem._of(
-        positions=positions, velocities=velocities, boundary=tuple(header["boundary"]), **fixed
-    )
+    falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
+    positions, velocities = state(falling, engine)
+    return ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
 
 
 def log_in(arrays: Mapping[str, NDArray[Any]], columns: int) -> Log | None:

@@ -14,6 +14,7 @@ from ..progress import Report, reporter
 from .course import Course, Target, engine_of, load
 from .engines import checked_keeping, checked_samples
 from .result import ParticleResult, Settings
+from .softness import refuse_too_soft
 from .system import ParticleSystem
 from .theory import Gas
 
@@ -116,7 +117,14 @@ def start(
     path: Path | None = None,
     every: float = math.inf,
 ) -> Course:
-    """A run at its beginning; the arguments are checked."""
+    """A run at its beginning; the other arguments are checked.
+
+    Raises
+    ------
+    ValueError
+        If contacts under the law would be too deep.
+    """
+    refuse_too_soft(system, settings.law)
     empty = (np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     engine = engine_of(system, settings, log)
     return Course(system, settings, engine, target, log=empty if log else None, path=path, every=every)

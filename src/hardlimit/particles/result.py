@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, html
+from .. import _core, compression, html
 from ..contact import Law
 from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
@@ -49,10 +49,13 @@ SERIES: Final = {
 OUTCOMES: Final = {
     "ok": "ok",
     "no_contact": "nothing collides any more",
-    "collapse": "inelastic collapse: {who} collide without end {where}; the rule tc avoids it",
-    "at_rest": "at rest: gravity holds {who} together {where}; the rule tc and Newton’s equations go on",
-    "invalid": "invalid: a contact compressed as far as its bodies are wide, {who} {where}; the law is too soft for "
-    "such speeds",
+    "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule tc "
+    "where there is room between them",
+    "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
+    "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
+    "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
+    "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range of "
+    "contact laws",
     "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
 }
 
@@ -136,6 +139,9 @@ class ParticleResult:
     n_elastic_by_tc: int  #: collisions that the rule tc made elastic
     n_soft: int  #: contacts of the rule soft
     n_soft_third_body: int  #: of them with a third body in reach
+    largest_compression: (
+        float | None
+    )  #: of contacts as the law has them, over the smaller radius; None without a law
     early_end: EarlyEnd | None  #: where and when, unless the run went to its end or nothing collides any more
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(
@@ -145,7 +151,10 @@ class ParticleResult:
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return in_words(OUTCOMES[self.outcome_name], self.early_end)
+        name = self.outcome_name
+        if name == "collapse" and (self.settings.rule in ("tc", "soft") or self.settings.restitution == 1.0):
+            name = "no_room"
+        return in_words(OUTCOMES[name], self.early_end)
 
     @property
     def outcome_code(self) -> int:
@@ -308,6 +317,7 @@ def quantities(result: ParticleResult) -> list[tuple[str, float]]:
         found.append(("mean collision rate [1/s]", means["collision_rate"]))
         found.append((f"mean pressure [{'N/m' if d == 2 else 'Pa'}]", means["pressure"]))
     found.append(("dissipated energy [J]", float(rows[-1, 8])))
+    found += compression.rows(result.largest_compression)
     if result.settings.rule == "tc":
         found.append(("share that tc made elastic", result.elastic_share))
     if result.settings.rule == "soft":

@@ -1,4 +1,4 @@
-"""The time step of a run by steps: from the error of the restitution that it makes, measured on isolated contacts."""
+"""The time step of a run by steps: from the errors that it makes, measured on isolated contacts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .. import _core, validation
 from ..contact import Law
 from .system import ParticleSystem
 
-DEFAULT_ERROR: Final = 1e-3  #: of the coefficient of restitution
+DEFAULT_ERROR: Final = 1e-3  #: of ε, and by our own steps of energy and positions
 SMALLEST_ERROR: Final = 1e-9  #: some ten thousand steps for each contact
 LARGEST_ERROR: Final = 0.05
 #: Speeds at which contacts are tried, relative to the largest to expect.
@@ -23,7 +23,7 @@ FARTHEST: Final = 0.1
 MOST_KINDS: Final = 6
 
 
-#: The longest step [s] of a scheme, of one contact, a speed [m/s] and an error of ε.
+#: The longest step [s] of a scheme, of one contact, a speed [m/s] and an error.
 LongestStep = Callable[[_core.Contact, float, float], float]
 
 
@@ -34,7 +34,7 @@ def chosen(
     time_step: Any,
     longest_step: LongestStep = _core.longest_step,
 ) -> float:
-    """The longest step [s] that a run may take: as given, or as long as the error of ε allows.
+    """The longest step [s] that a run may take: as given, or as long as the error allows.
 
     Raises
     ------

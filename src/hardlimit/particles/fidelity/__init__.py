@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,9 +14,9 @@ import numpy as np
 from ... import _core, validation
 from ...contact import Law
 from ...progress import Report, reporter
-from .. import engines
+from .. import engine_choice, engines
 from ..system import ParticleSystem
-from .lockstep import NEWTON, RULES, Plan, digest
+from .lockstep import NEWTON, RESTITUTION_ERROR, RULES, Plan, digest
 from .result import Fidelity
 from .starts import Starts, checked_starts
 from .store import Store, facts_of
@@ -23,7 +24,7 @@ from .store import Store, facts_of
 __all__ = ["MODELS", "Fidelity", "fidelity"]
 
 MODELS: Final = (NEWTON, *RULES)
-ENGINES: Final = ("events", "steps")
+ENGINES: Final = ("auto", "events", "steps")
 MOST_REPLICAS: Final = 1_000_000
 
 
@@ -37,7 +38,7 @@ def fidelity(
     samples: int = 100,
     restitution: float | None = None,
     contact_duration: float | None = None,
-    engine: str = "events",
+    engine: str = "auto",
     seed: int = 0,
     workers: int = 1,
     scheduler: Any = None,
@@ -71,9 +72,10 @@ def fidelity(
         a pair of particles of mean mass and radius: for laws given by a restitution just that.
     contact_duration : float [s], optional
         t_c of the rule tc and of t_c ν. By default that of the law at the same impact.
-    engine : {"events", "steps"}
-        How Newton's equations are solved: see :func:`molecular_dynamics`. ``"steps"`` is for long contacts (t_c ν of
-        0.1 and more, where large groups hang together) and heaps; its steps change ε by at most 1e-4.
+    engine : {"auto", "events", "steps"}
+        How Newton's equations are solved: see :func:`molecular_dynamics`. ``"auto"`` is decided by the start of
+        replica 0, for all. ``"steps"`` is for long contacts (t_c ν of 0.1 and more, where large groups hang together)
+        and heaps; its steps change ε by at most 1e-4.
     seed : int
         The same seed gives the same starts.
     workers : int
@@ -137,6 +139,9 @@ def fidelity(
     starts = checked_starts(system, seed, count, elsewhere, solver)
     with reporter(progress, "fidelity", "samples") as report:
         first = starts.start(0, lambda done, total: None)
+        if solver == "auto":
+            solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
+            starts = replace(starts, engine=solver)
         plan = Plan(law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver)
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]

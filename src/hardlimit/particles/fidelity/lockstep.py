@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...contact import Law
-from .. import contact_course, contact_result, course, result, time_step
+from .. import contact_course, contact_result, course, engines, result, time_step
 from ..contact_course import ContactCourse
 from ..course import Course
 from ..event_driven import start as start_hard_spheres
@@ -98,7 +98,7 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Step, alive: Step) -> A
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
-            places = run.engine.state()[0]
+            places = engines.state(run.system, run.engine)[0]
             truth = places if i == 0 else truth
             found["pair_correlation"][i, k] = observer.pair_correlation(places)
             found["density_variance"][i, k] = observer.density_variance(places)

@@ -315,6 +315,7 @@ class Fidelity:
             "source": f"hardlimit {_core.version}",
             "system": self.system,
             "law": repr(self.plan.law),
+            "engine": self.plan.engine,
             "restitution": self.plan.restitution,
             "contact_duration": self.contact_duration,
             "tc_nu": self.tc_nu,

@@ -11,8 +11,8 @@ import numpy as np
 
 from ... import validation
 from ...progress import Report
+from ..engine_choice import check_box
 from ..event_driven import event_driven
-from ..molecular_dynamics import check_box
 from ..system import Floats, ParticleSystem
 
 #: Elastic collisions per particle between the given start and that of another replica.

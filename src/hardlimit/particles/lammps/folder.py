@@ -13,6 +13,7 @@ from ...contact import Law
 from .. import time_step as steps
 from ..contact_result import ContactResult
 from ..engines import checked_keeping
+from ..softness import refuse_too_soft
 from ..system import ParticleSystem
 from . import half_steps, running
 from . import job as jobs
@@ -149,6 +150,7 @@ def make_job(
         If a value is outside its range, or LAMMPS cannot do it.
     """
     count, keep, _, _ = checked_keeping(samples, log, None, 60.0)
+    refuse_too_soft(system, law)
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, half_steps.longest_step)
     per_sample = max(1, math.ceil(until / (count * longest)))

@@ -11,7 +11,7 @@ import numpy as np
 from ... import validation
 from ...progress import Report
 from ..contact_result import COLUMNS, ContactResult
-from ..engines import present
+from ..engines import present, with_fall
 from ..system import Floats
 from . import child, rows
 from . import job as jobs
@@ -98,7 +98,7 @@ def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
     if found is not None:
         counts = {name: int(kept[-1, COLUMNS.index(name)]) for name in counts}
     return ContactResult(
-        system=present(job.system, _Ended(positions, velocities)),
+        system=present(job.system, _Ended(positions, velocities, plan.until)),
         time=plan.until,
         law=job.law,
         engine="lammps",
@@ -114,8 +114,8 @@ def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
 class _Ended:
     """The end of the run as the engines show it."""
 
-    def __init__(self, positions: Floats, velocities: Floats) -> None:
-        self._positions, self._velocities = positions, velocities
+    def __init__(self, positions: Floats, velocities: Floats, time: float) -> None:
+        self._positions, self._velocities, self.time = positions, velocities, time
 
     def state(self) -> tuple[Floats, Floats]:
         """Positions along unfolded paths, and velocities."""
@@ -138,9 +138,9 @@ def _rows(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) 
             f"{jobs.LOG}: got {len(thermo)} samples up to step {thermo[-1:, :1]}, the run did not end"
         )
     time = plan.until * (np.arange(len(thermo)) / plan.samples)
-    mass = float(system.mass.sum())
+    seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
+    seen = with_fall(system, time, seen)
     kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
-    drift = seen["px"] ** 2 + seen["py"] ** 2 + seen["pz"] ** 2
     sums = [[watch.sums[int(step)] for step in seen["step"]] for watch in watches]
     stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
     total = kinetic + potential + stored
@@ -152,7 +152,7 @@ def _rows(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) 
         "potential_energy": potential,
         "contact_energy": stored,
         "dissipated_energy": total[0] - total,
-        "granular_temperature": np.maximum(2.0 * kinetic - drift / mass, 0.0) / (system.dimension * mass),
+        "granular_temperature": seen["granular_temperature"],
         "n_in_contact": np.array([[s.in_contact for s in one] for one in sums]).sum(axis=0),
         "virial": np.cumsum(seen["virial"] * volume * lasted),
         **_counts(time, log),

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from ..engines import common_fall
 from ..system import AXES, ParticleSystem
 from .forces import Types
 
@@ -101,9 +102,10 @@ def _walls(
 def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     """Without friction nothing turns."""
     yield "# motion"
-    if system.gravity.any():
-        size = float(np.sqrt(system.gravity @ system.gravity))
-        along = " ".join(map(repr, [*system.gravity.tolist(), 0.0][:3]))
+    pull = system.gravity - common_fall(system)
+    if pull.any():
+        size = float(np.sqrt(pull @ pull))
+        along = " ".join(map(repr, [*pull.tolist(), 0.0][:3]))
         yield f"fix pull all gravity {size!r} vector {along}"
     yield "fix move all nve"
     if system.dimension == 2:
