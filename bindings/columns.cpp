@@ -242,6 +242,10 @@ void bind_columns(nb::module_& m) {
         .def_prop_ro("t_last", [](const Solution& s) { return s.found->last; })
         .def_prop_ro("steps", [](const Solution& s) { return s.found->steps; })
         .def_prop_ro("energy_error", [](const Solution& s) { return s.found->energy_error; })
+        .def_prop_ro("too_deep", [](const Solution& s) { return s.found->too_deep; })
+        .def("largest_compression", [](const Solution& s) { return s.found->largest_compression(); })
+        .def(
+            "presses_by", [](const Solution& s, double part) { return s.found->presses_by(part); }, "part"_a)
         .def("contacts", &contact_arrays)
         .def("rebound_heights", &rebound_heights,
              "Greatest height of each centre after its first bounce [m]; NaN where there is none.")

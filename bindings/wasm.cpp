@@ -208,8 +208,9 @@ concept HasKernel = requires(const Batch& b) { Way<Law>::solve(b); };
 
 template <>
 struct Way<LinearDashpot> {
-    static bool enter(Points<LinearDashpot>& p, long i, col::Start& s) {
+    static bool enter(Points<LinearDashpot>& p, long i, col::Start& s, col::CompressionBound& bound) {
         const col::Column<LinearDashpot>& c = p.column(i);
+        bound = col::drop::bound_of(c, col::Coupling::full, hl::deepest_compression);
         s = col::start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
                                 {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]},
                                 col::Coupling::full);
@@ -224,7 +225,7 @@ struct Way<Viscoelastic> {
     double restitution = hl::math::nan, argument;
 
     // Without contacts, which would solve some eight collisions each for the dissipative time.
-    bool enter(const Points<Viscoelastic>& p, long i, col::Start& s) {
+    bool enter(const Points<Viscoelastic>& p, long i, col::Start& s, col::CompressionBound& bound) {
         if (p.restitution(i) != restitution) {
             restitution = p.restitution(i);
             argument = hl::sweep::LossTable::shared().argument(-hl::math::log(restitution));
@@ -245,7 +246,9 @@ struct Way<Viscoelastic> {
         for (int k = 0; k < hl::max_parameters; ++k) q.floor_law[k] = q.pair_law[k] = request[2 + k];
         const hl::sweep::Setting setting{col::Model::newton, alternative(), false, false,
                                          restitution_parameter(Viscoelastic::record, alternative())};
-        return hl::sweep::enter_viscoelastic(setting, q, argument, argument, rates, s);
+        if (!hl::sweep::enter_viscoelastic(setting, q, argument, argument, rates, s)) return false;
+        bound = hl::sweep::viscoelastic_bound(setting, q);
+        return true;
     }
     static void solve(const Batch& b) {
         hl::sweep::solve_viscoelastic_batch<Pair>(b, -24.0);  // a pixel does not show more
@@ -257,6 +260,7 @@ void scan_batch(int axis, long n, const double* points, double* out) {
     constexpr int most = 512;
     static hl::sweep::Drops<most> drops;
     static int drop_of[most];  // a point; −1: not for the kernel
+    static col::DropBound shallow[most];
     Points<Law> p{axis, points}, again{axis, points};
     Way<Law> way;
     for (long first = 0; first < n; first += most) {
@@ -264,8 +268,11 @@ void scan_batch(int axis, long n, const double* points, double* out) {
         drops.count = 0;
         for (int i = 0; i < count; ++i) {
             col::Start s;
+            col::CompressionBound bound;
             drop_of[i] = -1;
-            if (!p.move_to(first + i) || !way.enter(p, first + i, s)) continue;
+            if (!p.move_to(first + i) || !way.enter(p, first + i, s, bound)) continue;
+            shallow[i] = col::DropBound::of(bound, p.c.gaps[1], s.units.speed);
+            if (!shallow[i].holds(0.0)) continue;
             drop_of[i] = drops.count;
             drops.add(s);
         }
@@ -274,10 +281,9 @@ void scan_batch(int axis, long n, const double* points, double* out) {
             const bool lands = again.move_to(first + i);
             const int k = drop_of[i];
             col::Sequence q = refused();
-            if (k >= 0 && !drops.left(k))
-                q = drops.sequence(k);
-            else if (lands)
-                q = again.solve(first + i);
+            if (k >= 0 && !drops.left(k)) q = drops.sequence(k);
+            const bool known = k >= 0 && !drops.left(k) && shallow[i].holds(q.n_contacts, q.t_end);
+            if (!known && lands) q = again.solve(first + i);
             again.write(first + i, q, out);
         }
     }
@@ -357,7 +363,8 @@ double* scratch(long n) {
 // Solves the column requested: model 0 Newton's equations, 1 adiabatic (two balls, linear law), 2 independent
 // collisions; until NaN: the sequence only; most_events of independent collisions, 0: as many as in Python. Reply:
 // outcome, contacts of the sequence, t_end, t_floor_end, relative and separation velocity, first and last time,
-// recorded contacts, speed at the floor, ε_eff of both velocities. Returns whether the model exists for this column.
+// recorded contacts, speed at the floor, ε_eff of both velocities, greatest compression over the smaller radius (NaN:
+// none), pair that became too deep (−1: none). Returns whether the model exists for this column.
 int solve(int model, double until, double most_events = 0.0) {
     Solved& slot = solved(model);
     slot.options = {};
@@ -382,7 +389,9 @@ int solve(int model, double until, double most_events = 0.0) {
                              static_cast<double>(slot.found->contacts.size()),
                              speed,
                              col::effective_restitution(q.relative_velocity, speed),
-                             col::effective_restitution(q.separation_velocity, speed)};
+                             col::effective_restitution(q.separation_velocity, speed),
+                             slot.found->largest_compression(),
+                             static_cast<double>(slot.found->too_deep)};
     for (std::size_t i = 0; i < sizeof values / sizeof *values; ++i) reply[i] = values[i];
     return 1;
 }

@@ -111,4 +111,28 @@ HL_FN double first_rise(double v, double s, double g) {
     return -2.0 * v / (s + math::sqrt(square));
 }
 
+// Zero of a function between `low`, where it has the value `above` > 0, and `high`, where it has `below` <= 0, by false
+// position with the weight of an end that stays halved (Illinois), up to values of `rounding`.
+template <class F>
+double falling_zero(const F& f, double low, double above, double high, double below, double rounding) {
+    double t = high;
+    for (int i = 0, side = 0; i < 100; ++i) {
+        t = low + (high - low) * (above / (above - below));
+        const double value = f(t);
+        if (math::abs(value) <= rounding || !(low < t && t < high)) break;
+        if (value > 0.0) {
+            low = t;
+            above = value;
+            if (side > 0) below *= 0.5;
+            side = 1;
+        } else {
+            high = t;
+            below = value;
+            if (side < 0) above *= 0.5;
+            side = -1;
+        }
+    }
+    return t;
+}
+
 }  // namespace hardlimit::roots

@@ -2,7 +2,7 @@
 
 import hardlimit as hl
 
-law = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.8, impact_speed=3.0)
+law = hl.Viscoelastic(youngs_modulus=5e8, poisson_ratio=0.45, restitution=0.8, impact_speed=3.0)
 balls = [hl.Ball(radius=r, density=1100) for r in (0.05, 0.03, 0.015)]  # bottom first
 column = hl.Column(balls=balls, gaps=[1e-3, 5e-4], height=0.5, law=law)
 

@@ -94,7 +94,13 @@ def two_ball_column(row: dict[str, str]) -> hl.Column:
     law = hl.LinearDashpot(stiffness=float(row["stiffness_N_m"]), restitution=float(row["restitution"]))
     density = float(row["density_kg_m3"])
     balls = [hl.Ball(float(row[f"radius_{i}_m"]), density=density) for i in (1, 2)]
-    return hl.Column(balls, [float(row["gap_m"])], float(row["height_m"]), law)
+    return roomy(hl.Column(balls, [float(row["gap_m"])], float(row["height_m"]), law))
+
+
+def roomy(column: hl.Column, scale: float = 100.0) -> hl.Column:
+    """The same masses in larger balls: under the linear law radii only decide when a contact is too deep."""
+    balls = [hl.Ball(scale * ball.radius, mass=ball.mass) for ball in column.balls]
+    return column.replace(balls=balls, height=balls[0].radius + column.drop_height)
 
 
 def typical(p: dict) -> float:

@@ -58,6 +58,7 @@ MAPS: dict[str, dict[str, Any]] = {
     "by damping": {"damping": np.geomspace(1.0, 1e5, 12), "gap": GRID["gap"]},
     "some results": {**GRID, "variables": ["separation_velocity", "n_contacts"]},
     "slow drops": {"height": 0.1 + np.geomspace(1e-12, 1e-3, 50), "restitution": [0.2, 0.9, 0.99]},
+    "too deep": {"stiffness": np.geomspace(1e2, 1e6, 40), "gap": GRID["gap"]},
     "nothing swept": {},
 }
 

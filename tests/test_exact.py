@@ -239,6 +239,9 @@ def check_outcome(result: hl.Result) -> None:
         assert math.isnan(result.t_end) or math.isnan(result.t_floor_end)
         if math.isnan(result.t_end):
             assert result.relative_velocity == result.separation_velocity == 0.0
+    elif result.outcome.startswith("too deep"):
+        assert all(math.isnan(v) for v in values.values()), values
+        assert math.isnan(result.separation_velocity) and result.largest_compression == 0.5
     else:
         pytest.fail(f"{result.column}: {result.outcome}")
 
@@ -395,7 +398,7 @@ def test_a_ball_thrown_up_from_close_to_the_floor_falls_back_in_time(gap, mass_r
         [hl.Ball(1e-3, mass=0.7 * mass_ratio), hl.Ball(1e-4, mass=0.7)],
         gaps=0.0,
         height=1e-3 + gap,
-        law=hl.LinearDashpot(stiffness=100.0, restitution=1.0),
+        law=hl.LinearDashpot(stiffness=1e15, restitution=1.0),
         velocities=[30.0, -30.0],
         gravity=1000.0,
     )
@@ -661,7 +664,7 @@ def test_times_after_a_long_flight_keep_their_digits():
 @pytest.mark.parametrize("stiffness", [5e-324, 1e-310, 1e-300])
 def test_contacts_without_measure_end(stiffness):
     result = hl.newton(hl.Column.paper(stiffness=stiffness))
-    assert result.outcome_code == hl.OUTCOMES.index("at_rest")
+    assert result.outcome_code == hl.OUTCOMES.index("too_deep")
 
 
 def ringing_column(rng: np.random.Generator, restitution: float) -> hl.Column:
@@ -669,8 +672,8 @@ def ringing_column(rng: np.random.Generator, restitution: float) -> hl.Column:
     ratio = 10.0 ** rng.uniform(5.0, 12.0)
     stiffness = 10.0 ** rng.uniform(4.0, 8.0, 2)
     laws = [hl.LinearDashpot(stiffness=float(k), restitution=restitution) for k in stiffness]
-    balls = [hl.Ball(0.01, mass=1.0 / ratio), hl.Ball(0.01, mass=1.0)]
-    return hl.Column(balls, [0.0], 0.01 + 10.0 ** rng.uniform(-4.0, 0.0), laws)
+    balls = [hl.Ball(1.0, mass=1.0 / ratio), hl.Ball(1.0, mass=1.0)]
+    return hl.Column(balls, [0.0], 1.0 + 10.0 ** rng.uniform(-4.0, 0.0), laws)
 
 
 def undamped_gap(column: hl.Column, t: float) -> tuple[float, float]:

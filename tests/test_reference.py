@@ -229,10 +229,10 @@ def stack_laws(kind: str, ratio: float, n: int) -> list[hl.contact.Law]:
     With equal radii R_eff is R against the floor and R/2 in a pair, which a factor √2 in Y makes up for.
     """
     if kind == "linear":
-        floor = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
-        return [floor] + [floor.replace(stiffness=1e6 * ratio)] * (n - 1)
-    floor = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.0, dissipative_time=0.0)
-    return [floor] + [floor.replace(youngs_modulus=1e9 * ratio * math.sqrt(2.0))] * (n - 1)
+        floor = hl.LinearDashpot(stiffness=1e9, restitution=1.0)
+        return [floor] + [floor.replace(stiffness=1e9 * ratio)] * (n - 1)
+    floor = hl.Viscoelastic(youngs_modulus=1e12, poisson_ratio=0.0, dissipative_time=0.0)
+    return [floor] + [floor.replace(youngs_modulus=1e12 * ratio * math.sqrt(2.0))] * (n - 1)
 
 
 def test_touching_stacks(choose):

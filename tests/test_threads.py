@@ -111,7 +111,7 @@ def test_the_interpreter_ends_while_daemon_threads_solve() -> None:
 import threading
 import hardlimit as hl
 balls = [hl.Ball(0.01, mass=0.01)] * 40
-column = hl.Column(balls, [1e-4] * 39, 0.5, hl.LinearDashpot(stiffness=1e6, restitution=0.99))
+column = hl.Column(balls, [1e-4] * 39, 0.5, hl.LinearDashpot(stiffness=1e7, restitution=0.99))
 working = threading.Semaphore(0)
 def solve():
     while True:

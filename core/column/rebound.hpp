@@ -9,6 +9,7 @@
 // A ball that gravity holds closed for good has the height of the static equilibrium. NaN: no bounce above the floor,
 // or no floor.
 #pragma once
+#include "../roots.hpp"
 #include "solve.hpp"
 
 namespace hardlimit::column {
@@ -38,28 +39,14 @@ inline void find_bounces(const Solution& s, std::vector<double>& from) {
     }
 }
 
-// Height at which a ball that rises at `low` and falls at `high` turns: the zero of its velocity, by false position
-// with the weight of an end that stays halved (Illinois).
+// Height at which a ball that rises at `low` and falls at `high` turns.
 inline double apex(const Solution& s, std::size_t ball, States& at, double low, double rising, double high,
                    double falling) {
-    const double rounding = 1e-13 * (rising - falling);
-    for (int i = 0, side = 0; i < 100; ++i) {
-        const double t = low + (high - low) * (rising / (rising - falling));
+    const auto velocity = [&](double t) {
         s.sample(&t, at);
-        const double v = at.velocity[ball];
-        if (math::abs(v) <= rounding || !(low < t && t < high)) break;
-        if (v > 0.0) {
-            low = t;
-            rising = v;
-            if (side > 0) falling *= 0.5;
-            side = 1;
-        } else {
-            high = t;
-            falling = v;
-            if (side < 0) rising *= 0.5;
-            side = -1;
-        }
-    }
+        return at.velocity[ball];
+    };
+    roots::falling_zero(velocity, low, rising, high, falling, 1e-13 * (rising - falling));
     return at.position[ball];
 }
 
@@ -209,7 +196,8 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
     Heights found(c->balls);
     const Sequence& q = s.sequence;
     if (!c->floor || math::is_nan(s.last)) return found.greatest;
-    if (q.outcome == Outcome::unresolved || q.outcome == Outcome::never_lands) return found.greatest;
+    for (const Outcome unknown : {Outcome::unresolved, Outcome::never_lands, Outcome::too_deep})
+        if (q.outcome == unknown) return found.greatest;
     const bool timed = !math::is_nan(o.until);
     find_bounces(s, found.from);
     std::vector<double> to(found.from.size(), timed ? math::min(o.until, s.last) : s.last);

@@ -86,6 +86,17 @@ struct Sequence {
         }
     }
 
+    // A contact is compressed more than its law is meant for at t. Nothing is known of what comes later, and of a
+    // sequence that was not over then no end.
+    HL_FN void goes_too_deep(double t) {
+        const bool over = finished && outcome != Outcome::at_rest && !(t_second_touch > t) && !(t_end > t);
+        outcome = Outcome::too_deep;
+        finished = true;
+        if (t_second_touch > t) t_second_touch = math::nan;
+        if (t_floor_end > t) t_floor_end = math::nan;
+        if (!over) t_end = relative_velocity = separation_velocity = math::nan;
+    }
+
     HL_FN void close() {
         if (outcome == Outcome::ok && n_contacts == 0 && !one_ball) outcome = Outcome::no_contact;
     }

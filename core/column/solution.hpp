@@ -49,6 +49,7 @@ public:
     double first = math::nan, last = math::nan;  // [s] what was recorded
     long steps = 0;
     double energy_error = math::nan;  // largest, relative to the initial energy; NaN unless integrated
+    int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
 
     virtual ~Solution() = default;
     // What sample() computes once for all times. After a long run that takes long, hence apart: it may be stopped.
@@ -60,6 +61,10 @@ public:
         const double end = math::min(contacts[contact].end, last);  // rounding
         sample(&end, out);
     }
+    // Greatest compression of all contacts over the smaller radius; NaN in a model without compressions.
+    virtual double largest_compression() const { return math::nan; }
+    // Whether it is at least this one: a bound may say so without it.
+    virtual bool presses_by(double part) const { return largest_compression() >= part; }
     // Times from first to last [s] between which nothing begins or ends.
     virtual std::vector<double> knots() const = 0;
 
@@ -93,11 +98,13 @@ inline std::ptrdiff_t last_contact(const Solution& s, double until = math::nan) 
 }
 
 // Velocities [N] after that contact; the lowest ball's when it meets the floor again, if a contact above lasts longer.
-// NaN at rest, and where no contact ended.
+// NaN at rest, and where no contact ended or one became too deep.
 inline std::vector<double> final_velocities(const Solution& s, int balls, double until = math::nan) {
     States end(1, balls);
     const std::ptrdiff_t last = last_contact(s, until);
-    if (last < 0 || s.sequence.outcome == Outcome::at_rest) return std::vector<double>(end.balls, math::nan);
+    const Outcome outcome = s.sequence.outcome;
+    if (last < 0 || outcome == Outcome::at_rest || outcome == Outcome::too_deep)
+        return std::vector<double>(end.balls, math::nan);
     s.sample_after(static_cast<std::size_t>(last), end);
     std::vector<double> found = std::move(end.velocity);
     if (math::is_nan(until) && s.contacts[static_cast<std::size_t>(last)].end > s.sequence.t_second_touch) {

@@ -32,8 +32,12 @@ namespace solve {
 class Exact final : public Solution {
 public:
     Exact(SharedColumn<contact::LinearDashpot> c, Coupling coupling, const SolveOptions& o)
-        : column_(std::move(c)), drop_(solve_drop(*column_, coupling, o.until, o.record, o.stop)) {
+        : column_(std::move(c)),
+          coupling_(coupling),
+          timed_(!math::is_nan(o.until)),
+          drop_(solve_drop(*column_, coupling, o.until, o.record, o.stop)) {
         sequence = drop_.sequence;
+        too_deep = drop_.too_deep;
         contacts = std::move(drop_.contacts);
         steps = static_cast<long>(drop_.nodes.size());
         if (drop_.nodes.empty()) return;
@@ -64,6 +68,23 @@ public:
             out.complete(*column_, i, 0.0);
         }
     }
+    double largest_compression() const override {
+        if (too_deep >= 0) return deepest_compression;
+        drop::Compressions all(drop_.start.groups);
+        const std::vector<Node>& nodes = drop_.nodes;
+        for (std::size_t i = 0; i + 1 < nodes.size(); ++i) all.look(nodes[i], nodes[i + 1].t - nodes[i].t);
+        if (rests()) all.look(nodes.back(), exact::never);
+        const double metre = drop_.start.per_metre;
+        return math::max(all.greatest[0] / (smaller_radius(*column_, 0) * metre),
+                         all.greatest[1] / (smaller_radius(*column_, 1) * metre));
+    }
+    bool presses_by(double part) const override {
+        if (drop_.nodes.empty()) return false;
+        const CompressionBound bound = drop::bound_of(*column_, coupling_, part);
+        const bool sure = drop::bound_of(bound, drop_.start, column_->gaps[1]).holds(last);
+        if (sure && (!rests() || drop::settles(*column_, drop_, bound))) return false;
+        return Solution::presses_by(part);
+    }
     std::vector<double> knots() const override {
         std::vector<double> times;
         for (const Node& n : drop_.nodes) times.push_back(at(n));
@@ -72,11 +93,15 @@ public:
 
 private:
     SharedColumn<contact::LinearDashpot> column_;
+    Coupling coupling_;
+    bool timed_;
     Drop drop_;
     mutable std::atomic<const std::vector<double>*> dissipated_{
         nullptr};  // up to each node; null: not asked for yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
+    // Contacts last for good after the last node.
+    bool rests() const { return sequence.outcome == Outcome::at_rest && !timed_; }
 };
 
 inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
@@ -92,8 +117,11 @@ inline IntegrateOptions integrate_options(const SolveOptions& o, bool record) {
 template <class Law>
 class Integrated final : public Solution {
 public:
-    Integrated(SharedColumn<Law> c, const SolveOptions& o) : column_(std::move(c)) {
-        run_ = integrate(*column_, integrate_options(o, o.record));
+    Integrated(SharedColumn<Law> c, const SolveOptions& o)
+        : column_(std::move(c)), options_(integrate_options(o, o.record)) {
+        run_ = integrate(*column_, options_);
+        options_.stop = nullptr;
+        too_deep = run_.too_deep;
         sequence = run_.sequence;
         contacts = std::move(run_.contacts);
         steps = run_.steps;
@@ -108,6 +136,17 @@ public:
         for (std::size_t i = 0; i < out.n; ++i)
             out.complete(*column_, i, column_->floor ? 0.0 : way(&out.gap[i * out.balls], times[i]));
     }
+    // A run that ended at rest goes on until nothing swings any more.
+    double largest_compression() const override {
+        double most = largest(run_);
+        if (sequence.outcome == Outcome::at_rest && math::is_nan(options_.until)) {
+            IntegrateOptions later = options_;
+            later.record = false;
+            later.until = last + run_.settling;
+            most = math::max(most, largest(integrate(*column_, later)));
+        }
+        return most;
+    }
     std::vector<double> knots() const override {
         std::vector<double> times;
         for (const newton::Interval& k : run_.intervals) times.push_back(k.t);
@@ -116,7 +155,12 @@ public:
 
 private:
     SharedColumn<Law> column_;
+    IntegrateOptions options_;
     Integration<Law> run_;
+
+    static double largest(const Integration<Law>& run) {
+        return *std::max_element(run.compression.begin(), run.compression.end());
+    }
 
     // Of the first ball of a cradle, from the centre of mass: no force of the contacts moves that.
     double way(const double* gap, double t) const {

@@ -24,6 +24,13 @@ struct Column {
     std::vector<double> velocity;  // [N] at release, upwards [m/s]
 };
 
+// Smaller radius [m] of the bodies of pair j, the measure of its compression; the floor is flat.
+template <class Law>
+double smaller_radius(const Column<Law>& c, int j) {
+    const double* above = c.radius.data() + j;
+    return j == 0 ? *above : math::min(*above, *(above - 1));
+}
+
 // One contact of the sequence. Times in s after the first floor touch (cradle: after release).
 struct Contact {
     int pair;

@@ -100,7 +100,13 @@ struct Drop {
             return;
         }
         const Found found = {q.contacts, q.t_first, q.t_end, q.t_floor_end, q.relative, q.separation};
-        put(task, point, leave(setting_of(task), parameters_of(task, point), units, found));
+        const Parameters p = parameters_of(task, point);
+        const PointResult r = leave(setting_of(task), p, units, found);
+        const auto sure = column::DropBound::of(linear_bound(setting_of(task), p), p.gap, units.speed);
+        if (sure.holds(0.0) && sure.holds(r.n_contacts, r.t_end))
+            put(task, point, r);
+        else
+            task.outcome[point] = left_to_host;
     }
 
     HL_FN Step next() const {

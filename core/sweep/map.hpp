@@ -103,6 +103,9 @@ struct Vectorised<contact::LinearDashpot> {
     bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
         return sweep::enter(setting, p, floor, pair, s);
     }
+    static column::CompressionBound bound(const Setting& setting, const Parameters& p) {
+        return linear_bound(setting, p);
+    }
 };
 
 template <>
@@ -119,6 +122,9 @@ struct Vectorised<contact::Viscoelastic> {
     }
     bool enter(const Setting& setting, Parameters& p, double floor, double pair, column::Start& s) {
         return enter_viscoelastic(setting, p, floor, pair, rates, s);
+    }
+    static column::CompressionBound bound(const Setting& setting, const Parameters& p) {
+        return viscoelastic_bound(setting, p);
     }
 
 private:
@@ -168,7 +174,8 @@ private:
     double value[parameter_count][room];  // the parameters
     double ratio[2][most] = {};           // what Via::invert makes of floor's and pair's ε, when given by it
     Drops<most> drops;
-    int point[most];  // of each drop
+    int point[most];                  // of each drop
+    column::DropBound shallow[most];  // of each drop
     double restitution[room], quotient[2][room];
 
     // f(i, end) for each run of points that differ in the gap alone.
@@ -211,6 +218,7 @@ private:
             Parameters p = parameters(i);
             const double e = restitution_of(job.setting, p);
             column::Start s;
+            column::CompressionBound bound;
             bool started = false;
             for (int at = i; at < end && !stop(); ++at) {
                 bool one;
@@ -220,8 +228,11 @@ private:
                 } else {
                     p.gap = gap[at];
                     one = started = via.enter(job.setting, p, ratio[0][i], ratio[1][i], s);
+                    if (one) bound = Via::bound(job.setting, p);
                 }
-                if (!one) {
+                column::DropBound& sure = shallow[drops.count];
+                if (one) sure = column::DropBound::of(bound, gap[at], s.units.speed);
+                if (!one || !sure.holds(0.0)) {
                     solve_alone(at);
                     continue;
                 }
@@ -232,7 +243,7 @@ private:
         });
     }
 
-    // Also the points that the kernel left.
+    // Also the points that the kernel left, and those in which a contact may have gone too deep.
     void leave() {
         const int n = drops.count;
         auto& out = drops.out;
@@ -252,7 +263,7 @@ private:
         give(job.out.t_end, out[2]);
         give(job.out.t_floor_end, out[3]);
         for (int k = 0; k < n && !stop(); ++k) {
-            if (drops.left(k)) {
+            if (drops.left(k) || !shallow[k].holds(drops.n_contacts(k), out[2][k])) {
                 solve_alone(point[k]);
                 continue;
             }

@@ -1,6 +1,7 @@
 // A point of a map from its physical parameters to a drop in scaled units, and back to the numbers a sweep keeps.
 // Free of containers, so that it also compiles for a GPU.
 #pragma once
+#include "../column/compression.hpp"
 #include "../column/effective_restitution.hpp"
 #include "../column/exact/scaling.hpp"
 #include "../column/model.hpp"
@@ -106,6 +107,22 @@ HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, doub
         floor, pair, m1, m2, q.gravity, {b.height, q.velocity_1, q.gap, q.velocity_2 - q.velocity_1},
         setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
     return s.outcome == Outcome::ok && math::is_finite(s.groups.gravity + s.first.w);
+}
+
+// A bound on the compressions of a point under a law, given the elastic part of its contacts.
+template <class Law>
+HL_FN column::CompressionBound bound_of(const Setting& setting, const Parameters& q, const Bodies& b,
+                                        const Law& floor, const Law& pair) {
+    return column::CompressionBound::of(deepest_compression, floor, pair, b.m1, b.m2, q.radius_1, q.radius_2,
+                                        q.gravity, b.height, q.velocity_1, q.velocity_2,
+                                        setting.model == Model::newton);
+}
+// Of a point that enter() has taken.
+HL_FN column::CompressionBound linear_bound(const Setting& setting, Parameters q) {
+    using contact::LinearDashpot;
+    Bodies b;
+    measure(setting, q, b);
+    return bound_of(setting, q, b, LinearDashpot{q.floor_law[0], 0.0}, LinearDashpot{q.pair_law[0], 0.0});
 }
 
 // What the kernel found for a drop, in scaled units.

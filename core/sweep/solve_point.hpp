@@ -29,8 +29,9 @@ PointResult solve_point(const Setting& setting, Parameters p, Stop& stop) {
                 setting.model == Model::newton ? column::Coupling::full : column::Coupling::adiabatic);
             r.outcome = s.outcome;
             if (s.outcome != Outcome::ok) return r;
-            column::NoRecorder none{&stop};
-            column::Sequence q = column::run_two_ball(s.groups, s.first, s.t, -math::infinity, none);
+            const column::CompressionBound bound =
+                bound_of(setting, p, {height, m1, m2}, floor_law, pair_law);
+            column::Sequence q = column::drop::sequence_of(s, bound, p.gap, -math::infinity, &stop);
             column::to_si(q, s.units);
             finish(q, setting, p, speed, r);
             return r;

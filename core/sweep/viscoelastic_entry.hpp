@@ -141,4 +141,17 @@ inline bool enter_viscoelastic(const Setting& setting, Parameters& q, double flo
            math::is_finite((g.a1 + g.a2) + (g.c1 + g.c2) + (g.gravity + s.first.w));
 }
 
+// A bound on the compressions of a point that enter_viscoelastic() has taken.
+inline column::CompressionBound viscoelastic_bound(const Setting& setting, Parameters q) {
+    using contact::Viscoelastic;
+    Bodies b;
+    measure(setting, q, b);
+    const auto law = [](const double* p, PairGeometry pair) {
+        const double elastic[3] = {p[0], p[1], 0.0};
+        return Viscoelastic::from_parameters(0, elastic, pair);
+    };
+    return bound_of(setting, q, b, law(q.floor_law, {b.m1, q.radius_1}),
+                    law(q.pair_law, {effective(b.m1, b.m2), effective(q.radius_1, q.radius_2)}));
+}
+
 }  // namespace hardlimit::sweep

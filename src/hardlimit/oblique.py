@@ -124,7 +124,7 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
     ValueError
         If an argument is outside its range, or the column is another one.
     RuntimeError
-        If the balls do not part before the lower one meets the floor again; says so.
+        If a contact becomes too deep, or the balls do not part before the lower one meets the floor again; says so.
 
     Notes
     -----
@@ -191,6 +191,8 @@ def _until_parted(column: Column, system: ParticleSystem) -> ContactResult:
 def _sequence(column: Column) -> float:
     """A time [s] within which the drop without offset is over, or the duration of a contact."""
     result = newton(column)
+    if result._core.too_deep >= 0:
+        raise RuntimeError(f"oblique drop: {result.outcome}")
     known = [t for t in (result.t_end, result.t_floor_end) if math.isfinite(t) and t > 0.0]
     contact = float(column.contacts[0].duration(column.impact_speed))
     return max([contact, *known])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
@@ -11,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import validation
+from . import compression, validation
 from .bodies import Ball
+from .column.result import Result
 from .column.scenario import Column
 from .column.solvers import TOLERANCE, independent, newton
 from .contact import Law
@@ -221,7 +223,8 @@ def stack(
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the masses do not fit between the ends with such ratios; names it.
+        If an argument is outside its range, a contact becomes too deep, or the masses do not fit between the ends with
+        such ratios; names it.
 
     Notes
     -----
@@ -256,7 +259,11 @@ def stack(
     with reporter(progress, "stack", "searches") as report:
         logarithms = search.best(report)
     column = search.column(logarithms)
-    return Stack(column, model, _top(column, model))
+    found = _long_after(column, model)
+    if found._core.too_deep >= 0:
+        raise ValueError(f"law: got {validation.shown(law)}, must be stiffer: {found.outcome}")
+    compression.warn(found.largest_compression, stacklevel=3)
+    return Stack(column, model, _speed_of_top(found))
 
 
 def _limits(given: Any) -> tuple[float, float]:
@@ -266,16 +273,27 @@ def _limits(given: Any) -> tuple[float, float]:
     return low, high
 
 
-def _top(column: Column, model: str, tolerance: float = TOLERANCE) -> float:
-    """Speed of the top ball over that of the impact, long after all that happens.
+def _long_after(column: Column, model: str, tolerance: float = TOLERANCE) -> Result:
+    """The stack long after all that happens; in silence, since the stack that is found has told of its compression.
 
     A sequence would end when the floor is met again, which may be before the push has come to the top.
     """
     speed = column.impact_speed
     contact = float(column.contacts[0].duration(speed))
     until = LATER * (contact + sum(column.gaps) / speed)
-    result = newton(column, until, tolerance=tolerance) if model == "newton" else independent(column, until)
-    return float(result.final_velocities[-1]) / speed
+    if model == "independent":
+        return independent(column, until)
+    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+        return newton(column, until, tolerance=tolerance)
+
+
+def _speed_of_top(result: Result) -> float:
+    """Over that of the impact; NaN where a contact became too deep."""
+    return float(result.final_velocities[-1]) / result.column.impact_speed
+
+
+def _top(column: Column, model: str, tolerance: float = TOLERANCE) -> float:
+    return _speed_of_top(_long_after(column, model, tolerance))
 
 
 class _Search:

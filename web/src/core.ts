@@ -42,6 +42,8 @@ export interface Run {
   impactSpeed: number;
   effective: number; // ε_eff at the end of the sequence
   effectiveSeparation: number;
+  largestCompression: number; // over the smaller radius; NaN: instantaneous collisions
+  tooDeep: number; // pair whose compression ended the run; −1: none
   contacts: Contact[]; // the first MOST_CONTACTS
 }
 
@@ -101,7 +103,7 @@ export class Core {
   // `mostEvents` of independent collisions; 0: as many as in Python.
   solve(model: Model, until = NaN, mostEvents = 0): Run | null {
     if (!this.x.solve(model, until, mostEvents)) return null;
-    const r = this.view(this.x.reply_buffer(), 12).slice();
+    const r = this.view(this.x.reply_buffer(), 14).slice();
     const n = r[8];
     const pointer = this.x.scratch(3 * n + 1);
     this.x.contacts_of(model, pointer);
@@ -122,6 +124,8 @@ export class Core {
       impactSpeed: r[9],
       effective: r[10],
       effectiveSeparation: r[11],
+      largestCompression: r[12],
+      tooDeep: r[13],
       contacts,
     };
   }

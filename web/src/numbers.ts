@@ -3,6 +3,7 @@ import type { State } from "./core";
 import type { Solved, Track } from "./drop";
 import { digits, lengths, withUnit } from "./format";
 import { capital, independent, namesOf } from "./tables";
+import { SHALLOW } from "./why";
 
 interface Row {
   name: string;
@@ -170,16 +171,18 @@ export function verdict(d: Solved): [string, string] {
   const { newton, icm, scenario } = d;
   const n = scenario.balls.length;
   const k = newton.run.nContacts;
+  const deepest = newton.run.largestCompression;
+  const stretched = deepest >= SHALLOW ? ` A contact is compressed by ${digits(100 * deepest, 2)} % of the smaller radius; contact laws are meant for less than 5 %.` : "";
   const contacts = capital(contactsOf(k));
   const unknown = newton.run.outcome !== 0 ? `${capital(newton.run.message)}.` : "";
   if (scenario.cradle) {
     const v = (t: Track): string => withUnit(t.final.velocity[n - 1], "m/s", 3, true);
-    return [unknown || `${contacts}; the last ball leaves with ${v(newton)}.`, `${ICM}: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
+    return [unknown || `${contacts}; the last ball leaves with ${v(newton)}.${stretched}`, `${ICM}: ${spell(icm.run.nContacts)}, and ${v(icm)}.`];
   }
   const [rise, risen] = lengths(newton.peaks[n - 1], icm.peaks[n - 1]);
   if (unknown) return [unknown, Number.isNaN(icm.peaks[n - 1]) ? "" : `${ICM}: ${spell(icm.run.nContacts)}, and up to ${risen}.`];
   const ratio = newton.run.effective / scenario.restitution;
-  const where = Number.isNaN(newton.peaks[n - 1]) ? `${contacts}; the top ball does not bounce before the floor is met again.` : `${contacts}, and the top ball rises to ${rise}.`;
+  const where = (Number.isNaN(newton.peaks[n - 1]) ? `${contacts}; the top ball does not bounce before the floor is met again.` : `${contacts}, and the top ball rises to ${rise}.`) + stretched;
   if (Number.isNaN(icm.peaks[n - 1])) return [where, `${ICM}: ${icm.run.outcome !== 0 ? icm.run.message : "the top ball is not met"}.`];
   if (n === 2 && k === 1 && Math.abs(ratio - 1) < 0.01) return [where, `${ICM} say ${rise === risen ? "the same" : "nearly the same"}: ${risen}.`];
   const times = icm.peaks[n - 1] / newton.peaks[n - 1];

@@ -43,10 +43,19 @@ function mostAtOnce(list: Span[]): number {
   return most;
 }
 
+// From this compression over the smaller radius on, a contact law is stretched.
+export const SHALLOW = 0.05;
+
 export function why(facts: Facts): string {
+  if (facts.newton.tooDeep >= 0) return tooDeep(facts.newton);
   const said = facts.cradle ? cradle(facts) : onFloor(facts);
   const broken = collapsed(facts);
   return broken ? `${said} ${broken}` : said;
+}
+
+function tooDeep({ tooDeep: pair, last }: Run): string {
+  const bodies = pair === 0 ? "the floor and the lowest ball" : `ball ${pair} and ball ${pair + 1}`;
+  return `After ${duration(last)} ${bodies} are compressed by half of the smaller radius. No contact law describes that: the contacts need to be stiffer.`;
 }
 
 function collapsed({ icm, balls }: Facts): string {

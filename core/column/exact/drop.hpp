@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "../../stop.hpp"
+#include "../compression.hpp"
 #include "../energies.hpp"
 #include "../state.hpp"
+#include "compressions.hpp"
 #include "run.hpp"
 #include "scaling.hpp"
 
@@ -17,23 +19,36 @@ using LinearColumn = Column<contact::LinearDashpot>;
 struct Recorder {
     bool keep_nodes = true;
     Stop* stop = nullptr;
-    std::vector<Node> nodes;
-    std::vector<Contact> contacts;
+    drop::Compressions* watched = nullptr;  // ends the run where a contact reaches its limit
+    std::vector<Node> nodes{};
+    std::vector<Contact> contacts{};
     long open[2] = {-1, -1};
+    Node last{};
+    double released = math::nan;  // time of the first node
 
     void node(const Node& n) {
         if (keep_nodes) nodes.push_back(n);
+        if (math::is_nan(released))
+            released = n.t;
+        else if (watched)
+            watched->look(last, n.t - last.t);
+        last = n;
     }
-    bool stopped() const { return stop && (*stop)(); }
-    void clock_restarts(double t) {
-        for (Node& n : nodes) n.t -= t;
-        for (Contact& k : contacts) k = {k.pair, k.begin - t, k.end - t};
-    }
+    bool stopped() const { return (watched && watched->too_deep >= 0) || (stop && (*stop)()); }
+    void clock_restarts(double t) { shift(t); }
     void begins(int pair, double t) {
         open[pair] = static_cast<long>(contacts.size());
         contacts.push_back({pair, t, math::nan});
     }
     void ends(int pair, double t) { contacts[static_cast<std::size_t>(open[pair])].end = t; }
+
+    // Time counts from t on.
+    void shift(double t) {
+        last.t -= t;
+        released -= t;
+        for (Node& n : nodes) n.t -= t;
+        for (Contact& k : contacts) k = {k.pair, k.begin - t, k.end - t};
+    }
 };
 
 struct Drop {
@@ -41,6 +56,7 @@ struct Drop {
     Sequence sequence;              // SI
     std::vector<Contact> contacts;  // SI
     std::vector<Node> nodes;        // scaled, times from the first floor touch
+    int too_deep = -1;              // pair that was compressed too much; −1: none
 };
 
 // One state on the way, in SI units: gaps and forces of floor and pair, velocities of lower and upper ball.
@@ -50,22 +66,6 @@ struct DropSample {
 };
 
 namespace drop {
-
-inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
-    if (dt == 0.0) return n.x;
-    if (!n.floor && !n.pair) return exact::fly<double>(s, n.x, dt);
-    if (n.floor && !n.pair) return exact::lie_on_floor(s, n.x, dt);
-    exact::Piece piece;
-    const double h = exact::piece_length(s, n.floor, n.pair);
-    if (n.floor && dt > 8.0 * h) return exact::lie_together(s, n.x, dt);
-    Gaps x = n.x;
-    for (; dt > h; dt -= h) {
-        exact::expand(s, x, n.floor, n.pair, h, piece);
-        x = exact::evaluate(piece, 1.0);
-    }
-    exact::expand(s, x, n.floor, n.pair, dt, piece);
-    return exact::evaluate(piece, 1.0);
-}
 
 struct Mechanical {
     double kinetic, potential, stored;
@@ -153,6 +153,67 @@ inline double dissipated_over(const LinearColumn& c, const Start& s, const Node&
 
 }  // namespace drop
 
+namespace drop {
+
+inline CompressionBound bound_of(const LinearColumn& c, Coupling coupling, double part) {
+    return CompressionBound::of(part, c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.radius[0],
+                                c.radius[1], c.gravity, c.gaps[0], c.velocity[0], c.velocity[1],
+                                coupling == Coupling::full);
+}
+
+inline DropBound bound_of(const CompressionBound& bound, const Start& s, double gap) {
+    return DropBound::of(bound, gap, s.units.speed);
+}
+
+// How long the contacts of a run may last: one at rest does for ever, unless a time was asked for.
+inline double lasts(const Sequence& q, double last, double span) {
+    return q.outcome == Outcome::at_rest && span == -math::infinity ? math::infinity : last;
+}
+
+// A run that looks how deep the contacts are, and ends where one reaches its limit.
+inline Sequence run_watched(const Start& s, const CompressionBound& bound, double span, Recorder& record,
+                            Compressions& watch) {
+    watch = Compressions(s.groups, bound.floor * s.per_metre, bound.pair * s.per_metre);
+    record.watched = &watch;
+    Sequence q = run_two_ball(s.groups, s.first, s.t, span, record);
+    if (lasts(q, 0.0, span) > 0.0) watch.look(record.last, exact::never);
+    if (watch.too_deep < 0) return q;
+    // One event may have happened after that instant before the run was told.
+    const auto later = [&](const Contact& k) { return k.begin > watch.at; };
+    if (!q.met_again && !q.finished)
+        q.n_contacts -=
+            static_cast<int>(std::count_if(record.contacts.begin(), record.contacts.end(),
+                                           [&](const Contact& k) { return k.pair == 1 && later(k); }));
+    std::erase_if(record.contacts, later);
+    for (Contact& k : record.contacts)
+        if (k.end > watch.at) k.end = math::nan;
+    std::erase_if(record.nodes, [&](const Node& n) { return n.t > watch.at; });
+    q.goes_too_deep(watch.at);
+    if (record.keep_nodes) record.nodes.push_back(watch.there);
+    if (watch.at < 0.0) {  // the floor was not touched: time counts from release
+        q.t_first_touch = math::nan;
+        record.shift(record.released);
+    }
+    return q;
+}
+
+// The sequence on the clock of the solver.
+inline Sequence sequence_of(const Start& s, const CompressionBound& bound, double gap, double span,
+                            Stop* stop) {
+    const DropBound sure = bound_of(bound, s, gap);
+    if (sure.holds(0.0)) {
+        NoRecorder none{stop};
+        const Sequence q = run_two_ball(s.groups, s.first, s.t, span, none);
+        const bool given_up = stop && stop->stopped();
+        if (given_up || sure.holds(lasts(q, none.last, span) / s.units.rate)) return q;
+    }
+    Recorder record{.keep_nodes = false, .stop = stop};
+    Compressions watch(s.groups);
+    return run_watched(s, bound, span, record, watch);
+}
+
+}  // namespace drop
+
 inline Start start_drop(const LinearColumn& c, Coupling coupling) {
     return start_two_ball(c.contacts[0], c.contacts[1], c.mass[0], c.mass[1], c.gravity,
                           {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
@@ -164,14 +225,30 @@ inline double scaled_span(double until, const Units& units) {
     return math::is_nan(until) ? -math::infinity : math::min(until * units.rate, 0x1p52);
 }
 
+namespace drop {
+
+// Whether the energies at the last node exclude the compressions of a bound from there on.
+inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound) {
+    const Units& units = d.start.units;
+    const Gaps& x = d.nodes.back().x;
+    const double metre = units.speed / units.rate;
+    bound.height = x.u * metre;
+    bound.v1 = x.du * units.speed;
+    bound.v2 = (x.du + x.dw) * units.speed;
+    bound.stored = mechanical_energy(c, units, x).stored;
+    return bound.excluded_until(x.w * metre) == math::infinity;
+}
+
+}  // namespace drop
+
 // Nothing but the sequence, in SI units.
 inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until, Stop* stop) {
     const Start s = start_drop(c, coupling);
     Sequence q;
     q.outcome = s.outcome;
     if (s.outcome != Outcome::ok) return q;
-    NoRecorder none{stop};
-    q = run_two_ball(s.groups, s.first, s.t, scaled_span(until, s.units), none);
+    q = drop::sequence_of(s, drop::bound_of(c, coupling, deepest_compression), c.gaps[1],
+                          scaled_span(until, s.units), stop);
     to_si(q, s.units);
     return q;
 }
@@ -181,10 +258,29 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, b
     d.start = start_drop(c, coupling);
     d.sequence.outcome = d.start.outcome;
     if (d.start.outcome != Outcome::ok) return d;
-    const Units units = d.start.units;
-    Recorder record{keep_nodes, stop, {}, {}};
-    if (d.start.t == 0.0 && d.start.fall > 0.0) record.node({-d.start.fall, d.start.released, false, false});
-    d.sequence = run_two_ball(d.start.groups, d.start.first, d.start.t, scaled_span(until, units), record);
+    const Start& start = d.start;
+    const Units units = start.units;
+    const CompressionBound bound = drop::bound_of(c, coupling, deepest_compression);
+    const double span = scaled_span(until, units);
+    drop::Compressions watch(start.groups);
+    Recorder record;
+    const auto restart = [&] {
+        record = {.keep_nodes = keep_nodes, .stop = stop};
+        if (start.t == 0.0 && start.fall > 0.0) record.node({-start.fall, start.released, false, false});
+    };
+    const DropBound sure = drop::bound_of(bound, start, c.gaps[1]);
+    bool shallow = sure.holds(0.0);
+    if (shallow) {
+        restart();
+        d.sequence = run_two_ball(start.groups, start.first, start.t, span, record);
+        const double end = drop::lasts(d.sequence, record.last.t, span) / units.rate;
+        shallow = sure.holds(end) || (stop && stop->stopped());
+    }
+    if (!shallow) {
+        restart();
+        d.sequence = drop::run_watched(start, bound, span, record, watch);
+        d.too_deep = watch.too_deep;
+    }
     const double t0 = math::is_nan(d.sequence.t_first_touch) ? 0.0 : d.sequence.t_first_touch;
     for (Contact& k : record.contacts) k = {k.pair, (k.begin - t0) / units.rate, (k.end - t0) / units.rate};
     for (Node& n : record.nodes) n.t -= t0;

@@ -285,8 +285,9 @@ HL_FN Sequence run_two_ball(const TwoBall& s, const Gaps& start, double t, doubl
 // For maps: nothing but the sequence itself.
 struct NoRecorder {
     Stop* stop = nullptr;
+    double last = 0.0;  // time of the last node
 
-    HL_FN void node(const Node&) {}
+    HL_FN void node(const Node& n) { last = n.t; }
     HL_FN void clock_restarts(double) {}
     HL_FN void begins(int, double) {}
     HL_FN void ends(int, double) {}

@@ -65,6 +65,10 @@ struct Equilibrium {
         return total;
     }
 
+    // Whether contact j may be compressed as much as `deep` with this energy, or by its weight alone.
+    bool reaches(const Law& law, int j, double deep, double energy) const {
+        return depth[j] >= deep || excess(law, j, onset_root<Law::onset_power>(deep)) <= energy;
+    }
     // With this energy no contact ends any more; all motion is over.
     bool holds(double energy) const { return energy < barrier || settled(energy); }
     bool settled(double energy) const { return energy < rounding; }

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "../../roots.hpp"
 #include "../../stop.hpp"
 #include "events.hpp"
 #include "rest.hpp"
@@ -45,6 +46,9 @@ struct Integration {
     std::vector<double> velocity;   // [N] [m/s]
     long steps = 0;                 // integration steps, rejected ones included, and events
     double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
+    std::vector<double> compression;  // [N] greatest, over the smaller radius
+    int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
+    double settling = 0.0;            // [s] of a run that ended at rest: how long contacts still swing
     std::vector<newton::Interval> intervals;  // with `record`; one of length 0 keeps its state
     std::vector<double> states;               // [intervals × (2N + 2)] where they begin, as in Motion
     std::vector<newton::Modes> modes;
@@ -61,8 +65,11 @@ public:
           step(c, 10.0 * o.tolerance),
           tolerance(step.y),
           contact_of(c.balls, -1),
-          counted(c.balls, 0) {
+          counted(c.balls, 0),
+          radius(c.balls) {
         sequence().one_ball = c.balls == 1;
+        result.compression.assign(radius.size(), 0.0);
+        for (int j = 0; j < c.balls; ++j) radius[j] = smaller_radius(c, j);
     }
 
     Integration<Law> integrate() {
@@ -98,6 +105,7 @@ private:
     std::vector<double> tolerance;              // [dimension]
     std::vector<int> contact_of;                // [N] index of the open contact
     std::vector<unsigned char> counted;         // [N] contact of the sequence
+    std::vector<double> radius;                 // [N] smaller one of each pair
     std::vector<Equilibrium<Law>> equilibrium;  // made when first needed
     bool timed = !math::is_nan(options.until), stopped = false, kept = false;
     double initial_energy = 0.0, h = 0.0;
@@ -123,6 +131,7 @@ private:
 
     // Ends the interval at `end`, `length` in τ after y, with an event of pair j there.
     void close_interval(double length, Event what, int j) {
+        compress(length);
         record(length);
         if (timed && !kept && clock_started() && step.end[motion.clock()] >= options.until) {
             motion.reach(y.data(), step.k.data(), length, options.until, step.trial.data());
@@ -137,8 +146,46 @@ private:
         }
         y.swap(step.end);
         check_energy();
+        if (result.too_deep >= 0) {
+            sequence().goes_too_deep(now());
+            stopped = true;
+            return;
+        }
         settle_pressed();
         if (what != Event::none) apply(what, j);
+    }
+
+    // Greatest compressions between y and the end of the step, which moves to where a contact reaches its limit.
+    void compress(double& length) {
+        const double time = step.end[motion.clock()] - now();
+        const auto probed = [&](const auto& of) {
+            return [&, of](double at) {
+                step.probe(at);
+                return of(step.trial.data());
+            };
+        };
+        for (int j = 0; j < column.balls; ++j) {
+            if (!motion.pushes(j)) continue;
+            const auto rate = [this, j](const double* state) { return motion.rate(j, state); };
+            const auto part = [this, j](const double* state) { return -motion.gap(j, state) / radius[j]; };
+            const double before = rate(y.data()), after = rate(step.end.data()), from = part(y.data());
+            double deepest = math::max(from, part(step.end.data())), turn = length;
+            const double reach = time * math::max(math::abs(before), math::abs(after)) / radius[j];
+            if (!(deepest + reach > result.compression[j])) continue;  // shallower than once before
+            if (before > 0.0 && after < 0.0) {
+                turn =
+                    roots::falling_zero(probed(rate), 0.0, before, length, after, 1e-14 * (before - after));
+                deepest = math::max(deepest, part(step.trial.data()));
+            }
+            result.compression[j] = math::max(result.compression[j], deepest);
+            if (deepest < deepest_compression) continue;
+            const auto room = [&](const double* state) { return deepest_compression - part(state); };
+            length = roots::falling_zero(probed(room), 0.0, deepest_compression - from, turn,
+                                         deepest_compression - deepest, 1e-15);
+            step.end.swap(step.trial);
+            result.compression[j] = deepest_compression;
+            result.too_deep = j;
+        }
     }
 
     void record(double length) {
@@ -455,6 +502,15 @@ private:
         if (equilibrium.empty()) equilibrium.emplace_back(column);
         const double energy = equilibrium.front().energy(motion, y.data());
         if (!equilibrium.front().holds(energy)) return false;
+        double sagging = 0.0;
+        for (int j = 0; j < column.balls; ++j) {
+            if (equilibrium.front().reaches(column.contacts[j], j, deepest_compression * radius[j], energy))
+                return false;
+            const double depth = equilibrium.front().depth[j];
+            result.compression[j] = math::max(result.compression[j], depth / radius[j]);
+            sagging += depth;
+        }
+        result.settling = 20.0 * (2.0 * math::pi) * math::sqrt(sagging / column.gravity);
         if (!sequence().finished) sequence().comes_to_rest(column.balls > 1);
         stopped = complete();
         if (!stopped && equilibrium.front().settled(energy)) stand_still();

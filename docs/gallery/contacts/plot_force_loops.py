@@ -16,11 +16,11 @@ from hardlimit.pictures import plots
 
 ball = hl.Ball(radius=0.01, density=1000)
 laws = {
-    "linear dashpot": hl.LinearDashpot(stiffness=1e4, restitution=0.6),
+    "linear dashpot": hl.LinearDashpot(stiffness=2e4, restitution=0.6),
     "viscoelastic spheres": hl.Viscoelastic(
-        youngs_modulus=1e6, poisson_ratio=0.4, restitution=0.6, impact_speed=1.0
+        youngs_modulus=1e7, poisson_ratio=0.4, restitution=0.6, impact_speed=1.0
     ),
-    "Tsuji": hl.Tsuji(youngs_modulus=1e6, poisson_ratio=0.4, restitution=0.6),
+    "Tsuji": hl.Tsuji(youngs_modulus=1e7, poisson_ratio=0.4, restitution=0.6),
 }
 
 with plots.style():

@@ -9,7 +9,7 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import validation
+from .. import compression, validation
 from ..approximations import usual_damping
 from ..bodies import FLOOR, Ball
 from ..column import files
@@ -73,10 +73,11 @@ def contact(
     usual = usual_formula(made)
     if picture:
         draw(made, picture)
+    depth = compressions(made, ball, partner, v)
     if as_json:
-        print_json(as_mapping(made, v, usual))
+        print_json(as_mapping(made, v, depth, usual))
     else:
-        print_report(made, ball, partner, v, usual)
+        print_report(made, ball, partner, v, depth, usual)
 
 
 def chosen_law(name: str | None, parameters: dict[str, float]) -> Law:
@@ -124,6 +125,12 @@ def default_speeds(made: Contact) -> list[float]:
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
 
+def compressions(made: Contact, ball: Ball, partner: Any, speeds: Any) -> Any:
+    """Greatest compression over the smaller radius at each speed of impact."""
+    radius = min(ball.radius, partner.radius)
+    return made.compression(speeds) / radius
+
+
 def takes_usual_formula(law: Law) -> bool:
     """Whether the law is a spring and a dashpot, for whose damping the usual formula is made."""
     units = {name: p["unit"] for name, p in law_parameters(type(law)).items()}
@@ -152,7 +159,7 @@ def constants(made: Contact) -> dict[str, float]:
 
 
 def print_report(
-    made: Contact, ball: Ball, partner: Any, speeds: Any, usual: dict[str, float] | None
+    made: Contact, ball: Ball, partner: Any, speeds: Any, depth: Any, usual: dict[str, float] | None
 ) -> None:
     out = console()
     bodies = f"ball of radius {length(ball.radius)}, {quantity(ball.mass * 1e3, 'g')}, and "
@@ -168,9 +175,17 @@ def print_report(
         rows.append([constant["name"].replace("_", " "), value])
     name = made.law.record["name"]
     show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
-    by_speed = [[digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s")] for v in speeds]
-    title = "Over the speed of impact" if depends_on_speed(made) else "At any speed"
-    show(out, title, table(["speed [m/s]", "restitution ε", "duration"], by_speed))
+    by_speed = [
+        [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), digits(d)]
+        for v, d in zip(speeds, depth, strict=True)
+    ]
+    title = (
+        "Over the speed of impact" if depends_on_speed(made) else "At any speed, the compression at this one"
+    )
+    names = ["speed [m/s]", "restitution ε", "duration", "compression [smaller radius]"]
+    show(out, title, table(names, by_speed))
+    if said := compression.too_soft(float(depth.max())):
+        out.print(f"{said[0].upper()}{said[1:]}.", style="yellow")
     if usual:
         print_usual(out, made, usual)
 
@@ -187,7 +202,7 @@ def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
     out.print(f"{sentence}: it assumes a contact that ends in attraction.")
 
 
-def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> dict[str, Any]:
+def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
     """Everything the tables show, in SI units."""
     return {
         "law": {"name": made.law.record["name"], **made.law.parameters},
@@ -197,6 +212,7 @@ def as_mapping(made: Contact, speeds: Any, usual: dict[str, float] | None) -> di
         "speed": speeds,
         "restitution": made.restitution(speeds),
         "duration": made.duration(speeds),
+        "largest_compression": depth,
         "usual_formula": usual,
     }
 

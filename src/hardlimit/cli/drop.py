@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from ..column import files
 from ..column.comparison import Comparison, compare
 from ..column.result import Result
 from ..column.solvers import newton
+from ..compression import CompressionWarning
 from ..progress import bar
 from .drop_report import as_mapping, print_report, save_results
 from .options import (
@@ -57,8 +59,9 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
     outputs = {name: writable(name, given.pop(name)) for name in OUTPUTS}
     column = column_from(file, given)
     check_film(outputs["animate"])
-    found = compare(column)
-    shown = newton(column, until) if until is not None else found.newton
+    with warnings.catch_warnings(action="ignore", category=CompressionWarning):  # the report says so
+        found = compare(column)
+        shown = newton(column, until) if until is not None else found.newton
     write_outputs(found, shown, outputs, dpi)
     if as_json:
         print_json(as_mapping(found, shown))

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 import tomllib
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import saving
+from .. import compression, saving
 from ..column import files
 from ..column.comparison import Comparison
 from ..column.result import Result
 from ..column.scenario import Column
+from ..column.solvers import newton
 from ..contact import Law, law_parameters
 from ..models import MODELS
 from .printing import console, digits, length, plain, quantity, show, table
@@ -32,6 +34,9 @@ SYMBOLS = {
     "impact_speed": "v",
 }
 
+#: A stiffness that is high enough is looked for in steps of ten, so many at most.
+MOST_DECADES = 30
+
 # --- as a table ---------------------------------------------------------------------------------------------
 
 
@@ -42,10 +47,40 @@ def print_report(found: Comparison, shown: Result) -> None:
     show(out, "Column", column_table(column), column_line(column))
     show(out, f"Contacts under Newton’s equations [µs after {since}]", contact_table(shown))
     show(out, "Newton’s equations and event-driven", comparison_table(found))
+    if depth := depth_line(shown):
+        out.print(depth, style="yellow")
     answer, sentence = found.verdict
     colour = {"yes": "green", "no": "red", "by luck": "yellow"}.get(answer, "default")
     out.print("[bold]May you use event-driven here?[/bold]")
     out.print(sentence, style=colour)
+
+
+def depth_line(result: Result) -> str:
+    """What is to be said of the greatest compression; nothing where it is small."""
+    said = compression.too_soft(result.largest_compression)
+    if said is None:
+        return ""
+    if result._core.too_deep < 0:
+        return f"{said[0].upper()}{said[1:]}."
+    return f"{result.outcome[0].upper()}{result.outcome[1:]}.{stiff_enough(result)}"
+
+
+def stiff_enough(result: Result) -> str:
+    """A sentence with a stiffness under which the column does not become too deep."""
+    column = result.column
+    law = column.laws[0]
+    name = next(iter(law.parameters))  # the elastic constant
+    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+        for decade in range(1, MOST_DECADES + 1):
+            stiffer = [each.replace(**{name: each.parameters[name] * 10.0**decade}) for each in column.laws]
+            if newton(column.replace(law=stiffer), result.until)._core.too_deep < 0:
+                break
+        else:
+            return ""
+    unit = law_parameters(type(law))[name]["unit"]
+    value = law.parameters[name] * 10.0**decade
+    enough = f"{digits(value)} {unit}" if len(set(column.laws)) == 1 else f"{10.0**decade:g} times as much"
+    return f" With {name.replace('_', ' ')} {enough} it does not come to that."
 
 
 def column_table(column: Column) -> Table:
@@ -138,6 +173,7 @@ def comparison_rows(column: Column) -> list[tuple[str, Callable[[Result], str]]]
                 ("effective ε / ε at t_f", lambda r: digits(r.restitution_ratio)),
                 ("effective ε / ε at separation", lambda r: digits(r.restitution_ratio_at_separation)),
             ]
+    rows.append(("largest compression [smaller radius]", lambda r: digits(r.largest_compression)))
     for i in reversed(range(len(column.balls))):
         rows.append((f"final velocity of ball {i + 1} [m/s]", partial(_of_ball, "final_velocities", i)))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):
@@ -175,6 +211,7 @@ def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
         "effective_restitution_at_separation",
         "restitution_ratio",
         "restitution_ratio_at_separation",
+        "largest_compression",
         "outcome",
         "method",
     )

@@ -148,7 +148,7 @@ def _verdict(c: Comparison) -> Verdict:
 def _unclear(c: Comparison, true: str, hard: str) -> str | None:
     """Why there is nothing to compare, if so."""
     for who, name, result in (("Newton’s equations", true, c.newton), ("event-driven", hard, c.independent)):
-        if name in ("invalid", "unresolved", "never_lands"):
+        if name in ("invalid", "unresolved", "never_lands", "too_deep"):
             return f"{who} ended in “{result.outcome.split(':')[0]}”"
     if true == hard == "no_contact" and len(c.newton.column.balls) > 1:
         return "the balls do not meet before the floor is met again"

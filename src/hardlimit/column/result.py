@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, html, validation
+from .. import _core, compression, html, validation
 from ..models import MODELS, Model
 from .scenario import Column
 
@@ -68,6 +68,8 @@ class Result:
         values["until"] = until
         values["options"] = options
         values["_core"] = core
+        if core.presses_by(compression.DEEP):
+            compression.warn(result.largest_compression)
         return result
 
     @cached_property
@@ -144,10 +146,25 @@ class Result:
             return math.nan
         return _core.effective_restitution(velocity, self.column.impact_speed)
 
+    @cached_property
+    def largest_compression(self) -> float:
+        """Greatest compression of all contacts, over the smaller radius of the two bodies.
+
+        Contact laws describe small compressions: from 0.05 on a warning says so, and at 0.5 a run ends (see
+        :doc:`/limits`). NaN for instantaneous collisions.
+        """
+        return self._core.largest_compression()
+
     @property
     def outcome(self) -> str:
         """``"ok"``, or one sentence that says what happened instead."""
-        return str(_core.outcome_messages[self._core.outcome])
+        message = str(_core.outcome_messages[self._core.outcome])
+        pair = self._core.too_deep
+        if pair < 0:
+            return message
+        bodies = f"ball {pair} and ball {pair + 1}" if pair else "the floor and ball 1"
+        origin = "the first floor touch" if 0 in self._core.contacts()[0] else "release"
+        return f"{message} ({bodies}, {self._core.t_last:.6g} s after {origin})"
 
     @property
     def outcome_code(self) -> int:
@@ -156,15 +173,16 @@ class Result:
 
     @property
     def known_until(self) -> float:
-        """Time [s] up to which the motion is known: infinite unless the run was not resolved."""
-        resolved = _core.outcome_names[self.outcome_code] != "unresolved"
-        return math.inf if resolved else self._core.t_last
+        """Time [s] up to which the motion is known: infinite unless the run was not resolved or too deep."""
+        ended = _core.outcome_names[self.outcome_code] in ("unresolved", "too_deep")
+        return self._core.t_last if ended else math.inf
 
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:
-        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended; NaN at rest.
+        """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended.
 
-        Without ``until`` the second floor contact does not count: it is no part of the sequence.
+        NaN at rest, and where a contact became too deep. Without ``until`` the second floor contact does not count: it
+        is no part of the sequence.
         """
         return _fixed(np.asarray(self._core.final_velocities()))
 
@@ -289,6 +307,8 @@ class Result:
             start = min(0.0, stop)
         else:
             stop = float(marks.max(initial=0.0))
+            if self._core.too_deep >= 0:
+                stop = self._core.t_last
             start = float(marks.min(initial=0.0))
             margin = 0.05 * (stop - start)
             start, stop = max(start - margin, self._core.t_first), min(stop + margin, self.known_until)
@@ -298,7 +318,7 @@ class Result:
     def trajectory(self, times: ArrayLike | None = None) -> xr.Dataset:
         """Positions, velocities, contact forces and energies over time.
 
-        The attribute ``known_until`` is there if the run was not resolved.
+        The attribute ``known_until`` is there if the run was not resolved or too deep.
 
         Parameters
         ----------
@@ -431,6 +451,7 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("effective ε at t_f", result.effective_restitution),
             ("effective ε / ε at t_f", result.restitution_ratio),
         ]
+    found += compression.rows(result.largest_compression)
     for i in reversed(range(len(column.balls))):
         found.append((f"final velocity of ball {i + 1} [m/s]", float(result.final_velocities[i])))
     for i in reversed(range(len(column.balls) if column.gravity else 0)):

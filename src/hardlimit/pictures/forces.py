@@ -83,11 +83,12 @@ def window(results: Iterable[Result]) -> tuple[float, float]:
 
 def unresolved(results: Iterable[Result]) -> str:
     """A title that says up to when the motion is known; empty if it is known to the end."""
-    known = min(result.known_until for result in results)
+    first = min(results, key=lambda result: result.known_until)
+    known = first.known_until
     if math.isinf(known):
         return ""
     factor, unit = scaled(known, "s")
-    return f"not resolved: known up to {known * factor:.4g} {unit}"
+    return f"{first.outcome.split(':')[0]}: known up to {known * factor:.4g} {unit}"
 
 
 def forces(result: Result) -> Figure:

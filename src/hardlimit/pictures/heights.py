@@ -48,13 +48,13 @@ def release_time(result: Result) -> float:
 def tops(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """When [s] and how high [m] each ball's flight after the contacts found has its top, bottom ball first.
 
-    NaN for a ball that does not rise, and without gravity. A ball that is hit again on its way up keeps the
-    top that its flight would have had. If a contact has no end, the flights are those after the last instant
-    solved.
+    NaN for a ball that does not rise, without gravity, and where a contact became too deep. A ball that is hit again
+    on its way up keeps the top that its flight would have had. If a contact has no end, the flights are those after
+    the last instant solved.
     """
     gravity, n = result.column.gravity, len(result.column.balls)
     after = _end_of_contacts(result)
-    if not gravity > 0.0 or math.isnan(after):
+    if not gravity > 0.0 or math.isnan(after) or result._core.too_deep >= 0:
         return np.full(n, math.nan), np.full(n, math.nan)
     state = result.trajectory(after)
     z, v = state["position"].values[0], state["velocity"].values[0]
