@@ -260,9 +260,11 @@ class Law:
         rest = set(named) - {p["name"] for p in common}
         matching = [i for i, choice in enumerate(choices) if {p["name"] for p in choice} == rest]
         if len(matching) != 1:
-            wanted = " | ".join(" + ".join(p["name"] for p in choice) for choice in choices)
-            got = ", ".join(sorted(rest)) if rest else "neither"
-            raise ValueError(f"{wanted}: got {got}, must be exactly one of these alternatives")
+            names = dict.fromkeys(p["name"] for choice in choices for p in choice)
+            wanted = " or ".join(" with ".join(p["name"] for p in choice) for choice in choices)
+            nothing = "neither" if len(names) == 2 else "none of them"
+            got = " and ".join(name for name in names if name in rest) or nothing
+            raise ValueError(f"{' | '.join(names)}: got {got}, must be {wanted}")
         checked = {
             p["name"]: validation.number(
                 p["name"],

@@ -14,11 +14,10 @@ from ..contact import Law
 from ..particles import event_driven as runs
 from ..particles.checkpoint import checked_path
 from ..particles.course import Course, load
-from ..particles.files import FORMATS, format_of
+from ..particles.files import FORMATS
 from ..particles.result import Settings
 from ..particles.system import ParticleSystem
-from .drop import check_film
-from .options import given_law_parameters, writable
+from .options import film, given_law_parameters, picture, writable
 
 #: Units of what a random start takes; None where it takes no quantity.
 RANDOM: Final = {
@@ -261,7 +260,7 @@ def _rules(
     run: dict[str, Any] = dict.fromkeys(RUN) | content["event_driven"]
     law, restitution = content["law"], run.pop("restitution")
     if law is not None and restitution is not None:
-        raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
+        raise ValueError("law | event_driven.restitution: got both, must be one of them")
     if law_name is not None or law is not None or parameters.keys() - {"restitution"}:
         law, restitution = law_of(law, law_name, parameters), None
     else:
@@ -286,15 +285,13 @@ def usual_end(system: ParticleSystem) -> float:
 
 
 def _checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
-    outputs = {name: writable(name, given.get(name)) for name in OUTPUTS}
-    if outputs["out"] is not None:
-        _, kind = format_of(outputs["out"], "--out")
-        if kind is FORMATS[".data"]:
-            raise ValueError(f"--out: got {str(outputs['out'])!r}, must end in .gsd, .xyz or .extxyz")
-    check_film(outputs["animate"])
-    if outputs["save"] is not None and outputs["save"].suffix != ".nc":
-        raise ValueError(f"--save: got {str(outputs['save'])!r}, must end in .nc")
-    return outputs
+    trajectories = [ending for ending, kind in FORMATS.items() if kind is not FORMATS[".data"]]
+    return {
+        "out": writable("out", given.get("out"), *trajectories),
+        "save": writable("save", given.get("save"), ".nc"),
+        "plot": picture("plot", given.get("plot")),
+        "animate": film("animate", given.get("animate")),
+    }
 
 
 def _refuse_frames_without_end(outputs: Mapping[str, Path | None], until: Any, max_collisions: Any) -> None:

@@ -90,7 +90,8 @@ class Column:
         lowest = self.balls[0].radius
         if not self.height >= lowest:
             raise ValueError(
-                f"height: got {self.height:.16g}, must be >= {lowest:.16g}, the radius of the lowest ball"
+                f"height: got {self.height:.16g}, must be >= {validation.at_least(lowest)}, "
+                "the radius of the lowest ball"
             )
         self._set(laws=_checked_laws(law, len(self.balls)))
         v = self.velocities[0]

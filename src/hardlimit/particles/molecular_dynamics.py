@@ -163,7 +163,7 @@ def _later_end(course: ContactCourse, until: Any) -> float:
     end = validation.number("until", until)
     if end < course.engine.time:
         raise ValueError(
-            f"until: got {end:.16g}, must be >= {course.engine.time:.16g}, the time of the checkpoint"
+            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
         )
     return end
 
@@ -180,8 +180,8 @@ def check_box(system: ParticleSystem) -> None:
     for axis, side in enumerate(system.boundary):
         if side == "periodic" and not system.box[axis] >= least:
             raise ValueError(
-                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= {least:.6g} m, "
-                f"{SMALLEST_EDGE:g} largest radii, for engine 'events'"
+                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= "
+                f"{validation.at_least(least)} m, {SMALLEST_EDGE:g} largest radii, for engine 'events'"
             )
 
 

@@ -593,8 +593,8 @@ def _check_sizes(box: Floats, boundary: Sequence[str], largest: float) -> None:
         radii = 4 if side == "periodic" else 2
         if not box[axis] >= radii * largest:
             raise ValueError(
-                f"box: got {box[axis]:.16g} along {AXES[axis]}, {side}, must be >= {radii * largest:.16g}, "
-                f"{'four' if radii == 4 else 'two'} times the largest radius"
+                f"box: got {box[axis]:.16g} along {AXES[axis]}, {side}, must be >= "
+                f"{validation.at_least(radii * largest)}, {'four' if radii == 4 else 'two'} times the largest radius"
             )
 
 
