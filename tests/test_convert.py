@@ -349,11 +349,11 @@ def test_the_time_step_makes_the_error_that_is_said(name):
         ({"speed": 0.0}, "speed: got 0, must be > 0 and finite"),
         (
             {"stiffness": None},
-            "stiffness | youngs_modulus | duration | compression: got neither, must be exactly one of them",
+            "stiffness | youngs_modulus | duration | compression: got none, must be exactly one of them",
         ),
         (
             {"duration": 1e-5},
-            "stiffness | youngs_modulus | duration | compression: got 2, must be exactly one of them",
+            "stiffness | youngs_modulus | duration | compression: got stiffness and duration, must be exactly one of them",
         ),
         ({"stiffness": -1.0}, "stiffness: got -1, must be > 0 and finite"),
         ({"law": "hooke"}, "law: got 'hooke', must be one of linear, tsuji, viscoelastic"),
@@ -590,7 +590,7 @@ def test_input_is_read_from_the_command_line_a_file_and_standard_input(tmp_path)
         ((*BALLS,), "restitution: missing, must be given, or --input"),
         ((*BALLS, "--restitution", "2", "--stiffness", "1"), "restitution: got 2, must be in [0.001, 1]"),
         ((*BALLS, "--input", "x"), "code: missing, must be one of chrono"),
-        ((*BALLS, "--input", "x", "--read", "y"), "input | read: got both, must be one of them"),
+        ((*BALLS, "--input", "x", "--read", "y"), "--input | --read: got both, must be one of them"),
         ((*BALLS, "--read", "no such file", "--code", "yade"), "read: got 'no such file', cannot be read"),
         ((*BALLS, "--input", "x", "--code", "yade", "--law", "linear"), "law: got linear, must not be given"),
         (

@@ -375,11 +375,12 @@ def test_a_column_from_a_file_and_its_rebounds(tmp_path: Path) -> None:
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["fit", str(tmp_path / "none.csv")])
-    assert result.exit_code == 1
-    assert result.stderr.strip().endswith(f"fit: {tmp_path / 'none.csv'}: No such file or directory")
+    assert result.exit_code == 2
+    said = "cannot be read: No such file or directory"
+    assert result.stderr.strip().endswith(f"fit: {tmp_path / 'none.csv'}: {said}")
 
 
 def test_refusals_of_the_command(tmp_path: Path) -> None:
     assert "FILE: missing" in run(code=2).stderr
     assert "FILE: must be left out with --example" in run("x.csv", "--example", code=2).stderr
-    run(tmp_path / "none.csv", code=1)
+    run(tmp_path / "none.csv", code=2)

@@ -253,10 +253,10 @@ def test_control_c_ends_with_130_and_leaves_a_checkpoint(start: Path, tmp_path: 
 # --- bad input ----------------------------------------------------------------------------------------------
 
 BAD = {
-    "fraction": (["--packing-fraction", 0.7], "packing_fraction: got 0.7, must be in (0, 0.62]"),
+    "fraction": (["--packing-fraction", 0.7], "--packing-fraction: got 0.7, must be in (0, 0.62]"),
     "number": (["--n", 0], "n: got 0, must be a whole number"),
     "too many": (["--n", 2**31 - 1], "n: got 2147483647, which take 644 GB, must fit in"),
-    "few": (["--n", 3], "n | packing_fraction: got 3 particles, too few"),
+    "few": (["--n", 3], "--n | --packing-fraction: got 3 particles, too few"),
     "side": (["--boundary", "open"], "boundary: got 'open', must be one of periodic, wall"),
     "sides": (["--boundary", "wall", "--boundary", "wall"], "boundary: got 2 words, must be one or 3"),
     "rule": (["--rule", "soft"], "rule: got 'soft' with restitution, must be one of constant, tc"),
@@ -267,7 +267,7 @@ BAD = {
     "film": (["--animate", "film.avi"], "--animate: got 'film.avi', must end in .mp4 or .gif"),
     "frames": (["--max-collisions", 5, "--out", "run.xyz"], "--out: needs --until"),
     "frames of a film": (["--max-collisions", 5, "--animate", "a.gif"], "--animate: needs --until"),
-    "trajectory": (["--out", "run.data"], "--out: got 'run.data', must end in .gsd, .xyz or .extxyz"),
+    "trajectory": (["--out", "run.data"], "--out: got 'run.data', must end in .xyz, .extxyz or .gsd"),
     "trajectory of another kind": (["--out", "run.pdb"], "--out: got 'run.pdb', must end in .xyz"),
     "save": (["--save", "run.zarr"], "--save: got 'run.zarr', must end in .nc"),
     "folder": (["--plot", "no/a.png"], "--plot: got 'no/a.png', must be in an existing folder"),

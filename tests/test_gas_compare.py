@@ -72,12 +72,12 @@ def test_a_job_gives_start_law_and_end(tmp_path: Path) -> None:
 
 
 REFUSED = {
-    "models[1]: got 'hard'": ["--models", "hard"],
-    "replicas: got 0": ["--replicas", 0],
+    "--models: got 'hard'": ["--models", "hard"],
+    "--replicas: got 0": ["--replicas", 0],
     "--out: got 'x.csv', must end in .nc": ["--out", "x.csv"],
     "FILE: got 'nothing'": ["nothing"],
-    "engine: got 'lammps'": ["--engine", "lammps"],
-    "scheduler | workers": ["--scheduler", "tcp://127.0.0.1:1", "--workers", 2],
+    "--engine: got 'lammps'": ["--engine", "lammps"],
+    "--scheduler | --workers": ["--scheduler", "tcp://127.0.0.1:1", "--workers", 2],
     "No such option": ["--rule", "soft"],
 }
 

@@ -93,10 +93,10 @@ def test_alternatives_are_named() -> None:
         "got restitution and damping, must be restitution or damping"
     )
     assert said(lambda: hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, impact_speed=1.0)).endswith(
-        "got impact_speed, must be dissipative_time or restitution with impact_speed"
+        "restitution | impact_speed: got impact_speed, must be restitution + impact_speed"
     )
-    assert "got density and mass, must be one" in said(lambda: hl.Ball(0.1, density=1.0, mass=1.0))
-    assert "got neither, must be one" in said(lambda: hl.Ball(0.1))
+    assert "got both, must be exactly one" in said(lambda: hl.Ball(0.1, density=1.0, mass=1.0))
+    assert "got neither, must be exactly one" in said(lambda: hl.Ball(0.1))
 
 
 # --- the command line: the option that was typed ------------------------------------------------------------

@@ -316,6 +316,11 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     return str(value)
 
 
+def any_of(words: Sequence[str]) -> str:
+    """The words as a message lists them: ``a, b or c``."""
+    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
+
+
 def flag(name: str, value: Any) -> bool:
     """``value``, if it is True or False.
 
@@ -349,6 +354,7 @@ def exactly_one(**given: Any) -> str:
     """Name of the one alternative that was given; neither and both are refused."""
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:
-        got = " and ".join(names) or ("neither" if len(given) == 2 else "none of them")
-        raise ValueError(f"{' | '.join(given)}: got {got}, must be one of them")
+        few = len(given) == 2
+        got = (" and ".join(names) or "none") if not few else "both" if names else "neither"
+        raise ValueError(f"{' | '.join(given)}: got {got}, must be exactly one of them")
     return names[0]

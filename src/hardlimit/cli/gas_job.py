@@ -160,7 +160,9 @@ def read(file: str | None) -> dict[str, Any]:
     if ending in FORMATS:
         return content | {"start": file}
     if ending != ".toml":
-        raise ValueError(f"FILE: got {validation.shown(file)}, must end in .toml, {', '.join(FORMATS)}")
+        raise ValueError(
+            f"FILE: got {validation.shown(file)}, must end in {validation.any_of(['.toml', *FORMATS])}"
+        )
     found = toml.read(file)
     return columns.prefixed(f"{file}: ", lambda: _from_tables(found, Path(file).parent, content))
 
@@ -260,7 +262,7 @@ def _rules(
     run: dict[str, Any] = dict.fromkeys(RUN) | content["event_driven"]
     law, restitution = content["law"], run.pop("restitution")
     if law is not None and restitution is not None:
-        raise ValueError("law | event_driven.restitution: got both, must be one of them")
+        raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
     if law_name is not None or law is not None or parameters.keys() - {"restitution"}:
         law, restitution = law_of(law, law_name, parameters), None
     else:

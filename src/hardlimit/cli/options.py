@@ -187,7 +187,9 @@ def writable(option: str, path: str | None, *endings: str) -> Path | None:
     target = file_name(option, path)
     special = target.exists() and not target.is_file()  # a device is written as it is, a file replaced
     if not special and target.suffix.lower() not in endings:
-        raise ValueError(f"--{option}: got {validation.shown(path)}, must end in {', '.join(endings)}")
+        raise ValueError(
+            f"--{option}: got {validation.shown(path)}, must end in {validation.any_of(endings)}"
+        )
     if target.is_dir() or not os.access(target if special else target.parent, os.W_OK):
         raise ValueError(f"--{option}: got {path!r}, must be writable")
     return target
@@ -216,7 +218,7 @@ def film(option: str, path: str | None) -> Path | None:
     ValueError
         As :func:`writable`; if nothing that writes MP4 is installed.
     """
-    target = writable(option, path, ".gif", ".mp4")
+    target = writable(option, path, ".mp4", ".gif")
     if target is not None and target.suffix.lower() == ".mp4":
         from ..pictures.video import require_ffmpeg
 

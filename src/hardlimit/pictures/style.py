@@ -100,7 +100,7 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     target = Path(path)
     ending = target.suffix.lower()
     if ending not in endings():
-        raise ValueError(f"plot: got {str(path)!r}, must end in {', '.join(endings())}")
+        raise ValueError(f"plot: got {str(path)!r}, must end in {validation.any_of(endings())}")
     if not target.parent.is_dir():
         raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
     resolution = checked_resolution(dpi)
