@@ -460,7 +460,10 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
             "velocity: got '-1e308:1e308:3', must span a finite range",
         ),
         (["completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
-        (["drop", "--restitution", 0.5, "--damping", 3], "--restitution | --damping: got restitution and damping"),
+        (
+            ["drop", "--restitution", 0.5, "--damping", 3],
+            "--restitution | --damping: got restitution and damping",
+        ),
         (["drop", "--law", "viscoelastic"], "--youngs-modulus: missing"),
         (["drop", *HERTZ], "must be dissipative_time or restitution + impact_speed"),
         (["drop", "--law", "linear", "--poisson-ratio", 0.3], "--poisson-ratio: unknown"),

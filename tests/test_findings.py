@@ -8,8 +8,12 @@ from types import ModuleType
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
+from PIL import Image
 
 import hardlimit as hl
+from hardlimit.pictures.style import style
 from legible import assert_legible
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "findings"
@@ -106,6 +110,23 @@ def test_the_figures_of_the_validation_are_drawn(capsys: pytest.CaptureFixture[s
         line.partition(":")[0]: float(line.split()[-2]) for line in said.splitlines() if line.endswith(" V")
     }
     assert len(worst) == 3 and max(worst.values()) < 1e-10
+
+
+def test_fig3_of_the_documentation_has_no_caption_of_its_own() -> None:
+    """The pages write one below it."""
+    figure = script("validation").fig3()
+    shown = [text.get_text() for text in figure.findobj(Text)]
+    assert any("coefficient of restitution" in text for text in shown)
+    assert not figure.texts and not any("event-driven" in text or "Parameters" in text for text in shown)
+    with Image.open(FOLDER.parent / "images" / "fig3.png") as picture:
+        assert picture.size == tuple(round(200 * inches) for inches in figure.get_size_inches())
+        kept = np.asarray(picture.convert("RGB"), dtype=int)
+    with style():
+        figure.dpi = 200
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+    drawn = np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+    assert (np.abs(kept - drawn) > 60).mean() < 0.02  # another release of matplotlib may move a letter
 
 
 def test_the_relation_for_ice_is_told_from_the_law() -> None:

@@ -399,8 +399,8 @@ def test_every_model_of_a_drop_is_seen(gap: float) -> None:
         changed = np.any(np.abs(whole - drawn(figure)) > 20, axis=2)
         for line in mine:
             line.set_visible(True)
-        along = changed.any(axis=0).sum() / ax.get_window_extent().width
-        assert along > 0.3, (found.results[k].model, along)
+        # In each column of pixels more than the smoothed rim of another line.
+        assert changed.sum() > 1.6 * ax.get_window_extent().width, found.results[k].model
 
 
 @pytest.mark.parametrize("seed", SEEDS)
