@@ -353,7 +353,8 @@ def test_the_time_step_makes_the_error_that_is_said(name):
         ),
         (
             {"duration": 1e-5},
-            "youngs_modulus | duration | compression: got stiffness and duration, must be exactly one of them",
+            "stiffness | youngs_modulus | duration | compression: got stiffness and duration, "
+            "must be exactly one of them",
         ),
         ({"stiffness": -1.0}, "stiffness: got -1, must be > 0 and finite"),
         ({"law": "hooke"}, "law: got 'hooke', must be one of linear, tsuji, viscoelastic"),
