@@ -170,7 +170,9 @@ def test_an_input_tells_its_model(name):
 
 
 def test_files_name_their_source_and_what_they_were_checked_by():
+    assert len(names()) >= 8 and RUNS
     for found in map(code, names()):
+        assert found.models and found.sources
         assert found.version and all(source.startswith("https://") for source in found.sources)
         ran = {row["code"] for row in RUNS} | {"lammps"}
         assert (found.checked == "run") == (found.name in ran)

@@ -115,6 +115,7 @@ BETWEEN = {
     "subprocess.run(lmp.command(1, '-in', 'in.hardlimit'), cwd='box', env=lmp.environment(), check=True)\n"
 }
 SCRIPTS = [page for page in sorted(DOCS.glob("*.md")) if blocks(page, "python")]
+assert len(SCRIPTS) > 3
 
 
 def scripts(page: Path) -> list[str]:

@@ -14,7 +14,7 @@ from PIL import Image
 
 import hardlimit as hl
 from hardlimit.pictures.style import style
-from legible import assert_legible
+from legible import assert_legible, coloured
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "findings"
 
@@ -48,8 +48,21 @@ def test_a_small_grid_from_compute_to_figures(
     grid.draw(argparse.Namespace())
     ds = xr.open_dataset(grid.DATA)
     assert np.isfinite(ds.cooling).all() and ds.attrs["n"] == 40
-    assert (tmp_path / "rules_cooling.png").stat().st_size > 10_000
+    for quantity in ("cooling", "collision_rate", "pressure"):
+        assert coloured(tmp_path / f"rules_{quantity}.png") > 1e-3
+    assert_points_are_those_found(grid, ds)
     assert "| 0.2 | 0.9 |" in capsys.readouterr().out
+
+
+def assert_points_are_those_found(findings: ModuleType, ds: xr.Dataset) -> None:
+    """For each rule one point at each t_c ν, at the difference in per cent; what lies outside of the axes too."""
+    (ax,) = findings.differences(ds, "cooling").axes
+    rings = [line for line in ax.lines if line.get_markerfacecolor() == "white"]
+    assert len(rings) == len(findings.RULES) > 1
+    for line, rule in zip(rings, findings.RULES, strict=True):
+        size = 100.0 * np.abs(findings.difference(ds, "cooling", rule).mean[:, 0, 0])
+        np.testing.assert_allclose(line.get_ydata(), size)
+        np.testing.assert_allclose(line.get_xdata(), ds.tc_nu, rtol=0.13)
 
 
 @pytest.mark.slow
@@ -87,8 +100,9 @@ def test_a_limit_is_kept_surely_or_lost_surely() -> None:
 def test_stacks_and_oblique_drops_are_drawn(capsys: pytest.CaptureFixture[str]) -> None:
     """What the pictures of docs/stacks.md show, of fewer balls and points."""
     found = script("stacks")
-    assert len(found.stacks([2, 3], 8).axes) == 4
-    assert len(found.oblique(4).axes) == 2
+    for figure, count in ((found.stacks([2, 3], 8), 4), (found.oblique(4), 2)):
+        assert len(figure.axes) == count and all(ax.lines for ax in figure.axes)
+        assert_legible(figure)
     assert "1 % of R1 gives 0.1029 m/s (estimate 0.1027)" in capsys.readouterr().out
 
 
