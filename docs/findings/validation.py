@@ -3,7 +3,8 @@
     python docs/findings/validation.py [--rows 100000] [--spheres 2000] [--folder docs/images]
 
 Draws validation_columns.png, validation_contacts.png and validation_grains.png, from tests/data and from runs of its
-own, and fig3.png, Fig. 3 of the paper without a caption, in about half a minute. The tests that judge are named in docs/validation.md; this shows what they see.
+own, and fig3.png, Fig. 3 of the paper without a caption, in about half a minute. The tests that judge are named in
+docs/validation.md; this shows what they see.
 """
 
 import argparse
