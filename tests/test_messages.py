@@ -82,6 +82,20 @@ def test_an_end_before_the_checkpoint(tmp_path: Path) -> None:
     hl.resume(path, until=float(told))
 
 
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("boundary", ["wall", "periodic"])
+def test_a_place_that_is_told_is_accepted(boundary: str, seed: int) -> None:
+    radius, edge = np.random.default_rng(seed).uniform(1.0, 2.0, 2) * (1.0, 10.0)
+
+    def system(x: float) -> hl.ParticleSystem:
+        return hl.ParticleSystem([[x, edge / 2]], [[0.0, 0.0]], radius, mass=1.0, box=edge, boundary=boundary)
+
+    for outside in (-edge, 3.0 * edge):
+        for told in re.search(r"must be in \[(.*), (.*)\], ", said(lambda at=outside: system(at))).groups():
+            assert len(told) <= 7
+            system(float(told))
+
+
 # --- alternatives -------------------------------------------------------------------------------------------
 
 

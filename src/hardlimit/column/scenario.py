@@ -101,7 +101,8 @@ class Column:
                     "gravity | velocities: got 0 and 0, nothing moves: one of them must not be 0"
                 )
             raise ValueError(
-                f"height: got {self.height:.16g}, nothing moves: must be > {lowest:.16g} or velocities not 0"
+                f"height: got {self.height:.16g}, nothing moves: must be > {validation.at_least(lowest)} "
+                "or velocities not 0"
             )
         if math.isnan(_core.fall_time(self.drop_height, v, self.gravity)):
             raise ValueError(

@@ -615,8 +615,7 @@ def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:
         if not good.all():
             bad = int(np.argmin(good))
             where = "with its whole radius between the walls" if side == "wall" else "in the box"
+            accepted = validation.describe_range(float(inner[bad]), float(edge - inner[bad]), True, True)
             raise ValueError(
-                f"positions[{bad}]: got {AXES[axis]} = {x[bad]:.16g}, must be in "
-                f"[{system.radius[bad] if side == 'wall' else 0.0:.6g}, "
-                f"{edge - system.radius[bad] if side == 'wall' else edge:.6g}], {where}"
+                f"positions[{bad}]: got {AXES[axis]} = {x[bad]:.16g}, must be {accepted}, {where}"
             )
