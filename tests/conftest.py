@@ -77,7 +77,9 @@ def wait_until(condition: Callable[[], object], timeout: float = 30.0) -> None:
 
 def table(name: str) -> list[dict[str, str]]:
     with open(DATA / f"{name}.csv", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+        rows = list(csv.DictReader(file))
+    assert rows, name
+    return rows
 
 
 def columns_json() -> list[dict]:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import subprocess
 from itertools import combinations
+from pathlib import Path
 from typing import Any
 
+import imageio_ffmpeg
 import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
+from PIL import Image, ImageSequence
 
 from hardlimit.pictures.style import style
 
@@ -50,3 +54,41 @@ def assert_legible(figure: Figure, **look: Any) -> None:
         assert page.y0 <= box.y0 and box.y1 <= page.y1, f"{text!r} runs off the picture"
     for (one, first), (other, second) in combinations(shown, 2):
         assert not first.overlaps(second), f"{one!r} and {other!r} overlap"
+
+
+def coloured(picture: Path | np.ndarray) -> float:
+    """Share of the pixels of a picture that have a colour: those of data, for axes and words are black and grey."""
+    if not isinstance(picture, np.ndarray):
+        with Image.open(picture) as opened:
+            picture = np.asarray(opened.convert("RGB"))
+    return float((np.ptp(picture.astype(int), axis=-1) > 40).mean())
+
+
+def frames_of(film: Path, shape: tuple[int, int]) -> list[np.ndarray]:
+    """The pictures, so high and so wide, of a GIF, which leaves out repetitions, or an MP4."""
+    if film.suffix == ".gif":
+        with Image.open(film) as opened:
+            return [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(opened)]
+    read = [
+        imageio_ffmpeg.get_ffmpeg_exe(),
+        "-v",
+        "error",
+        "-i",
+        film,
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-",
+    ]
+    raw = subprocess.run(read, capture_output=True, check=True).stdout
+    return list(np.frombuffer(raw, np.uint8).reshape(-1, *shape, 3))
+
+
+def assert_moves(film: Path, width: int, count: int = 10**9) -> None:
+    """A film of pictures of this width, that many of them at most, which differ and show something."""
+    shape = width * 9 // 16, width
+    frames = frames_of(film, shape)
+    assert 1 < len(frames) <= count
+    assert all(frame.shape == (*shape, 3) and coloured(frame) > 3e-3 for frame in frames)
+    assert any(np.any(one != frames[0]) for one in frames)

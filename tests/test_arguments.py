@@ -540,8 +540,8 @@ def read_rows(path: Any = "rows.csv", **options: Any) -> Any:
         Path("rows.csv").write_text("speed,restitution,restitution_error\n1.0,0.7,0.01\n2.0,0.69,0.01\n")
         try:
             return hl.read_measurements(path, **options)
-        except OSError as error:  # documented, where there is no such file
-            raise ValueError(f"path: {error}") from None
+        except ValueError as error:  # a file is named by itself
+            raise ValueError(re.sub("^.*: cannot be read", "path: cannot be read", str(error))) from None
 
 
 def arguments_of_practice() -> list[Argument]:

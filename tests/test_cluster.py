@@ -148,6 +148,40 @@ def test_an_error_here_ends_the_work_there() -> None:
         wait_until(lambda: not any(client.processing().values()))
 
 
+@pytest.mark.parametrize("closed", ["client", "cluster"])
+@pytest.mark.parametrize("error", [None, KeyError("mine")])
+@pytest.mark.parametrize("job", ["sweep", "fidelity"])
+def test_a_cluster_of_this_process_is_closed_amid_the_work(
+    job: str, error: Exception | None, closed: str
+) -> None:
+    """One line says so; an error of the caller's own is not hidden by one of dask's."""
+
+    def close(done: int, total: int) -> None:
+        if 0 < done < total:
+            (client if closed == "client" else local).close()
+            if error is not None:
+                raise error
+
+    with (
+        one_worker() as local,
+        Client(local, set_as_default=False) as client,
+        pytest.raises(RuntimeError if error is None else KeyError) as told,
+    ):
+        if job == "sweep":
+            hl.sweep(SOFT, engine="dask", scheduler=client, progress=close, **SLOW)
+        else:
+            law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+            given = {"until": 1e-4, "samples": 2, "replicas": 8, "models": ("newton",)}
+            hl.fidelity(small_gas, law=law, scheduler=client, progress=close, **given)
+    assert told.value is error or str(told.value).startswith(
+        "scheduler: went away; what is in a store is kept"
+    )
+
+
+def small_gas(seed: int) -> hl.ParticleSystem:
+    return hl.ParticleSystem.random(20, 0.2, 1e-3, 2500.0, 1.0, seed=seed)
+
+
 @pytest.mark.parametrize(
     ("who", "asked", "job"),
     [(Client, "nthreads", "sweep"), (Future, "result", "sweep"), (Future, "result", "fidelity")],

@@ -176,7 +176,9 @@ def test_an_input_tells_its_model(name):
 
 
 def test_files_name_their_source_and_what_they_were_checked_by():
+    assert len(names()) >= 8 and RUNS
     for found in map(code, names()):
+        assert found.models and found.sources
         assert found.version and all(source.startswith("https://") for source in found.sources)
         ran = {row["code"] for row in RUNS} | {"lammps"}
         assert (found.checked == "run") == (found.name in ran)
@@ -357,11 +359,12 @@ def test_the_time_step_makes_the_error_that_is_said(name):
         ({"speed": 0.0}, "speed: got 0, must be > 0 and finite"),
         (
             {"stiffness": None},
-            "stiffness | youngs_modulus | duration | compression: got neither, must be exactly one of them",
+            "stiffness | youngs_modulus | duration | compression: got none, must be exactly one of them",
         ),
         (
             {"duration": 1e-5},
-            "stiffness | youngs_modulus | duration | compression: got 2, must be exactly one of them",
+            "stiffness | youngs_modulus | duration | compression: got stiffness and duration, "
+            "must be exactly one of them",
         ),
         ({"stiffness": -1.0}, "stiffness: got -1, must be > 0 and finite"),
         ({"law": "hooke"}, "law: got 'hooke', must be one of linear, tsuji, viscoelastic"),
@@ -599,7 +602,7 @@ def test_input_is_read_from_the_command_line_a_file_and_standard_input(tmp_path)
         ((*BALLS,), "restitution: missing, must be given, or --input"),
         ((*BALLS, "--restitution", "2", "--stiffness", "1"), "restitution: got 2, must be in [0.001, 1]"),
         ((*BALLS, "--input", "x"), "code: missing, must be one of chrono"),
-        ((*BALLS, "--input", "x", "--read", "y"), "input | read: got both, must be one of them"),
+        ((*BALLS, "--input", "x", "--read", "y"), "--input | --read: got both, must be one of them"),
         ((*BALLS, "--read", "no such file", "--code", "yade"), "read: got 'no such file', cannot be read"),
         ((*BALLS, "--input", "x", "--code", "yade", "--law", "linear"), "law: got linear, must not be given"),
         (

@@ -115,6 +115,7 @@ BETWEEN = {
     "subprocess.run(lmp.command(1, '-in', 'in.hardlimit'), cwd='box', env=lmp.environment(), check=True)\n"
 }
 SCRIPTS = [page for page in sorted(DOCS.glob("*.md")) if blocks(page, "python")]
+assert len(SCRIPTS) > 3
 
 
 def scripts(page: Path) -> list[str]:
@@ -159,3 +160,19 @@ def test_validation_names_tests_and_counts_rows_that_exist() -> None:
     assert f"{len(columns_json())} reference columns" in text
     assert f"{rows['cradle']} reference rows" in text and f"{stacks} reference rows" in text
     assert f"{len(table('code_restitution'))} runs are data" in text
+
+
+def test_a_map_of_the_explorer_has_the_axes_that_the_page_says() -> None:
+    presets = (DOCS.parent / "web" / "src" / "presets.ts").read_text(encoding="utf-8")
+    axis_of = dict(re.findall(r'id: "(\w+)",.*?map: \{ axis: "(\w+)"', presets, re.S))
+    maps = [
+        (page.name, *found)
+        for page in sorted(DOCS.glob("*.md"))
+        for found in re.findall(
+            r'panel=map&amp;example=(\w+)" title="([^"]*)"', page.read_text(encoding="utf-8")
+        )
+    ]
+    assert maps
+    for page, example, title in maps:
+        word = {"gap": "gap", "ratio": "radii"}[axis_of[example]]
+        assert word in title, (page, example, title)

@@ -8,9 +8,13 @@ from types import ModuleType
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.text import Text
+from PIL import Image
 
 import hardlimit as hl
-from legible import assert_legible
+from hardlimit.pictures.style import style
+from legible import assert_legible, coloured
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "findings"
 
@@ -44,8 +48,21 @@ def test_a_small_grid_from_compute_to_figures(
     grid.draw(argparse.Namespace())
     ds = xr.open_dataset(grid.DATA)
     assert np.isfinite(ds.cooling).all() and ds.attrs["n"] == 40
-    assert (tmp_path / "rules_cooling.png").stat().st_size > 10_000
+    for quantity in ("cooling", "collision_rate", "pressure"):
+        assert coloured(tmp_path / f"rules_{quantity}.png") > 1e-3
+    assert_points_are_those_found(grid, ds)
     assert "| 0.2 | 0.9 |" in capsys.readouterr().out
+
+
+def assert_points_are_those_found(findings: ModuleType, ds: xr.Dataset) -> None:
+    """For each rule one point at each t_c ν, at the difference in per cent; what lies outside of the axes too."""
+    (ax,) = findings.differences(ds, "cooling").axes
+    rings = [line for line in ax.lines if line.get_markerfacecolor() == "white"]
+    assert len(rings) == len(findings.RULES) > 1
+    for line, rule in zip(rings, findings.RULES, strict=True):
+        size = 100.0 * np.abs(findings.difference(ds, "cooling", rule).mean[:, 0, 0])
+        np.testing.assert_allclose(line.get_ydata(), size)
+        np.testing.assert_allclose(line.get_xdata(), ds.tc_nu, rtol=0.13)
 
 
 @pytest.mark.slow
@@ -83,8 +100,9 @@ def test_a_limit_is_kept_surely_or_lost_surely() -> None:
 def test_stacks_and_oblique_drops_are_drawn(capsys: pytest.CaptureFixture[str]) -> None:
     """What the pictures of docs/stacks.md show, of fewer balls and points."""
     found = script("stacks")
-    assert len(found.stacks([2, 3], 8).axes) == 4
-    assert len(found.oblique(4).axes) == 2
+    for figure, count in ((found.stacks([2, 3], 8), 4), (found.oblique(4), 2)):
+        assert len(figure.axes) == count and all(ax.lines for ax in figure.axes)
+        assert_legible(figure)
     assert "1 % of R1 gives 0.1029 m/s (estimate 0.1027)" in capsys.readouterr().out
 
 
@@ -106,6 +124,23 @@ def test_the_figures_of_the_validation_are_drawn(capsys: pytest.CaptureFixture[s
         line.partition(":")[0]: float(line.split()[-2]) for line in said.splitlines() if line.endswith(" V")
     }
     assert len(worst) == 3 and max(worst.values()) < 1e-10
+
+
+def test_fig3_of_the_documentation_has_no_caption_of_its_own() -> None:
+    """The pages write one below it."""
+    figure = script("validation").fig3()
+    shown = [text.get_text() for text in figure.findobj(Text)]
+    assert any("coefficient of restitution" in text for text in shown)
+    assert not figure.texts and not any("event-driven" in text or "Parameters" in text for text in shown)
+    with Image.open(FOLDER.parent / "images" / "fig3.png") as picture:
+        assert picture.size == tuple(round(200 * inches) for inches in figure.get_size_inches())
+        kept = np.asarray(picture.convert("RGB"), dtype=int)
+    with style():
+        figure.dpi = 200
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+    drawn = np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+    assert (np.abs(kept - drawn) > 60).mean() < 0.02  # another release of matplotlib may move a letter
 
 
 def test_the_relation_for_ice_is_told_from_the_law() -> None:

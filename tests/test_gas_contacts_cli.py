@@ -72,7 +72,7 @@ REFUSED = {
         "--ranks",
         2,
     ],
-    "time_step: got 0.001, must be left out": ["--engine", "events", *LAW, "--time-step", "1ms"],
+    "--time-step: got 0.001, must be left out": ["--engine", "events", *LAW, "--time-step", "1ms"],
     "--resume: must be left out with --engine": ["--engine", "events", *LAW, "--resume", "a"],
 }
 

@@ -380,8 +380,7 @@ def test_two_balls_creep_as_the_exact_solver_says(restitution, masses, stiffness
     balls = [hl.Ball(2.0, mass=m) for m in masses]
     column = hl.Column(balls, [gap], 2.1, hl.LinearDashpot(stiffness=stiffness, restitution=restitution))
     exact, general = (hl.newton(column, until=0.2, method=m) for m in ("exact", "general"))
-    if UNRESOLVED in (exact.outcome_code, general.outcome_code):
-        return
+    assume(UNRESOLVED not in (exact.outcome_code, general.outcome_code))
     times = np.linspace(0.0, 0.2, 41)
     found, right = general.trajectory(times), exact.trajectory(times)
     assert np.abs(found.velocity - right.velocity).max() < 1e-9

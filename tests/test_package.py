@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -69,3 +70,10 @@ def test_help_is_light():
 def test_what_is_not_there():
     with pytest.raises(AttributeError, match="module 'hardlimit' has no attribute 'fitt'"):
         hl.fitt  # noqa: B018
+
+
+def test_two_builds_at_once_share_no_folder():
+    """scikit-build-core makes a temporary folder for each build unless the settings name one."""
+    with open(Path(__file__).resolve().parents[1] / "pyproject.toml", "rb") as file:
+        settings = tomllib.load(file)["tool"]["scikit-build"]
+    assert settings["minimum-version"] and "build-dir" not in settings

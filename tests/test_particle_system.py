@@ -281,7 +281,7 @@ def test_velocities_are_maxwell_with_one_temperature_for_all_masses():
 
 
 @pytest.mark.parametrize("changed, message", [
-    ({"n": 0}, r"n: got 0, must be a whole number in"),
+    ({"n": 0}, r"n: got 0, must be a whole number >= 1"),
     ({"n": 2.0}, r"n: got 2.0, must be a whole number"),
     ({"packing_fraction": 0.63}, r"packing_fraction: got 0.63, must be in \(0, 0.62\]"),
     ({"packing_fraction": 0.83, "dimension": 2}, r"packing_fraction: got 0.83, must be in \(0, 0.82\]"),

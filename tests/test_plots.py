@@ -2,6 +2,7 @@
 
 import gc
 import math
+import re
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -10,14 +11,28 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 from PIL import Image
 
 import hardlimit as hl
 from conftest import law_of, slow
 from hardlimit.column.comparison import compare
-from hardlimit.pictures import animation, forces, heights, labels, maps, plots, stage, storyboard, style
-from legible import assert_legible, boxes
+from hardlimit.pictures import (
+    animation,
+    forces,
+    gas,
+    grain_film,
+    heights,
+    labels,
+    maps,
+    plots,
+    stage,
+    storyboard,
+    style,
+)
+from legible import assert_legible, assert_moves, boxes, coloured
 
 VISCOELASTIC = hl.Viscoelastic(youngs_modulus=5e7, poisson_ratio=0.45, restitution=0.7, impact_speed=3.0)
 STEEL = hl.Ball(0.02, density=7800.0)
@@ -73,7 +88,7 @@ def test_every_result_can_be_drawn(name: str, tmp_path: Path) -> None:
     # A column at rest is sampled slowly: only its forces, whose last contact does not end.
     for figure in (both or plots.forces(found.newton), plots.forces(found.independent)):
         figure.savefig(tmp_path / "picture.png", dpi=40)
-        assert (tmp_path / "picture.png").stat().st_size > 2000
+        assert coloured(tmp_path / "picture.png") > 1e-3
 
 
 def test_forces_name_all_pairs_and_the_end() -> None:
@@ -311,11 +326,11 @@ def test_large_map_is_thinned_out() -> None:
 
 
 def test_missing_values_and_constant_maps_are_drawn() -> None:
-    values = np.full((4, 5), np.nan)
-    plots.count_map(sweep_of(values, "restitution_ratio"), "restitution_ratio").savefig(
-        "/dev/null", format="png"
-    )
-    plots.count_map(sweep_of(np.zeros((4, 5)), "t_end"), "t_end").savefig("/dev/null", format="png")
+    nothing = plots.count_map(sweep_of(np.full((4, 5), np.nan), "restitution_ratio"), "restitution_ratio")
+    same = plots.count_map(sweep_of(np.zeros((4, 5)), "t_end"), "t_end")
+    for figure, masked in ((nothing, 20), (same, 0)):
+        assert_legible(figure)
+        assert np.ma.count_masked(figure.axes[0].collections[0].get_array()) == masked
 
 
 def test_bad_maps_are_refused() -> None:
@@ -359,6 +374,136 @@ def test_prefixes(value: float, expected: str) -> None:
     assert labels.scaled(value, "N")[1] == expected
 
 
+# --- what a reader could miss -------------------------------------------------------------------------------
+
+
+def drawn(figure: Figure) -> np.ndarray:
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+
+
+@pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3, 5e-3])
+def test_every_model_of_a_drop_is_seen(gap: float) -> None:
+    """Also where two coincide: without its lines the picture of the heights is another one."""
+    found = compare(hl.Column.paper(gap=gap))
+    figure = plots.heights(*found.results)
+    ax = figure.axes[0]
+    whole = drawn(figure)
+    lines = [line for line in ax.lines if len(line.get_xdata()) > 100]
+    assert len(lines) == 2 * len(found.results)
+    for k in range(len(found.results)):
+        mine = lines[2 * k : 2 * k + 2]
+        for line in mine:
+            line.set_visible(False)
+        changed = np.any(np.abs(whole - drawn(figure)) > 20, axis=2)
+        for line in mine:
+            line.set_visible(True)
+        # In each column of pixels more than the smoothed rim of another line.
+        assert changed.sum() > 1.6 * ax.get_window_extent().width, found.results[k].model
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_all_lines_of_a_drop_go_to_the_same_end(seed: int) -> None:
+    balls = random_column(seed).balls[:2]
+    law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)  # hard spheres do not collapse
+    results = compare(hl.Column(balls, 1e-4, balls[0].radius + 0.3, law)).results
+    ax = plots.heights(*results).axes[0]
+    ends = [line.get_xdata()[-1] for line in ax.lines if len(line.get_xdata()) > 100]
+    assert len(ends) == 2 * len(results)
+    assert ends == pytest.approx([ax.get_xlim()[1]] * len(ends))
+
+
+@pytest.mark.parametrize("law", hl.LAWS)
+@pytest.mark.parametrize("epsilon", [0.02, 0.5, 0.8, 0.99, 1.0])
+def test_a_restitution_fills_its_axis(law: str, epsilon: float) -> None:
+    contact = law_of(law, epsilon).between(STEEL)
+    speeds = np.geomspace(1e-3, 10.0, 50)
+    values = np.asarray(contact.restitution(speeds))
+    figure = plots.restitution_over_speed(contact, speeds)
+    low, high = figure.axes[0].get_ylim()
+    assert 0.0 <= low < values.min() and values.max() < high
+    assert np.ptp(values) > 0.6 * (high - low) or high - low <= 0.1 * (1.0 + 1e-9)
+    assert_legible(figure)
+
+
+def test_all_counts_of_a_map_are_named() -> None:
+    """In their regions, or at the edge beside them; two-digit ones and thin ones too."""
+    x, y = np.linspace(0.4, 1.0, 200), np.geomspace(1e-6, 1e-2, 200)
+    ds = hl.sweep(hl.Column.paper(), restitution=x, gap=y)
+    counts = ds.n_contacts.values
+    figure = plots.count_map(ds)
+    assert_legible(figure)
+    ax = figure.axes[0]
+    named = {text.get_text(): text for text in ax.texts}
+    assert set(named) == {str(n) for n in np.unique(counts)} and counts.max() >= 12
+    for count, text in named.items():
+        if hasattr(text, "xy"):
+            assert counts[-1, np.abs(np.log(y * 1e3 / text.xy[1])).argmin()] == int(count)
+            continue
+        box = text.get_window_extent().transformed(ax.transData.inverted())
+        inside = counts[np.ix_((x > box.x0) & (x < box.x1), (y > box.y0 * 1e-3) & (y < box.y1 * 1e-3))]
+        assert (inside == int(count)).mean() > 0.7, count
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (2, 2), (3, 700), (700, 3)])
+def test_counts_of_a_small_map_are_named_where_they_are(shape: tuple[int, int]) -> None:
+    values = np.random.default_rng(1).integers(0, 20, shape)
+    figure = plots.count_map(sweep_of(np.sort(values, axis=1), "n_contacts"))
+    assert {text.get_text() for text in figure.axes[0].texts} <= {str(n) for n in np.unique(values)}
+    figure.savefig("/dev/null", format="png")
+
+
+@pytest.mark.parametrize("name", labels.QUANTITIES)
+def test_a_prime_stands_above_its_index(name: str) -> None:
+    text = labels.QUANTITIES[name][0]
+    for part in re.findall(r"\$[^$]*\$", text):
+        with style.style():
+            glyphs = MathTextParser("path").parse(part).glyphs
+        characters = "".join(chr(glyph[2]) for glyph in glyphs)
+        if "′" in characters:
+            prime, index = (glyphs[characters.index(c)][3] for c in ("′", "r"))
+            assert index < prime
+    assert ("′" in text or "prime" in text) == (name == "relative_velocity")
+
+
+@pytest.mark.parametrize("slower", [1.0, 1e-3, 1e-9, 0.0])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
+    system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
+    with style.style(**stage.STYLE):
+        film = grain_film.Stage(system, 1.0, 320)
+        film.picture(0.0, system, 0)
+        before = film.bodies.get_array().copy()
+        film.picture(1.0, system.replace(velocities=slower * system.velocities), 10)
+        figure = film.figure
+    after = film.bodies.get_array()
+    assert film.bodies.norm.vmin == 0.0 and film.bodies.norm.vmax == 2.0
+    np.testing.assert_allclose(after, before if slower else 0.0 * before, rtol=1e-6)
+    assert np.ptp(before) > 1.0  # more than half of the colours are in use
+    assert "root mean square at this instant" in texts(figure)
+    assert_legible(figure, **stage.STYLE)
+
+
+@pytest.mark.parametrize(("samples", "until"), [(100, 0.02), (400, 0.02), (20, 1e-4)])
+def test_the_transient_of_the_start_is_marked(samples: int, until: float) -> None:
+    """Outside of it the rate is Enskog's, inside it is far above; a run may be shorter."""
+    system = hl.ParticleSystem.random(1000, 0.3, 1e-3, 2500.0, 1.0)
+    run = hl.event_driven(system, restitution=0.9, until=until, samples=samples)
+    end = gas.transient(run)
+    time, rate = run.series["time"].values, run.series["collision_rate"].values
+    over = rate / gas.expectations(run)["collision_rate"][1]
+    assert over[1] > 1.5
+    if until == 1e-4:
+        assert end == until
+    else:
+        assert np.mean(over[time > end][: samples // 10]) < 1.1
+    figure = plots.gas(run)
+    shaded = [patch for ax in figure.axes[1:] for patch in ax.patches]
+    assert len(shaded) == 2 and gas.TRANSIENT in texts(figure)
+    assert_legible(figure)
+
+
 # --- films --------------------------------------------------------------------------------------------------
 
 
@@ -386,7 +531,7 @@ def test_film(ending: str, tmp_path: Path) -> None:
         frames_per_second=3,
         progress=lambda done, total: calls.append((done, total)),
     )
-    assert path.stat().st_size > 10_000
+    assert_moves(path, 320, calls[-1][1])
     assert list(tmp_path.iterdir()) == [path]  # no draft is left
     assert calls[-1][0] == calls[-1][1] == len(calls)
 
@@ -419,8 +564,7 @@ def test_mp4_without_ffmpeg_names_the_extra_and_gif_needs_none(
     with pytest.raises(ValueError, match=r"pip install 'hardlimit\[film\]'") as refused:
         result.animate(tmp_path / "film.mp4", width=320, frames_per_second=2)
     assert "\n" not in str(refused.value) and not any(tmp_path.iterdir())
-    film = result.animate(tmp_path / "film.gif", width=160, frames_per_second=1)
-    assert film.stat().st_size > 1000
+    assert_moves(result.animate(tmp_path / "film.gif", width=160, frames_per_second=1), 160)
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")  # imageio-ffmpeg leaves its pipe to the collector
@@ -453,7 +597,7 @@ def test_impossible_films_are_refused(options, message, tmp_path: Path) -> None:
 @pytest.mark.parametrize("width", [slow(160), slow(350), 337])
 def test_films_of_any_width(width: int, tmp_path: Path) -> None:
     path = hl.newton(hl.Column.paper()).animate(tmp_path / "film.mp4", width=width, frames_per_second=1)
-    assert path.stat().st_size > 1000
+    assert_moves(path, width // 32 * 32)
 
 
 @pytest.mark.parametrize("name", ["film.avi", "film", "no folder/film.mp4"])

@@ -149,6 +149,7 @@ def test_continuity_at_the_switches(kind):
     """Positions and velocities are continuous everywhere; a force starts with its jump and ends at zero."""
     result = RESULTS[kind]
     contacts = result.contacts
+    assert contacts.pair.size > 1
     largest = result.trajectory().force.max("time").values
     v = result.column.impact_speed
     for pair, begin, end in zip(

@@ -361,7 +361,9 @@ def damaged(path: Path, finished: Path, *, said: bool) -> None:
 
 
 def every_file(folder: Path) -> list[Path]:
-    return sorted(f.relative_to(folder) for f in folder.rglob("*") if f.is_file())
+    found = sorted(f.relative_to(folder) for f in folder.rglob("*") if f.is_file())
+    assert len(found) > 10
+    return found
 
 
 #: Of the files of a store every so many-th; the slow tests take each.

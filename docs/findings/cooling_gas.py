@@ -245,6 +245,8 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
                 ax.set_ylabel(rf"$\varepsilon$ = {epsilon:g}" + "\n|difference| [%]")
             ax.set_xscale("log")
             ax.set_yscale("log")
+            ax.set_xticks([1e-3, 1e-2, 0.1], ["0.001", "0.01", "0.1"])
+            ax.set_xticks([x for x in TC_NU if x not in (1e-3, 1e-2, 0.1)], minor=True, labels=[])
             ax.set_xlim(5e-4, 0.6)
             ax.set_ylim(0.05, 200.0)
         for ax in axes[-1]:

@@ -3,7 +3,8 @@
     python docs/findings/validation.py [--rows 100000] [--spheres 2000] [--folder docs/images]
 
 Draws validation_columns.png, validation_contacts.png and validation_grains.png, from tests/data and from runs of its
-own, in about half a minute. The tests that judge are named in docs/validation.md; this shows what they see.
+own, and fig3.png, Fig. 3 of the paper without a caption, in about half a minute. The tests that judge are named in
+docs/validation.md; this shows what they see.
 """
 
 import argparse
@@ -16,6 +17,9 @@ import numpy as np
 
 import hardlimit as hl
 from hardlimit.convert.codes import Pair, Written, code
+from hardlimit.paper import figure3
+from hardlimit.paper.drawings import DRAWINGS
+from hardlimit.paper.setup import Setup
 from hardlimit.particles import theory
 from hardlimit.pictures.style import PALETTE, style
 
@@ -257,6 +261,12 @@ def grains(n):
     return figure
 
 
+def fig3():
+    """As `hardlimit paper` draws it, without the caption: a page that shows it has its own."""
+    with style():
+        return DRAWINGS[3](figure3.compute(Setup()))
+
+
 def main():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -271,6 +281,8 @@ def main():
         ("grains", grains(given.spheres)),
     ):
         figure.savefig(given.folder / f"validation_{name}.png", dpi=110)
+    with style():
+        fig3().savefig(given.folder / "fig3.png", dpi=200)
 
 
 if __name__ == "__main__":

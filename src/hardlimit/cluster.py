@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from distributed import Client
+    from distributed import Client, Future
 
 #: How long a scheduler may take to answer.
 PATIENCE = "10s"
@@ -37,12 +37,26 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
     with _quiet(), _connected(scheduler) as client:
         try:
             yield client
-        except (CancelledError, OSError) as gone:  # the latter where it is asked something, once it has gone
+        except Exception as gone:
+            # OSError where it is asked something once it has gone, one of dask's own where this process closed it.
+            if not isinstance(gone, CancelledError | OSError) and _is_open(client):
+                raise
             why = str(gone).splitlines()[:1] if isinstance(gone, OSError) else []
             raise RuntimeError(
                 f"scheduler: went away{''.join(f' ({line})' for line in why)}; "
                 "what is in a store is kept, repeat the call"
             ) from None
+
+
+def cancel(client: Client, futures: list[Future]) -> None:
+    """Stop the work on these, unless the client is closed, and it with it."""
+    if futures and _is_open(client):
+        client.cancel(futures, force=True)
+
+
+def _is_open(client: Client) -> bool:
+    """Whether a scheduler can still be asked: a client is closed with a cluster in its process."""
+    return client.status not in ("closing", "closed")
 
 
 @contextmanager

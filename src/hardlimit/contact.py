@@ -296,9 +296,7 @@ class Law:
         rest = set(named) - {p["name"] for p in common}
         matching = [i for i, choice in enumerate(choices) if {p["name"] for p in choice} == rest]
         if len(matching) != 1:
-            wanted = " | ".join(" + ".join(p["name"] for p in choice) for choice in choices)
-            got = ", ".join(sorted(rest)) if rest else "neither"
-            raise ValueError(f"{wanted}: got {got}, must be exactly one of these alternatives")
+            raise ValueError(_refused_choice(choices, rest))
         checked = {
             p["name"]: validation.number(
                 p["name"],
@@ -423,6 +421,17 @@ def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
     """The records of all parameters that a law knows, by name."""
     choices = law.record["alternatives"]
     return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
+
+
+def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[str]) -> str:
+    """Which sets of parameters there are for what was given: those that complete it, or all."""
+    sets = [[str(p["name"]) for p in choice] for choice in choices]
+    fitting = [names for names in sets if given <= set(names)] or sets
+    names = dict.fromkeys(name for one in fitting for name in one)
+    got = " and ".join(name for name in names if name in given)
+    nothing = "neither" if len(names) == 2 else "none of them"
+    wanted = " or ".join(" + ".join(one) for one in fitting)
+    return f"{' | '.join(names)}: got {got or nothing}, must be {wanted}"
 
 
 def _law(kind: type[Law], parameters: dict[str, float]) -> Law:

@@ -319,7 +319,9 @@ class _Search:
         if self.total is not None:
             least, most = (bottom * limit ** (n - 1) for limit in limits)
             if not least * (1.0 - 1e-9) <= bottom * math.exp(self.total) <= most * (1.0 + 1e-9):
-                raise ValueError(f"top_mass: got {top:.6g}, must be in [{least:.6g}, {most:.6g}]")
+                raise ValueError(
+                    f"top_mass: got {top:.6g}, must be in [{validation.at_least(least)}, {validation.at_most(most)}]"
+                )
             middle = self.total / (n - 1)
         self.domain = Domain(self.lowest, self.highest, self.total is not None)
         self.column([middle] * (n - 1))  # refuses a law or gaps that fit no column

@@ -11,7 +11,7 @@ import math
 import operator
 from collections.abc import Sequence
 from contextlib import suppress
-from decimal import Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from numbers import Real
 from typing import Any, Final, TypeVar
 
@@ -22,6 +22,8 @@ T = TypeVar("T")
 
 #: Longest text of a value in a message.
 LONGEST: Final = 60
+#: A bound of whole numbers from here on is the machine's: only who exceeds it is told of it.
+OF_THE_MACHINE: Final = 2**31 - 1
 
 
 def shown(value: Any) -> str:
@@ -33,13 +35,30 @@ def shown(value: Any) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
+def at_least(bound: float) -> str:
+    """A lowest value as a message shows it: six digits, rounded upwards, so that the number shown is accepted."""
+    return _rounded(bound, ROUND_CEILING)
+
+
+def at_most(bound: float) -> str:
+    """A highest value: six digits, rounded downwards."""
+    return _rounded(bound, ROUND_FLOOR)
+
+
+def _rounded(bound: float, direction: str) -> str:
+    return f"{float(Context(prec=6, rounding=direction).create_decimal(repr(bound))):g}"
+
+
 def describe_range(lowest: float, highest: float, lowest_allowed: bool, highest_allowed: bool) -> str:
-    """The accepted range in words, such as ``in (0, 1]`` or ``> 0``."""
-    if math.isinf(highest) and not math.isinf(lowest):
-        return f"{'>=' if lowest_allowed else '>'} {lowest:g} and finite"
+    """The accepted range in words, such as ``in (0, 1]`` or ``> 0 and finite``."""
     if math.isinf(lowest) and math.isinf(highest):
         return "finite"
-    return f"in {'[' if lowest_allowed else '('}{lowest:g}, {highest:g}{']' if highest_allowed else ')'}"
+    if math.isinf(highest):
+        return f"{'>=' if lowest_allowed else '>'} {at_least(lowest)} and finite"
+    if math.isinf(lowest):
+        return f"{'<=' if highest_allowed else '<'} {at_most(highest)} and finite"
+    bounds = f"{at_least(lowest)}, {at_most(highest)}"
+    return f"in {'[' if lowest_allowed else '('}{bounds}{']' if highest_allowed else ')'}"
 
 
 # --- numbers ------------------------------------------------------------------------------------------------
@@ -87,8 +106,20 @@ def whole(name: str, value: Any, lowest: int, highest: int) -> int:
     """
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
     if not is_whole or not lowest <= value <= highest:
-        raise ValueError(f"{name}: got {shown(value)}, must be a whole number in [{lowest}, {highest}]")
+        accepted = _describe_whole(value if is_whole else None, lowest, highest)
+        raise ValueError(f"{name}: got {shown(value)}, must be a whole number{accepted}")
     return int(value)
+
+
+def _describe_whole(value: int | None, lowest: int, highest: int) -> str:
+    """The range of whole numbers in words."""
+    if value is not None and value > highest >= OF_THE_MACHINE:
+        return f" <= {at_most(highest)}"
+    if value is not None and value < lowest <= -OF_THE_MACHINE:
+        return f" >= {at_least(lowest)}"
+    if highest < OF_THE_MACHINE:
+        return f" in [{lowest}, {highest}]"
+    return f" >= {lowest}" if lowest > -OF_THE_MACHINE else ""
 
 
 def numbers(name: str, values: Any, count: int, **limits: Any) -> tuple[float, ...]:
@@ -285,6 +316,11 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     return str(value)
 
 
+def any_of(words: Sequence[str]) -> str:
+    """The words as a message lists them: ``a, b or c``."""
+    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
+
+
 def flag(name: str, value: Any) -> bool:
     """``value``, if it is True or False.
 
@@ -318,6 +354,7 @@ def exactly_one(**given: Any) -> str:
     """Name of the one alternative that was given; neither and both are refused."""
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:
-        count = "neither" if not names else "both" if len(given) == 2 else f"{len(names)}"
-        raise ValueError(f"{' | '.join(given)}: got {count}, must be exactly one of them")
+        few = len(given) == 2
+        got = (" and ".join(names) or "none") if not few else "both" if names else "neither"
+        raise ValueError(f"{' | '.join(given)}: got {got}, must be exactly one of them")
     return names[0]

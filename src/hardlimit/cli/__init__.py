@@ -6,7 +6,7 @@ from importlib import import_module
 
 import click
 
-from .program import Program
+from .program import Program, no_such_command
 
 #: Each command with its first line of help; it is ``NAME`` in the module ``NAME``, which is imported when it is run.
 COMMANDS = {
@@ -36,6 +36,13 @@ class Commands(Program):
         command = getattr(import_module(f".{name}", __name__), name)
         assert isinstance(command, click.Command)
         return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args[0] not in COMMANDS and not args[0].startswith("-"):
+            raise no_such_command(ctx, args[0], COMMANDS)
+        return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import click
@@ -16,7 +17,16 @@ from ..column import files
 from ..column.scenario import Column
 from ..contact import Contact, Law, law_parameters
 from .drop_report import law_text
-from .options import F, given_law_parameters, law_options, options, output_option, quantity_option, writable
+from .options import (
+    F,
+    dpi_option,
+    given_law_parameters,
+    law_options,
+    options,
+    output_option,
+    picture,
+    quantity_option,
+)
 from .printing import console, digits, length, print_json, quantity, show, table
 from .program import Command
 
@@ -54,9 +64,15 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
     "--speed", "speeds", unit="m/s", multiple=True, help="Speed of impact [m/s]; repeat for a table."
 )
 @output_option("--plot", "Restitution as a picture (png, pdf, svg, …).")
+@dpi_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def contact(
-    law: str | None, speeds: tuple[float, ...], plot: str | None, as_json: bool, **given: Any
+    law: str | None,
+    speeds: tuple[float, ...],
+    plot: str | None,
+    dpi: float | None,
+    as_json: bool,
+    **given: Any,
 ) -> None:
     """One contact: its duration, restitution and damping.
 
@@ -64,15 +80,16 @@ def contact(
     density 840 kg/m³ meets the floor under the linear law with stiffness 5e7 N/m and restitution 0.7. A number may
     bear a unit, such as 1cm.
     """
-    picture = writable("plot", plot)
+    path = picture("plot", plot)
     rule = chosen_law(law, given_law_parameters(given))
     ball = make_ball("", given["radius"], given["density"], given["mass"], 0.01, 840.0)
     partner = other_ball(ball, given["other_radius"], given["other_density"], given["other_mass"])
     made = rule.between(ball, partner)
-    v = np.array([validation.number("speed", s, 0.0) for s in speeds] or default_speeds(made))
+    given_speeds = [validation.number(f"speeds[{i}]", s, 0.0) for i, s in enumerate(speeds)]
+    v = np.array(given_speeds or default_speeds(made))
     usual = usual_formula(made)
-    if picture:
-        draw(made, picture)
+    if path:
+        draw(made, path, dpi)
     depth = compressions(made, ball, partner, v)
     if as_json:
         print_json(as_mapping(made, v, depth, usual))
@@ -217,15 +234,15 @@ def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] |
     }
 
 
-def draw(made: Contact, path: Any) -> None:
+def draw(made: Contact, path: Path, dpi: float | None) -> None:
     """Restitution over speed, or, for a spring and a dashpot, obtained over asked."""
     from ..pictures import plots
 
     if not takes_usual_formula(made.law):
         middle = made.law.parameters.get("impact_speed", 1.0)
-        plots.save(plots.restitution_over_speed(made, np.geomspace(1e-3, 1e1, 200) * middle), path)
+        plots.save(plots.restitution_over_speed(made, np.geomspace(1e-3, 1e1, 200) * middle), path, dpi)
         return
     asked = np.linspace(0.01, 1.0, 100)
     usual = np.array([obtained(made, float(e))["restitution"] for e in asked])
     curves = {"this force, never attractive": asked, "usual DEM formula": usual}
-    plots.save(plots.restitution_obtained(asked, curves), path)
+    plots.save(plots.restitution_obtained(asked, curves), path, dpi)

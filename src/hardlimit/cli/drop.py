@@ -19,22 +19,22 @@ from .options import (
     column_from,
     column_options,
     dpi_option,
+    film,
     options,
     output_option,
+    picture,
     quantity_option,
     writable,
 )
 from .printing import print_json
 from .program import Command
 
-OUTPUTS = ("plot", "animate", "save", "toml")
-
 output_options = options(
     output_option("--plot", "Forces and heights over time (png, pdf, svg, …)."),
     dpi_option,
     output_option("--animate", "Slow-motion film (gif; mp4 with the extra hardlimit[film])."),
     output_option("--save", "Trajectory and contacts of all models as NetCDF.", "FILE.nc"),
-    output_option("--toml", "The column as a TOML file that this command reads."),
+    output_option("--toml", "The column as a TOML file that this command reads.", "FILE.toml"),
     click.option("--json", "as_json", is_flag=True, help="Print JSON."),
 )
 
@@ -56,9 +56,13 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
     0.1 mm, height 0.6 m, linear law with stiffness 5e7 N/m and restitution 0.7. Options override the file.
     A number may bear a unit, such as 1mm or 7g/cm^3.
     """
-    outputs = {name: writable(name, given.pop(name)) for name in OUTPUTS}
+    outputs = {
+        "plot": picture("plot", given.pop("plot")),
+        "animate": film("animate", given.pop("animate")),
+        "save": writable("save", given.pop("save"), ".nc"),
+        "toml": writable("toml", given.pop("toml"), ".toml"),
+    }
     column = column_from(file, given)
-    check_film(outputs["animate"])
     with warnings.catch_warnings(action="ignore", category=CompressionWarning):  # the report says so
         found = compare(column)
         shown = newton(column, until) if until is not None else found.newton
@@ -67,18 +71,6 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
         print_json(as_mapping(found, shown))
     else:
         print_report(found, shown)
-
-
-def check_film(path: Path | None) -> None:
-    """Refuse a film that cannot be written before anything is computed."""
-    if path is None:
-        return
-    if path.suffix.lower() not in (".mp4", ".gif"):
-        raise ValueError(f"--animate: got {str(path)!r}, must end in .mp4 or .gif")
-    if path.suffix.lower() == ".mp4":
-        from ..pictures.video import require_ffmpeg
-
-        require_ffmpeg()
 
 
 def write_outputs(

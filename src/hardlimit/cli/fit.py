@@ -25,8 +25,8 @@ from .options import (
     given_law_parameters,
     law_options,
     output_option,
+    picture,
     quantity_option,
-    writable,
 )
 from .printing import console, digits, print_json, show, table
 from .program import Command
@@ -74,7 +74,7 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
         return
     if file is None:
         raise ValueError("FILE: missing, must be a CSV file; --example prints one")
-    picture = writable("plot", given["plot"])
+    plot = picture("plot", given["plot"])
     fixed = given_law_parameters(given)
     gravity = STANDARD_GRAVITY if given["gravity"] is None else given["gravity"]
     column = files.read(given["column"]) if given["column"] else None
@@ -84,10 +84,10 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
     for warning in ignored:
         console(stderr=True).print(f"hardlimit fit: {warning.message}", markup=False, soft_wrap=True)
     found = computed(data, law, fixed, given)
-    if picture:
+    if plot:
         from ..pictures import plots
 
-        plots.save(plots.fit(found), picture, given["dpi"])
+        plots.save(plots.fit(found), plot, given["dpi"])
     if as_json:
         print_json(as_mapping(found))
     else:

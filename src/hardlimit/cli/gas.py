@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -23,7 +24,7 @@ from .gas_job import make_job
 from .gas_report import as_mapping, print_report, save
 from .options import dpi_option, law_options, options, output_option, quantity_option
 from .printing import print_json
-from .program import Command
+from .program import Command, no_such_command
 
 start_options = options(
     click.option("--n", type=int, help="Number of particles.  [default: 1000]"),
@@ -86,18 +87,30 @@ class WithCompare(Command):
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
     ) -> click.Context:
-        if args and args[0] == compare.name:
+        if args and args[0] == COMPARE:
             return compare.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
         return super().make_context(info_name, args, parent, **extra)
 
+    def invoke(self, ctx: click.Context) -> Any:
+        file = ctx.params["file"]
+        if file and not Path(file).suffix and difflib.get_close_matches(file, [COMPARE]):
+            raise no_such_command(ctx, file, [COMPARE])
+        return super().invoke(ctx)
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        super().format_options(ctx, formatter)
+        with formatter.section("Commands"):
+            formatter.write_dl([(COMPARE, compare.get_short_help_str(formatter.width))])
+
 
 compare = make_command(start_options)
+COMPARE = compare.name or ""
 
 
 def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
     """What may stand first: a file, or ``compare``."""
     files = CompletionItem(incomplete, type="file")
-    return [CompletionItem("compare"), files] if "compare".startswith(incomplete) else [files]
+    return [CompletionItem(COMPARE), files] if COMPARE.startswith(incomplete) else [files]
 
 
 @click.command(

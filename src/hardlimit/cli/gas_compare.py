@@ -21,6 +21,7 @@ from .options import (
     law_options,
     options,
     output_option,
+    picture,
     quantity_option,
     writable,
 )
@@ -30,7 +31,6 @@ from .program import Command
 #: The law without options, of glass beads: softer than glass, t_c ν about 0.02.
 USUAL_STIFFNESS: Final = 1e6
 USUAL_REPLICAS: Final = 8
-OUTPUTS: Final = ("out", "plot")
 #: What counts of a job's table [event_driven].
 OF_A_JOB: Final = ("until", "samples", "restitution", "contact_duration")
 
@@ -146,9 +146,10 @@ def make_job(file: str | None, given: dict[str, Any]) -> Job:
     """
     law_name, parameters = given.pop("law"), given_law_parameters(given)
     options = {name: value for name, value in given.items() if value not in (None, ())}
-    outputs = {name: writable(name, options.pop(name, None)) for name in OUTPUTS}
-    if outputs["out"] is not None and outputs["out"].suffix != ".nc":
-        raise ValueError(f"--out: got {str(outputs['out'])!r}, must end in .nc")
+    outputs = {
+        "out": writable("out", options.pop("out", None), ".nc"),
+        "plot": picture("plot", options.pop("plot", None)),
+    }
     content = gas_job.read(file)
     content["random"] |= {name: options.pop(name) for name in gas_job.RANDOM if name in options}
     run = {name: value for name, value in content["event_driven"].items() if name in OF_A_JOB}

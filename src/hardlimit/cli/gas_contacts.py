@@ -31,7 +31,11 @@ engine_options = options(
     quantity_option(
         "--time-step", unit="s", help="Instead of that error, the longest step [s] (steps, lammps)."
     ),
-    click.option("--threads", type=int, help="Threads (steps).  [default: all processors]"),
+    click.option(
+        "--threads",
+        type=int,
+        help="Threads (steps).  [default: one for each 1000 particles, at most all processors]",
+    ),
     click.option("--ranks", type=int, help="Number of MPI processes (lammps).  [default: 1]"),
     output_option("--write-input", "Write the input of LAMMPS there, run nothing (lammps).", "FOLDER"),
 )

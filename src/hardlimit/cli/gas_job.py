@@ -14,11 +14,10 @@ from ..contact import Law
 from ..particles import event_driven as runs
 from ..particles.checkpoint import checked_path
 from ..particles.course import Course, load
-from ..particles.files import FORMATS, format_of
+from ..particles.files import FORMATS
 from ..particles.result import Settings
 from ..particles.system import ParticleSystem
-from .drop import check_film
-from .options import given_law_parameters, writable
+from .options import film, given_law_parameters, picture, writable
 
 #: Units of what a random start takes; None where it takes no quantity.
 RANDOM: Final = {
@@ -161,7 +160,9 @@ def read(file: str | None) -> dict[str, Any]:
     if ending in FORMATS:
         return content | {"start": file}
     if ending != ".toml":
-        raise ValueError(f"FILE: got {validation.shown(file)}, must end in .toml, {', '.join(FORMATS)}")
+        raise ValueError(
+            f"FILE: got {validation.shown(file)}, must end in {validation.any_of(['.toml', *FORMATS])}"
+        )
     found = toml.read(file)
     return columns.prefixed(f"{file}: ", lambda: _from_tables(found, Path(file).parent, content))
 
@@ -286,15 +287,13 @@ def usual_end(system: ParticleSystem) -> float:
 
 
 def _checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
-    outputs = {name: writable(name, given.get(name)) for name in OUTPUTS}
-    if outputs["out"] is not None:
-        _, kind = format_of(outputs["out"], "--out")
-        if kind is FORMATS[".data"]:
-            raise ValueError(f"--out: got {str(outputs['out'])!r}, must end in .gsd, .xyz or .extxyz")
-    check_film(outputs["animate"])
-    if outputs["save"] is not None and outputs["save"].suffix != ".nc":
-        raise ValueError(f"--save: got {str(outputs['save'])!r}, must end in .nc")
-    return outputs
+    trajectories = [ending for ending, kind in FORMATS.items() if kind is not FORMATS[".data"]]
+    return {
+        "out": writable("out", given.get("out"), *trajectories),
+        "save": writable("save", given.get("save"), ".nc"),
+        "plot": picture("plot", given.get("plot")),
+        "animate": film("animate", given.get("animate")),
+    }
 
 
 def _refuse_frames_without_end(outputs: Mapping[str, Path | None], until: Any, max_collisions: Any) -> None:

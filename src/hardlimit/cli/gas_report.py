@@ -70,7 +70,10 @@ def note(start: ParticleSystem, result: ParticleResult) -> str:
     if result.settings.restitution is not None:
         names += ["Carnahan and Starling’s pressure" if start.dimension == 3 else "Henderson’s pressure"]
         names += ["Haff’s law"] if result.settings.restitution < 1.0 else []
-    return f"Theory: {', '.join(names)}; rate and pressure at the temperatures measured."
+    return (
+        f"Theory: {', '.join(names)}; rate and pressure at the temperatures measured. They differ from theory in the "
+        f"first {theory.RELAXED} collisions per particle: a random start is no equilibrium."
+    )
 
 
 def as_mapping(start: ParticleSystem, result: ParticleResult, files: list[Path]) -> dict[str, Any]:

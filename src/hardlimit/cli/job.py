@@ -12,7 +12,7 @@ from .. import toml
 from ..column import files
 from ..column.scenario import Column
 from .axes import axis, units_of
-from .options import all_law_parameters, file_name, given_law_parameters, writable
+from .options import all_law_parameters, file_name, given_law_parameters, picture, writable
 
 #: What a job may set; None where it does not.
 SETTINGS = {
@@ -53,7 +53,7 @@ def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
     column, swept = column_and_axes(base, given, axes)
     if not swept:
         raise ValueError("axes: got none, must be at least one, such as --restitution 0.4:1:100")
-    pictures = {name: writable(name, settings.pop(name)) for name in ("plot", "difference")}
+    pictures = {name: picture(name, settings.pop(name)) for name in ("plot", "difference")}
     check_drawable(pictures, swept)
     out = checked_output(settings.pop("out"), resume)
     settings["model"] = settings["model"] or "newton"
@@ -125,7 +125,7 @@ def checked_output(out: str | None, resume: bool) -> Path | None:
     if path.suffix == ".nc":
         if resume:
             raise ValueError(f"--resume: got --out {out!r}, must be a Zarr store (.zarr)")
-        return writable("out", out)
+        return writable("out", out, ".nc")
     if path.suffix != ".zarr":
         raise ValueError(f"--out: got {out!r}, must end in .nc or .zarr")
     if path.exists() and not resume:

@@ -43,8 +43,8 @@ class Quantity(click.ParamType[float]):
 
 
 def option_name(param: click.Parameter | None) -> str:
-    """The option as messages name it: ``--radius-1`` is radius_1."""
-    return param.opts[0].lstrip("-").replace("-", "_") if param is not None else "number"
+    """The option as it is typed."""
+    return param.opts[0] if param is not None else "number"
 
 
 def options(*made: Callable[[Any], Any]) -> Callable[[F], F]:
@@ -174,29 +174,79 @@ def output_option(option: str, help: str, metavar: str = "FILE") -> Callable[[F]
     return click.option(option, metavar=metavar, help=help)
 
 
-def writable(option: str, path: str | None) -> Path | None:
+def writable(option: str, path: str | None, *endings: str) -> Path | None:
     """The path, if a file can be written there; checked before anything is computed.
 
     Raises
     ------
     ValueError
-        If its folder does not exist, or it cannot be written.
+        If its folder does not exist, it cannot be written, or a file has another ending than these.
     """
     if path is None:
         return None
     target = file_name(option, path)
     special = target.exists() and not target.is_file()  # a device is written as it is, a file replaced
+    if not special and target.suffix.lower() not in endings:
+        raise ValueError(
+            f"--{option}: got {validation.shown(path)}, must end in {validation.any_of(endings)}"
+        )
     if target.is_dir() or not os.access(target if special else target.parent, os.W_OK):
         raise ValueError(f"--{option}: got {path!r}, must be writable")
+    return target
+
+
+def picture(option: str, path: str | None) -> Path | None:
+    """The path, if a picture can be written there.
+
+    Raises
+    ------
+    ValueError
+        As :func:`writable`, with the endings that matplotlib knows.
+    """
+    if path is None:
+        return None
+    from ..pictures.style import endings
+
+    return writable(option, path, *endings())
+
+
+def film(option: str, path: str | None) -> Path | None:
+    """The path, if a film can be written there.
+
+    Raises
+    ------
+    ValueError
+        As :func:`writable`; if nothing that writes MP4 is installed.
+    """
+    target = writable(option, path, ".mp4", ".gif")
+    if target is not None and target.suffix.lower() == ".mp4":
+        from ..pictures.video import require_ffmpeg
+
+        require_ffmpeg()
     return target
 
 
 def dpi_option(function: F) -> F:
     """``--dpi`` of the pictures a command writes; None takes the usual resolution."""
     option = click.option(
-        "--dpi", type=Quantity(), help="Resolution of the pictures, dots per inch.  [default: 200]"
+        "--dpi",
+        type=Quantity(),
+        callback=_resolution,
+        help="Resolution of the pictures, dots per inch.  [default: 200]",
     )
     return option(function)
+
+
+def _resolution(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
+    """Refused before anything is computed."""
+    if value is None:
+        return None
+    from ..pictures.style import RESOLUTIONS
+
+    try:
+        return validation.number("--dpi", value, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)
+    except ValueError as error:
+        raise click.UsageError(str(error), ctx) from None
 
 
 def file_name(option: str, path: str) -> Path:

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
 import io
 import os
+import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import Any, TextIO
 
 import click
+from click.core import ParameterSource
 
 from ..compression import CompressionWarning
+
+#: What a message is about: a parameter, its place in a list, or several.
+PARAMETER = re.compile(r"(\w+)((?:\[\d+\])*)")
+SUBJECT = re.compile(rf"{PARAMETER.pattern}(?: \| {PARAMETER.pattern})*")
 
 FAILURE = 1
 BAD_INPUT = 2
@@ -53,11 +60,45 @@ class Command(click.Command):
         except BrokenPipeError:
             raise
         except ValueError as error:
-            raise click.UsageError(str(error), ctx) from error
+            raise click.UsageError(with_options(ctx, str(error)), ctx) from error
         except (ImportError, OSError, RuntimeError, MemoryError) as error:
             failure = click.ClickException(reason(error))
             failure.ctx = ctx  # type: ignore[attr-defined]
             raise failure from error
+
+
+def with_options(ctx: click.Context, message: str) -> str:
+    """The message with the options of the command in place of the parameters that it is about.
+
+    ``n: got 1`` is then ``--balls: got 1``. What may stand in a file keeps its name there unless it was typed.
+    """
+    subject, colon, rest = message.partition(": ")
+    if not SUBJECT.fullmatch(subject):
+        return message
+    known: dict[str, click.Parameter] = {}
+    for param in ctx.command.params:
+        if isinstance(param, click.Option):
+            known |= dict.fromkeys((param.name or "", param.opts[0].lstrip("-").replace("-", "_")), param)
+    about = [known[name] for name, _ in PARAMETER.findall(subject) if name in known]
+    typed = any(ctx.get_parameter_source(p.name or "") is ParameterSource.COMMANDLINE for p in about)
+    if ctx.params.get("file") is not None and not typed:
+        return message
+
+    def option(found: re.Match[str]) -> str:
+        name, place = found.groups()
+        if name not in known:
+            return found[0]
+        given = ctx.params.get(known[name].name or "")
+        return known[name].opts[0] + (place if isinstance(given, tuple) and len(given) > 1 else "")
+
+    return PARAMETER.sub(option, subject) + colon + rest
+
+
+def no_such_command(ctx: click.Context, name: str, commands: Iterable[str]) -> click.UsageError:
+    """What is said of a command that there is not, with the nearest one."""
+    near = difflib.get_close_matches(name, commands, 1)
+    suggestion = f" Did you mean {near[0]!r}?" if near else ""
+    return click.UsageError(f"No such command {name!r}.{suggestion}", ctx)
 
 
 def reason(error: Exception) -> str:

@@ -7,12 +7,13 @@ from typing import Any
 import click
 import numpy as np
 
+from .. import validation
 from ..contact import Law
 from ..stacks import MOST_BALLS, Stack
 from ..stacks import stack as best
 from .contact import chosen_law
 from .drop_report import law_text
-from .options import dpi_option, given_law_parameters, law_options, output_option, quantity_option, writable
+from .options import dpi_option, given_law_parameters, law_options, output_option, picture, quantity_option
 from .printing import console, digits, print_json, quantity, show, table
 from .program import Command
 
@@ -25,7 +26,9 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
     cls=Command,
     epilog="\b\nExample:\n  hardlimit stack --balls 3 --bottom-mass 1kg --top-mass 10g --restitution 1",
 )
-@click.option("--balls", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MOST_BALLS}.")
+@click.option(
+    "--balls", "n", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MOST_BALLS}."
+)
 @quantity_option("--bottom-mass", unit="kg", help="Mass of the lowest ball [kg].  [default: 1]")
 @quantity_option("--top-mass", unit="kg", help="Mass of the top ball [kg]; without it, free as well.")
 @quantity_option(
@@ -34,47 +37,49 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
 @quantity_option(
     "--largest-ratio", unit="1", help="Largest mass of a ball over that of the one below.  [default: 1]"
 )
-@quantity_option("--gap", unit="m", help="Gap between neighbours at the impact [m].  [default: 0]")
+@quantity_option("--gap", "gaps", unit="m", help="Gap between neighbours at the impact [m].  [default: 0]")
 @quantity_option("--density", unit="kg/m3", help="Density of the balls [kg/m³].  [default: 1000]")
 @quantity_option("--speed", unit="m/s", help="Speed of impact [m/s].  [default: 1]")
 @law_options()
 @output_option("--plot", "Masses and speed over the gap as a picture (png, pdf, svg, …).")
 @dpi_option
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def stack(law: str | None, balls: int, as_json: bool, plot: str | None, **given: Any) -> None:
+def stack(law: str | None, n: int, as_json: bool, plot: str | None, **given: Any) -> None:
     """Masses with which a stack throws its top ball fastest.
 
     They are found under Newton's equations and, beside them, for collisions one at a time. Balls that touch or nearly
     touch push each other at the same time; then the masses that are best for collisions are poor, and so is what they
     promise. A number may bear a unit, such as 10g.
     """
-    picture = writable("plot", plot)
+    path = picture("plot", plot)
     rule = chosen_law(law, given_law_parameters(given))
-    found = computed(rule, balls, given)
-    if picture:
+    found = computed(rule, n, given)
+    if path:
         from ..pictures import plots
 
-        plots.save(plots.stack(*found.values()), picture, given["dpi"])
+        plots.save(plots.stack(*found.values()), path, given["dpi"])
     if as_json:
         print_json(as_mapping(found, rule))
     else:
         print_report(found, rule)
 
 
-def computed(rule: Law, balls: int, given: dict[str, Any]) -> dict[str, Stack]:
+def computed(rule: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
     """The best stack under each model."""
-    usual = {"bottom_mass": 1.0, "gap": 0.0, "density": 1000.0, "speed": 1.0}
+    usual = {"bottom_mass": 1.0, "gaps": 0.0, "density": 1000.0, "speed": 1.0}
     usual |= {"least_ratio": 1e-3, "largest_ratio": 1.0}
     taken = {name: value if given[name] is None else given[name] for name, value in usual.items()}
+    for name in ("least_ratio", "largest_ratio", "speed"):  # which the function calls otherwise
+        validation.number(name, taken[name], 0.0)
     return {
         model: best(
-            balls,
+            n,
             rule,
             bottom_mass=taken["bottom_mass"],
             top_mass=given["top_mass"],
             ratio_limits=(taken["least_ratio"], taken["largest_ratio"]),
             model=model,
-            gaps=taken["gap"],
+            gaps=taken["gaps"],
             density=taken["density"],
             impact_speed=taken["speed"],
             progress=True,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 settings_options = options(
     click.option("--model", help=f"Model: {' | '.join(MODELS)}.  [default: newton]"),
     click.option("--engine", help=f"Where it is computed: {' | '.join(ENGINES)}.  [default: cpu]"),
-    click.option("--threads", type=int, help="Threads.  [default: all processors]"),
+    click.option("--threads", type=int, help="Threads.  [default: all processors; 1 with the engine dask]"),
     click.option(
         "--scheduler", help="Address of the scheduler for the engine dask.  [default: this machine]"
     ),

@@ -376,7 +376,7 @@ class Result:
         at = np.atleast_1d(validation.array("times", times, empty_allowed=True))
         first = self._core.t_first
         for bad in at[~(at >= first * (1.0 + 1e-12))]:
-            raise ValueError(f"times: got {bad:.16g}, must be >= {first:.16g}, the release")
+            raise ValueError(f"times: got {bad:.16g}, must be >= {validation.at_least(first)}, the release")
         return at
 
     def plot(self) -> Figure:

@@ -90,7 +90,8 @@ class Column:
         lowest = self.balls[0].radius
         if not self.height >= lowest:
             raise ValueError(
-                f"height: got {self.height:.16g}, must be >= {lowest:.16g}, the radius of the lowest ball"
+                f"height: got {self.height:.16g}, must be >= {validation.at_least(lowest)}, "
+                "the radius of the lowest ball"
             )
         self._set(laws=_checked_laws(law, len(self.balls)))
         v = self.velocities[0]
@@ -100,7 +101,8 @@ class Column:
                     "gravity | velocities: got 0 and 0, nothing moves: one of them must not be 0"
                 )
             raise ValueError(
-                f"height: got {self.height:.16g}, nothing moves: must be > {lowest:.16g} or velocities not 0"
+                f"height: got {self.height:.16g}, nothing moves: must be > {validation.at_least(lowest)} "
+                "or velocities not 0"
             )
         if math.isnan(_core.fall_time(self.drop_height, v, self.gravity)):
             raise ValueError(

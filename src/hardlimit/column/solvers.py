@@ -151,5 +151,5 @@ def _checked(model: Model, column: Any, until: Any) -> float | None:
         return None
     end, first = validation.number("until", until), column.release_time
     if end < first:
-        raise ValueError(f"until: got {end:.16g}, must be >= {first:.16g}, the release")
+        raise ValueError(f"until: got {end:.16g}, must be >= {validation.at_least(first)}, the release")
     return end

@@ -361,17 +361,19 @@ def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
                 f"model: got {model!r}, must have the elastic force of the law, not {one.elastic}"
             )
         return [(found, one)]
-    searched = [code(each) for each in (names() if name is None else [name])]
+    only = None if name is None else code(name)
     fitting = (powers.elastic, powers.damping)
     matching = [
         (one, m)
-        for one in searched
+        for one in map(code, names())
         for m in one.models
         if (m.powers(False).elastic, m.powers(False).damping) == fitting and m.damping.formula != "none"
     ]
-    if not matching:
-        raise ValueError(f"code: got {name!r}, must be another, for it has no model of this law")
-    return matching
+    chosen = [(one, m) for one, m in matching if only in (None, one)]
+    if not chosen:
+        known = ", ".join(dict.fromkeys(one.name for one, _ in matching))
+        raise ValueError(f"code: got {name!r}, which has no model of this law, must be one of {known}")
+    return chosen
 
 
 def _contact(pair: Pair, force: Force, asked: Wanted, stepping: Stepping) -> ContactNumbers:

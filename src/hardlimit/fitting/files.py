@@ -105,9 +105,8 @@ def read_measurements(
     Raises
     ------
     ValueError
-        If the file is not such a table; names line and column of the fault. If another argument is outside its range.
-    OSError
-        If the file cannot be read.
+        If the file cannot be read or is not such a table; names line and column of the fault. If another argument is
+        outside its range.
 
     Examples
     --------
@@ -208,10 +207,13 @@ def _with_line(message: str, table: Table) -> str:
 def _read(path: str | Path) -> tuple[Table, Build]:
     """The table of the file, every cell of a measurement a number in its range; what makes measurements of it."""
     source = Path(path)
-    if source.stat().st_size > LARGEST_FILE:
-        raise ValueError(f"{path}: got {source.stat().st_size} bytes, must be at most {LARGEST_FILE}")
     try:
+        size = source.stat().st_size
+        if size > LARGEST_FILE:
+            raise ValueError(f"{path}: got {size} bytes, must be at most {LARGEST_FILE}")
         text = source.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: got bytes that are no UTF-8 at {error.start}, must be text") from None
     numbered = [(i + 1, line) for i, line in enumerate(text.splitlines())]

@@ -174,7 +174,7 @@ def later_end(course: Course, until: Any, max_collisions: Any) -> tuple[float | 
     end = None if until is None else validation.number("until", until)
     if end is not None and end < course.engine.time:
         raise ValueError(
-            f"until: got {end:.16g}, must be >= {course.engine.time:.16g}, the time of the checkpoint"
+            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
         )
     most = None
     if max_collisions is not None:

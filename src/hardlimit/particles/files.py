@@ -34,7 +34,9 @@ def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
         raise ValueError(f"{parameter}: got {validation.shown(path)}, must be a path")
     target = Path(path)
     if target.suffix.lower() not in FORMATS:
-        raise ValueError(f"{parameter}: got {validation.shown(str(path))}, must end in {', '.join(FORMATS)}")
+        raise ValueError(
+            f"{parameter}: got {validation.shown(str(path))}, must end in {validation.any_of([*FORMATS])}"
+        )
     return target, FORMATS[target.suffix.lower()]
 
 

@@ -180,7 +180,7 @@ def _later_end(course: ContactCourse, until: Any) -> float:
     end = validation.number("until", until)
     if end < course.engine.time:
         raise ValueError(
-            f"until: got {end:.16g}, must be >= {course.engine.time:.16g}, the time of the checkpoint"
+            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
         )
     return end
 

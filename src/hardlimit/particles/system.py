@@ -593,8 +593,8 @@ def _check_sizes(box: Floats, boundary: Sequence[str], largest: float) -> None:
         radii = 4 if side == "periodic" else 2
         if not box[axis] >= radii * largest:
             raise ValueError(
-                f"box: got {box[axis]:.16g} along {AXES[axis]}, {side}, must be >= {radii * largest:.16g}, "
-                f"{'four' if radii == 4 else 'two'} times the largest radius"
+                f"box: got {box[axis]:.16g} along {AXES[axis]}, {side}, must be >= "
+                f"{validation.at_least(radii * largest)}, {'four' if radii == 4 else 'two'} times the largest radius"
             )
 
 
@@ -615,8 +615,7 @@ def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:
         if not good.all():
             bad = int(np.argmin(good))
             where = "with its whole radius between the walls" if side == "wall" else "in the box"
+            accepted = validation.describe_range(float(inner[bad]), float(edge - inner[bad]), True, True)
             raise ValueError(
-                f"positions[{bad}]: got {AXES[axis]} = {x[bad]:.16g}, must be in "
-                f"[{system.radius[bad] if side == 'wall' else 0.0:.6g}, "
-                f"{edge - system.radius[bad] if side == 'wall' else edge:.6g}], {where}"
+                f"positions[{bad}]: got {AXES[axis]} = {x[bad]:.16g}, must be {accepted}, {where}"
             )

@@ -58,7 +58,8 @@ def chosen(
     limit = _longest(system, law, LARGEST_ERROR, longest_step)
     if step > limit:
         raise ValueError(
-            f"time_step: got {step:.6g} s, must be <= {limit:.6g} s, with which the contacts of this system are stable"
+            f"time_step: got {step:.6g} s, must be <= {validation.at_most(limit)} s, "
+            "with which the contacts of this system are stable"
         )
     return step
 

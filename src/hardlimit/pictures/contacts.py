@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,14 +16,26 @@ if TYPE_CHECKING:
     from ..contact import Contact
 
 
+#: An axis of ε spans at least this much: what does not depend on the speed is a straight line.
+LEAST_SPAN: Final = 0.1
+
+
+def around(restitution: NDArray[np.float64]) -> tuple[float, float]:
+    """Limits of an axis on which a restitution varies visibly."""
+    low, high = float(restitution.min()), float(restitution.max())
+    margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
+    return max(low - margin, 0.0), high + margin
+
+
 def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Figure:
     """Coefficient of restitution and duration of one isolated contact over the speed of impact [m/s]."""
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.6, 4.0))
         upper, lower = figure.subplots(2, 1, sharex=True)
-        upper.plot(speeds, contact.restitution(speeds), color=PALETTE["blue"])
+        restitution = np.asarray(contact.restitution(speeds))
+        upper.plot(speeds, restitution, color=PALETTE["blue"])
         upper.set_ylabel(r"coefficient of restitution $\varepsilon$")
-        upper.set_ylim(0.0, 1.05)
+        upper.set_ylim(*around(restitution))
         duration = np.asarray(contact.duration(speeds))
         factor, unit = scaled(float(duration.max()), "s")
         lower.plot(speeds, duration * factor, color=PALETTE["vermillion"])

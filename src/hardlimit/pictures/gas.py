@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from ..particles import theory
+from ..particles.result import COLUMNS
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
 
@@ -25,6 +26,7 @@ PANELS = (
 )
 #: A temperature that changes by more than this factor is drawn on a logarithmic axis.
 WIDE = 5.0
+TRANSIENT = f"the start’s transient: {theory.RELAXED} collisions per particle"
 
 
 def gas(run: ParticleResult) -> Figure:
@@ -43,6 +45,8 @@ def gas(run: ParticleResult) -> Figure:
             many = {"marker": ".", "ms": 4.0} if len(time) <= 40 else {}
             ax.plot(at * factor, values, color=PALETTE[colour], label="event-driven", **many)
             if name in theories:
+                if name != "granular_temperature":
+                    ax.axvspan(0.0, transient(run) * factor, color="0.9", lw=0.0, label=TRANSIENT)
                 text, expected = theories[name]
                 ax.plot(at * factor, expected, color="black", lw=0.9, ls=(0, (4, 3)), label=text)
                 ax.legend(loc="best")
@@ -56,6 +60,13 @@ def gas(run: ParticleResult) -> Figure:
                 f"no theory: {theory.why_not(run.system)}", fontsize="small", color=GREY, loc="right"
             )
     return figure
+
+
+def transient(run: ParticleResult) -> float:
+    """Time [s] until which rate and pressure are still those of the start; the last sample if they are to the end."""
+    time, pairs = (run.rows[:, COLUMNS.index(name)] for name in ("time", "n_pairs"))
+    forgotten = 2.0 * pairs >= theory.RELAXED * run.system.n
+    return float(time[forgotten][0] if forgotten.any() else time[-1])
 
 
 def set_scale(ax: Axes, values: Any, others: list[Any]) -> None:

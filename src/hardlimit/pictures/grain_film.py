@@ -32,6 +32,7 @@ Frame = Any  #: NDArray[np.uint8], height × width × 3
 Instant = tuple[float, "ParticleSystem", int]
 
 COLOURS = "viridis"
+FASTEST = 2.0  #: in units of the root mean square; few particles are faster
 
 
 def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 640, rate: int = 15) -> Path:
@@ -70,7 +71,10 @@ def pictures(instants: Iterable[Instant], end: float, width: int) -> Iterator[Fr
 
 
 class Stage:
-    """The box on the left, clock and colours on the right. The first state sets the scale of the colours."""
+    """The box on the left, clock and colours on the right.
+
+    Colours are speeds over their root mean square at the instant, so that a gas that has cooled shows them still.
+    """
 
     def __init__(self, system: ParticleSystem, end: float, width: int) -> None:
         self.unit = scaled(end, "s")
@@ -79,8 +83,7 @@ class Stage:
         self.canvas = cast(Any, FigureCanvasAgg(self.figure))
         self.ax = self.figure.add_axes((0.03, 0.07, 0.52, 0.86))
         self._draw_box(system)
-        fastest = 2.0 * math.sqrt(system.dimension * system.granular_temperature)
-        scale = Normalize(0.0, fastest or 1.0)
+        scale = Normalize(0.0, FASTEST)
         self.bodies = EllipseCollection(
             [], [], [], units="xy", offsets=np.empty((0, 2)), transOffset=self.ax.transData,
             cmap=COLOURS, norm=scale, edgecolors="black", linewidths=0.3,
@@ -91,7 +94,7 @@ class Stage:
         self.facts = self.figure.text(0.60, 0.80, "", fontsize=10, va="top", linespacing=1.6)
         bar = self.figure.add_axes((0.60, 0.2, 0.34, 0.03))
         self.figure.colorbar(ScalarMappable(scale, COLOURS), cax=bar, orientation="horizontal", extend="max")
-        bar.set_xlabel("speed [m/s]")
+        bar.set_xlabel("speed / root mean square at this instant")
         self.title = self.figure.text(0.60, 0.06, caption(system), fontsize=9, color="#333333")
 
     def _draw_box(self, system: ParticleSystem) -> None:
@@ -112,16 +115,23 @@ class Stage:
     def picture(self, time: float, system: ParticleSystem, collisions: int) -> Frame:
         """The picture of one state."""
         at, radius, speed = shown(system)
-        size = 2.0 * radius
-        self.bodies.set(offsets=at, widths=size, heights=size, angles=np.zeros(len(size)), array=speed)
+        size, usual = 2.0 * radius, root_mean_square(system)
+        relative = speed / (usual or 1.0)
+        self.bodies.set(offsets=at, widths=size, heights=size, angles=np.zeros(len(size)), array=relative)
         factor, unit = self.unit
         self.clock.set_text(f"t = {time * factor:.3f} {unit}")
         grouped = f"{collisions:,}".replace(",", "\u202f")
         self.facts.set_text(
-            f"{grouped} collisions\ngranular temperature {system.granular_temperature:.3g} m²/s²"
+            f"{grouped} collisions\ngranular temperature {system.granular_temperature:.3g} m²/s²\n"
+            f"root mean square of the speeds {usual:.3g} m/s"
         )
         self.canvas.draw()
         return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
+
+
+def root_mean_square(system: ParticleSystem) -> float:
+    """Of the speeds of all particles [m/s]."""
+    return float(np.linalg.norm(system.velocities)) / math.sqrt(system.n)
 
 
 def caption(system: ParticleSystem) -> str:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..models import MODELS
 from .forces import spread, unresolved, window
-from .labels import LINES, scaled
+from .labels import LOOKS, scaled
 from .style import PAGE_WIDTH, ball_colour, style
 
 if TYPE_CHECKING:
@@ -27,8 +27,7 @@ MOST_NAMED = 6  #: balls that the legend lists
 def heights(*results: Result, until: float | None = None) -> Figure:
     """Heights of the centres over time, from release on; full lines Newton, dashed independent collisions.
 
-    ``until`` [s] defaults, for each result, to somewhat after all its balls have reached the top of their
-    flights.
+    ``until`` [s] defaults to somewhat after all balls have reached the top of their flights under every model.
     """
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.72, 3.9))
@@ -53,7 +52,7 @@ def tops(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     the last instant solved.
     """
     gravity, n = result.column.gravity, len(result.column.balls)
-    after = _end_of_contacts(result)
+    after = min(_end_of_contacts(result), result.known_until)
     if not gravity > 0.0 or math.isnan(after) or result._core.too_deep >= 0:
         return np.full(n, math.nan), np.full(n, math.nan)
     state = result.trajectory(after)
@@ -87,7 +86,8 @@ def time_shown(results: Sequence[Result]) -> float:
 
 def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> None:
     """One line for each ball and model; dots mark the tops of the flights."""
-    stops = [min(time_shown([r]) if until is None else until, r.known_until) for r in results]
+    end = time_shown(results) if until is None else until
+    stops = [min(end, r.known_until) for r in results]
     start = min(min(release_time(r) for r in results), 0.0)
     factor, unit = scaled(max(*stops, -start), "s")
     floor = results[0].column.floor
@@ -96,8 +96,7 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
     length, metres = (1.0, "m") if floor else scaled(largest, "m")
     for result, (times, z) in zip(results, shown, strict=True):
         for i in range(z.shape[1]):
-            line = LINES[result.model]
-            ax.plot(times * factor, z[:, i] * length, color=ball_colour(i + 1), ls=line)
+            ax.plot(times * factor, z[:, i] * length, color=ball_colour(i + 1), **LOOKS[result.model])
         if floor:
             _mark_tops(ax, result, float(times[-1]), factor)
     ax.set_xlim(start * factor, max(stops) * factor)
@@ -138,7 +137,7 @@ def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
         highest = float(tops(result)[1][-1])
         name = MODELS[result.model].label
         label = name if math.isnan(highest) else f"{name}, {who} to {highest:.3g} m"
-        ax.plot([], [], color="black", ls=LINES[result.model], label=label)
+        ax.plot([], [], color="black", label=label, **LOOKS[result.model])
     if 1 < len(results[0].column.balls) <= MOST_NAMED:
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")

@@ -6,8 +6,12 @@ import math
 import re
 from typing import Any, Final
 
-#: The line that a model is drawn with.
-LINES: Final[dict[str, Any]] = {"newton": "-", "independent": (0, (5, 2)), "adiabatic": (0, (1, 1.2))}
+#: The line that a model is drawn with. The adiabatic one often runs along Newton's: a broad pale one below it.
+LOOKS: Final[dict[str, dict[str, Any]]] = {
+    "newton": {"ls": "-"},
+    "independent": {"ls": (0, (5, 2))},
+    "adiabatic": {"ls": "-", "lw": 4.5, "alpha": 0.3, "zorder": 1.5},
+}
 
 
 # Label and unit of what can be swept or mapped. A unit among a variable's own attributes comes first.
@@ -27,7 +31,7 @@ QUANTITIES: Final = {
     "dissipative_time": (r"dissipative time $A$", "s"),
     "impact_speed": (r"speed of impact", "m/s"),
     "n_contacts": ("ball–ball contacts", ""),
-    "relative_velocity": (r"relative velocity $v'_r$ at $t_f$", "m/s"),
+    "relative_velocity": (r"relative velocity $v_r^{\,\prime}$ at $t_f$", "m/s"),
     "separation_velocity": ("separation velocity", "m/s"),
     "effective_restitution": (r"effective restitution $\varepsilon_\mathrm{eff}$", ""),
     "restitution_ratio": (r"$\varepsilon_\mathrm{eff}/\varepsilon$", ""),

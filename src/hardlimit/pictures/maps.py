@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib as mpl
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_CELLS: Final = 2000  #: of a map along one side; more cannot be seen
+LABEL_SIZES: Final = (9.0, 7.5, 6.0)  #: [points] of counts in their regions
+STROKE_WIDTH: Final = 1.8  #: [points] of the white around them
 RATIOS: Final = ("restitution_ratio", "restitution_ratio_at_separation")
 
 
@@ -139,7 +142,7 @@ def _draw_plane(
         ax.set_ylim(edges[1][0][0], edges[1][0][-1])
         ax.set_xlabel(axes[0][1])
         ax.set_ylabel(axes[1][1])
-        colorbar = figure.colorbar(mesh, ax=ax, pad=0.02, **bar)
+        colorbar = figure.colorbar(mesh, ax=ax, pad=0.035, **bar)
         colorbar.set_label(label)
         colorbar.ax.minorticks_off()
     return figure
@@ -167,40 +170,78 @@ def _draw_counts(array: xr.DataArray) -> Figure:
     return figure
 
 
-def label_regions(
-    ax: Axes, x: NDArray[Any], y: NDArray[Any], counts: NDArray[Any], smallest: float = 0.022
-) -> None:
+def label_regions(ax: Axes, x: NDArray[Any], y: NDArray[Any], counts: NDArray[Any]) -> None:
     """Write each count into the widest part of its region of a map ``counts[i, j]`` at ``x[i]``, ``y[j]``.
 
-    Regions that are narrower than ``smallest`` of the map stay without a label.
+    In the largest of some sizes of type that fits; the count of a narrower region stands outside, where it reaches the
+    right edge or the upper one. What is too narrow there, and a negative count, stays without a label.
     """
-    step = tuple(max(1, n // 250) for n in counts.shape)
-    coarse = counts[:: step[0], :: step[1]]
-    for count in np.unique(coarse):
-        inside = np.pad(coarse == count, 1)
-        depth = 0
-        while True:  # peel the region until nothing is left: what goes last lies deepest
-            peeled = inside & np.roll(inside, 1, 0) & np.roll(inside, -1, 0)
-            peeled &= np.roll(inside, 1, 1) & np.roll(inside, -1, 1)
-            depth += 1
-            if not peeled.any():
+    step = [max(1, n // 250) for n in counts.shape]
+    x, y, coarse = x[:: step[0]], y[:: step[1]], counts[:: step[0], :: step[1]]
+    corners = ax.transData.transform([(x[0], y[0]), (x[-1], y[-1])])
+    between = np.array(coarse.shape) - 1
+    across = np.abs(corners[1] - corners[0]) / np.maximum(between, 1)
+    cell = np.where(between > 0, across, ax.get_window_extent().size) * 72.0 / ax.figure.dpi  # [points]
+    for count in np.unique(coarse[coarse >= 0]):
+        for size in LABEL_SIZES:
+            box = np.ceil((_size(count, size) + 2.0 * STROKE_WIDTH) / cell).astype(int)
+            fits = _windows(coarse == count, box)
+            if fits.any():
+                i, j = _deepest(fits) + box // 2
+                label = ax.text(x[i], y[j], str(count), ha="center", va="center_baseline", fontsize=size)
+                label.set_path_effects([withStroke(linewidth=STROKE_WIDTH, foreground="white")])
                 break
-            inside = peeled
-        if depth < smallest * min(coarse.shape):
-            continue
-        where = np.argwhere(inside) - 1
-        i, j = where[len(where) // 2]
-        text = ax.text(
-            x[:: step[0]][i],
-            y[:: step[1]][j],
-            str(count),
-            ha="center",
-            va="center",
-            fontsize=9,
-            color="black",
-            clip_on=True,
+        else:
+            _label_at_edge(ax, count, (x, y), coarse, cell)
+
+
+def _size(count: int, size: float) -> NDArray[np.float64]:
+    """Width and height of a number [points]."""
+    return np.array([0.5 * len(str(count)), 0.66]) * size
+
+
+def _label_at_edge(
+    ax: Axes, count: int, points: Sequence[NDArray[Any]], counts: NDArray[Any], cell: NDArray[np.float64]
+) -> None:
+    """The count outside of its longest stretch of the right or the upper edge, where there is room."""
+    for axis, edge in ((1, counts[-1]), (0, counts[:, -1])):
+        bounds = np.flatnonzero(np.diff(np.pad(edge == count, 1).astype(int)))
+        first, last = max(
+            zip(bounds[::2], bounds[1::2], strict=True), key=lambda b: b[1] - b[0], default=(0, 0)
         )
-        text.set_path_effects([withStroke(linewidth=1.8, foreground="white")])
+        if (last - first) * cell[axis] > _size(count, LABEL_SIZES[-1])[axis] + 1.0:
+            at = points[axis][(first + last) // 2]
+            right: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "va": "center_baseline"}
+            upper: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "ha": "center"}
+            look, where, offset = (right, (1.0, at), (2.0, 0.0)) if axis else (upper, (at, 1.0), (0.0, 2.0))
+            ax.annotate(
+                str(count), where, offset, textcoords="offset points", fontsize=LABEL_SIZES[-1], **look
+            )
+            return
+
+
+def _windows(inside: NDArray[np.bool_], box: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Where a box of so many cells with its lowest corner there lies inside."""
+    if np.any(box > inside.shape):
+        return np.zeros((0, 0), bool)
+    sums = np.pad(inside.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+    a, b = box
+    filled: NDArray[np.bool_] = sums[a:, b:] - sums[:-a, b:] - sums[a:, :-b] + sums[:-a, :-b] == a * b
+    return filled
+
+
+def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """A cell that lies deepest: the region is peeled until nothing is left."""
+    left = np.pad(inside, 1)
+    while True:
+        peeled = left & np.roll(left, 1, 0) & np.roll(left, -1, 0)
+        peeled &= np.roll(left, 1, 1) & np.roll(left, -1, 1)
+        if not peeled.any():
+            break
+        left = peeled
+    where = np.argwhere(left) - 1
+    deepest: NDArray[np.int64] = where[len(where) // 2]
+    return deepest
 
 
 def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .labels import LINES
+from .labels import LOOKS
 from .style import GREY, PAGE_WIDTH, PALETTE, style
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def stack(*stacks: Stack) -> Figure:
             way = one.contact_way
             found = one.over_gaps(GAPS * way)
             for model in NAMES:
-                right.plot(GAPS, found[model], ls=LINES[model], color=COLOURS[one.model])
+                right.plot(GAPS, found[model], color=COLOURS[one.model], **LOOKS[model])
         left.set_yscale("log")
         left.xaxis.set_major_locator(MaxNLocator(integer=True))
         left.tick_params(axis="x", which="minor", bottom=False, top=False)
@@ -42,7 +42,7 @@ def stack(*stacks: Stack) -> Figure:
         left.set_ylabel("mass [kg]")
         left.legend(loc="best")
         for model, name in NAMES.items():
-            right.plot([], [], ls=LINES[model], color=GREY, label=name)
+            right.plot([], [], color=GREY, label=name, **LOOKS[model])
         right.set_xscale("log")
         right.set_xlim(GAPS[0], GAPS[-1])
         right.set_xlabel(r"gap / $V t_c$")

@@ -11,6 +11,7 @@ from typing import Any, Final
 import matplotlib as mpl
 import numpy as np
 from cycler import cycler
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 
@@ -97,16 +98,20 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
         If the file cannot be written; names it.
     """
     target = Path(path)
-    known = figure.canvas.get_supported_filetypes()
-    ending = target.suffix.lstrip(".").lower()
-    if ending not in known:
-        raise ValueError(f"plot: got {str(path)!r}, must end in one of .{' .'.join(sorted(known))}")
+    ending = target.suffix.lower()
+    if ending not in endings():
+        raise ValueError(f"plot: got {str(path)!r}, must end in {validation.any_of(endings())}")
     if not target.parent.is_dir():
         raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
     resolution = checked_resolution(dpi)
     with style(), saving.whole(target) as unfinished:
-        figure.savefig(unfinished, dpi=resolution, format=ending)
+        figure.savefig(unfinished, dpi=resolution, format=ending.removeprefix("."))
     return target
+
+
+def endings() -> list[str]:
+    """Of the files that a picture can be written to."""
+    return [f".{name}" for name in sorted(FigureCanvasBase.get_supported_filetypes())]
 
 
 def checked_resolution(dpi: float | None) -> float:

@@ -72,7 +72,9 @@ class Axes:
         single = {c.name for c in self.coordinates if c.dim is None}
         for name, dim in dim_of.items():
             if dim in VARIABLES or dim == BALL or dim in single or dim_of.get(dim, dim) != dim:
-                raise ValueError(f"{name}: got dimension {dim!r}, must be another name, that one is taken")
+                raise ValueError(
+                    f"{name}: got dimension {dim!r}, must be a name that nothing else in the result has"
+                )
 
     def _keep_labels(self) -> None:
         swept = {c.name for c in self.coordinates}

@@ -103,8 +103,7 @@ def _label_counts(
     hidden = counts.copy()
     for line in (*lines, 1.0) if ax.get_yscale() == "linear" else lines:
         at = int(np.argmin(np.abs(y - line)))
-        # Every cell there is a region of its own, too small for a label.
-        band = slice(max(at - away, 0), at + 2 * away)
-        hidden[:, band] = -1 - np.arange(len(x))[:, None]
-    inner = slice(away, -away)
-    label_regions(ax, x[inner], y[inner], hidden[inner, inner], smallest=0.025)
+        hidden[:, max(at - away, 0) : at + 2 * away] = -1
+    for frame in (hidden[:away], hidden[-away:], hidden[:, :away], hidden[:, -away:]):
+        frame[:] = -1
+    label_regions(ax, x, y, hidden)

@@ -163,7 +163,7 @@ def _gathered(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any)
             for future in as_completed(list(futures), loop=client.loop):
                 yield futures[future], future.result()
         finally:
-            client.cancel(list(futures), force=True)
+            cluster.cancel(client, list(futures))
 
 
 def _remote(starts: Starts, plan: Plan, replica: int, version: str) -> Arrays:

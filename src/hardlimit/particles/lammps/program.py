@@ -53,7 +53,7 @@ def find(ranks: int) -> Program:
     """
     if sys.platform == "win32":
         raise ImportError(
-            "engine: got 'lammps', must be another on Windows; lammps_input writes what LAMMPS takes"
+            "engine: got 'lammps', must be events or steps on Windows; lammps_input writes what LAMMPS takes"
         )
     program = _installed() or _in_path()
     if program is None:

@@ -56,8 +56,7 @@ def _stream(
             yield under_way.pop(future.key)[1], values
             submit()
     finally:
-        if under_way:
-            client.cancel([future for future, _ in under_way.values()], force=True)
+        cluster.cancel(client, [future for future, _ in under_way.values()])
 
 
 def _run(part: Computation, threads: int, version: str) -> Values:
