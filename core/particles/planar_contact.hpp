@@ -227,8 +227,8 @@ public:
     PlanarContact pulled_off() const {
         const Approach& a = motion_.approach;
         const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
-        return {Outcome::ok,        duration, 0.0, 0.0, speed, a.tangential_speed, 0.0,
-                speed * speed / 3.0 * duration};
+        return {Outcome::ok, duration,           0.0, 0.0,
+                speed,       a.tangential_speed, 0.0, speed * speed / 3.0 * duration};
     }
 
     static PlanarContact without_end(Outcome outcome) {

@@ -83,7 +83,8 @@ public:
     }
 
     PlanarContact operator()(const Law& law, const Approach& a) {
-        const bool simple = a.gravity == 0.0 && a.normal_speed >= slowest_approach && a.tangential_speed >= 0.0;
+        const bool simple =
+            a.gravity == 0.0 && a.normal_speed >= slowest_approach && a.tangential_speed >= 0.0;
         const bool own = is_own(law, a);
         const Reduced reduced = own ? own_ : reduce(law, a.effective_mass, length_of(a));
         if (!simple || !(own || covers(reduced))) return solve_planar_contact(law, a);

@@ -200,6 +200,9 @@ class HardSpheres:
     def time(self) -> float: ...
 
     @property
+    def n_events(self) -> int: ...
+
+    @property
     def n_rows(self) -> int: ...
 
     @property
