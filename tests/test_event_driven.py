@@ -422,6 +422,18 @@ def test_newton_goes_on_where_there_is_no_room(engine, speed):
     assert abs(run.system.velocities[0, 0]) <= speed and run.system.velocities[0, 1] == pytest.approx(0.95)
 
 
+@pytest.mark.parametrize("rule", [name for name in NOWHERE if name.startswith("soft")])
+@pytest.mark.parametrize(("speed", "gravity"), [(0.0, -4e-313), (1e-165, 0.0), (1e-320, 1e-313)])
+def test_a_cluster_whose_energy_is_no_number(rule, speed, gravity):
+    """Its unit of speed was zero, and everything that was divided by it not a number, with the outcome ok."""
+    system = hl.ParticleSystem(
+        [[1.0, 1.0]], [[speed, 0.0]], 1.0, mass=1.0, box=[2.0, 2.0], boundary="wall", gravity=[gravity, 0.0]
+    )
+    run = hl.molecular_dynamics(system, law=NOWHERE[rule]["law"], until=0.01)
+    assert np.isfinite(run.system.positions).all() and np.isfinite(run.system.velocities).all()
+    assert abs(run.system.velocities).max() <= 2.0 * speed + 1e-300
+
+
 def test_a_ceiling_reached_without_speed_holds_nobody():
     """Gravity leads away from it: no contact, whose speed would be zero, and no rest."""
     system = hl.ParticleSystem(

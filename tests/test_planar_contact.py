@@ -385,3 +385,28 @@ def test_what_is_read_does_not_depend_on_the_calls_before() -> None:
         forth, _ = read_and_solved(contact, distance, varies, contact, distance, speeds)
         back, _ = read_and_solved(contact, distance, varies, contact, distance, speeds[::-1])
         assert np.array_equal(forth, back[::-1])
+
+
+@pytest.mark.parametrize("gravity", [-9.81, -1e-300, 0.0, 1e-300, 9.81])
+@pytest.mark.parametrize("name", ["linear", "tsuji", "viscoelastic"])
+def test_a_touch_however_slow_has_an_end(name: str, gravity: float) -> None:
+    """Down to speeds whose squares are no numbers; at rest only where a weight presses."""
+    law = {
+        "linear": hl.LinearDashpot(stiffness=1e6, restitution=0.5),
+        "tsuji": hl.Tsuji(elastic_prefactor=1e6, restitution=0.5),
+        "viscoelastic": hl.Viscoelastic(
+            youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.5, impact_speed=1.0
+        ),
+    }[name]
+    contact = core_contact(law)
+    for speed in (1e-10, 1e-20, 1e-50, 1e-99, 1e-101, 1e-160, 1e-250, 5e-324):
+        end = _core.planar_contact(contact, math.inf, speed, 0.0, gravity)
+        if gravity == 9.81:
+            assert end["outcome"] == "at_rest"
+            continue
+        assert end["outcome"] == "ok" and end["duration"] > 0.0 and end["compression"] >= 0.0
+        if name == "linear" and gravity > -1.0 and speed > 1e-300:  # of a scale of its own, without gravity
+            still = _core.planar_contact(contact, math.inf, 1.0, 0.0)
+            rate = end["radial_speed"] / speed
+            assert rate == pytest.approx(0.5, rel=1e-3 if speed < 1e-200 else 1e-9)
+            assert end["duration"] == pytest.approx(still["duration"], rel=1e-2)

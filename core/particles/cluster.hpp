@@ -27,6 +27,7 @@
 #include "../stop.hpp"
 #include "../surface.hpp"
 #include "cluster_series.hpp"
+#include "planar_contact.hpp"
 #include "triangle.hpp"
 
 namespace hardlimit::particles {
@@ -329,7 +330,7 @@ private:
         double smallest = math::infinity;
         for (const Member& m : members) smallest = math::min(smallest, m.radius);
         const double fall = 1e-6 * smallest * math::sqrt(dot(gravity, gravity));
-        return math::sqrt(2.0 * energy / lightest() + fall);
+        return math::max(math::sqrt(2.0 * energy / lightest() + fall), slowest_approach);
     }
 
     void scale(Touching<Law>& q) const {

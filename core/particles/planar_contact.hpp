@@ -298,7 +298,7 @@ private:
     double longest() const {
         if (!(motion_.gravity > 0.0)) return longest_step;
         const double motion = math::max(math::abs(end_[M::rate]), math::abs(end_[M::root_depth]));
-        return longest_step / math::clamp(motion, 1e-100, 1.0);
+        return longest_step / math::clamp(10.0 * motion, 1e-100, 1.0);
     }
 
     bool take_step() {

@@ -42,7 +42,7 @@ private:
     template <class Wanted>
     static int place_of() {
         int place = 0, found = -1;
-#define HL_PLACE(Law)                                                 \
+#define HL_PLACE(Law)                                        \
     if (std::is_same_v<Wanted, contact::Law>) found = place; \
     ++place;
         HARDLIMIT_LAWS(HL_PLACE)

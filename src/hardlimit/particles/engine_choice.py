@@ -146,8 +146,8 @@ def check_box(system: ParticleSystem) -> None:
     for axis, side in enumerate(system.boundary):
         if side == "periodic" and not system.box[axis] >= least:
             raise ValueError(
-                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= {least:.6g} m, "
-                f"{SMALLEST_EDGE:g} largest radii, for engine 'events'"
+                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= "
+                f"{validation.at_least(least)} m, {SMALLEST_EDGE:g} largest radii, for engine 'events'"
             )
 
 
