@@ -134,11 +134,13 @@ def compression_told() -> Iterator[None]:
     """Contacts that are deep are told in one line on stderr, without a place in the code."""
     usual = warnings.showwarning
 
-    def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+    def show(
+        message: Warning | str, category: type[Warning], filename: str, lineno: int, *rest: Any, **more: Any
+    ) -> None:
         if issubclass(category, CompressionWarning):
             complain(f"warning: {message}")
         else:
-            usual(message, category, *where)
+            usual(message, category, filename, lineno, *rest, **more)
 
     with warnings.catch_warnings():
         warnings.showwarning = show

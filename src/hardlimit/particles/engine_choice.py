@@ -8,7 +8,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from .. import _core
+from .. import _core, validation
 from ..contact import Law
 from . import engines, time_step
 from .system import ROUNDING, ParticleSystem
