@@ -27,8 +27,9 @@ def too_soft(largest: float | None) -> str | None:
     """What there is to say of the largest compression of a run, over the smaller radius; None where it is small."""
     if largest is None or not largest >= DEEP:
         return None
+    part = 100.0 * largest
     return (
-        f"contacts were compressed by up to {100.0 * largest:.2g} % of the smaller radius; contact laws describe "
+        f"contacts were compressed by up to {part:.{0 if part >= 10.0 else 1}f} % of the smaller radius; contact laws describe "
         f"a few per cent, and none more than {100.0 * DEEPEST:g} %"
     )
 
