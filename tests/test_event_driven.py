@@ -534,7 +534,7 @@ def test_a_checkpoint_of_another_version_is_refused(tmp_path):
     with np.load(path) as content:
         arrays = dict(content)
     header = json.loads(bytes(arrays["header"]))
-    for key, value in (("hardlimit_version", "0.0.1"), ("format", 2)):
+    for key, value in (("hardlimit_version", "0.0.1"), ("format", 1)):
         text = np.frombuffer(json.dumps(header | {key: value}).encode(), np.uint8)
         with open(path, "wb") as file:
             np.savez(file, **(arrays | {"header": text}))

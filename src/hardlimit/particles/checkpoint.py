@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .. import _core, saving, validation
 
-FORMAT: Final = 1  #: of the file; another one is refused
+FORMAT: Final = 2  #: of the file; another one is refused
 HEADER: Final = "header"
 
 
