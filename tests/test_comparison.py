@@ -131,11 +131,11 @@ def check(found: hl.Comparison) -> None:
     )
     one_ball = len(found.newton.column.balls) == 1
     if answer == "undecided":
-        assert set(outcomes) & {"unresolved", "invalid", "never_lands"} or (
+        assert set(outcomes) & {"unresolved", "invalid", "never_lands", "too_deep"} or (
             outcomes == ["no_contact"] * 2 and not one_ball
         )
         return
-    assert not set(outcomes) & {"unresolved", "invalid", "never_lands"}
+    assert not set(outcomes) & {"unresolved", "invalid", "never_lands", "too_deep"}
     n = found.newton.n_contacts
     overlap = overlapping(found.newton)
     if answer in ("yes", "by luck"):

@@ -4,7 +4,8 @@ import { readFileSync } from "node:fs";
 // Infinite bounds become null.
 export function tables(wasm) {
   const core = new WebAssembly.Instance(new WebAssembly.Module(readFileSync(wasm)), {}).exports;
-  const text = new Uint8Array(core.memory.buffer, core.records());
+  const at = core.records(); // which may let the memory grow, and leave its former buffer detached
+  const text = new Uint8Array(core.memory.buffer, at);
   const lines = new TextDecoder().decode(text.slice(0, text.indexOf(0))).trimEnd().split("\n").map((line) => line.split("\t"));
   const bounds = core.scratch(2 * lines.length);
   core.record_ranges(bounds);
