@@ -27,10 +27,10 @@ def too_soft(largest: float | None) -> str | None:
     """What there is to say of the largest compression of a run, over the smaller radius; None where it is small."""
     if largest is None or not largest >= DEEP:
         return None
-    part = 100.0 * largest
+    digits = 0 if largest >= 0.1 else 1
     return (
-        f"contacts were compressed by up to {part:.{0 if part >= 10.0 else 1}f} % of the smaller radius; contact laws describe "
-        f"a few per cent, and none more than {100.0 * DEEPEST:g} %"
+        f"contacts were compressed by up to {100.0 * largest:.{digits}f} % of the smaller radius; contact laws "
+        f"describe a few per cent, and none more than {100.0 * DEEPEST:g} %"
     )
 
 
