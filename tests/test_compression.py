@@ -243,3 +243,22 @@ def test_deep_contacts_come_with_a_warning() -> None:
                 hl.CompressionWarning, match=r"^contacts were compressed by up to 5.1 % of the"
             ):
                 run()
+
+
+def test_fidelity_says_how_deep_contacts_were() -> None:
+    """Of every model with a law; where Newton's equations end too deep, the sentence says so."""
+    gas = hl.ParticleSystem.random(30, 0.3, radius=1e-3, density=2500.0, rms_speed=1.0)
+    law = hl.LinearDashpot(stiffness=2e3, restitution=0.8)
+    with pytest.warns(hl.CompressionWarning, match="contacts were compressed by up to"):
+        found = hl.fidelity(gas, law=law, until=5e-4, replicas=2, samples=2)
+    run = [hl.molecular_dynamics(gas, law=law, until=5e-4, samples=2, engine=found.plan.engine)]
+    assert found.largest_compression >= run[0].largest_compression > 0.05
+    deepest = found.dataset.largest_compression.sel(statistic="mean")
+    assert (
+        np.isnan(deepest.sel(model=["constant", "tc"])).all()
+        and (deepest.sel(model=["law", "soft"]) > 0.05).all()
+    )
+    soft = hl.fidelity(
+        gas, law=law.replace(stiffness=40.0), until=2e-3, replicas=1, samples=2, models=["newton", "law"]
+    )
+    assert "contact too deep for its law" in str(soft)

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ... import _core, validation
+from ... import _core, compression, validation
 from ...contact import Law
 from ...progress import Report, reporter
 from .. import engine_choice, engines
@@ -155,13 +155,15 @@ def fidelity(
         wanted = [k for k in range(count) if k not in kept.replicas]
         _compute(starts, plan, kept, wanted, count, many if elsewhere else 1, scheduler, report)
     _insist_on_different_starts(kept, count)
-    return Fidelity(
+    found = Fidelity(
         plan=plan,
         system=repr(first),
         dimension=first.dimension,
         arrays=tuple(kept.replicas[k] for k in range(count)),
         resolution=resolved,
     )
+    compression.warn(found.largest_compression, stacklevel=3)
+    return found
 
 
 def _compute(

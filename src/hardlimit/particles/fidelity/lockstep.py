@@ -183,6 +183,7 @@ def _of_the_log(plan: Plan, system: ParticleSystem, ended: Any) -> dict[str, Any
         "median_restitution": found.median,
         "restitution_share": found.histogram,
         "n_contacts": float(count),
+        "largest_compression": math.nan if ended.largest_compression is None else ended.largest_compression,
         "end_time": ended.time,
         "outcome": float(ended.outcome_code),
     }

@@ -30,6 +30,10 @@ TOTALS: Final = {
     ),
     "median_restitution": ("1", "median of separation speed over impact speed of the contacts"),
     "n_contacts": ("1", "contacts of a replica, those with walls included"),
+    "largest_compression": (
+        "1",
+        "largest compression of a replica over the smaller radius, as the law has contacts",
+    ),
     "end_time": ("s", "time at which the run ended"),
 }
 STATISTICS: Final = ("mean", "standard_error")
@@ -325,6 +329,11 @@ class Fidelity:
         data["outcome"] = (("model", "replica"), codes, _flags())
         coordinates = {**self._coordinates(), "replica": np.arange(self.n_replicas)}
         return xr.Dataset(data, coordinates, self._attributes("Replicas"))
+
+    @property
+    def largest_compression(self) -> float:
+        """The largest compression under Newton's equations in any replica, over the smaller radius."""
+        return float(np.nanmax(self._all("largest_compression")[:, self.models.index("newton")], initial=0.0))
 
     @cached_property
     def dataset(self) -> xr.Dataset:

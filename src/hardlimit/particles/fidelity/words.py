@@ -262,6 +262,7 @@ def contacts(f: Fidelity) -> tuple[list[str], list[list[str]]]:
             *(plain_percent(x) for x in ds["overlapped_share"].values[:, 0]),
         ],
         ["median restitution", *(_number(x) for x in ds["median_restitution"].values[:, 0])],
+        ["largest compression [radii]", *(_number(x) for x in ds["largest_compression"].values[:, 0])],
         ["contacts of a replica", *(f"{x:.0f}" for x in ds["n_contacts"].values[:, 0])],
         ["distance of paths at the end [radii]", *(_number(x) for x in ds["divergence"].values[:, -1, 0])],
     ]
