@@ -251,14 +251,11 @@ def test_fidelity_says_how_deep_contacts_were() -> None:
     law = hl.LinearDashpot(stiffness=2e3, restitution=0.8)
     with pytest.warns(hl.CompressionWarning, match="contacts were compressed by up to"):
         found = hl.fidelity(gas, law=law, until=5e-4, replicas=2, samples=2)
-    run = [hl.molecular_dynamics(gas, law=law, until=5e-4, samples=2, engine=found.plan.engine)]
-    assert found.largest_compression >= run[0].largest_compression > 0.05
+    run = hl.molecular_dynamics(gas, law=law, until=5e-4, samples=2, engine="events")
+    assert found.largest_compression > 0.999 * run.largest_compression > 0.05
     deepest = found.dataset.largest_compression.sel(statistic="mean")
-    assert (
-        np.isnan(deepest.sel(model=["constant", "tc"])).all()
-        and (deepest.sel(model=["law", "soft"]) > 0.05).all()
-    )
-    soft = hl.fidelity(
-        gas, law=law.replace(stiffness=40.0), until=2e-3, replicas=1, samples=2, models=["newton", "law"]
-    )
-    assert "contact too deep for its law" in str(soft)
+    assert np.isnan(deepest.sel(model=["constant", "tc"])).all()
+    assert (deepest.sel(model=["law", "soft"]) > 0.05).all()
+    soft = law.replace(stiffness=40.0)
+    found = hl.fidelity(gas, law=soft, until=2e-3, replicas=1, samples=2, models=["newton", "law"])
+    assert "contact too deep for its law" in str(found)
