@@ -257,5 +257,5 @@ def test_fidelity_says_how_deep_contacts_were() -> None:
     assert np.isnan(deepest.sel(model=["constant", "tc"])).all()
     assert (deepest.sel(model=["law", "soft"]) > 0.05).all()
     soft = law.replace(stiffness=40.0)
-    found = hl.fidelity(gas, law=soft, until=2e-3, replicas=1, samples=2, models=["newton", "law"])
+    found = hl.fidelity(gas, law=soft, until=2e-3, replicas=2, samples=2, models=["newton", "law"])
     assert "contact too deep for its law" in str(found)
