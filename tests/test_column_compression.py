@@ -356,7 +356,7 @@ def test_one_contact_on_the_command_line() -> None:
         [math.sqrt(0.005 / 1e4) / 0.005], rel=1e-9
     )
     code, text = run(*arguments, "--restitution", "1", "--speed", "100")
-    assert code == 0 and "Contacts were compressed by up to 1e+03 %" in " ".join(text.split())
+    assert code == 0 and "Contacts were compressed by up to 1000 %" in " ".join(text.split())
 
 
 def test_pictures_end_where_the_run_does(tmp_path) -> None:
