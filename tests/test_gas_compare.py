@@ -46,7 +46,7 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
     assert " 3 replicas" in words and "share that overlap another" in text
     assert max(map(len, text.splitlines())) <= 100
     means = xr.open_dataset(out, group="means")
-    assert means.model.values.tolist() == ["newton", "soft", "tc"] and coloured(plot) > 0.02
+    assert means.model.values.tolist() == ["newton", "soft", "tc"] and coloured(plot) > 0.01
     again = run("gas", "compare", *options).stdout
     assert again in text and text.startswith(again)
     assert "was made with seed 0, not 5" in refused("gas", "compare", *options, "--seed", 5)

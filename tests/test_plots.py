@@ -17,7 +17,7 @@ from matplotlib.mathtext import MathTextParser
 from PIL import Image
 
 import hardlimit as hl
-from conftest import law_of, slow
+from conftest import law_of, roomy, slow
 from hardlimit.column.comparison import compare
 from hardlimit.pictures import (
     animation,
@@ -407,7 +407,7 @@ def test_every_model_of_a_drop_is_seen(gap: float) -> None:
 def test_all_lines_of_a_drop_go_to_the_same_end(seed: int) -> None:
     balls = random_column(seed).balls[:2]
     law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)  # hard spheres do not collapse
-    results = compare(hl.Column(balls, 1e-4, balls[0].radius + 0.3, law)).results
+    results = compare(roomy(hl.Column(balls, 1e-4, balls[0].radius + 0.3, law))).results
     ax = plots.heights(*results).axes[0]
     ends = [line.get_xdata()[-1] for line in ax.lines if len(line.get_xdata()) > 100]
     assert len(ends) == 2 * len(results)

@@ -262,7 +262,7 @@ KILLED_AGAIN_AND_AGAIN = """
 
     chunks.POINTS_INTEGRATED = 100
     folder, points = Path({folder!r}), 4000
-    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
+    soft = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=0.006))
 
     def run(name, most=None):
         ours, its = os.pipe()

@@ -43,7 +43,10 @@ def balls(row):
 
 def linear_column(row):
     law = hl.LinearDashpot(stiffness=float(row["stiffness_N_m"]), restitution=float(row["restitution"]))
-    return hl.Column(balls(row), float(row["gap_m"]), float(row["height_m"]), law)
+    # Larger balls of the same masses: under this law radii only decide when a contact is too deep.
+    both = [hl.Ball(100.0 * ball.radius, mass=ball.mass) for ball in balls(row)]
+    height = float(row["height_m"]) - float(row["radius_1_m"]) + both[0].radius
+    return hl.Column(both, float(row["gap_m"]), height, law)
 
 
 def viscoelastic_column(row):

@@ -174,8 +174,8 @@ class Result:
     @property
     def known_until(self) -> float:
         """Time [s] up to which the motion is known: infinite unless the run was not resolved or too deep."""
-        ended = _core.outcome_names[self.outcome_code] in ("unresolved", "too_deep")
-        return self._core.t_last if ended else math.inf
+        unresolved = _core.outcome_names[self.outcome_code] == "unresolved"
+        return self._core.t_last if unresolved or self._core.too_deep >= 0 else math.inf
 
     @cached_property
     def final_velocities(self) -> NDArray[np.float64]:

@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from .. import _core, compression
+from .. import _core, compression, validation
 from ..contact import Law
 from ..progress import Report, Shown
 from . import checkpoint, early_end, engines
@@ -24,6 +24,8 @@ from .system import Floats, ParticleSystem
 KIND: Final = "molecular_dynamics"
 ENGINES: Final[dict[str, Any]] = {"events": _core.NewtonEvents, "steps": _core.NewtonSteps}
 
+#: Of one run; so many can be counted.
+MOST_STEPS: Final = 2**53
 #: What an engine knows of itself.
 STEPS: Final = ("time_step", "n_steps")
 CLUSTERS: Final = ("largest_cluster", "cluster_share")
@@ -236,9 +238,14 @@ def start(
     Raises
     ------
     ValueError
-        If contacts under the law would be too deep.
+        If contacts under the law would be too deep, or there would be more steps than can be counted.
     """
     refuse_too_soft(system, settings.law)
+    if time_step is not None and not target.until / time_step <= MOST_STEPS:
+        raise ValueError(
+            f"time_step: got {time_step:.6g} s, must be >= {validation.at_least(target.until / MOST_STEPS)} s, "
+            f"with which {target.until:.6g} s take {MOST_STEPS:.0e} steps"
+        )
     engine = ENGINES[settings.engine](
         *engines.scene(system),
         engines.choice(settings.law),

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..column.solvers import adiabatic, newton
+from ..compression import CompressionWarning
 from ..models import MODELS
 from .forces import spread, unresolved, window
 from .labels import LOOKS, scaled
@@ -87,7 +90,7 @@ def time_shown(results: Sequence[Result]) -> float:
 def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> None:
     """One line for each ball and model; dots mark the tops of the flights."""
     end = time_shown(results) if until is None else until
-    stops = [min(end, r.known_until) for r in results]
+    stops = [min(end, _known_until(r, end)) for r in results]
     start = min(min(release_time(r) for r in results), 0.0)
     factor, unit = scaled(max(*stops, -start), "s")
     floor = results[0].column.floor
@@ -111,6 +114,15 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
         ax.set_ylabel(f"displacement [{metres}]")
         ax.set_xlabel(f"time after release [{unit}]")
     _name_lines(ax, results)
+
+
+def _known_until(result: Result, end: float) -> float:
+    """Up to when the motion can be drawn [s]: after the sequence, too, a contact may become too deep."""
+    if result.model == "independent" or result.until is not None or math.isfinite(result.known_until):
+        return result.known_until
+    solve = newton if result.model == "newton" else adiabatic
+    with warnings.catch_warnings(action="ignore", category=CompressionWarning):
+        return solve(result.column, end).known_until
 
 
 def _mark_tops(ax: Axes, result: Result, stop: float, factor: float) -> None:
