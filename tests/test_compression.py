@@ -240,7 +240,7 @@ def test_deep_contacts_come_with_a_warning() -> None:
                 run()
                 continue
             with pytest.warns(
-                hl.CompressionWarning, match=r"^contacts were compressed by up to 5.1 % of the"
+                hl.CompressionWarning, match=r"^contacts were compressed by more than 5 % of the"
             ):
                 run()
 
@@ -249,7 +249,7 @@ def test_fidelity_says_how_deep_contacts_were() -> None:
     """Of every model with a law; where Newton's equations end too deep, the sentence says so."""
     gas = hl.ParticleSystem.random(30, 0.3, radius=1e-3, density=2500.0, rms_speed=1.0)
     law = hl.LinearDashpot(stiffness=2e3, restitution=0.8)
-    with pytest.warns(hl.CompressionWarning, match="contacts were compressed by up to"):
+    with pytest.warns(hl.CompressionWarning, match="contacts were compressed by more than"):
         found = hl.fidelity(gas, law=law, until=5e-4, replicas=2, samples=2)
     run = hl.molecular_dynamics(gas, law=law, until=5e-4, samples=2, engine="events")
     assert found.largest_compression > 0.999 * run.largest_compression > 0.05

@@ -11,6 +11,11 @@ from . import _core
 DEEPEST: Final = _core.deepest_compression
 #: From here on results come with a warning.
 DEEP: Final = 0.05
+#: Without the number, so that Python shows it once for many results of one line.
+WARNING: Final = (
+    f"contacts were compressed by more than {100.0 * DEEP:g} % of the smaller radius, by how much largest_compression "
+    f"says; contact laws describe a few per cent, and none more than {100.0 * DEEPEST:g} %"
+)
 
 
 class CompressionWarning(UserWarning):
@@ -41,6 +46,5 @@ def rows(largest: float | None) -> list[tuple[str, float]]:
 
 def warn(largest: float | None, stacklevel: int = 4) -> None:
     """Warn if contacts were deep; ``stacklevel`` is that of :func:`warnings.warn`, 4 for who called a solver's run."""
-    said = too_soft(largest)
-    if said is not None:
-        warnings.warn(said, CompressionWarning, stacklevel=stacklevel)
+    if largest is not None and largest >= DEEP:
+        warnings.warn(WARNING, CompressionWarning, stacklevel=stacklevel)

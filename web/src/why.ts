@@ -54,7 +54,7 @@ export function why(facts: Facts): string {
 }
 
 function tooDeep({ tooDeep: pair, last }: Run): string {
-  const bodies = pair === 0 ? "the floor and the lowest ball" : `ball ${pair} and ball ${pair + 1}`;
+  const bodies = pair === 0 ? "the floor and the lowest ball" : `ball ${spell(pair)} and ball ${spell(pair + 1)}`;
   return `After ${duration(last)} ${bodies} are compressed by half of the smaller radius. No contact law describes that: the contacts need to be stiffer.`;
 }
 

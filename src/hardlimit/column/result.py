@@ -69,7 +69,7 @@ class Result:
         values["options"] = options
         values["_core"] = core
         if core.presses_by(compression.DEEP):
-            compression.warn(result.largest_compression)
+            compression.warn(compression.DEEP)
         return result
 
     @cached_property
