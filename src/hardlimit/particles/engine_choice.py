@@ -19,7 +19,7 @@ SMALLEST_EDGE: Final = 4.2
 #: Cost of a contact [µs], from boxes of 300 to 4000 particles (docs/grains.md): by events alone, and for each t_c ν;
 #: by steps alone, and for each step of each of its two particles in the time 1/ν.
 BY_EVENTS: Final = (1.6, 35.0)
-BY_STEPS: Final = (6.0, 0.005)
+BY_STEPS: Final = (9.0, 0.0045)
 #: Packing fraction that no disordered packing exceeds, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}
 
@@ -52,7 +52,7 @@ def estimated(
 ) -> Choice:
     """The engine by which a contact costs less, with steps that make this error of ε.
 
-    A contact costs about 1.6 µs + 35 µs·t_c ν by events and 6 µs + 5 ns/(ν Δt) by steps of Δt. t_c ν is the largest
+    A contact costs about 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt. t_c ν is the largest
     of three: Enskog's rate times the duration of a typical contact; the contacts that last at the start, for each
     particle; and that at the end of a run in which a bed falls and dissipates (:func:`of_bed`).
     """

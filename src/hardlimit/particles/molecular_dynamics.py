@@ -108,7 +108,7 @@ def molecular_dynamics(
 
     Notes
     -----
-    The estimate of ``"auto"``: a contact costs 1.6 µs + 35 µs·t_c ν by events and 6 µs + 5 ns/(ν Δt) by steps of Δt,
+    The estimate of ``"auto"``: a contact costs 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt,
     measured on gases. t_c ν is the largest of three: Enskog's rate of the start times the duration of a typical
     contact; the contacts that last at the start, for each particle; and that at the end, in a bed that falls to a wall
     and dissipates its energy, endless where it comes to rest.
