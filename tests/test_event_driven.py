@@ -712,3 +712,17 @@ def test_theory_says_where_it_does_not_hold():
 
 def test_columns_of_the_rows():
     assert COLUMNS[0] == "time" and COLUMNS[3] == "granular_temperature" and COLUMNS[4] == "n_collisions"
+
+
+@pytest.mark.parametrize("newton", [False, True])
+def test_a_run_that_goes_on_for_too_many_samples_is_refused(newton: bool, tmp_path) -> None:
+    """Their spacing stays: a time far beyond it would take samples without end."""
+    system = hl.ParticleSystem([[0.02, 0.05]], [[1.0, 0.0]], 0.01, density=2500.0, box=0.1, boundary="wall")
+    path, law = tmp_path / "run", hl.LinearDashpot(stiffness=1e7, restitution=0.9)
+    if newton:
+        hl.molecular_dynamics(system, law=law, until=1e-9, samples=100, checkpoint=path)
+    else:
+        hl.event_driven(system, restitution=1.0, until=1e-9, samples=100, checkpoint=path)
+    with pytest.raises(ValueError, match=r"^until: got 1, must be <= 0.0001, up to which the samples"):
+        hl.resume(path, until=1.0)
+    assert hl.resume(path, until=2e-9).time == 2e-9

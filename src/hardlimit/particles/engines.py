@@ -60,6 +60,28 @@ def checked_samples(samples: Any) -> int:
     return validation.whole("samples", samples, 1, MOST_SAMPLES)
 
 
+def later_time(course: Any, until: Any) -> float:
+    """The time [s] at which a run that goes on shall end.
+
+    Raises
+    ------
+    ValueError
+        If it lies before the state of the checkpoint, or takes too many samples at their spacing.
+    """
+    end, target = validation.number("until", until), course.target
+    if end < course.engine.time:
+        raise ValueError(
+            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
+        )
+    most = target.span / target.samples * MOST_SAMPLES
+    if 0.0 < most < end:
+        raise ValueError(
+            f"until: got {end:.16g}, must be <= {validation.at_most(most)}, up to which the samples, whose spacing stays, "
+            f"are {MOST_SAMPLES:.0e}"
+        )
+    return end
+
+
 # --- in and out ---------------------------------------------------------------------------------------------
 
 

@@ -12,7 +12,7 @@ from .. import validation
 from ..contact import Law
 from ..progress import Report, reporter
 from .course import Course, Target, engine_of, load
-from .engines import checked_keeping, checked_samples
+from .engines import checked_keeping, checked_samples, later_time
 from .result import ParticleResult, Settings
 from .softness import refuse_too_soft
 from .system import ParticleSystem
@@ -169,13 +169,9 @@ def later_end(course: Course, until: Any, max_collisions: Any) -> tuple[float | 
     Raises
     ------
     ValueError
-        If it lies before the state of the checkpoint.
+        If it lies before the state of the checkpoint, or takes too many samples.
     """
-    end = None if until is None else validation.number("until", until)
-    if end is not None and end < course.engine.time:
-        raise ValueError(
-            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
-        )
+    end = None if until is None else later_time(course, until)
     most = None
     if max_collisions is not None:
         most = validation.whole("max_collisions", max_collisions, course.engine.n_rows, MOST_COLLISIONS)

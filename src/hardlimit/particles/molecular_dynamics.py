@@ -10,9 +10,9 @@ from ..contact import Law
 from ..progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
-from .contact_course import ContactCourse, Settings, Target, load, start
+from .contact_course import Settings, Target, load, start
 from .contact_result import ContactResult
-from .engines import checked_keeping
+from .engines import checked_keeping, later_time
 from .lammps import running
 from .lammps.folder import make_job
 from .system import ParticleSystem
@@ -171,18 +171,9 @@ def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report 
         raise ValueError(f"max_collisions: got {shown}, must be left out: this run ends at a time")
     course = load(path)
     if until is not None:
-        course.set_end(_later_end(course, until))
+        course.set_end(later_time(course, until))
     with reporter(progress, "molecular dynamics", UNITS[course.settings.engine]) as report:
         return course.run(report)
-
-
-def _later_end(course: ContactCourse, until: Any) -> float:
-    end = validation.number("until", until)
-    if end < course.engine.time:
-        raise ValueError(
-            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
-        )
-    return end
 
 
 def refuse(because: str, **given: Any) -> None:
