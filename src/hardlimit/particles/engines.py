@@ -76,8 +76,8 @@ def later_time(course: Any, until: Any) -> float:
     most = target.span / target.samples * MOST_SAMPLES
     if 0.0 < most < end:
         raise ValueError(
-            f"until: got {end:.16g}, must be <= {validation.at_most(most)}, up to which the samples, whose spacing stays, "
-            f"are {MOST_SAMPLES:.0e}"
+            f"until: got {end:.16g}, must be <= {validation.at_most(most)}, up to which the samples, "
+            f"whose spacing stays, are {MOST_SAMPLES:.0e}"
         )
     return end
 
