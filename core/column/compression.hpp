@@ -1,5 +1,5 @@
-// Bounds on the compression of the contacts of two balls on a floor, from energies alone: where they exclude one,
-// nobody has to look for it.
+// Bounds on the compressions of the contacts of two balls on a floor, from energies alone. Where they exclude a deep
+// contact, the motion need not be searched for one.
 //
 // As long as the floor contact is compressed by less than L1 and the pair by less than L2, kinetic energy and energy
 // stored in the contacts are together at most
