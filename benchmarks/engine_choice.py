@@ -12,9 +12,9 @@ from harness import table
 from newton_events import RADIUS, law_of, rate_of, start
 
 from hardlimit import _core
-from hardlimit.particles import time_step
-from hardlimit.particles.engine_choice import BY_EVENTS, BY_STEPS
-from hardlimit.particles.engines import choice, scene
+from hardlimit.boxes import time_step
+from hardlimit.boxes.engine_choice import BY_EVENTS, BY_STEPS
+from hardlimit.boxes.engines import choice, scene
 
 TOUCHES = (0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0)
 COLLISIONS = 3.0

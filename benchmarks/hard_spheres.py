@@ -32,7 +32,7 @@ from harness import publish, table
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.particles.engines import scene
+from hardlimit.boxes.engines import scene
 
 TABLES = ("rates", "kinds", "cooling")
 LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")

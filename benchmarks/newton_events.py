@@ -19,8 +19,8 @@ from harness import Method, arguments, interleave, publish, table
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.particles.engines import choice, scene
-from hardlimit.particles.theory import Gas
+from hardlimit.boxes.engines import choice, scene
+from hardlimit.boxes.theory import Gas
 
 try:
     from peers.newton_lammps import Box

@@ -16,7 +16,7 @@ from peers.newton_lammps import Box
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.particles.theory import Gas
+from hardlimit.boxes.theory import Gas
 
 RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9
 STIFFNESS_OF_TOUCH, STEPS_PER_CONTACT = 0.01, 50

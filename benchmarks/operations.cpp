@@ -1,4 +1,4 @@
-// How many operations a point of a map costs on a GPU: core/sweep/kernel.cu in the emulated warp of tests/warp.hpp,
+// How many operations a point of a map costs on a GPU: core/sweep/kernel.cu in the emulated warp of warp.hpp,
 // with every double counting but those of the set-up. Read by gpu.py.
 #include <memory>
 #include <type_traits>

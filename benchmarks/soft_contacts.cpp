@@ -8,14 +8,14 @@
 #include <random>
 #include <vector>
 
+#include "boxes/binary_contact/equivalent_collision.hpp"
+#include "boxes/binary_contact/tabulated_contact.hpp"
 #include "contact/registry.hpp"
-#include "particles/drawn_back.hpp"
-#include "particles/soft_contacts.hpp"
 
 namespace {
 
 using namespace hardlimit;
-using namespace hardlimit::particles;
+using namespace hardlimit::boxes;
 
 double seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 

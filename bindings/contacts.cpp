@@ -7,8 +7,8 @@
 
 #include "../core/contact/powers.hpp"
 #include "arrays.hpp"
+#include "boxes/binary_contact/planar_contact.hpp"
 #include "contact.hpp"
-#include "particles/planar_contact.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -164,7 +164,7 @@ void bind_contacts(nb::module_& m) {
                     [&](const auto& law) {
                         return map(speed, [&](double v) {
                             const double mass = c.pair.effective_mass;
-                            return hl::particles::solve_planar_contact(law, {mass, hl::math::infinity, v})
+                            return hl::boxes::solve_planar_contact(law, {mass, hl::math::infinity, v})
                                 .greatest;
                         });
                     },

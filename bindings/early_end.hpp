@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "portable.hpp"
+#include "base/portable.hpp"
 
 namespace hardlimit::bindings {
 

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "stop.hpp"
+#include "base/stop.hpp"
 
 namespace hardlimit::bindings {
 

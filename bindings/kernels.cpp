@@ -1,7 +1,7 @@
-// The kernels of core/sweep/ and core/particles/ for one instruction set: compiled once for each, with `hardlimit`
+// The kernels of core/sweep/ and core/boxes/ for one instruction set: compiled once for each, with `hardlimit`
 // renamed and HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
 // CMakeLists.txt). The number of lanes changes the speed, never the result.
-#include "particles/touch_kernel.hpp"
+#include "boxes/kernels/touch_kernel.hpp"
 #include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
 #include "sweep/viscoelastic_kernel.hpp"
@@ -18,4 +18,4 @@ const hardlimit_abi::Kernel HARDLIMIT_KERNEL = {
 
 extern const hardlimit_abi::TouchKernels HARDLIMIT_TOUCH_KERNELS;
 const hardlimit_abi::TouchKernels HARDLIMIT_TOUCH_KERNELS =
-    hardlimit::particles::touch_kernels<Real>(HARDLIMIT_KERNEL_NAME);
+    hardlimit::boxes::touch_kernels<Real>(HARDLIMIT_KERNEL_NAME);

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "base/math.hpp"
+#include "base/outcome.hpp"
 #include "contact/law.hpp"
-#include "math.hpp"
-#include "outcome.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;

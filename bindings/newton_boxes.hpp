@@ -11,12 +11,12 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "boxes/common/archive.hpp"
+#include "boxes/common/bodies.hpp"
+#include "boxes/common/contact_record.hpp"
+#include "boxes/common/pair_laws.hpp"
 #include "contact.hpp"
 #include "early_end.hpp"
-#include "particles/archive.hpp"
-#include "particles/contact_row.hpp"
-#include "particles/pair_laws.hpp"
-#include "particles/steps/bodies.hpp"
 
 namespace hardlimit::bindings {
 
@@ -34,7 +34,7 @@ inline std::string name_in(const std::vector<char>& letters) { return {letters.b
 
 // What a run is made of, beside the state.
 struct BoxSetting {
-    particles::steps::Box box{};
+    boxes::steps::Box box{};
     Numbers mass, radius;   // [N]
     std::vector<char> law;  // its name
     int alternative = 0;
@@ -74,7 +74,7 @@ struct BoxSetting {
     }
 
     template <class Law>
-    particles::PairLaws<Law> laws() const {
+    boxes::PairLaws<Law> laws() const {
         const LawRecord& record = Law::record;
         require(alternative >= 0 && alternative < record.n_alternatives,
                 "alternative: the law has no such set of parameters");
@@ -97,7 +97,7 @@ auto with_law(const std::string& name, const Visit& visit) {
 // A run as bytes: what marks it as one of this engine, what it is made of, the state.
 template <class Setting, class Engine>
 nanobind::bytes saved(const char* mark, Setting setting, Engine& engine) {
-    particles::Writer writer;
+    boxes::Writer writer;
     writer(letters(mark));
     setting.exchange(writer);
     engine.save(writer);
@@ -108,7 +108,7 @@ nanobind::bytes saved(const char* mark, Setting setting, Engine& engine) {
 // The other way: `setting` is read, make(reader) makes the engine from it and from what follows.
 template <class Setting, class Make>
 auto loaded(const char* mark, const nanobind::bytes& state, Setting& setting, const Make& make) {
-    particles::Reader reader(state.c_str(), state.size());
+    boxes::Reader reader(state.c_str(), state.size());
     require(reader.whole(), "state: not a saved run, or damaged");
     std::vector<char> found;
     reader(found);
@@ -145,12 +145,12 @@ EarlyEnd early_end(const Engine& engine) {
 }
 
 // Contacts as begin, end, first, second, impact_speed, separation_speed, overlapped.
-inline nanobind::tuple columns(const std::vector<particles::ContactRow>& rows) {
+inline nanobind::tuple columns(const std::vector<boxes::ContactRow>& rows) {
     const std::size_t n = rows.size();
     Numbers begin, end, impact, separation;
     std::vector<std::int64_t> first, second;
     std::vector<std::uint8_t> overlapped;
-    for (const particles::ContactRow& r : rows) {
+    for (const boxes::ContactRow& r : rows) {
         begin.push_back(r.begin), end.push_back(r.end);
         first.push_back(r.first), second.push_back(r.second);
         impact.push_back(r.impact_speed), separation.push_back(r.separation_speed);

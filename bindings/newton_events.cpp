@@ -1,5 +1,5 @@
 // Binding of the engine that goes from event to event: arrays in and out, runs with the interpreter unlocked.
-#include "particles/newton_events.hpp"
+#include "boxes/newton_events/engine.hpp"
 
 #include <nanobind/stl/unique_ptr.h>
 
@@ -12,7 +12,7 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
-namespace hp = hardlimit::particles;
+namespace hp = hardlimit::boxes;
 using namespace hl::bindings;
 
 namespace {

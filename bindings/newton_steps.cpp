@@ -1,6 +1,6 @@
 // Binding of the engine that takes small steps: arrays in and out, the threads run with the interpreter unlocked.
-#include "particles/newton_steps.hpp"
-#include "particles/steps/isolated.hpp"
+#include "boxes/newton_steps/engine.hpp"
+#include "boxes/newton_steps/isolated.hpp"
 
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -15,8 +15,8 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
-namespace hp = hardlimit::particles;
-namespace steps = hardlimit::particles::steps;
+namespace hp = hardlimit::boxes;
+namespace steps = hardlimit::boxes::steps;
 using namespace hl::bindings;
 
 namespace {

@@ -8,12 +8,12 @@
 #include <tuple>
 
 #include "arrays.hpp"
-#include "particles/overlap.hpp"
+#include "boxes/neighbours/overlap.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
-namespace pt = hardlimit::particles;
+namespace pt = hardlimit::boxes;
 using hl::bindings::In;
 using hl::bindings::unlocked;
 using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;

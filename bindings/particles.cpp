@@ -14,16 +14,16 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "boxes/hard_spheres/check.hpp"
+#include "boxes/hard_spheres/growth.hpp"
+#include "boxes/hard_spheres/make_engine.hpp"
 #include "early_end.hpp"
-#include "particles/check.hpp"
-#include "particles/growth.hpp"
-#include "particles/make_engine.hpp"
 #include "touch_kernels.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 namespace hl = hardlimit;
-namespace box = hardlimit::particles;
+namespace box = hardlimit::boxes;
 using hl::bindings::early_end_text;
 using hl::bindings::EarlyEnd;
 using hl::bindings::In;

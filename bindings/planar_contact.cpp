@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "boxes/binary_contact/equivalent_collision.hpp"
+#include "boxes/binary_contact/tabulated_contact.hpp"
 #include "contact.hpp"
-#include "particles/drawn_back.hpp"
-#include "particles/soft_contacts.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -16,16 +16,16 @@ namespace hl = hardlimit;
 using hl::bindings::Contact;
 using hl::bindings::In;
 using hl::bindings::make_array;
-using hl::particles::Approach;
+using hl::boxes::Approach;
 
 namespace {
 
 // The end of the contact by name, and where the path drawn back to the touch starts.
 nb::dict planar_contact(const Contact& c, double distance, double normal, double tangential, double gravity) {
     const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
-    const auto end = std::visit(
-        [&](const auto& law) { return hl::particles::solve_planar_contact(law, approach); }, c.law);
-    const auto drawn = hl::particles::draw_back(approach, end);
+    const auto end =
+        std::visit([&](const auto& law) { return hl::boxes::solve_planar_contact(law, approach); }, c.law);
+    const auto drawn = hl::boxes::draw_back(approach, end);
     nb::dict d;
     d["outcome"] = hl::outcome_records[static_cast<int>(end.outcome)].name;
     d["duration"] = end.duration;
@@ -49,11 +49,11 @@ auto planar_path(const Contact& c, double distance, double normal, double tangen
         if (times.data()[i] >= (i == 0 ? 0.0 : times.data()[i - 1])) continue;
         throw nb::value_error("times: must not be negative and must not fall");
     }
-    std::vector<hl::particles::PlanarState> states(n);
+    std::vector<hl::boxes::PlanarState> states(n);
     std::visit(
         [&](const auto& law) {
-            hl::particles::sample_planar_contact(law, approach, times.data(), static_cast<long>(n),
-                                                 states.data());
+            hl::boxes::sample_planar_contact(law, approach, times.data(), static_cast<long>(n),
+                                             states.data());
         },
         c.law);
     std::vector<double> rows;
@@ -76,8 +76,8 @@ auto soft_contacts(const Contact& own, double own_distance, bool damping_varies,
             using Law = std::decay_t<decltype(law)>;
             const Law* first = std::get_if<Law>(&own.law);
             if (!first) throw nb::value_error("contact: must be of the law of own");
-            hl::particles::SoftContacts<Law> contacts(*first, own.pair.effective_mass, own_distance,
-                                                      damping_varies);
+            hl::boxes::SoftContacts<Law> contacts(*first, own.pair.effective_mass, own_distance,
+                                                  damping_varies);
             for (std::size_t i = 0; i < n; ++i) {
                 const auto end =
                     contacts(law, {c.pair.effective_mass, distance, normal.data()[i], tangential.data()[i]});

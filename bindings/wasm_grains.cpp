@@ -4,9 +4,9 @@
 //
 // The caller writes a setting to box_setting(): numbers as in `Field`, then positions (n·d), velocities (n·d), radii
 // (n) and masses (n), all in SI units.
-#include "particles/check.hpp"
-#include "particles/growth.hpp"
-#include "particles/make_engine.hpp"
+#include "boxes/hard_spheres/check.hpp"
+#include "boxes/hard_spheres/growth.hpp"
+#include "boxes/hard_spheres/make_engine.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -15,7 +15,7 @@
 namespace {
 
 namespace hl = hardlimit;
-namespace box = hardlimit::particles;
+namespace box = hardlimit::boxes;
 
 enum Field {
     dimension,         // d: 2 or 3

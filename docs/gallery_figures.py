@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 from sphinx_gallery.scrapers import figure_rst
 
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 #: Sections, and in each the scripts from the first question to the last.
 ORDER = {

@@ -3,7 +3,7 @@
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 axes = {"restitution": np.linspace(0.4, 1.0, 80), "gap": np.geomspace(1e-6, 1e-2, 80)}
 newton = hl.sweep(hl.Column.paper(), **axes)

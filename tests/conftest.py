@@ -121,7 +121,7 @@ def alternative(name: str, restitution: bool) -> list[dict]:
     return [*record["common"], *chosen]
 
 
-def law_of(name: str, restitution: float, speed: float = 1.0) -> hl.contact.Law:
+def law_of(name: str, restitution: float, speed: float = 1.0) -> hl.Law:
     """A law of the given kind whose contacts have ``restitution`` at ``speed``."""
     given = {"restitution": restitution, "impact_speed": speed}
     parameters = alternative(name, restitution=True)
@@ -137,7 +137,7 @@ def damping_name(name: str) -> str:
     return damping
 
 
-def damped(name: str, damping: float) -> hl.contact.Law:
+def damped(name: str, damping: float) -> hl.Law:
     """A law of the given kind with this material constant of damping."""
     parameters = alternative(name, restitution=False)
     known = {damping_name(name): damping}
@@ -182,7 +182,7 @@ restitutions = st.one_of(
 
 
 @st.composite
-def laws(draw, restitution=restitutions) -> hl.contact.Law:
+def laws(draw, restitution=restitutions) -> hl.Law:
     name = draw(st.sampled_from(sorted(hl.LAWS)))
     return law_of(name, draw(restitution), draw(log_floats(0.3, 3.0)))
 

@@ -16,7 +16,7 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from PIL import Image, ImageSequence
 
-from hardlimit.pictures.style import style
+from hardlimit.plots.style import style
 
 
 def along(axis: Axis, values: Any) -> Any:

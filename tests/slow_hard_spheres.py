@@ -20,7 +20,7 @@ class Rule:
 
     name: str = "constant"
     restitution: float = 1.0
-    law: hl.contact.Law | None = None
+    law: hl.Law | None = None
     contact_duration: float = math.nan
 
 

@@ -74,7 +74,7 @@ def package_stub() -> str:
     return "\n".join(dict.fromkeys(lines)) + "\n"
 
 
-STUBS = {"_core.pyi": core_stub, "laws.pyi": laws_stub, "__init__.pyi": package_stub}
+STUBS = {"_core.pyi": core_stub, "contact/laws.pyi": laws_stub, "__init__.pyi": package_stub}
 
 
 def main() -> int:

@@ -4,7 +4,7 @@ down.
     python tools/verify_codes.py --kratos-python PATH --mujoco-python PATH tests/data/code_restitution.csv
 
 Each run takes the numbers that one would take who does not know the code (``usual`` in ``hl.convert``), for several
-restitutions and speeds. ``tests/test_convert.py`` compares what came out with what ``hardlimit`` says of these numbers.
+restitutions and speeds. ``test_convert.py`` compares what came out with what ``hardlimit`` says of these numbers.
 Needed are the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Python with KratosDEMApplication
 and one with mujoco (wheels); a code that is missing is left as it stands in the file. LAMMPS is run by the tests.
 """

@@ -1,6 +1,6 @@
 // The coefficient of restitution that the independent-collisions model would need.
 #pragma once
-#include "../math.hpp"
+#include "../base/math.hpp"
 
 namespace hardlimit::column {
 

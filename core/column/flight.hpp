@@ -1,6 +1,6 @@
 // The fall of the lowest ball, before and between contacts.
 #pragma once
-#include "../math.hpp"
+#include "../base/math.hpp"
 
 namespace hardlimit::column {
 

@@ -19,7 +19,7 @@
 #pragma once
 #include <algorithm>
 
-#include "../stop.hpp"
+#include "../base/stop.hpp"
 #include "effective_restitution.hpp"
 #include "sequence.hpp"
 #include "state.hpp"

@@ -9,7 +9,7 @@
 // A ball that gravity holds closed for good has the height of the static equilibrium. NaN: no bounce above the floor,
 // or no floor.
 #pragma once
-#include "../roots.hpp"
+#include "../base/roots.hpp"
 #include "solve.hpp"
 
 namespace hardlimit::column {

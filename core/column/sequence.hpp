@@ -7,8 +7,8 @@
 // closing. With more than two balls the velocities are not defined and t_f is the end of the last such contact. One
 // ball has the floor contact only: t_f is then its end, or that of the last re-engagement before the gap has opened.
 #pragma once
-#include "../math.hpp"
-#include "../outcome.hpp"
+#include "../base/math.hpp"
+#include "../base/outcome.hpp"
 
 namespace hardlimit::column {
 

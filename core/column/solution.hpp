@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "../stop.hpp"
+#include "../base/stop.hpp"
 #include "energies.hpp"
 #include "sequence.hpp"
 

@@ -6,8 +6,8 @@
 #pragma once
 #include <vector>
 
+#include "../base/outcome.hpp"
 #include "../contact/law.hpp"
-#include "../outcome.hpp"
 #include "flight.hpp"
 
 namespace hardlimit::column {

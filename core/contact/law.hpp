@@ -17,7 +17,7 @@
 //   values(...)              the constants of the contact, in the order of record.constants
 // and `record`, which the bindings, the command line, the documentation and the generic tests read.
 #pragma once
-#include "../math.hpp"
+#include "../base/math.hpp"
 
 namespace hardlimit {
 

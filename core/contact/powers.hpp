@@ -7,7 +7,7 @@
 //   ds/dτ = V/4,  dV/dτ = −s³ (s^4p + c s^4q V),  dt/dτ = s³,
 // integrated at order 8. The laws of registry.hpp are special cases with solutions of their own; the tests compare.
 #pragma once
-#include "../dormand_prince.hpp"
+#include "../base/dormand_prince.hpp"
 
 namespace hardlimit::contact {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "../portable.hpp"
+#include "../base/portable.hpp"
 
 namespace hardlimit::sweep {
 

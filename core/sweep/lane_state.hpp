@@ -61,7 +61,7 @@ HL_FN void clear(M& flag, Same<M> where) {
 
 // ---- events: the definitions of column/sequence.hpp, lane by lane ---------------------------------------------
 // The rules are written twice. column::Sequence counts the open contacts of any number of pairs and branches, whereas a
-// lane holds two balls, needs one bit for what is counted there, and cannot branch. tests/test_sequence_rules.py
+// lane holds two balls, needs one bit for what is counted there, and cannot branch. tests/column/test_sequence_rules.py
 // compares the two over random events.
 
 template <class R>

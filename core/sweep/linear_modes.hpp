@@ -6,9 +6,9 @@
 //   ψᵀ(ẋ + (λ + C) x)/ψᵀ(2λ + C)(r, 1).
 // Motions B (floor alone) and D (pair alone) have one mode each and a parabola beside it.
 #pragma once
+#include "../base/complex.hpp"
+#include "../base/math.hpp"
 #include "../column/exact/groups.hpp"
-#include "../complex.hpp"
-#include "../math.hpp"
 
 namespace hardlimit::sweep::lanes {
 

@@ -11,7 +11,7 @@
 #include <numeric>
 #include <vector>
 
-#include "../parallel.hpp"
+#include "../base/threads.hpp"
 #include "axes.hpp"
 #include "batch.hpp"
 #include "solve_point.hpp"

@@ -28,16 +28,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import hardlimit as hl
-from hardlimit import saving
-from hardlimit.particles import theory
-from hardlimit.particles.fidelity import MODELS, statistics
-from hardlimit.particles.fidelity.lockstep import QUANTITIES
-from hardlimit.particles.fidelity.result import TOTALS
-from hardlimit.particles.fidelity.starts import equilibrated
-from hardlimit.pictures import plots
-from hardlimit.pictures.fidelity import LOOKS
-from hardlimit.pictures.style import GREY, PAGE_WIDTH, style
-from hardlimit.progress import bar
+from hardlimit import plots
+from hardlimit.boxes import theory
+from hardlimit.fidelity_study import MODELS, statistics
+from hardlimit.fidelity_study.replica import QUANTITIES
+from hardlimit.fidelity_study.result import TOTALS
+from hardlimit.fidelity_study.starts import equilibrated
+from hardlimit.plots.fidelity import LOOKS
+from hardlimit.plots.style import GREY, PAGE_WIDTH, style
+from hardlimit.support import saving
+from hardlimit.support.progress import bar
 
 HERE = Path(__file__).parent
 DATA = HERE / "cooling_gas.nc"

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 
 def impacts():

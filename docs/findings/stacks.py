@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 import hardlimit as hl
-from hardlimit.pictures.style import PALETTE, style
+from hardlimit.plots.style import PALETTE, style
 
 ELASTIC = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
 TOP_MASS = 0.01  # of the bottom mass

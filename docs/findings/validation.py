@@ -16,12 +16,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
+from hardlimit.boxes import theory
 from hardlimit.convert.codes import Pair, Written, code
 from hardlimit.paper import figure3
 from hardlimit.paper.drawings import DRAWINGS
 from hardlimit.paper.setup import Setup
-from hardlimit.particles import theory
-from hardlimit.pictures.style import PALETTE, style
+from hardlimit.plots.style import PALETTE, style
 
 DATA = Path(__file__).resolve().parents[2] / "tests" / "data"
 COLOURS = [PALETTE[name] for name in ("blue", "orange", "green", "purple", "vermillion", "sky")]

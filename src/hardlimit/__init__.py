@@ -17,18 +17,18 @@ separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
 from importlib import import_module
 
 from . import _core
-from .approximations import restitution_pade, restitution_series, usual_damping
-from .bodies import FLOOR, Ball
 from .column.comparison import Comparison, Verdict, compare
 from .column.result import Result
 from .column.scenario import PAPER_DENSITY, Column
 from .column.solvers import adiabatic, independent, newton
-from .compression import CompressionWarning
-from .contact import Contact, Law
+from .contact.approximations import restitution_pade, restitution_series, usual_damping
+from .contact.balls import FLOOR, Ball
+from .contact.compression import CompressionWarning
+from .contact.contact import Contact, Law
+from .contact.laws import *  # noqa: F403
+from .contact.laws import LAWS
+from .contact.laws import __all__ as _laws
 from .convert import convert, convert_back
-from .laws import *  # noqa: F403
-from .laws import LAWS
-from .laws import __all__ as _laws
 from .sweep import sweep
 
 __version__: str = _core.version
@@ -43,14 +43,14 @@ _LATER = {
     "fitting.measurements": ("Impacts", "Rebounds"),
     "fitting.result": ("Fit",),
     "oblique": ("ObliqueDrop", "oblique_drop"),
-    "particles.contact_result": ("ContactResult",),
-    "particles.event_driven": ("event_driven",),
-    "particles.fidelity": ("Fidelity", "fidelity"),
-    "particles.lammps.folder": ("lammps_input", "lammps_result"),
-    "particles.molecular_dynamics": ("molecular_dynamics",),
-    "particles.result": ("ParticleResult",),
-    "particles.resuming": ("resume",),
-    "particles.system": ("ParticleSystem",),
+    "boxes.contact_result": ("ContactResult",),
+    "boxes.hard_spheres": ("event_driven",),
+    "fidelity_study": ("Fidelity", "fidelity"),
+    "boxes.lammps.folder": ("lammps_input", "lammps_result"),
+    "boxes.newton": ("molecular_dynamics",),
+    "boxes.result": ("ParticleResult",),
+    "boxes.resume": ("resume",),
+    "boxes.system": ("ParticleSystem",),
     "stacks": ("Stack", "stack"),
 }
 

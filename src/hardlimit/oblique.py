@@ -10,13 +10,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from . import validation
+from .boxes.contact_result import ContactResult
+from .boxes.newton import molecular_dynamics
+from .boxes.system import ParticleSystem
 from .column.result import Result
 from .column.scenario import Column
 from .column.solvers import newton
-from .particles.contact_result import ContactResult
-from .particles.molecular_dynamics import molecular_dynamics
-from .particles.system import ParticleSystem
+from .support import validation
 
 Floats = NDArray[np.float64]
 

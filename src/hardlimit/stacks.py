@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import compression, validation
-from .bodies import Ball
 from .column.result import Result
 from .column.scenario import Column
 from .column.solvers import TOLERANCE, independent, newton
-from .contact import Law
-from .descent import Domain, descend
-from .progress import Report, reporter
+from .contact import compression
+from .contact.balls import Ball
+from .contact.contact import Law
+from .support import validation
+from .support.descent import Domain, descend
+from .support.progress import Report, reporter
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -168,7 +169,7 @@ class Stack:
         >>> two = hl.stack(2, law, bottom_mass=0.6)
         >>> two.plot().savefig("stack.svg")
         """
-        from .pictures import plots
+        from . import plots
 
         return plots.stack(self)
 

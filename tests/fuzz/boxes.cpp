@@ -4,13 +4,13 @@
 #include <type_traits>
 #include <vector>
 
-#include "particles/make_engine.hpp"
+#include "boxes/hard_spheres/make_engine.hpp"
 #include "small_box.hpp"
 
 namespace {
 
 using namespace hardlimit;
-using namespace hardlimit::particles;
+using namespace hardlimit::boxes;
 using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;

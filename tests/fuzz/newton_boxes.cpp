@@ -5,13 +5,13 @@
 #include <memory>
 #include <vector>
 
-#include "particles/newton_events.hpp"
+#include "boxes/newton_events/engine.hpp"
 #include "small_box.hpp"
 
 namespace {
 
 using namespace hardlimit;
-using namespace hardlimit::particles;
+using namespace hardlimit::boxes;
 using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;

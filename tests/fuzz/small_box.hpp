@@ -4,18 +4,17 @@
 #pragma once
 #include <vector>
 
+#include "boxes/hard_spheres/check.hpp"
+#include "boxes/kernels/touch_kernel.hpp"
 #include "check.hpp"
-#include "particles/check.hpp"
-#include "particles/touch_kernel.hpp"
 
 namespace hardlimit::fuzz {
 
 template <int lanes>
-constexpr hardlimit_abi::TouchKernels kernels =
-    particles::touch_kernels<typename Vector<lanes>::Real>("fuzz");
+constexpr hardlimit_abi::TouchKernels kernels = boxes::touch_kernels<typename Vector<lanes>::Real>("fuzz");
 
 struct SmallBox {
-    particles::Setting s{};
+    boxes::Setting s{};
     std::vector<double> position, velocity, radius, mass;
     double large, speed;  // the largest radius there can be [m], the largest component of a velocity [m/s]
 

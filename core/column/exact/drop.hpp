@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 
-#include "../../stop.hpp"
+#include "../../base/stop.hpp"
 #include "../compression.hpp"
 #include "../energies.hpp"
 #include "../state.hpp"

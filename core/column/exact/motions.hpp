@@ -12,7 +12,7 @@
 // parabola itself. Each event is the first zero of a polynomial on [0, 1], found by steps that provably cannot
 // pass it (first_crossing).
 #pragma once
-#include "../../roots.hpp"
+#include "../../base/roots.hpp"
 #include "groups.hpp"
 
 namespace hardlimit::column {

@@ -1,6 +1,6 @@
 // The run of the exact two-ball solver: from event to event until the sequence is over.
 #pragma once
-#include "../../stop.hpp"
+#include "../../base/stop.hpp"
 #include "../sequence.hpp"
 #include "events.hpp"
 #include "glide.hpp"

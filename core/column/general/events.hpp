@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "../../surface.hpp"
+#include "../../base/event_function.hpp"
 #include "motions.hpp"
 
 namespace hardlimit::column::newton {

@@ -52,8 +52,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "../../dormand_prince.hpp"
-#include "../../radau.hpp"
+#include "../../base/dormand_prince.hpp"
+#include "../../base/radau.hpp"
 #include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"

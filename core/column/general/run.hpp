@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "../../roots.hpp"
-#include "../../stop.hpp"
+#include "../../base/roots.hpp"
+#include "../../base/stop.hpp"
 #include "events.hpp"
 #include "rest.hpp"
 

@@ -12,7 +12,7 @@ only).
 import matplotlib.pyplot as plt
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 grain = hl.Ball(radius=5e-4, density=2500)
 wanted = {"restitution": 0.7, "speed": 1.0, "youngs_modulus": 1e8, "poisson_ratio": 0.3}

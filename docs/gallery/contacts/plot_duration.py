@@ -18,7 +18,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 speed = np.geomspace(1e-3, 10.0, 120)
 materials = {  # radius [m], density [kg/m³], Young's modulus [Pa], Poisson's ratio

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 ball = hl.Ball(radius=0.01, density=1000)
 laws = {

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 ball = hl.Ball(radius=5e-3, density=2500)
 speed = np.geomspace(1e-4, 10.0, 200)

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 contact = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=1e-4).between(
     hl.Ball(0.01, density=1000)

@@ -15,7 +15,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 grain = hl.Ball(radius=1e-3, density=2500)
 law = hl.LinearDashpot(stiffness=1e5, restitution=0.7)

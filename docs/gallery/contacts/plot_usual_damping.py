@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 ball, stiffness = hl.Ball(radius=0.01, density=2500), 1e5
 asked = np.linspace(0.02, 1.0, 99)

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 radius, g, box = 1e-3, 9.81, [0.02, 0.02, 0.12]
 lattice = np.stack(np.meshgrid(range(8), range(8), range(10), indexing="ij"), -1).reshape(-1, 3)[:600]

@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 n = 8000
 gas = hl.ParticleSystem.random(n=n, packing_fraction=0.1, radius=1e-3, density=2500, rms_speed=1.0)

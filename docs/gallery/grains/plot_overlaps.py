@@ -14,8 +14,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.particles import theory
-from hardlimit.pictures import plots
+from hardlimit import plots
+from hardlimit.boxes import theory
 
 wanted = np.geomspace(3e-3, 0.2, 6)
 unit = hl.LinearDashpot(stiffness=1.0, restitution=0.95)

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 n, phi = 500, np.array([0.05, 0.1, 0.2, 0.3, 0.4, 0.45])
 found, error = [], []

@@ -20,7 +20,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 balls = [hl.Ball(radius=radius, density=1100) for radius in (0.032, 0.022, 0.016, 0.011)]
 rubber = hl.Viscoelastic(youngs_modulus=5e6, poisson_ratio=0.49, restitution=0.9, impact_speed=3.0)

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 n, bead = 10, hl.Ball(1e-3, density=2500)
 losses = np.linspace(0.0, 5.0, 31)

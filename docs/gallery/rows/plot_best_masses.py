@@ -10,7 +10,7 @@ the way :math:`V t_c` that a ball falls during a contact: each set is the better
 """
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 springs = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
 ends = {"bottom_mass": 1.0, "top_mass": 0.01}

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 ratios = np.geomspace(1e-3, 1.0, 80)
 floor = hl.LinearDashpot(stiffness=1e7, restitution=1.0)

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 column = hl.Column.paper(restitution=0.9, gap=1e-4)
 ratio = np.geomspace(2.0, 40.0, 240)

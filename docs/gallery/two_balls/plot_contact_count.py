@@ -12,7 +12,7 @@ again and again. Each of the 48,000 drops is solved on its own, piecewise exactl
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 ds = hl.sweep(
     hl.Column.paper(),

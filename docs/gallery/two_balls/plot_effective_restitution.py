@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 column = hl.Column.paper(gap=1e-4)
 restitution = np.linspace(0.5, 1.0, 2001)

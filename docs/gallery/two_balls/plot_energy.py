@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 column = hl.Column.paper(restitution=0.7, gap=1e-4, radius_ratio=2)
 newton = hl.newton(column)

@@ -10,7 +10,7 @@ at once, and ends when the force has fallen to zero, which is before the bodies 
 """
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 column = hl.Column.paper(restitution=0.7, gap=1e-4)
 newton = hl.newton(column)

@@ -18,7 +18,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 gap = np.geomspace(1e-6, 2e-2, 700)
 

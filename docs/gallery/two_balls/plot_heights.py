@@ -12,7 +12,7 @@ end where the large ball lands for the second time.
 """
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 column = hl.Column.paper(restitution=0.9, gap=1e-4)
 newton = hl.newton(column)

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 offset = np.geomspace(1e-4, 5e-2, 40)  # m
 

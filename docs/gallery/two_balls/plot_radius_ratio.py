@@ -17,7 +17,7 @@ corner the balls have not parted when the lower one meets the floor again.
 import numpy as np
 
 import hardlimit as hl
-from hardlimit.pictures import plots
+from hardlimit import plots
 
 axes = {"restitution": np.linspace(0.3, 1.0, 160), "radius_ratio": np.linspace(1.0, 6.0, 140)}
 column = hl.Column.paper(gap=1e-4)

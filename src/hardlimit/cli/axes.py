@@ -9,9 +9,9 @@ import click
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import units, validation
-from ..contact import law_parameters
-from ..laws import LAWS
+from ..contact.contact import law_parameters
+from ..contact.laws import LAWS
+from ..support import units, validation
 from ..sweep.parameters import contact_name, geometry
 from .options import F, option_name, options
 

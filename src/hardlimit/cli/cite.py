@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .. import citations
+from ..support import citations
 from .printing import console, show, table
 from .program import Command
 

@@ -10,12 +10,13 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import compression, validation
-from ..approximations import usual_damping
-from ..bodies import FLOOR, Ball
 from ..column import files
 from ..column.scenario import Column
-from ..contact import Contact, Law, law_parameters
+from ..contact import compression
+from ..contact.approximations import usual_damping
+from ..contact.balls import FLOOR, Ball
+from ..contact.contact import Contact, Law, law_parameters
+from ..support import validation
 from .drop_report import law_text
 from .options import (
     F,
@@ -236,7 +237,7 @@ def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] |
 
 def draw(made: Contact, path: Path, dpi: float | None) -> None:
     """Restitution over speed, or, for a spring and a dashpot, obtained over asked."""
-    from ..pictures import plots
+    from .. import plots
 
     if not takes_usual_formula(made.law):
         middle = made.law.parameters.get("impact_speed", 1.0)

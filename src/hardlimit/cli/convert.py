@@ -9,14 +9,14 @@ from typing import Any
 
 import click
 
-from .. import validation
-from ..bodies import FLOOR, Ball
 from ..column.files import prefixed
+from ..contact.balls import FLOOR, Ball
 from ..convert import convert as converted
 from ..convert import convert_back
 from ..convert.codes import code, names
 from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers, Obtained
 from ..convert.wanted import LAWS
+from ..support import validation
 from .options import options, quantity_option
 from .printing import console, digits, length, print_json, quantity, show, table
 from .program import Command

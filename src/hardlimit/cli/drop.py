@@ -12,8 +12,8 @@ from ..column import files
 from ..column.comparison import Comparison, compare
 from ..column.result import Result
 from ..column.solvers import newton
-from ..compression import CompressionWarning
-from ..progress import bar
+from ..contact.compression import CompressionWarning
+from ..support.progress import bar
 from .drop_report import as_mapping, print_report, save_results
 from .options import (
     column_from,
@@ -80,11 +80,11 @@ def write_outputs(
     if outputs["toml"]:
         files.write(shown.column, outputs["toml"])
     if outputs["plot"]:
-        from ..pictures import plots
+        from .. import plots
 
         plots.save(plots.drop(shown, found.independent, found.adiabatic), outputs["plot"], dpi)
     if outputs["animate"]:
-        from ..pictures.animation import animate
+        from ..plots.animation import animate
 
         with bar("film") as report:
             animate(shown, outputs["animate"], ghost=found.independent, progress=report)

@@ -10,14 +10,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import compression, saving
 from ..column import files
 from ..column.comparison import Comparison
+from ..column.models import MODELS
 from ..column.result import Result
 from ..column.scenario import Column
 from ..column.solvers import newton
-from ..contact import Law, law_parameters
-from ..models import MODELS
+from ..contact import compression
+from ..contact.contact import Law, law_parameters
+from ..support import saving
 from .printing import console, digits, length, plain, quantity, show, table
 
 if TYPE_CHECKING:

@@ -9,16 +9,16 @@ from typing import Any
 import click
 import numpy as np
 
-from ..bodies import FLOOR, Ball
 from ..column import files
 from ..column.scenario import STANDARD_GRAVITY
-from ..contact import Law, law_parameters
+from ..contact.balls import FLOOR, Ball
+from ..contact.contact import Law, law_parameters
+from ..contact.laws import LAWS
 from ..fitting import fit as fitted
 from ..fitting.files import read_measurements
 from ..fitting.likelihood import Estimate
 from ..fitting.measurements import Measured
 from ..fitting.result import Fit, as_mapping
-from ..laws import LAWS
 from .contact import body_options, make_ball, other_ball
 from .options import (
     dpi_option,
@@ -85,7 +85,7 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
         console(stderr=True).print(f"hardlimit fit: {warning.message}", markup=False, soft_wrap=True)
     found = computed(data, law, fixed, given)
     if plot:
-        from ..pictures import plots
+        from .. import plots
 
         plots.save(plots.fit(found), plot, given["dpi"])
     if as_json:

@@ -11,13 +11,13 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from ..particles import files
-from ..particles.course import Course
-from ..particles.event_driven import RULES
-from ..particles.formats.frame import Append
-from ..particles.result import ParticleResult
-from ..particles.system import BOUNDARIES, ParticleSystem
-from ..progress import Report, bar
+from ..boxes import files
+from ..boxes.files.frame import Append
+from ..boxes.hard_spheres import RULES
+from ..boxes.result import ParticleResult
+from ..boxes.run import Course
+from ..boxes.system import BOUNDARIES, ParticleSystem
+from ..support.progress import Report, bar
 from .gas_compare import make_command
 from .gas_contacts import engine_options, refuse_without_engine, run_contacts
 from .gas_job import make_job
@@ -143,7 +143,7 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
         how = {"rule": result.settings.words()}
         written.append(save(result, job.outputs["save"], how, "collisions"))
     if job.outputs["plot"]:
-        from ..pictures import plots
+        from .. import plots
 
         written.append(plots.save(plots.gas(result), job.outputs["plot"], dpi))
     if as_json:
@@ -161,7 +161,7 @@ def carry_out(course: Course, outputs: dict[str, Path | None]) -> ParticleResult
             return course.run(report)
         instants = frames(course, report, append)
         if outputs["animate"]:
-            from ..pictures.grain_film import film
+            from ..plots.grain_film import film
 
             film(outputs["animate"], instants, course.target.span)
         for _ in instants:

@@ -9,11 +9,11 @@ from typing import Any, Final
 
 import click
 
-from .. import processors, validation
-from ..contact import Law
-from ..laws import LinearDashpot
-from ..particles.fidelity import MODELS, Fidelity, fidelity
-from ..particles.system import ParticleSystem, described
+from ..boxes.system import ParticleSystem, described
+from ..contact.contact import Law
+from ..contact.laws import LinearDashpot
+from ..fidelity_study import MODELS, Fidelity, fidelity
+from ..support import processors, validation
 from . import gas_job
 from .options import (
     dpi_option,
@@ -101,7 +101,7 @@ def make_command(start_options: Callable[[Any], Any]) -> click.Command:
         if job.outputs["out"]:
             written.append(found.save(job.outputs["out"]))
         if job.outputs["plot"]:
-            from ..pictures import plots
+            from .. import plots
 
             written.append(plots.save(found.plot(), job.outputs["plot"], dpi))
         if as_json:
@@ -194,7 +194,7 @@ def _law(present: Law | None, name: str | None, parameters: dict[str, float], of
 
 def print_report(start: ParticleSystem, found: Fidelity, files: list[Path]) -> None:
     """The system, differences at the end, when they left their bars, one sentence."""
-    from ..particles.fidelity import words
+    from ..fidelity_study import report as words
 
     out = console()
     what = "spheres" if start.dimension == 3 else "disks"

@@ -7,10 +7,10 @@ from typing import Any, Final
 
 import click
 
-from ..particles.contact_result import ContactResult, choice, quantities
-from ..particles.lammps.folder import lammps_input
-from ..particles.molecular_dynamics import NAMES, molecular_dynamics
-from ..particles.system import ParticleSystem, described
+from ..boxes.contact_result import ContactResult, choice, quantities
+from ..boxes.lammps.folder import lammps_input
+from ..boxes.newton import NAMES, molecular_dynamics
+from ..boxes.system import ParticleSystem, described
 from .gas_job import ContactJob, make_contact_job
 from .gas_report import mapping, save
 from .options import options, output_option, quantity_option

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from .. import toml, units, validation
+from ..boxes import hard_spheres as runs
+from ..boxes.checkpoint import checked_path
+from ..boxes.files import FORMATS
+from ..boxes.result import Settings
+from ..boxes.run import Course, load
+from ..boxes.system import ParticleSystem
 from ..column import files as columns
 from ..column.scenario import Column
-from ..contact import Law
-from ..particles import event_driven as runs
-from ..particles.checkpoint import checked_path
-from ..particles.course import Course, load
-from ..particles.files import FORMATS
-from ..particles.result import Settings
-from ..particles.system import ParticleSystem
+from ..contact.contact import Law
+from ..support import toml, units, validation
 from .options import film, given_law_parameters, picture, writable
 
 #: Units of what a random start takes; None where it takes no quantity.

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from .. import saving
-from ..particles import theory
-from ..particles.contact_result import ContactResult
-from ..particles.result import ParticleResult, quantities
-from ..particles.system import ParticleSystem, described
+from ..boxes import theory
+from ..boxes.contact_result import ContactResult
+from ..boxes.result import ParticleResult, quantities
+from ..boxes.system import ParticleSystem, described
+from ..support import saving
 from .printing import console, digits, plain, show, table
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import toml
 from ..column import files
 from ..column.scenario import Column
+from ..support import toml
 from .axes import axis, units_of
 from .options import all_law_parameters, file_name, given_law_parameters, picture, writable
 

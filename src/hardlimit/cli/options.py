@@ -10,11 +10,11 @@ from typing import Any, TypeVar
 
 import click
 
-from .. import units, validation
 from ..column import files
 from ..column.scenario import Column
-from ..contact import Law, law_parameters
-from ..laws import LAWS
+from ..contact.contact import Law, law_parameters
+from ..contact.laws import LAWS
+from ..support import units, validation
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -205,7 +205,7 @@ def picture(option: str, path: str | None) -> Path | None:
     """
     if path is None:
         return None
-    from ..pictures.style import endings
+    from ..plots.style import endings
 
     return writable(option, path, *endings())
 
@@ -220,7 +220,7 @@ def film(option: str, path: str | None) -> Path | None:
     """
     target = writable(option, path, ".mp4", ".gif")
     if target is not None and target.suffix.lower() == ".mp4":
-        from ..pictures.video import require_ffmpeg
+        from ..plots.video import require_ffmpeg
 
         require_ffmpeg()
     return target
@@ -241,7 +241,7 @@ def _resolution(ctx: click.Context, param: click.Parameter, value: float | None)
     """Refused before anything is computed."""
     if value is None:
         return None
-    from ..pictures.style import RESOLUTIONS
+    from ..plots.style import RESOLUTIONS
 
     try:
         return validation.number("--dpi", value, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)

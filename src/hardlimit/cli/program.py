@@ -16,7 +16,7 @@ from typing import Any, TextIO
 import click
 from click.core import ParameterSource
 
-from ..compression import CompressionWarning
+from ..contact.compression import CompressionWarning
 
 #: What a message is about: a parameter, its place in a list, or several.
 PARAMETER = re.compile(r"(\w+)((?:\[\d+\])*)")

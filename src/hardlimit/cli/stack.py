@@ -7,10 +7,10 @@ from typing import Any
 import click
 import numpy as np
 
-from .. import validation
-from ..contact import Law
+from ..contact.contact import Law
 from ..stacks import MOST_BALLS, Stack
 from ..stacks import stack as best
+from ..support import validation
 from .contact import chosen_law
 from .drop_report import law_text
 from .options import dpi_option, given_law_parameters, law_options, output_option, picture, quantity_option
@@ -55,7 +55,7 @@ def stack(law: str | None, n: int, as_json: bool, plot: str | None, **given: Any
     rule = chosen_law(law, given_law_parameters(given))
     found = computed(rule, n, given)
     if path:
-        from ..pictures import plots
+        from .. import plots
 
         plots.save(plots.stack(*found.values()), path, given["dpi"])
     if as_json:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..models import MODELS
-from ..progress import bar
+from ..column.models import MODELS
+from ..support.progress import bar
 from ..sweep import ENGINES, VARIABLES
 from ..sweep import sweep as compute
 from .axes import Axis, geometry_options
@@ -90,7 +90,7 @@ def draw(ds: xr.Dataset, job: Job, dpi: float | None) -> None:
     """The pictures asked for; the difference needs the other model as well."""
     if not any(job.pictures.values()):
         return
-    from ..pictures import plots
+    from .. import plots
 
     if job.pictures["plot"]:
         variable = job.run["variables"][0] if job.run["variables"] else "n_contacts"

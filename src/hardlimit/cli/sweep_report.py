@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import saving
+from ..support import saving
 from ..sweep.variables import BALL
 from .printing import console, digits, plain, quantity, show, table
 

@@ -10,8 +10,9 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, html
-from ..models import ADIABATIC, MODELS
+from .. import _core
+from ..support import html
+from .models import ADIABATIC, MODELS
 from .result import Result, quantities
 from .scenario import Column
 from .solvers import adiabatic, independent, newton

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from .. import saving, toml, units, validation
-from ..bodies import Ball
-from ..contact import Law, law_parameters
-from ..laws import LAWS
+from ..contact.balls import Ball
+from ..contact.contact import Law, law_parameters
+from ..contact.laws import LAWS
+from ..support import saving, toml, units, validation
 from .scenario import STANDARD_GRAVITY, Column
 
 if TYPE_CHECKING:

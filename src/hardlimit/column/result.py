@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _core, compression, html, validation
-from ..models import MODELS, Model
+from .. import _core
+from ..contact import compression
+from ..support import html, validation
+from .models import MODELS, Model
 from .scenario import Column
 
 PAIRS: Final = "0 = floor and lowest ball, 1 = lowest and second, …"
@@ -391,7 +393,7 @@ class Result:
         >>> figure = hl.newton(hl.Column.paper()).plot()
         >>> figure.savefig("forces.svg")
         """
-        from ..pictures import plots
+        from .. import plots
 
         return plots.forces(self)
 
@@ -425,7 +427,7 @@ class Result:
         >>> print(drop.animate("drop.gif", width=160, frames_per_second=1))
         drop.gif
         """
-        from ..pictures import animation
+        from ..plots import animation
 
         return animation.animate(self, path, **options)
 

@@ -12,10 +12,11 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, html, validation
-from ..bodies import FLOOR, Ball, Floor
-from ..contact import Contact, Law
-from ..laws import LinearDashpot
+from .. import _core
+from ..contact.balls import FLOOR, Ball, Floor
+from ..contact.contact import Contact, Law
+from ..contact.laws import LinearDashpot
+from ..support import html, validation
 
 #: Density with which the paper's stated facts come out [kg/m³]; inferred, the paper prints none.
 PAPER_DENSITY: Final = 840.0

@@ -6,8 +6,8 @@ from typing import Any
 
 from msgspec import Struct, defstruct
 
-from ..contact import law_parameters
-from ..laws import LAWS
+from ..contact.contact import law_parameters
+from ..contact.laws import LAWS
 
 #: A number in SI units, or a text with its unit such as "1 mm".
 Quantity = float | str

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final, Literal, get_args
 
-from .. import validation
-from ..models import ADIABATIC, INDEPENDENT, NEWTON, Model
+from ..support import validation
+from .models import ADIABATIC, INDEPENDENT, NEWTON, Model
 from .result import Result
 from .scenario import Column
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..bodies import Ball, Floor
+from ..contact.balls import Ball, Floor
 
 if TYPE_CHECKING:
     from .conversion import Conversion, Obtained

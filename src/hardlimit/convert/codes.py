@@ -14,7 +14,7 @@ from functools import cached_property, lru_cache
 from importlib import resources
 from typing import Any, Final, Literal
 
-from .. import toml, validation
+from ..support import toml, validation
 from .force import Force, Powers
 from .formulas import FORMULAS, inverse
 from .readers import READERS

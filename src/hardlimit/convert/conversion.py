@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
-from .. import _core, validation
-from ..bodies import FLOOR, Ball, Floor
-from ..particles.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
+from .. import _core
+from ..boxes.time_step import DEFAULT_ERROR, LARGEST_ERROR, SMALLEST_ERROR
+from ..contact.balls import FLOOR, Ball, Floor
+from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
 from .force import Force, Powers

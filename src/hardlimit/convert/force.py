@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from .. import _core
-from ..contact import Floats
-from ..particles.lammps import half_steps
+from ..boxes.lammps import half_steps
+from ..contact.contact import Floats
 
 #: With more damping than this in units of the spring, no code's contact is meant.
 MOST_DAMPING: Final = 1e6

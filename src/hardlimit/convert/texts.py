@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 
-from .. import validation
+from ..support import validation
 from .codes import Code, Model, Pair, listed
 from .grammar import NUMBER, refusal
 from .readers import READERS, UNITS, Asked, Reading, Setting, Settings, same

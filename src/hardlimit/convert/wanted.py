@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
-from .. import validation
+from ..support import validation
 from .force import Force, Powers
 from .springs import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
 

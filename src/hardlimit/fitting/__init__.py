@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .. import validation
-from ..bodies import FLOOR, Ball, Floor
-from ..contact import Law
-from ..progress import Report, reporter
+from ..contact.balls import FLOOR, Ball, Floor
+from ..contact.contact import Law
+from ..support import validation
+from ..support.progress import Report, reporter
 from .candidates import candidate, rivals
 from .likelihood import minimum
 from .measurements import Measured

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
-from .. import validation
-from ..bodies import FLOOR, Ball, Floor
-from ..contact import RESTITUTION, Law, law_parameters
-from ..laws import LAWS
+from ..contact.balls import FLOOR, Ball, Floor
+from ..contact.contact import RESTITUTION, Law, law_parameters
+from ..contact.laws import LAWS
+from ..support import validation
 
 Floats = NDArray[np.float64]
 

@@ -16,8 +16,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Final
 
-from .. import units, validation
 from ..column.scenario import STANDARD_GRAVITY, Column
+from ..support import units, validation
 from .measurements import OBSERVED, Impacts, Measured, Rebounds
 
 #: Unit of each column a file may have.

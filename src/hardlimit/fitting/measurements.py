@@ -16,10 +16,10 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
-from .. import validation
 from ..column.scenario import STANDARD_GRAVITY, Column
 from ..column.solvers import independent, newton
-from ..contact import Law, Values
+from ..contact.contact import Law, Values
+from ..support import validation
 from .candidates import Candidate
 
 Floats = NDArray[np.float64]

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import html
-from ..contact import RESTITUTION, Contact, Law
+from ..contact.contact import RESTITUTION, Contact, Law
+from ..support import html
 from .candidates import IMPACT_SPEED, Candidate
 from .likelihood import SCATTER, Estimate, Minimum, chi_square_probability
 from .measurements import Impacts, Measured, Rebounds
@@ -218,7 +218,7 @@ class Fit:
         ... )
         >>> hl.fit(impacts, "viscoelastic").plot().savefig("fit.svg")
         """
-        from ..pictures import plots
+        from .. import plots
 
         return plots.fit(self)
 

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from .. import saving, validation
 from ..column.scenario import PAPER_DENSITY
+from ..support import saving, validation
 from . import density as inference
 from . import misprints, statements
 from .data import FIGURES, Data
@@ -101,7 +101,7 @@ def run(
 
 
 def _resolution(dpi: float | None) -> float:
-    from ..pictures.style import checked_resolution  # drawing is imported when something is drawn
+    from ..plots.style import checked_resolution  # drawing is imported when something is drawn
 
     return checked_resolution(dpi)
 
@@ -162,7 +162,7 @@ def _write_density(folder: Path, scan: xr.Dataset, look: _Look) -> list[Path]:
 
 def _write(stem: Path, figure: Figure, data: xr.Dataset, look: _Look) -> list[Path]:
     """One figure as a picture and as data."""
-    from ..pictures.style import save
+    from ..plots.style import save
 
     picture = save(figure, stem.with_name(f"{stem.name}.{look.format}"), look.dpi)
     return [picture, _write_data(data, stem.with_name(f"{stem.name}.nc"))]

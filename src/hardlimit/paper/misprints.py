@@ -8,7 +8,7 @@ import numpy as np
 
 from ..column.scenario import Column
 from ..column.solvers import adiabatic, newton
-from ..laws import LAWS
+from ..contact.laws import LAWS
 from .report import Row
 from .setup import Setup
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from ..bodies import Ball
 from ..column.scenario import PAPER_DENSITY, Column
-from ..laws import LAWS
+from ..contact.balls import Ball
+from ..contact.laws import LAWS
 
 #: Δh of Figs. 2, 3, 6, 7 and 8 [m], and R1/R2 of Figs. 2, 3 and 5.
 GAP: Final = 1e-4

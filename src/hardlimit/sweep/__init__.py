@@ -8,9 +8,9 @@ from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import processors, validation
 from ..column.scenario import Column
-from ..progress import reporter
+from ..support import processors, validation
+from ..support.progress import reporter
 from .chunks import Chunks
 from .engines import ENGINES, Engine
 from .memory import Memory, insist_on_room

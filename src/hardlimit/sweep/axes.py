@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import validation
+from ..support import validation
 from .computation import Coordinate
 from .parameters import Parameter
 from .variables import BALL, VARIABLES

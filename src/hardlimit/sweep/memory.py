@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..room import available_memory, shown_bytes
+from ..support.memory import available_memory, shown_bytes
 from .chunks import Chunks
 from .computation import Computation, Values, dataset
 

@@ -12,9 +12,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core, models, validation
+from .. import _core
+from ..column import models
 from ..column.scenario import Column
-from ..contact import RESTITUTION, Law
+from ..contact.contact import RESTITUTION, Law
+from ..support import validation
 from .axes import Axes
 from .computation import Coordinate, Report, Values, Variable
 from .parameters import Parameter, contact_name, geometry, of_law

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from .. import locking, validation
+from ..support import locking, validation
 from .chunks import Chunks
 from .computation import Computation, Coordinate, Values, Variable, labels
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
-from ...pictures.style import style
+from ...plots.style import style
 from .caption import write_caption
 from .counts import count_maps
 from .density import density

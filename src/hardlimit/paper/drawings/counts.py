@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FormatStrFormatter
 
-from ...pictures.labels import QUANTITIES
-from ...pictures.maps import label_regions
-from ...pictures.style import MOST_COUNTED, PAGE_WIDTH, count_colours
+from ...plots.labels import QUANTITIES
+from ...plots.maps import label_regions
+from ...plots.style import MOST_COUNTED, PAGE_WIDTH, count_colours
 from .caption import quantity, typeset
 
 if TYPE_CHECKING:

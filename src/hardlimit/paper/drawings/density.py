@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from matplotlib.figure import Figure
 
-from ...pictures.style import PAGE_WIDTH, PALETTE, style
+from ...plots.style import PAGE_WIDTH, PALETTE, style
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
-from ...pictures.style import PAGE_WIDTH, pair_colour, pair_label
+from ...plots.style import PAGE_WIDTH, pair_colour, pair_label
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
-from ...pictures.labels import QUANTITIES
-from ...pictures.style import PAGE_WIDTH, PALETTE
+from ...plots.labels import QUANTITIES
+from ...plots.style import PAGE_WIDTH, PALETTE
 
 if TYPE_CHECKING:
     import xarray as xr

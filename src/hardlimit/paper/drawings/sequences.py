@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FormatStrFormatter
 
-from ...pictures.labels import QUANTITIES
-from ...pictures.style import PAGE_WIDTH, PALETTE
+from ...plots.labels import QUANTITIES
+from ...plots.style import PAGE_WIDTH, PALETTE
 from .caption import quantity, typeset
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bodies import FLOOR
-from ...laws import LAWS
+from ...contact.balls import FLOOR
+from ...contact.laws import LAWS
 from ..data import Data
 from ..sampling import late_contacts, maxima
 from ..setup import INPUT_SPEED, POISSON_RATIO, YOUNGS_MODULUS_INSET

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from ... import _core, cluster
+from ... import _core
+from ...support import cluster
 from ..chunks import Chunks
 from ..computation import Computation, Report, Values
 

@@ -1,0 +1,36 @@
+// The largest compression of an event-driven run, if its impacts were contacts of the law.
+//
+// The contact is solved only of those impacts that may have been the deepest so far. Without damping one would be as
+// deep as its energy e allows, and less where the path leads past the other body: ξ² + 2 (v_t/v_n)² (e²/l) ξ = e² under
+// the linear law, so that ξ <= e/(1 + (v_t/v_n)² e/l). Impacts are compared by this bound.
+#pragma once
+#include "planar_contact.hpp"
+
+namespace hardlimit::boxes {
+
+struct DeepestImpact {
+    double bound = 0.0;              // the largest so far, over the smaller radius
+    double compression = math::nan;  // of the impacts solved, over the smaller radius
+    bool too_deep = false;           // beyond deepest_compression
+};
+
+// `radius`: the smaller one [m].
+template <class Law>
+void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, double radius) {
+    constexpr int p = Law::onset_power;
+    const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
+    const double asked = math::min(deepest.bound, deepest_compression);
+    if (!(energy > law.energy(onset_root<p>(asked * radius)))) return;
+    const double s = column::newton::solve_power([&](double x) { return law.energy(x); }, energy);
+    const double elastic = column::newton::power<p>(s), share = a.tangential_speed / a.normal_speed;
+    const double bound = elastic / (1.0 + share * share * (elastic / a.distance)) / radius;
+    if (!(bound > asked)) return;
+    deepest.bound = math::max(deepest.bound, bound);
+    const PlanarContact contact = solve_planar_contact(law, a);
+    const double given_up = PlanarRun<Law>::deepest * a.distance;
+    const double found = (contact.outcome == Outcome::too_deep ? given_up : contact.greatest) / radius;
+    if (!(found <= deepest.compression)) deepest.compression = found;
+    deepest.too_deep = found >= deepest_compression;
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,34 @@
+// What the soft rule does to a pair. The path after the contact, followed backwards as free flight to the instant of
+// touch, starts at r* = r(t_c) − t_c v(t_c) with the velocity v* = v(t_c); at a wall across gravity it is the
+// parabola through the end of the contact. A pair that is put there at touch and flies on freely is on the path of
+// Newton's equations from t_c on.
+#pragma once
+#include "planar_contact.hpp"
+
+namespace hardlimit::boxes {
+
+// Of the relative motion (first body less second, body less wall), along the line of centres at touch, from the second
+// body to the first, and along the relative velocity across it.
+struct DrawnBack {
+    double normal_velocity, tangential_velocity;  // v* [m/s]
+    double normal_shift, tangential_shift;        // r* − r at touch [m]
+};
+
+// Two bodies. The shift is formed from small parts, so that it keeps its digits where l is 1e8 times as large.
+HL_FN DrawnBack draw_back(const Approach& a, const PlanarContact& end) {
+    const double t = end.duration;
+    if (a.distance == math::infinity) {
+        const double fallen = a.gravity * t;
+        return {end.radial_speed + fallen, a.tangential_speed,
+                -end.compression - t * (end.radial_speed + 0.5 * fallen), 0.0};
+    }
+    const auto half = math::sincos(0.5 * end.turn);
+    const double sine = 2.0 * half.sin * half.cos, versine = 2.0 * half.sin * half.sin;  // 1 − cos
+    const double cosine = 1.0 - versine;
+    const double normal = end.radial_speed * cosine - end.tangential_speed * sine;
+    const double across = end.radial_speed * sine + end.tangential_speed * cosine;
+    return {normal, across, -end.compression * cosine - a.distance * versine - t * normal,
+            (a.distance - end.compression) * sine - t * across};
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,451 @@
+// The isolated contact of two spheres in the plane of their approach, of any law (P. Müller and T. Pöschel, Phys.
+// Rev. E
+// 87, 033301 (2013)). r is the distance of the centres, l that at touch, ξ = l − r the compression, h = l v_t:
+//   ξ̈ = −F(ξ, ξ̇)/m_eff − h²/r³ + g,   θ̇ = h/r²,   ξ = 0, ξ̇ = v_n at touch,
+// until F = 0. θ is the angle by which the line of centres has turned. At a wall the distance is infinite: nothing
+// turns, and g is the acceleration that presses the body against the wall. Between two bodies common gravity drops out.
+//
+// Units: length L, speed V, time L/V, so that a contact 1e-8 l deep keeps its digits. With ξ = L X, c = v_t² L/(l V²),
+// λ = L/l, f = F L/(m_eff V²) and w = 1 − λX:
+//   dU/dT = −f − c/w³ + gL/V²,   turn = (v_t/V) λ (T + λ J),   dJ/dT = X (2 − λX)/w².
+// L is the depth of an elastic impact at v_n, divided by 1 + c, because c alone would turn the motion around at
+// 1/(2c): a contact that the path leaves before any force acts is as well scaled as a head-on one.
+//
+// Order. A force like ξ^{3/2} has a singular derivative at touch. With X = σ^p, p = Law::onset_power, and dT =
+// σ^{p−1} dτ the equations have none: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which the
+// solution is smooth.
+//
+// The end is where the law says that the force ends (law.hpp). While bodies separate without a force r̈ = h²/r³ >=
+// 0, and the slack never falls: such a contact does not begin again. Between two bodies ξ̈ < 0 throughout, so that
+// it always ends. At a wall gravity may hold a contact closed. Once it is compressed anew it never ends: the orbit
+// in the plane of (ξ, ξ̇) stays inside the loop it has drawn, and the line of zero force, which begins at the
+// origin, does not enter there.
+#pragma once
+#include "../../base/outcome.hpp"
+#include "../../column/general/motions.hpp"
+
+namespace hardlimit::boxes {
+
+// Two bodies at the instant of touch.
+struct Approach {
+    double effective_mass;          // [kg]
+    double distance;                // of the centres [m]; infinite at a wall
+    double normal_speed;            // at which they approach [m/s], > 0
+    double tangential_speed = 0.0;  // [m/s], >= 0
+    double gravity = 0.0;           // that presses a body against a wall [m/s²]
+};
+
+// The energy of a slower one may be too small for a number [m/s].
+inline constexpr double slowest_approach = 1e-100;
+
+// The end of a contact. Where there is none (`outcome`) the numbers are NaN, but for the greatest compression at rest.
+struct PlanarContact {
+    Outcome outcome;
+    double duration;          // from touch to zero force [s]; infinite if the contact never ends
+    double turn;              // of the line of centres [rad]
+    double compression;       // that is left when the force has ended [m]
+    double radial_speed;      // at which the bodies separate along the line of centres [m/s]
+    double tangential_speed;  // across it [m/s]
+    double speed_loss;        // normal_speed − radial_speed [m/s], with its own digits
+    double rate_square;       // ∫ (dξ/dt)² dt [m²/s]: the virial needs it
+    double greatest;          // compression [m]
+};
+
+// During a contact, or after it.
+struct PlanarState {
+    double time;         // since touch [s]
+    double compression;  // l − r [m]; negative once the bodies are apart
+    double rate;         // of compression [m/s]
+    double turn;         // [rad]
+};
+
+// Angular momentum is kept.
+HL_FN double tangential_speed(const Approach& a, double compression) {
+    return a.distance == math::infinity ? a.tangential_speed
+                                        : a.tangential_speed * (a.distance / (a.distance - compression));
+}
+
+// The equations of motion in the units above.
+template <class Law>
+struct PlanarMotion {
+    static constexpr int p = Law::onset_power;
+    enum : int {
+        root_depth,
+        rate,
+        time,
+        loss,
+        turn,
+        square,
+        dimension
+    };  // σ, U, T, ∫(f − f_elastic) dX, J, ∫U² dT
+
+    const Law* law;
+    Approach approach;
+    double root, length, speed;                // L^{1/p}, L, V
+    double force_unit, ratio, swing, gravity;  // L/(m V²), λ, c, gL/V²
+
+    PlanarMotion(const Law& of, const Approach& a) : law(&of), approach(a) {
+        const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
+        const auto stored = [&](double s) { return of.energy(s); };
+        const double elastic = power(column::newton::solve_power(stored, energy));
+        const double share = a.tangential_speed / a.normal_speed;
+        length = elastic / (1.0 + share * share * (elastic / a.distance));
+        speed = a.normal_speed;
+        if (a.gravity * length > faint_pull * speed * speed) rescale_under_gravity(of);
+        root = onset_root<p>(length);
+        const double slowness = a.tangential_speed / speed;
+        force_unit = length / speed / speed / a.effective_mass;
+        ratio = length / a.distance;
+        swing = slowness * slowness * ratio;
+        gravity = a.gravity * length / speed / speed;
+    }
+
+    static constexpr double faint_pull = 1e-30;  // in units of V²/L: no weight presses deeper than the impact
+    static double power(double s) { return column::newton::power<p>(s); }
+
+    void operator()(const double* y, double* dy) const {
+        const double s = root * y[root_depth], closing = speed * y[rate];
+        const double x = power(y[root_depth]), clock = column::newton::power<p - 1>(y[root_depth]);
+        const double force = force_unit * law->force(s, closing);
+        const double damping = force - force_unit * law->force(s, 0.0);  // exactly zero where none is
+        const double inverse = 1.0 / (1.0 - ratio * x), inverse2 = inverse * inverse;
+        dy[root_depth] = y[rate] * (1.0 / p);
+        dy[rate] = -clock * ((force + swing * (inverse2 * inverse)) - gravity);
+        dy[time] = clock;
+        dy[loss] = clock * damping * y[rate];
+        dy[turn] = clock * (x * (2.0 - ratio * x) * inverse2);
+        dy[square] = clock * (y[rate] * y[rate]);
+    }
+
+    // Falls to zero where the force ends, with its derivative in τ. Written as a simple zero also for a contact
+    // that ends at ξ = 0.
+    struct Surface {
+        double value, slope;
+    };
+    Surface end_surface(const double* y, const double* dy) const {
+        const double closing = speed * y[rate];
+        const Slack slack = law->slack(closing);
+        if (!(slack.depth > 0.0)) return {y[root_depth], dy[root_depth]};
+        const double least = onset_root<p>(slack.depth) / root;
+        const double share = slack.slope * closing / slack.depth;  // d ln depth/d ln rate
+        return {y[root_depth] - least, dy[root_depth] - least * share * dy[rate] / (p * y[rate])};
+    }
+
+    PlanarState state(const double* y) const {
+        const double x = power(y[root_depth]);
+        const double angle = y[time] + ratio * y[turn];
+        const double turned =
+            approach.distance == math::infinity ? 0.0 : approach.tangential_speed / speed * ratio * angle;
+        return {y[time] * (length / speed), length * x, speed * y[rate], turned};
+    }
+
+    // The end as the law states it, the state there being known to rounding. The speed of separation follows from
+    // the balance of energy: an undamped contact returns all of it, to the last bit.
+    PlanarContact finish(const double* y) const {
+        const PlanarState at = state(y);
+        const double left = math::max(law->slack(at.rate).depth, 0.0), x = left / length;
+        const double start = approach.normal_speed / speed, w = 1.0 - ratio * x;
+        const double stored = force_unit / length * law->energy(onset_root<p>(left));
+        const double lost =
+            2.0 * (y[loss] + stored) + x * (swing * (2.0 - ratio * x) / (w * w) - 2.0 * gravity);
+        PlanarContact end{Outcome::ok,
+                          at.time,
+                          at.turn,
+                          left,
+                          -at.rate,
+                          0.0,
+                          approach.normal_speed + at.rate,
+                          speed * length * y[square],
+                          math::nan};
+        if (lost < 0.75 * start * start) {
+            end.radial_speed = speed * math::sqrt(start * start - lost);
+            end.speed_loss = speed * lost / (start + end.radial_speed / speed);
+        }
+        end.tangential_speed = boxes::tangential_speed(approach, left);
+        return end;
+    }
+
+private:
+    // A slow body is accelerated by its weight, and pressed deeper than its speed alone would press it.
+    void rescale_under_gravity(const Law& of) {
+        const double weight = approach.effective_mass * approach.gravity;
+        const auto mean_force = [&](double s) { return of.energy(s) / power(s); };
+        length += power(column::newton::solve_power(mean_force, weight));
+        speed = math::max(speed, math::sqrt(approach.gravity * length));
+    }
+};
+
+// Integrates a contact from touch to its end.
+template <class Law>
+class PlanarRun {
+public:
+    static constexpr double tolerance = 1e-14;  // relative, of one step
+    // In τ. A force of a high power of σ begins so slowly that the estimator does not see the error.
+    static constexpr double longest_step = 0.2;
+    static constexpr double deepest = 0.5;  // of the distance: there a contact of two bodies is given up
+    static constexpr long most_steps = 1'000'000;
+    static constexpr double strong_pull = 1e17;  // beside which the force of a contact is rounding
+    static constexpr double resting_part =
+        1e-10;  // of speed and weight: what is left of a motion that dies away
+
+    PlanarRun(const Law& law, const Approach& approach) : motion_(law, approach) {}
+
+    // Whether every number makes sense.
+    static bool accepts(const Approach& a) {
+        const double fastest = math::max(a.normal_speed, a.tangential_speed);
+        return a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
+               a.tangential_speed >= 0.0 && math::is_finite(a.gravity) && math::is_finite(fastest) &&
+               math::is_finite(a.effective_mass) && (a.gravity == 0.0 || a.distance == math::infinity);
+    }
+
+    const PlanarMotion<Law>& motion() const { return motion_; }
+
+    // visit(*this) after every interval: from begin(), of the length length() in τ, to end().
+    template <class Visit>
+    PlanarContact integrate(Visit&& visit) {
+        if (motion_.gravity < -strong_pull) return pulled_off();
+        double y[n] = {0.0, motion_.approach.normal_speed / motion_.speed};
+        motion_(y, stages_);
+        copy(y, begin_);
+        for (long i = 0; i < most_steps; ++i) {
+            if (!take_step()) {
+                if (h_ < 1e-30) break;
+                continue;
+            }
+            if (!(greatest_ > 0.0) && !(end_[M::rate] > 0.0)) greatest_ = compression_at_rest();
+            const bool over = ends();
+            visit(*this);
+            if (over && !(greatest_ > deepest * motion_.approach.distance)) {
+                PlanarContact end = motion_.finish(end_);
+                end.greatest = greatest_;
+                return end;
+            }
+            const double compression = math::max(motion_.state(end_).compression, greatest_);
+            if (compression > deepest * motion_.approach.distance) return without_end(Outcome::too_deep);
+            if (motion_.gravity > 0.0 && rests()) {
+                PlanarContact end = without_end(Outcome::at_rest);
+                end.greatest = greatest_ > 0.0 ? greatest_ : compression;
+                return end;
+            }
+            copy(end_, begin_);
+            copy(slope_, stages_);
+        }
+        return without_end(Outcome::unresolved);
+    }
+
+    // Gravity leads away from the wall, and turns the body around before any force acts.
+    PlanarContact pulled_off() const {
+        const Approach& a = motion_.approach;
+        const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
+        return {Outcome::ok,
+                duration,
+                0.0,
+                0.0,
+                speed,
+                a.tangential_speed,
+                0.0,
+                speed * speed / 3.0 * duration,
+                0.25 * speed * duration};
+    }
+
+    static PlanarContact without_end(Outcome outcome) {
+        const double never = outcome == Outcome::at_rest ? math::infinity : math::nan;
+        constexpr double none = math::nan;
+        return {outcome, never, none, none, none, none, none, none, none};
+    }
+
+    double begin_time() const { return begin_[M::time] * time_unit(); }
+    double end_time() const { return end_[M::time] * time_unit(); }
+
+    // A state of the interval just integrated, at a time [s] within it; Newton's method on T(τ), which rises.
+    PlanarState at(double time) {
+        const double wanted = time / time_unit();
+        if (wanted == begin_[M::time]) return motion_.state(begin_);
+        double low = 0.0, high = length_, x = length_ * (wanted - begin_[M::time]);
+        x /= end_[M::time] - begin_[M::time];
+        double out[n], slope[n];
+        for (int i = 0; i < 80; ++i) {
+            DormandPrince::step(motion_, begin_, x, n, stages_, out);
+            motion_(out, slope);
+            const double excess = out[M::time] - wanted;
+            (excess > 0.0 ? high : low) = x;
+            const double newton = x - excess / slope[M::time];
+            const double next = newton >= low && newton <= high ? newton : 0.5 * (low + high);
+            if (math::abs(next - x) <= 2.0 * math::epsilon * length_) break;
+            x = next;
+        }
+        PlanarState state = motion_.state(out);
+        state.time = time;
+        return state;
+    }
+
+private:
+    using M = PlanarMotion<Law>;
+    static constexpr int n = M::dimension;
+
+    M motion_;
+    double begin_[n], end_[n], slope_[n];
+    double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
+    double h_ = longest_step, length_ = 0.0;
+    double greatest_ = 0.0;  // compression, once the bodies separate [m]
+
+    static void copy(const double* from, double* to) {
+        for (int i = 0; i < n; ++i) to[i] = from[i];
+    }
+    double time_unit() const { return motion_.length / motion_.speed; }
+
+    // Pressed by its weight from near rest, a body begins so slowly that its steps must grow with its motion.
+    double longest() const {
+        if (!(motion_.gravity > 0.0)) return longest_step;
+        const double motion = math::max(math::abs(end_[M::rate]), math::abs(end_[M::root_depth]));
+        return longest_step / math::clamp(10.0 * motion, 1e-100, 1.0);
+    }
+
+    bool take_step() {
+        DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
+        double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};  // the integrals count against the whole
+        for (int i = 0; i < n; ++i) {
+            scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
+        }
+        if (motion_.gravity > 0.0) scale[M::rate] = math::max(scale[M::rate], rounding_of_rate());
+        const double error = DormandPrince::error(stages_, h_, n, scale);
+        length_ = h_;
+        h_ = math::min(h_ * DormandPrince::growth(error), longest());
+        if (!(error <= 1.0)) return false;
+        motion_(end_, slope_);
+        return true;
+    }
+
+    // Where a body creeps to rest, the rounding of the forces that balance is no error of the step.
+    double rounding_of_rate() const {
+        const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
+        return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
+    }
+
+    // The greatest compression [m], in the step just taken: where the rate falls through zero, by Newton's method. It
+    // hardly changes near there, so that the square of what is left of the rate is the error.
+    double compression_at_rest() {
+        double x = length_ * (begin_[M::rate] / (begin_[M::rate] - end_[M::rate]));
+        double at[n], slope[n];
+        for (int i = 0; i < 8; ++i) {
+            DormandPrince::step(motion_, begin_, x, n, stages_, at);
+            motion_(at, slope);
+            const double step = at[M::rate] / slope[M::rate];
+            if (!(math::abs(step) > 1e-7 * length_)) break;
+            x = math::clamp(x - step, 0.0, length_);
+        }
+        return motion_.state(at).compression;
+    }
+
+    // Whether the contact ends in the step just taken; if so, end_ moves there.
+    bool ends() {
+        if (!(end_[M::rate] < 0.0)) return motion_.gravity > 0.0 && begin_[M::rate] < 0.0 && dips();
+        if (motion_.end_surface(end_, slope_).value > 0.0) return false;
+        locate(length_);
+        return true;
+    }
+
+    void probe(double at) {
+        DormandPrince::step(motion_, begin_, at, n, stages_, end_);
+        motion_(end_, slope_);
+        length_ = at;
+    }
+
+    // The zero of the end's surface in (0, up], where it is below zero: Newton's method in a bracket.
+    void locate(double up) {
+        double low = 0.0, x = length_;
+        probe(x);
+        for (int i = 0; i < 100; ++i) {
+            const auto f = motion_.end_surface(end_, slope_);
+            const bool before = end_[M::rate] >= 0.0 || f.value > 0.0;
+            (before ? low : up) = x;
+            const double newton = x - f.value / f.slope;
+            const double next = f.slope < 0.0 && newton > low && newton < up ? newton : 0.5 * (low + up);
+            if (math::abs(next - x) <= 2.0 * math::epsilon * x || next == low || next == up) break;
+            probe(x = next);
+        }
+    }
+
+    // Under gravity a body may turn around within a step: whether the force has ended before. Follows the minimum
+    // of the end's surface by the sign of its slope.
+    bool dips() {
+        const double whole = length_;
+        double low = 0.0, up = whole;
+        for (int i = 0; i < 50; ++i) {
+            probe(0.5 * (low + up));
+            const auto f = motion_.end_surface(end_, slope_);
+            if (end_[M::rate] < 0.0 && f.value <= 0.0) {
+                locate(length_);
+                return true;
+            }
+            (end_[M::rate] < 0.0 && f.slope < 0.0 ? low : up) = length_;
+        }
+        probe(whole);
+        return false;
+    }
+
+    // Gravity holds the contact closed: it is compressed anew, or what is left of its motion dies away.
+    bool rests() const {
+        if (begin_[M::rate] < 0.0 && end_[M::rate] >= 0.0) return true;
+        const double clock = column::newton::power<M::p - 1>(end_[M::root_depth]);
+        return math::abs(end_[M::rate]) <= resting_part &&
+               math::abs(slope_[M::rate]) <= resting_part * motion_.gravity * clock;
+    }
+};
+
+// The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it, `too_deep` where the centres come
+// nearer than half of their distance at touch. An approach slower than slowest_approach is that at this speed, with all
+// speeds and lengths in proportion.
+template <class Law>
+PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
+    if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
+    if (approach.normal_speed >= slowest_approach)
+        return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
+    const double part = approach.normal_speed / slowest_approach;
+    Approach faster = approach;
+    faster.normal_speed = slowest_approach;
+    if (approach.gravity < 0.0) faster.gravity = math::max(approach.gravity / part, -1e100);
+    PlanarContact end = PlanarRun<Law>(law, faster).integrate([](const auto&) {});
+    for (double* x : {&end.compression, &end.radial_speed, &end.speed_loss, &end.greatest}) *x *= part;
+    end.rate_square *= part * part;
+    return end;
+}
+
+// The pair a time [s] after the end of a contact: straight, at a wall the parabola.
+HL_FN PlanarState fly_on(const Approach& a, const PlanarContact& end, double time) {
+    const double t = time - end.duration;
+    if (a.distance == math::infinity) {
+        const double rate = -end.radial_speed + a.gravity * t;
+        return {time, end.compression + t * (0.5 * a.gravity * t - end.radial_speed), rate, 0.0};
+    }
+    const double across = t * end.tangential_speed, begun = a.distance - end.compression;
+    const double along = begun + t * end.radial_speed, distance = math::sqrt(along * along + across * across);
+    const double moved = t * (end.radial_speed * (begun + along) + end.tangential_speed * across);
+    const double rate = -(along * end.radial_speed + across * end.tangential_speed) / distance;
+    return {time, end.compression - moved / (distance + begun), rate,
+            end.turn + math::atan2_upper(across, along)};
+}
+
+// The true state of the pair at `count` times [s] after touch, in rising order: during the contact and after it. NaN
+// where the contact is refused, and from where it is known to last for ever.
+template <class Law>
+PlanarContact sample_planar_contact(const Law& law, const Approach& approach, const double* times, long count,
+                                    PlanarState* states) {
+    long done = 0;
+    PlanarContact end = PlanarRun<Law>::without_end(Outcome::invalid);
+    if (PlanarRun<Law>::accepts(approach)) {
+        end = PlanarRun<Law>(law, approach).integrate([&](auto& run) {
+            while (done < count && times[done] <= run.end_time()) {
+                states[done] = run.at(times[done]);
+                ++done;
+            }
+        });
+    }
+    for (; done < count; ++done) {
+        states[done] = end.outcome == Outcome::ok ? fly_on(approach, end, times[done])
+                                                  : PlanarState{times[done], math::nan, math::nan, math::nan};
+    }
+    return end;
+}
+
+}  // namespace hardlimit::boxes

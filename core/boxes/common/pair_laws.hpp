@@ -1,0 +1,99 @@
+// The law of any two bodies of a box.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "../../contact/law.hpp"
+
+namespace hardlimit::boxes {
+
+// Kinds of equal bodies have their laws in a table. Where there are many kinds, a law is made when two bodies touch.
+template <class Law>
+class PairLaws {
+public:
+    static constexpr std::size_t most_kinds = 64;
+
+    PairLaws(int alternative, std::vector<double> parameters, const std::vector<double>& mass,
+             const std::vector<double>& radius)
+        : alternative_(alternative), parameters_(std::move(parameters)) {
+        std::vector<Body> bodies;
+        for (std::size_t i = 0; i < mass.size(); ++i) bodies.push_back({mass[i], radius[i]});
+        kinds_ = bodies;
+        std::sort(kinds_.begin(), kinds_.end());
+        kinds_.erase(std::unique(kinds_.begin(), kinds_.end()), kinds_.end());
+        if (kinds_.size() > most_kinds) {
+            kinds_ = std::move(bodies);
+            return;
+        }
+        kinds_.shrink_to_fit();
+        if (kinds_.size() > 1)
+            for (const Body& body : bodies)
+                kind_.push_back(static_cast<std::uint32_t>(
+                    std::lower_bound(kinds_.begin(), kinds_.end(), body) - kinds_.begin()));
+        for (const Body& a : kinds_) {
+            for (const Body& b : kinds_) table_.push_back(make(a, b));
+            table_.push_back(make(a, wall));
+        }
+    }
+
+    // Counts the bodies anew: the one that was number from[i] becomes number i.
+    template <class Numbers>
+    void reorder(const Numbers& from) {
+        const auto follow = [&](auto& of) {
+            auto moved = of;
+            for (std::size_t i = 0; i < of.size(); ++i) moved[i] = of[from[i]];
+            of = std::move(moved);
+        };
+        if (table_.empty()) follow(kinds_);
+        follow(kind_);
+    }
+
+    // second < 0: a wall.
+    Law operator()(std::int64_t first, std::int64_t second) const {
+        Law law;
+        put(first, second, law);
+        return law;
+    }
+    // The same, written where it stays: what is copied in larger pieces than it was written in has to wait.
+    void put(std::int64_t first, std::int64_t second, Law& law) const {
+        const std::size_t a = kind(static_cast<std::size_t>(first));
+        const std::size_t b = second < 0 ? kinds_.size() : kind(static_cast<std::size_t>(second));
+        if (!table_.empty())
+            law = table_[a * (kinds_.size() + 1) + b];
+        else
+            law = make(kinds_[a], second < 0 ? wall : kinds_[b]);
+    }
+    double mass(std::size_t i) const { return kinds_[kind(i)].first; }
+    double radius(std::size_t i) const { return kinds_[kind(i)].second; }
+
+    // Fetches what is read of a body.
+    void fetch(std::size_t i) const {
+        if (table_.empty()) return prefetch(kinds_.data() + i);
+        if (!kind_.empty()) prefetch(kind_.data() + i);
+    }
+
+private:
+    using Body = std::pair<double, double>;  // mass [kg], radius [m]
+    static constexpr Body wall = {math::infinity, math::infinity};
+
+    int alternative_;
+    std::vector<double> parameters_;
+    std::vector<Body> kinds_;          // or all bodies, where there are too many for a table
+    std::vector<std::uint32_t> kind_;  // of each body, where there are several in a table
+    std::vector<Law> table_;
+
+    // Where all are alike nothing is read of a body: it would be another cache line.
+    std::size_t kind(std::size_t i) const {
+        if (!kind_.empty()) return kind_[i];
+        return kinds_.size() == 1 ? 0 : i;
+    }
+
+    HL_FN_APART Law make(const Body& a, const Body& b) const {
+        const PairGeometry pair = {effective(a.first, b.first), effective(a.second, b.second)};
+        return Law::from_parameters(alternative_, parameters_.data(), pair);
+    }
+};
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,91 @@
+// Arrays of many millions of records: on huge pages where the system has them, and without the slack of doubling.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#include "../../base/portable.hpp"
+
+namespace hardlimit::boxes {
+
+template <class T>
+struct HugePages {
+    using value_type = T;
+    static constexpr std::size_t page = std::size_t{2} << 20;
+
+    HugePages() = default;
+    template <class U>
+    HugePages(const HugePages<U>&) {}
+
+    T* allocate(std::size_t n) {
+        const std::size_t bytes = n * sizeof(T);
+        if (bytes < 2 * page) return static_cast<T*>(::operator new(bytes, std::align_val_t{alignof(T)}));
+        void* p = ::operator new(bytes, std::align_val_t{page});
+        advise_huge_pages(p, bytes);
+        return static_cast<T*>(p);
+    }
+    void deallocate(T* p, std::size_t n) {
+        ::operator delete(p, std::align_val_t{n * sizeof(T) < 2 * page ? alignof(T) : page});
+    }
+    bool operator==(const HugePages&) const { return true; }
+};
+
+template <class T>
+using Records = std::vector<T, HugePages<T>>;
+
+// Scratch memory that begins a page: a vector stored across the border of two pages costs as much as twenty others.
+template <class T>
+struct WholePages {
+    using value_type = T;
+    static constexpr std::align_val_t page{4096};
+
+    WholePages() = default;
+    template <class U>
+    WholePages(const WholePages<U>&) {}
+
+    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), page)); }
+    void deallocate(T* p, std::size_t) { ::operator delete(p, page); }
+    bool operator==(const WholePages&) const { return true; }
+};
+
+template <class T>
+using Scratch = std::vector<T, WholePages<T>>;
+
+// Makes room for one more, a quarter at a time where there are many.
+template <class T>
+void make_room(Records<T>& records) {
+    if (records.size() == records.capacity() && records.size() > 1000)
+        records.reserve(records.size() + records.size() / 4);
+}
+
+// A list that is held in place as long as it is short: no other memory is read for it.
+template <class T, std::size_t most_in_place>
+class Few {
+public:
+    std::size_t size() const { return size_; }
+    T* begin() { return size_ <= most_in_place ? few_ : many_.data(); }
+    T* end() { return begin() + size_; }
+    const T* begin() const { return size_ <= most_in_place ? few_ : many_.data(); }
+    const T* end() const { return begin() + size_; }
+    T& operator[](std::size_t i) { return begin()[i]; }
+    const T& operator[](std::size_t i) const { return begin()[i]; }
+
+    // What was held is lost.
+    void resize(std::size_t size) {
+        size_ = size;
+        if (size > most_in_place) many_.assign(size, T{});
+    }
+    template <class List>
+    void assign(const List& list) {
+        resize(list.size());
+        std::copy(list.begin(), list.end(), begin());
+    }
+
+private:
+    std::size_t size_ = 0;
+    T few_[most_in_place] = {};
+    std::vector<T> many_;
+};
+
+}  // namespace hardlimit::boxes

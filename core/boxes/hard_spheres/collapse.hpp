@@ -1,0 +1,106 @@
+// Inelastic collapse: infinitely many collisions in a finite time, of a ball that bounces out on a floor or of a few
+// particles between each other (McNamara & Young, Phys. Fluids A 4, 496 (1992)).
+//
+// Speeds and waiting times then shrink together, by a factor at each collision. So a particle collapses where it
+// collides four times or more, each time more slowly than before and after less than 1e-8 radii at the speed of
+// approach, until that speed has fallen to a millionth. In a gas one collision of 1e8 comes so soon after the last.
+// Touching particles that are hit also collide at one instant, but their speeds do not fall so far; approaches at
+// the rounding of the velocities do not count. So that no run stands still for another reason, ten thousand
+// collisions, a thousand of them of one particle, in
+// 1e-9 of the time in which a particle moves by a radius are a collapse too.
+#pragma once
+#include <unordered_map>
+#include <vector>
+
+#include "accumulators.hpp"
+
+namespace hardlimit::boxes {
+
+struct Impact {
+    double time;     // [s]
+    u32 first;       // particle
+    i64 second;      // particle, or number of a wall
+    double speed;    // of approach [m/s]
+    double waited;   // since the last collision of either, the longer of the two [s]
+    bool shrinking;  // whether speeds may shrink for ever: not under the rule tc
+};
+
+class CollapseWatch {
+public:
+    // typical: root mean square speed of all particles [m/s]; name: the user's number of a particle, by which it is
+    // known here. Both are only asked for where needed.
+    template <class Typical, class Name>
+    bool collapses(const Impact& c, double radius, const Typical& typical, const Name& name) {
+        const auto other = [&] { return name(static_cast<u32>(c.second)); };
+        if (c.time > instant_ + window_)
+            start_instant(c.time, radius, typical());
+        else if (++at_once_ > many_at_once &&
+                 (++times_[name(c.first)] > of_one || (c.second >= 0 && ++times_[other()] > of_one)))
+            return true;
+        if (!(c.shrinking && c.waited * c.speed < soon * radius)) {
+            if (!streaks_.empty()) {
+                streaks_.erase(name(c.first));
+                if (c.second >= 0) streaks_.erase(other());
+            }
+            return false;
+        }
+        if (!(c.speed > rounding * typical())) return false;
+        const bool first = shrinks(name(c.first), c.speed);
+        const bool second = c.second >= 0 && shrinks(other(), c.speed);
+        return first || second;
+    }
+
+    template <class Archive>
+    void archive(Archive& a) {
+        a(instant_), a(window_), a(at_once_);
+        archive_map(a, times_);
+        archive_map(a, streaks_);
+    }
+
+private:
+    static constexpr double soon = 1e-8, far = 1e-6, at_an_instant = 1e-9, rounding = 4.0 * math::epsilon;
+    static constexpr int many_at_once = 10'000, of_one = 1'000, in_a_row = 4;
+    struct Streak {
+        double first, last;  // speeds [m/s]
+        int length;
+    };
+    double instant_ = -math::infinity, window_ = 0.0;
+    int at_once_ = 0;
+    std::unordered_map<u32, int> times_;
+    std::unordered_map<u32, Streak> streaks_;
+
+    template <class Archive, class Map>
+    static void archive_map(Archive& a, Map& map) {
+        struct Row {
+            u32 key;
+            typename Map::mapped_type value;
+        };
+        std::vector<Row> rows;
+        for (const auto& [key, value] : map) rows.push_back({key, value});
+        a(rows);
+        map.clear();
+        for (const Row& r : rows) map.emplace(r.key, r.value);
+    }
+
+    void start_instant(double time, double radius, double typical_speed) {
+        instant_ = time;
+        window_ = 8.0 * math::epsilon * math::abs(time);
+        if (typical_speed > 0.0) window_ = math::max(window_, at_an_instant * radius / typical_speed);
+        at_once_ = 0;
+        if (!times_.empty()) times_.clear();
+    }
+    // Whether the streak of a particle has gone far enough.
+    bool shrinks(u32 particle, double speed) {
+        const auto [at, fresh] = streaks_.try_emplace(particle, Streak{speed, speed, 1});
+        Streak& s = at->second;
+        if (fresh) return false;
+        if (!(speed < s.last)) {
+            s = {speed, speed, 1};
+            return false;
+        }
+        s.last = speed;
+        return ++s.length >= in_a_row && speed < far * s.first;
+    }
+};
+
+}  // namespace hardlimit::boxes

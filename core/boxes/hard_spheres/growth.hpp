@@ -1,0 +1,237 @@
+// Random packings without overlap: particles thrown in where they fit while they are small, which then move and collide
+// while their radii grow to the size asked for (Lubachevsky & Stillinger, J. Stat. Phys. 60, 561 (1990)).
+//
+// The growth is slowed down as the packing gets dense, and again where collisions pile up, so that the particles find
+// the room that there is. The radii grow by 1e-10 more than asked for: what rounding does to the positions afterwards
+// makes no overlap.
+#pragma once
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "../common/random.hpp"
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+// Where particles are thrown in at random, one after the other, the largest first.
+template <int d>
+class Throws {
+public:
+    Throws(const Setting& s, const Box<d>& box, Random& random) : s_(s), box_(box), random_(random) {
+        order_.resize(s.n);
+        for (u32 i = 0; i < order_.size(); ++i) order_[i] = i;
+        std::sort(order_.begin(), order_.end(), [&](u32 a, u32 b) {
+            return s.radius[a] != s.radius[b] ? s.radius[a] > s.radius[b] : a < b;
+        });
+        alike_ = s.radius[order_.front()] == s.radius[order_.back()];
+    }
+
+    // Places for radii `share` of the final ones; whether there was one for each.
+    bool place(double share, std::vector<double>& position, Stop& stop) {
+        const double smallest = 2.0 * share * s_.radius[order_.back()];
+        const double largest = 2.0 * share * s_.radius[order_.front()];
+        cells_ = Cells<d>(box_, s_.n, smallest, largest);
+        cells_ahead_ = neighbours_ahead_ = random_;
+        for (int draw = 0; draw < 2 * draws_ahead * d; ++draw) (void)cells_ahead_.uniform();
+        for (int draw = 0; draw < draws_ahead * d; ++draw) (void)neighbours_ahead_.uniform();
+        for (const u32 i : order_) {
+            if (stop()) return true;
+            if (!throw_in(i, share, position)) return false;
+        }
+        return true;
+    }
+
+private:
+    static constexpr int most_throws = 2'000, draws_ahead = 8;
+
+    const Setting& s_;
+    const Box<d>& box_;
+    Random& random_;
+    // Go ahead of it, to fetch what later throws will read: a large system is otherwise a chain of waits for memory.
+    Random cells_ahead_{0}, neighbours_ahead_{0};
+    std::vector<u32> order_;
+    bool alike_ = false;
+    Cells<d> cells_;
+    Scratch<u32> list_ = Scratch<u32>(256);
+
+    bool throw_in(u32 i, double share, std::vector<double>& position) {
+        const double radius = share * s_.radius[i];
+        const int level = cells_.level_for(2.0 * radius);
+        for (int attempt = 0; attempt < most_throws; ++attempt) {
+            fetch(level, radius, position);
+            double x[d];
+            const u32 cell = draw(random_, level, radius, x);
+            if (!is_free(x, radius, share, level, cell, position)) continue;
+            cells_.insert(cell, i);
+            for (int k = 0; k < d; ++k) position[std::size_t{i} * d + static_cast<std::size_t>(k)] = x[k];
+            return true;
+        }
+        return false;
+    }
+    // A place at random; returns its cell.
+    u32 draw(Random& random, int level, double radius, double (&x)[d]) const {
+        for (int k = 0; k < d; ++k) {
+            const double room = box_.periodic[k] ? 0.0 : radius;
+            x[k] = room + (box_.edge[k] - 2.0 * room) * random.uniform();
+        }
+        return cells_.number(level, cells_.place_of(level, x));
+    }
+    void fetch(int level, double radius, const std::vector<double>& position) {
+        double x[d];
+        cells_.fetch(level, draw(cells_ahead_, level, radius, x), {});
+        cells_.for_inline(level, draw(neighbours_ahead_, level, radius, x), {},
+                          [&](u32 j) { prefetch(&position[std::size_t{j} * d]); });
+    }
+    bool is_free(const double (&x)[d], double radius, double share, int level, u32 cell,
+                 const std::vector<double>& position) {
+        bool free = true;
+        cells_.for_neighbourhoods(
+            level, cells_.place(level, cell), [&](int at, const Place<d>& from, const Place<d>& to) {
+                cells_.for_block(box_, at, from, to, [&](u32 other, const double (&shift)[d]) {
+                    if (!free) return;
+                    const std::size_t n = cells_.collect(other, list_, 0);
+                    for (std::size_t c = 0; c < n; ++c) {
+                        const u32 j = list_[c];
+                        const double touch = radius + (alike_ ? radius : share * s_.radius[j]);
+                        double square = 0.0;
+                        for (int k = 0; k < d; ++k) {
+                            const double r =
+                                position[std::size_t{j} * d + static_cast<std::size_t>(k)] + shift[k] - x[k];
+                            square += r * r;
+                        }
+                        free = free && square > touch * touch;
+                    }
+                });
+            });
+        return free;
+    }
+};
+
+// How far a growth is: share of the final radii reached, and collisions so far.
+struct GrowthReport {
+    double share;
+    i64 collisions;
+};
+
+inline double packing_fraction(const Setting& s) {
+    double filled = 0.0, box = 1.0;
+    for (std::size_t i = 0; i < s.n; ++i)
+        filled += (s.dimension == 3 ? 4.0 / 3.0 * s.radius[i] : 1.0) * math::pi * s.radius[i] * s.radius[i];
+    for (int k = 0; k < s.dimension; ++k) box *= s.edge[k];
+    return filled / box;
+}
+
+template <int d>
+class Grow {
+public:
+    // s: of which velocities, masses and positions are not read.
+    Grow(const Setting& s, u64 seed)
+        : s_(s), random_(seed), position_(s.n * d), velocity_(s.n * d), mass_(s.n, 1.0) {
+        for (int k = 0; k < d; ++k) {
+            box_.edge[k] = s.edge[k];
+            box_.periodic[k] = s.periodic[k];
+        }
+        s_.position = position_.data();
+        s_.velocity = velocity_.data();
+        s_.mass = mass_.data();
+        for (int k = 0; k < 3; ++k) s_.gravity[k] = 0.0;
+        fraction_ = packing_fraction(s);
+        diameter_ = 2.0 * *std::max_element(s.radius, s.radius + s.n);
+    }
+
+    // Whether the radii reached the size asked for; report(GrowthReport) is called after each step and
+    // says whether to go on.
+    template <class Report>
+    bool run(Stop& stop, const Report& report) {
+        double share = begin(stop), slowness = 1.0;
+        i64 collisions = 0;
+        for (int step = 0; share < 1.0 + beyond && !stop.stopped(); ++step) {
+            if (step == most_steps) return false;
+            const double fraction = fraction_at(share);
+            const Pace pace = pace_at(fraction);
+            const double target = std::min(1.0 + beyond, share_at(std::min(pace.until, fraction_ * 2.0)));
+            const double reached = grow(share, target, pace.rate * slowness, stop, collisions);
+            if (reached < target) slowness *= 0.5;
+            share = reached;
+            if (!report(GrowthReport{share, collisions})) return false;
+        }
+        return true;
+    }
+
+    // Folded into the box.
+    std::vector<double> positions() && {
+        for (std::size_t at = 0; at < position_.size(); ++at) {
+            const int k = static_cast<int>(at % d);
+            if (box_.periodic[k]) position_[at] = folded(position_[at], box_.edge[k]);
+        }
+        return std::move(position_);
+    }
+
+private:
+    static constexpr double beyond = 1e-10;
+    static constexpr int most_steps = 60;
+    static constexpr double thrown_fraction = d == 3 ? 0.15 : 0.3;
+    static constexpr i64 most_collisions = 400;  // of a particle in one step, about
+
+    // Growth per second at a packing fraction below `until`, where the thermal speed is one diameter per second.
+    struct Pace {
+        double until, rate;
+    };
+
+    Setting s_;
+    Random random_;
+    Box<d> box_{};
+    std::vector<double> position_, velocity_, mass_;
+    double fraction_, diameter_;
+
+    static double folded(double x, double edge) {
+        x -= edge * math::round_small(x / edge);
+        return x < 0.0 ? math::min(x + edge, edge) : x;
+    }
+    double fraction_at(double share) const {
+        return fraction_ * (d == 3 ? share * share * share : share * share);
+    }
+    double share_at(double fraction) const { return math::pow(fraction / fraction_, 1.0 / d); }
+    static Pace pace_at(double fraction) {
+        constexpr Pace spheres[] = {{0.35, 0.5}, {0.5, 0.1}, {0.57, 0.03}, {2.0, 0.01}};
+        constexpr Pace disks[] = {{0.5, 0.5}, {0.68, 0.1}, {0.76, 0.03}, {2.0, 0.01}};
+        const Pace* pace = d == 3 ? spheres : disks;
+        while (fraction >= pace->until * (1.0 - 1e-12)) ++pace;
+        return *pace;
+    }
+
+    // Thrown in with radii that leave room; the share of the final radii.
+    double begin(Stop& stop) {
+        double share = std::min(1.0 + beyond, share_at(thrown_fraction));
+        Throws<d> throws(s_, box_, random_);
+        while (!throws.place(share, position_, stop)) share *= 0.9;
+        return share;
+    }
+
+    // Lets the radii grow from one share to another, or until collisions pile up; the share reached.
+    double grow(double from, double to, double rate, Stop& stop, i64& collisions) {
+        for (double& v : velocity_) v = diameter_ * random_.normal();
+        for (std::size_t at = 0; at < position_.size(); ++at) {
+            const int k = static_cast<int>(at % d);
+            if (box_.periodic[k]) position_[at] = folded(position_[at], box_.edge[k]);
+        }
+        const bool alike = *std::min_element(s_.radius, s_.radius + s_.n) * 2.0 == diameter_;
+        std::unique_ptr<Engine> engine;
+        if (alike)
+            engine = std::make_unique<HardSpheres<d, Motion::growing, false>>(s_, RuleChoice{}, false, stop,
+                                                                              Growth{from, rate});
+        else
+            engine = std::make_unique<HardSpheres<d, Motion::growing, true>>(s_, RuleChoice{}, false, stop,
+                                                                             Growth{from, rate});
+        const i64 most = most_collisions * static_cast<i64>(s_.n) + 10'000;
+        engine->advance((to - from) / rate, most, stop);
+        engine->state(position_.data(), velocity_.data());
+        const Counts c = engine->counts();
+        collisions += c.pairs + c.walls;
+        // What was reached by time, less a rounding of it.
+        return c.pairs + c.walls >= most ? from + rate * engine->time() * (1.0 - 1e-14) : to;
+    }
+};
+
+}  // namespace hardlimit::boxes

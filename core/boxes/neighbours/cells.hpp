@@ -1,0 +1,385 @@
+// Which particles are where: grids of cells, one inside the other.
+//
+// A particle lies in the finest grid whose cells are as long as its diameter. Two particles can touch only where the
+// smaller one's place and the larger one's cell are neighbours in the grid of the larger one. A cell of one grid is 2^d
+// cells of the next finer one, so that a border of a coarse cell is one of a fine cell too. Grids of fewer than three
+// cells along an axis are no special case: neighbours are counted by offset, and an image of a particle that lies one
+// period away is another neighbour.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "../common/box.hpp"
+#include "../common/storage.hpp"
+#include "../kernels/touch_kernel.hpp"
+
+namespace hardlimit::boxes {
+
+// Up to three ids, the others nobody's, then their number; or, where there are more, four more than the index of the
+// cell that holds the rest.
+struct Cell {
+    u32 id[3];
+    u32 tail;
+};
+static_assert(sizeof(Cell) == 16);
+
+template <int d>
+struct Grid {
+    int cells[d];     // along each axis
+    double edge[d];   // of a cell [m]
+    u32 first;        // cell of the grid, among those of all grids
+    double diameter;  // of the largest particle in it [m]
+    u32 rows[9];      // the rows of three times three along the first axis, from the first one on
+    u32 planes[3];    // and those of them with the same second coordinate
+    u32 steps[d];     // where in `steps_` the cells along each axis are
+    bool few;         // cells along a periodic axis: of a particle nearby another image may be as near
+};
+
+template <int d>
+struct Place {
+    int at[d];
+
+    int& operator[](int k) { return at[k]; }
+    int operator[](int k) const { return at[k]; }
+};
+
+template <int d>
+class Cells {
+public:
+    static constexpr std::size_t slack = 128;
+
+    // Grids for `n` particles, the finest first.
+    Cells() = default;
+    Cells(const Box<d>& box, std::size_t n, double smallest, double largest) {
+        lay(box, n, smallest, largest);
+    }
+
+    const std::vector<Grid<d>>& grids() const { return grids_; }
+    int levels() const { return static_cast<int>(grids_.size()); }
+
+    int level_for(double diameter) const {
+        int level = 0;
+        while (level + 1 < levels() && diameter > grids_[level].diameter) ++level;
+        return level;
+    }
+
+    u32 number(int level, const Place<d>& place) const {
+        const Grid<d>& g = grids_[level];
+        u32 index = static_cast<u32>(place[d - 1]);
+        for (int k = d - 2; k >= 0; --k)
+            index = index * static_cast<u32>(g.cells[k]) + static_cast<u32>(place[k]);
+        return g.first + index;
+    }
+    Place<d> place(int level, u32 cell) const {
+        const Grid<d>& g = grids_[level];
+        u32 index = cell - g.first;
+        Place<d> p;
+        for (int k = 0; k < d - 1; ++k) {
+            const u32 n = static_cast<u32>(g.cells[k]), rest = index / n;
+            p[k] = static_cast<int>(index - rest * n);
+            index = rest;
+        }
+        p[d - 1] = static_cast<int>(index);
+        return p;
+    }
+    Place<d> place_of(int level, const double (&position)[d]) const {
+        const Grid<d>& g = grids_[level];
+        Place<d> p;
+        for (int k = 0; k < d; ++k)
+            p[k] = static_cast<int>(math::clamp(position[k] / g.edge[k], 0.0, g.cells[k] - 1.0));
+        return p;
+    }
+
+    void insert(u32 cell, u32 id) {
+        Cell* c = &cells_[cell];
+        std::size_t links = 1;
+        for (; c->tail > inline_ids; ++links) c = &spilled_[c->tail - linked];
+        if (c->tail < inline_ids) {
+            c->id[c->tail++] = id;
+            return;
+        }
+        const std::ptrdiff_t at =
+            c >= spilled_.data() && c < spilled_.data() + spilled_.size() ? c - spilled_.data() : -1;
+        const u32 more = new_cell();
+        if (at >= 0) c = &spilled_[static_cast<std::size_t>(at)];
+        c->tail = linked + more;
+        spilled_[more] = {{id, nobody, nobody}, 1};
+        longest_chain_ = std::max(longest_chain_, links);
+    }
+    void remove(u32 cell, u32 id) {
+        Cell* c = &cells_[cell];
+        Cell* before = nullptr;
+        u32* found = nullptr;
+        for (;;) {
+            const u32 held = std::min(c->tail, inline_ids);
+            for (u32 k = 0; k < held; ++k)
+                if (c->id[k] == id) found = &c->id[k];
+            if (c->tail <= inline_ids) break;
+            before = c;
+            c = &spilled_[c->tail - linked];
+        }
+        *found = c->id[--c->tail];
+        c->id[c->tail] = nobody;
+        if (c->tail == 0 && before) {
+            free_.push_back(before->tail - linked);
+            before->tail = inline_ids;
+        }
+    }
+    void clear() {
+        std::fill(cells_.begin(), cells_.end(), Cell{{nobody, nobody, nobody}, 0});
+        spilled_.clear();
+        free_.clear();
+    }
+
+    // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids, and keeps it.
+    std::size_t collect(u32 cell, Scratch<u32>& list, std::size_t n) const {
+        const Cell* c = &cells_[cell];
+        u32* to = list.data() + n;
+        to[0] = c->id[0], to[1] = c->id[1], to[2] = c->id[2];
+        if (c->tail <= inline_ids) return n + c->tail;
+        return collect_chain(c, list, n);
+    }
+    // A block of at most three cells along each axis, for the kernels that collect it themselves; what lies beyond a
+    // border is found on the other side, or not at a wall. Its ids need at most room(). Returns whether the block
+    // reaches across a periodic border.
+    bool lay_block(hardlimit_abi::CellBlock& block, const Box<d>& box, int level, const Place<d>& from,
+                   const Place<d>& to) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        block.cells = cells_.data() + g.first;
+        block.spilled = spilled_.data();
+        int outside = 0;
+        u32 first = 0;
+        HL_UNROLL
+        for (int k = d - 1; k >= 0; --k) {
+            outside |= from[k] | (g.cells[k] - 1 - to[k]);  // negative where one of the two is
+            first = first * static_cast<u32>(g.cells[k]) + static_cast<u32>(from[k]);
+        }
+        const u32 rows = static_cast<u32>(to[1] - from[1] + 1);
+        if (outside < 0 || rows == 2) {
+            lay_by_rows(block, g, box, from, to);
+            return outside < 0;
+        }
+        block.parts = 1;
+        block.begin[0] = first;
+        block.length[0] = static_cast<u32>(to[0] - from[0] + 1);
+        block.row = rows == 3 ? g.rows : g.planes;
+        block.rows = d == 3 ? rows * static_cast<u32>(to[d - 1] - from[d - 1] + 1) : rows;
+        return false;
+    }
+    std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
+
+    // Cells that a particle will look into, counted from its own: those around it, or beyond a border of it.
+    struct Surroundings {
+        int from[3] = {-1, -1, d == 3 ? -1 : 0}, to[3] = {1, 1, d == 3 ? 1 : 0};
+
+        static Surroundings beyond(int axis, bool high) {
+            Surroundings s;
+            s.from[axis] = s.to[axis] = high ? 2 : -2;
+            return s;
+        }
+    };
+    // Fetches those of a cell that is not at a border of the box; elsewhere it would not pay.
+    void fetch(int level, u32 cell, const Surroundings& s) const {
+        for_rows(level, cell, s, [](const Cell* row, int length) {
+            prefetch(row);
+            if (length == 3) prefetch(row + 2);
+        });
+    }
+    // f(id) for the particles there, without those that did not fit inline.
+    template <class F>
+    void for_inline(int level, u32 cell, const Surroundings& s, const F& f) const {
+        for_rows(level, cell, s, [&](const Cell* row, int length) {
+            for (int x = 0; x < length; ++x)
+                for (u32 k = 0; k < std::min(row[x].tail, inline_ids); ++k) f(row[x].id[k]);
+        });
+    }
+
+    // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles
+    // in the cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
+    template <class F>
+    void for_block(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to, const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        Place<d> at = from;
+        for (;;) {
+            Place<d> cell = at;
+            double shift[d] = {};
+            bool inside = true;
+            for (int k = 0; k < d; ++k) {
+                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.edge[k];
+                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.edge[k];
+                inside = inside && (box.periodic[k] || shift[k] == 0.0);
+            }
+            if (inside) f(number(level, cell), shift);
+            int k = 0;
+            for (; k < d && at[k] == to[k]; ++k) at[k] = from[k];
+            if (k == d) return;
+            ++at[k];
+        }
+    }
+    // The block around a cell at a place in its own grid and in each coarser one: f(level, from, to).
+    template <class F>
+    void for_neighbourhoods(int level, Place<d> at, const F& f) const {
+        Place<d> from, to;
+        for (; level < levels(); ++level) {
+            for (int k = 0; k < d; ++k) from[k] = at[k] - 1, to[k] = at[k] + 1, at[k] >>= 1;
+            f(level, from, to);
+        }
+    }
+    const Cell* data() const { return cells_.data(); }
+
+    std::size_t bytes() const {
+        return cells_.capacity() * sizeof(Cell) + spilled_.capacity() * sizeof(Cell) +
+               (free_.capacity() + steps_.capacity()) * sizeof(u32);
+    }
+
+private:
+    static constexpr u32 inline_ids = 3, linked = 4;
+    static constexpr u32 beyond = 3;  // cells that are empty, for a kernel that reads four at once
+
+    // A block of three cells that holds a place inside the box begins and ends no farther outside.
+    static constexpr int steps_beyond = 2;
+
+    std::vector<Grid<d>> grids_;
+    std::vector<u32> steps_;
+    Records<Cell> cells_;
+    std::vector<Cell> spilled_;
+    std::vector<u32> free_;          // of the spilled ones
+    std::size_t longest_chain_ = 0;  // cells beyond the first
+
+    void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box<d>& box,
+                     const Place<d>& from, const Place<d>& to) const {
+        block.rows = 0;
+        block.row = block.own_rows;
+        const u32* const along_y = steps_.data() + g.steps[1] + steps_beyond;
+        const auto add_rows = [&](u32 plane) {
+            for (int y = from[1]; y <= to[1]; ++y)
+                if (along_y[y] != nobody) block.own_rows[block.rows++] = plane + along_y[y];
+        };
+        if constexpr (d == 2) {
+            add_rows(0);
+        } else {
+            const u32* const along_z = steps_.data() + g.steps[2] + steps_beyond;
+            for (int z = from[2]; z <= to[2]; ++z)
+                if (along_z[z] != nobody) add_rows(along_z[z]);
+        }
+        cut(block, from[0], to[0], g.cells[0], box.periodic[0]);
+    }
+    // Where the cells along an axis lie, counted from the first: what is beyond a border is found on the other side,
+    // or nobody's at a wall.
+    void lay_steps(Grid<d>& g, const Box<d>& box) {
+        u32 stride = 1;
+        for (int k = 0; k < d; ++k) {
+            const int n = g.cells[k];
+            g.steps[k] = static_cast<u32>(steps_.size());
+            for (int at = -steps_beyond; at < n + steps_beyond; ++at) {
+                const bool inside = at >= 0 && at < n;
+                const int wrapped = ((at % n) + n) % n;
+                steps_.push_back(inside || box.periodic[k] ? static_cast<u32>(wrapped) * stride : nobody);
+            }
+            stride *= static_cast<u32>(n);
+        }
+    }
+    // The same along the first axis, in one part or two.
+    static void cut(hardlimit_abi::CellBlock& block, int from, int to, int cells, bool periodic) {
+        const auto part = [&](int first, int last) {
+            block.begin[block.parts] = static_cast<u32>(first);
+            block.length[block.parts++] = static_cast<u32>(last - first + 1);
+        };
+        block.parts = 0;
+        if (from < cells && to >= 0) part(std::max(from, 0), std::min(to, cells - 1));
+        if (from < 0 && periodic) part(from + cells, std::min(to, -1) + cells);
+        if (to >= cells && periodic) part(std::max(from, cells) - cells, to - cells);
+    }
+
+    // f(the first of the cells in a row, how many), as far as they are cells at all.
+    template <class F>
+    void for_rows(int level, u32 cell, const Surroundings& s, const F& f) const {
+        const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
+        const i64 row = g.cells[0], plane = d == 3 ? row * g.cells[1] : 0;
+        const int length = s.to[0] - s.from[0] + 1;
+        const i64 most = static_cast<i64>(cells_.size()) - length;
+        for (int z = s.from[2]; z <= s.to[2]; ++z)
+            for (int y = s.from[1]; y <= s.to[1]; ++y) {
+                const i64 first = static_cast<i64>(cell) + s.from[0] + y * row + z * plane;
+                if (first >= 0 && first <= most) f(cells_.data() + first, length);
+            }
+    }
+
+    u32 new_cell() {
+        if (free_.empty()) {
+            spilled_.push_back({});
+            return static_cast<u32>(spilled_.size() - 1);
+        }
+        const u32 last = free_.back();
+        free_.pop_back();
+        return last;
+    }
+
+    std::size_t collect_chain(const Cell* c, Scratch<u32>& list, std::size_t n) const {
+        for (;;) {
+            if (list.size() < n + slack) list.resize(2 * n + slack);
+            for (u32 k = 0; k < inline_ids; ++k) list[n + k] = c->id[k];
+            n += std::min(c->tail, inline_ids);
+            if (c->tail <= inline_ids) return n;
+            c = &spilled_[c->tail - linked];
+        }
+    }
+
+    // Cells as long as the largest diameter, and longer where that would make more than two for each particle; finer
+    // grids while there are smaller particles and the cells stay few.
+    void lay(const Box<d>& box, std::size_t n, double smallest, double largest) {
+        const double most = 2.0 * static_cast<double>(n) + 32.0;
+        double edge = largest;
+        Grid<d> coarse = grid(box, edge);
+        while (count(coarse) > most) coarse = grid(box, edge *= 1.05);
+        coarse.diameter = largest;
+        grids_ = {coarse};
+        for (;;) {
+            Grid<d> g = grids_.back();
+            double longest = g.edge[0];
+            for (int k = 0; k < d; ++k) {
+                g.cells[k] *= 2;
+                g.edge[k] *= 0.5;
+                longest = k == 0 ? g.edge[0] : std::min(longest, g.edge[k]);
+            }
+            if (longest < smallest || count(g) > most) break;
+            g.diameter = longest;
+            grids_.push_back(g);
+        }
+        std::reverse(grids_.begin(), grids_.end());
+        u32 first = 0;
+        for (Grid<d>& g : grids_) {
+            g.first = first;
+            g.few = false;
+            // With four cells an image that is not the nearest one is more than two cells away.
+            for (int k = 0; k < d; ++k) g.few = g.few || (box.periodic[k] && g.cells[k] < 4);
+            lay_steps(g, box);
+            first += static_cast<u32>(count(g));
+            const u32 row = static_cast<u32>(g.cells[0]),
+                      plane = d == 3 ? row * static_cast<u32>(g.cells[1]) : 0;
+            for (u32 z = 0; z < 3; ++z) {
+                g.planes[z] = z * plane;
+                for (u32 y = 0; y < 3; ++y) g.rows[3 * z + y] = z * plane + y * row;
+            }
+        }
+        cells_.resize(first + beyond);
+        clear();
+    }
+    static Grid<d> grid(const Box<d>& box, double edge) {
+        Grid<d> g{};
+        for (int k = 0; k < d; ++k) {
+            g.cells[k] = std::max(1, static_cast<int>(math::min(box.edge[k] / edge, 1e9)));
+            // Rounding must not make a cell shorter than a diameter.
+            if (g.cells[k] > 1 && box.edge[k] / g.cells[k] < edge) --g.cells[k];
+            g.edge[k] = box.edge[k] / g.cells[k];
+        }
+        return g;
+    }
+    static double count(const Grid<d>& g) {
+        double product = 1.0;
+        for (int k = 0; k < d; ++k) product *= g.cells[k];
+        return product;
+    }
+};
+
+}  // namespace hardlimit::boxes

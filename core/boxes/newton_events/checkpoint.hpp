@@ -1,0 +1,86 @@
+// The state of a run as bytes and back: it goes on with the same bits.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Law>
+template <class Archive>
+void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
+    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_place), archive(c.base),
+        archive(c.time);
+    archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
+        archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
+}
+
+// All but the groups; the queues follow from what the bodies and groups hold.
+template <class Law>
+template <class Archive>
+void NewtonEvents<Law>::exchange(Archive& archive) {
+    archive(paths_), archive(pending_), archive(spare_), archive(log_);
+    archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
+    archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
+    archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
+    archive(ended_by_), archive(ended_at_wall_), archive(largest_compression_);
+}
+
+template <class Law>
+template <class Archive, class T, std::size_t most_in_place>
+void NewtonEvents<Law>::exchange(Archive& archive, Few<T, most_in_place>& list) {
+    std::vector<T> held(list.begin(), list.end());
+    archive(held);
+    list.assign(held);
+}
+
+template <class Law>
+template <class Archive>
+void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
+    archive(g.alive), archive(g.isolated), archive(g.until), archive(g.origin);
+    exchange(archive, g.body);
+    exchange(archive, g.offset);
+    if (!g.alive) return;
+    if (g.isolated) return archive(g.lone);
+    if (!g.cluster) g.cluster = std::make_unique<Ends>();
+    for (Cluster<Law>* c : {&g.cluster->before, &g.cluster->after}) exchange(archive, *c);
+}
+
+template <class Law>
+void NewtonEvents<Law>::save(Writer& writer) const {
+    NewtonEvents& self =
+        const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
+    writer(widest_margin_);
+    self.exchange(writer);
+    writer(groups_.size());
+    for (Group& g : self.groups_) exchange(writer, g);
+}
+
+template <class Law>
+NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
+                                const hardlimit_abi::TouchKernels& kernels, Reader& reader)
+    : box_(box),
+      laws_(std::move(laws)),
+      soft_(soft_contacts(laws_, count, kernels)),
+      keep_log_(log),
+      gravity_(std::to_array(box.gravity)) {
+    note_radii(count);
+    reader(widest_margin_);
+    make_cells(count, kernels);
+    exchange(reader);
+    if (reader.failed()) return;
+    std::vector<u32> names;
+    for (const Held& e : pending_) names.push_back(e.name);
+    laws_.reorder(names);
+    std::size_t groups = 0;
+    reader(groups);
+    for (std::size_t i = 0; i < groups && !reader.failed(); ++i) {
+        exchange(reader, groups_.emplace_back());
+        if (const auto& ends = groups_.back().cluster) ends->before.kernels = ends->after.kernels = series_;
+    }
+    if (reader.failed()) return;
+    put_into_cells();
+    restart_calendar();
+    for (int i = 0; i < static_cast<int>(count); ++i)
+        if (const Held& e = pending_[i]; e.first && !e.clustered) endings_.push(e.end, i, e.group, by_name());
+}
+
+}  // namespace hardlimit::boxes

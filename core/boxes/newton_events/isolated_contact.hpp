@@ -1,0 +1,141 @@
+// A contact that nothing disturbs, in closed form from touch to parting.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+// In the plane of approach. False where there is no such end, or where a member would get too far.
+template <class Law>
+bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
+    Touching<Law>& q = l.pair;
+    const Member &a = l.before[0], &b = l.before[1];
+    Vector3 normal, v, across;
+    for (std::size_t k = 0; k < 3; ++k) {
+        normal[k] = (b.position[k] - a.position[k]) + q.image[k];
+        v[k] = b.velocity[k] - a.velocity[k];
+    }
+    const double per_distance = 1.0 / math::sqrt(dot(normal, normal)),
+                 approach = -dot(normal, v) * per_distance;
+    for (double& x : normal) x *= per_distance;
+    for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
+    const double sideways = math::sqrt(dot(across, across));
+    if (!(approach > 0.0)) return false;
+    const double per_sideways = sideways > 0.0 ? 1.0 / sideways : 0.0, distance = q.reach;
+    for (double& x : across) x *= per_sideways;
+    const Approach touch{q.mass, distance, approach, sideways};
+    const PlanarContact end = soft_(q.law, touch);
+    if (end.outcome != Outcome::ok) return false;
+    const double separation = end.radial_speed, swing = end.tangential_speed;
+    l.contact = {0, now_, now_ + end.duration, approach, separation, false};
+    q.impact_speed = approach;
+    l.compression = end.greatest / math::min(a.radius, b.radius);
+    l.dissipated =
+        0.5 * q.mass * (end.speed_loss * (approach + separation) + (sideways - swing) * (sideways + swing));
+    // r × the equation of motion, integrated over the contact.
+    const double left = distance - end.compression;
+    l.virial = q.mass *
+               ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
+    part_pair(l, after, end, normal, across);
+    const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
+    return l.compression < deepest_compression && end.turn < widest_turn &&
+           l.span * (approach + sideways) <= travel_ && share * l.margin <= widest_margin_;
+}
+
+// On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
+// that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
+// touch, divided by the cosine of half of that angle.
+template <class Law>
+void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContact& end, const Vector3& normal,
+                                  const Vector3& across) const {
+    const Member &a = l.before[0], &b = l.before[1];
+    const double distance = l.pair.reach, r = distance - end.compression;
+    const double out = end.radial_speed, swing = end.tangential_speed;
+    const double left = end.compression * (distance + r), along = r * out;
+    const double square = along * along + (out * out + swing * swing) * left;
+    const double parting = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
+    l.span = end.duration + parting;
+    const auto turn = math::sincos(end.turn);
+    const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
+    const double rn = r * turn.cos + vn * parting, rt = r * turn.sin + vt * parting;
+    const double per_total = 1.0 / (a.mass + b.mass), of_a = a.mass * per_total, of_b = b.mass * per_total;
+    after[0] = a, after[1] = b;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double mean = of_a * a.velocity[k] + of_b * b.velocity[k], fall = box_.gravity[k] * l.span;
+        const double moved = l.span * (mean + 0.5 * fall);
+        const double place = (rn - distance) * normal[k] + rt * across[k];
+        const double velocity = vn * normal[k] + vt * across[k];
+        after[0].position[k] += moved - of_b * place;
+        after[1].position[k] += moved + of_a * place;
+        after[0].velocity[k] = (mean + fall) - of_b * velocity;
+        after[1].velocity[k] = (mean + fall) + of_a * velocity;
+    }
+    const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
+    const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // or less
+    l.turn = end.turn;
+    l.margin = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
+    for (std::size_t k = 0; k < 3; ++k) l.off[k] = -per_cosine * (off_n * normal[k] + off_t * across[k]);
+}
+
+template <class Law>
+bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
+    Touching<Law>& q = l.pair;
+    const auto axis = static_cast<std::size_t>(q.axis);
+    const Member& a = l.before[0];
+    const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
+    if (!(approach > 0.0)) return false;
+    const PlanarContact end = soft_(q.law, Approach{q.mass, math::infinity, approach, 0.0, weight});
+    if (end.outcome != Outcome::ok) return false;
+    const double square = end.radial_speed * end.radial_speed - 2.0 * weight * end.compression;
+    if (square < 0.0) return false;
+    const double opening =
+        end.compression > 0.0 ? 2.0 * end.compression / (end.radial_speed + math::sqrt(square)) : 0.0;
+    l.span = end.duration + opening;
+    l.compression = end.greatest / a.radius;
+    Member& to = after[0] = a;
+    for (std::size_t k = 0; k < 3; ++k) {
+        to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
+        to.velocity[k] += box_.gravity[k] * l.span;
+    }
+    to.position[axis] = q.wall + q.side * q.reach;
+    to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
+    l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
+    l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
+    q.impact_speed = approach;
+    // The force per mass a points one way: what it does to the path is largest at touch, ∫ t a dt.
+    const double out = end.radial_speed - weight * opening;
+    const double off = 1.0001 * (l.span * (out + 0.5 * weight * l.span));
+    l.turn = 0.0;
+    l.margin = math::abs(off);
+    l.off = {};
+    l.off[axis] = -q.side * off;
+    return l.compression < deepest_compression &&
+           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel_ && l.margin <= widest_margin_;
+}
+
+// Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
+// margin, on the parabola on which it flies on: seen from a wall, that is nearest at one of its ends or at its vertex.
+template <class Law>
+bool NewtonEvents<Law>::far_from_walls(const Group& g, const Parted& after) const {
+    if (!walled_) return true;
+    const Isolated& l = g.lone;
+    for (std::size_t m = 0; m < g.body.size(); ++m) {
+        const double room = radius(g.body[m]) + l.share[m] * l.margin;
+        for (int axis = 0; axis < box_.dimension; ++axis) {
+            if (!box_.walled(axis)) continue;
+            const auto a = static_cast<std::size_t>(axis);
+            const double end = g.origin[a] + after[m].position[a], v = after[m].velocity[a];
+            const double pull = box_.gravity[axis], back = v / pull;  // to the vertex
+            const double begin = end - l.span * (v - 0.5 * pull * l.span);
+            const double vertex = back > 0.0 && back < l.span ? end - 0.5 * v * back : end;
+            const double least = math::min(math::min(begin, end), vertex);
+            const double most = math::max(math::max(begin, end), vertex);
+            const double needed = room * (1.0 + rounding_of_touch);
+            const bool own = l.pair.second < 0 && l.pair.axis == axis, at_low = own && l.pair.side > 0.0;
+            if (!at_low && !(least > needed)) return false;
+            if (!(own && !at_low) && !(box_.edge[axis] - most > needed)) return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace hardlimit::boxes

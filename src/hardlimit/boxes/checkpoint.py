@@ -1,0 +1,85 @@
+"""Checkpoints: everything that a run needs to go on, in one file that is replaced as a whole.
+
+The file is an uncompressed ZIP of NumPy arrays (``numpy.load`` opens it), whose checksums tell a damaged one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support import saving, validation
+
+FORMAT: Final = 2  #: of the file; another one is refused
+HEADER: Final = "header"
+
+
+def checked_path(path: Any) -> Path:
+    """Where checkpoints go.
+
+    Raises
+    ------
+    ValueError
+        If it is no path, or no file can be written there.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"checkpoint: got {validation.shown(path)}, must be a path")
+    target = Path(path)
+    shown = validation.shown(str(path))
+    try:
+        good = bool(target.name) and not target.is_dir() and os.access(target.resolve().parent, os.W_OK)
+    except (OSError, ValueError):  # too long a name, or a null character in it
+        good = False
+    if not good:
+        raise ValueError(f"checkpoint: got {shown}, must be a file in a folder that can be written")
+    return target
+
+
+def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Replace the checkpoint.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written; names it, and the former one stays.
+    """
+    facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
+    content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
+    with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
+        np.savez(file, **content)
+        file.flush()
+        os.fsync(file.fileno())  # before it takes the name of the former one
+
+
+def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Header and arrays of a checkpoint.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, is none, is damaged, or was written by another version; names it.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"path: got {validation.shown(path)}, must be a path")
+    try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as content:
+            arrays = {name: content[name] for name in content.files}
+        header = json.loads(bytes(arrays.pop(HEADER)))
+        written = header["format"], header["hardlimit_version"]
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except Exception:  # zipfile and NumPy raise exceptions of many kinds at a damaged file
+        raise ValueError(f"{path}: no checkpoint, or damaged") from None
+    if written != (FORMAT, _core.version):
+        raise ValueError(
+            f"{path}: a checkpoint of hardlimit {validation.shown(written[1])[1:-1]}, "
+            f"must be one of {_core.version}: other versions may give other bits"
+        )
+    return header, arrays

@@ -1,0 +1,190 @@
+"""Which engine solves Newton's equations for a box: an estimate of what a contact costs each of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from .. import _core
+from ..contact.contact import Law
+from ..support import validation
+from . import engines, time_step
+from .system import ROUNDING, ParticleSystem
+from .theory import Gas
+
+#: In radii of the largest particle: the shortest periodic edge that events can have.
+SMALLEST_EDGE: Final = 4.2
+#: Cost of a contact [µs], from boxes of 300 to 4000 particles (docs/grains.md): by events alone, and for each t_c ν;
+#: by steps alone, and for each step of each of its two particles in the time 1/ν.
+BY_EVENTS: Final = (1.6, 35.0)
+BY_STEPS: Final = (9.0, 0.0045)
+#: Packing fraction that no disordered packing exceeds, by dimension.
+DENSEST: Final = {2: 0.84, 3: 0.64}
+
+
+class Choice(NamedTuple):
+    """An engine, and why."""
+
+    engine: str
+    reason: str
+
+
+class Touch(NamedTuple):
+    """How many contacts a particle makes while one lasts, and when."""
+
+    tc_nu: float
+    when: str
+
+
+def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str, Any]) -> Choice:
+    """The engine for a run until then [s]: steps where an option is given that they alone have, else the one that is
+    :func:`estimated` to be cheaper."""
+    for name, value in of_steps.items():
+        if value is not None:
+            return Choice("steps", f"{name} is given, which steps alone take")
+    return estimated(system, law, until)
+
+
+def estimated(
+    system: ParticleSystem, law: Law, until: float, restitution_error: float | None = None
+) -> Choice:
+    """The engine by which a contact costs less, with steps that make this error of ε.
+
+    A contact costs about 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt. t_c ν is the largest
+    of three: Enskog's rate times the duration of a typical contact; the contacts that last at the start, for each
+    particle; and that at the end of a run in which a bed falls and dissipates (:func:`of_bed`).
+    """
+    try:
+        check_box(system)
+    except ValueError as error:
+        return Choice("steps", str(error))
+    duration, restitution, temperature = typical_contact(system, law)
+    rate = _collision_rate(system, temperature)
+    touches = [
+        Touch(rate * duration if rate > 0.0 else 0.0, "at the start"),
+        Touch(lasting_contacts(system), "by the contacts that last at the start"),
+        of_bed(system, duration, restitution, until),
+    ]
+    most = max(touches)
+    if most.tc_nu == 0.0:
+        return Choice("events", "no contacts are to be expected")
+    if not most.tc_nu < 2.0 * system.dimension:  # as many as keep a packing in place
+        return Choice("steps", f"contacts last, t_c ν = {most.tc_nu:.2g} {most.when}")
+    at = f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about"
+    by_events, by_steps = BY_EVENTS[0] + BY_EVENTS[1] * most.tc_nu, BY_STEPS[0]
+    if by_events <= by_steps:  # whatever the step, which takes time to find
+        return Choice("events", f"{at} {by_events:.2g} µs by events, more than {by_steps:g} µs by steps")
+    step = time_step.chosen(system, law, restitution_error, None)
+    by_steps += BY_STEPS[1] * duration / (most.tc_nu * step)
+    name = "events" if by_events <= by_steps else "steps"
+    return Choice(name, f"{at} {by_events:.2g} µs by events, {by_steps:.2g} µs by steps")
+
+
+def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, float]:
+    """Duration [s], infinite where it does not end, and ε of a contact of mean mass and radius at the mean impact
+    speed √(πT), and the temperature T [m²/s²] of that: of the motion, or of the fall to come where that is hotter."""
+    temperature = system.granular_temperature
+    if "wall" in system.boundary:
+        temperature = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
+    hottest = max(temperature, _bed_temperature(system))
+    mass, radius = float(system.mass.mean()), float(system.radius.mean())
+    contact = _core.make_contact(*engines.choice(law), 0.5 * mass, 0.5 * radius)
+    speed = np.array([math.sqrt(math.pi * hottest) or 1.0])
+    duration, restitution = float(contact.duration(speed)[0]), float(contact.restitution(speed)[0])
+    return (
+        duration if duration >= 0.0 else math.inf,
+        restitution if restitution >= 0.0 else 0.0,
+        temperature,
+    )
+
+
+def lasting_contacts(system: ParticleSystem) -> float:
+    """Contacts of each particle in the state of the system; in a gas their mean is t_c ν."""
+    if system._overlap_share <= 2.0 * ROUNDING:
+        return 0.0
+    at_rest = engines.scene(system.replace(velocities=np.zeros_like(system.velocities)))
+    touching = _core.NewtonSteps(*at_rest, ("linear", 0, [1.0, 1.0]), 1.0).observe()["n_in_contact"]
+    return 2.0 * float(touching) / system.n
+
+
+def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Touch:
+    """t_c ν at the end of a run, of particles that gravity g pulls to a wall.
+
+    As an atmosphere of one temperature T whose floor is A wide, L = Nσ^(d−1)/A layers, they have E = (d/2 + 1)T for
+    each kg, collide at the rate ν = a g/√T and lose (1 − ε²) T ν/2 to each other and what a bouncing ball loses to the
+    floor: √T falls linearly, d√T/dt = −g [(1 − ε²) b/2 + (1 − ε) c]/(d + 2), a = b + c/(d + 2), b = (d − 1)√π L,
+    c = √(d + 2)/2. When T is zero, and the time of a fall has passed, the bed is at rest. Its χ is taken as 1.
+    """
+    axis, pull = _pull(system)
+    if pull == 0.0:
+        return Touch(0.0, "")
+    pull, d = abs(pull), system.dimension
+    base = float(np.prod(np.delete(system.box, axis)))
+    layers = float(np.sum((2.0 * system.radius) ** (d - 1))) / base
+    pairs = (d - 1) * math.sqrt(math.pi) * layers
+    floor = 0.5 * math.sqrt(d + 2.0)
+    slows = pull * (1.0 - restitution) * (0.5 * (1.0 + restitution) * pairs + floor) / (d + 2)
+    start = math.sqrt(_bed_temperature(system))
+    at_rest = math.sqrt(2.0 * _fall(system) / pull) + (start / slows if slows > 0.0 else math.inf)
+    if until >= at_rest or start == 0.0:
+        return Touch(math.inf, f"in a bed that is at rest after about {at_rest if start else 0.0:.2g} s")
+    end = start * (1.0 - until / at_rest)
+    return Touch(duration * pull * (pairs + floor / (d + 2)) / end, "at the end, in a bed that settles")
+
+
+def check_box(system: ParticleSystem) -> None:
+    """By events, no particle may come near two images of another one at a time.
+
+    Raises
+    ------
+    ValueError
+        If a periodic edge is too short; names it.
+    """
+    least = SMALLEST_EDGE * float(system.radius.max())
+    for axis, side in enumerate(system.boundary):
+        if side == "periodic" and not system.box[axis] >= least:
+            raise ValueError(
+                f"box: got {system.box[axis]:.6g} m along periodic axis {axis}, must be >= "
+                f"{validation.at_least(least)} m, {SMALLEST_EDGE:g} largest radii, for engine 'events'"
+            )
+
+
+def _collision_rate(system: ParticleSystem, temperature: float) -> float:
+    """Enskog's [1/s], of particles of mean size, each of which meets all others, no denser than a packing."""
+    n, d = system.n, system.dimension
+    room = float(_solid(system) / DENSEST[d])
+    gas = Gas(n, float(system.radius.mean()), 1.0, max(float(np.prod(system.box)), room), d)
+    return (n - 1) / n * float(gas.collision_rate(temperature))
+
+
+def _solid(system: ParticleSystem) -> float:
+    """What the particles fill: their volume [m³], of disks their area [m²]."""
+    return system.packing_fraction * float(np.prod(system.box))
+
+
+def _pull(system: ParticleSystem) -> tuple[int, float]:
+    """The axis along which gravity presses most on a wall, and how much [m/s²], with its sign."""
+    pulls = np.where([side == "wall" for side in system.boundary], system.gravity, 0.0)
+    axis = int(np.argmax(np.abs(pulls)))
+    return axis, float(pulls[axis])
+
+
+def _bed_temperature(system: ParticleSystem) -> float:
+    """Of an atmosphere [m²/s²] with the energy of these particles above a packing at rest on the floor."""
+    pull = abs(_pull(system)[1])
+    if pull == 0.0:
+        return 0.0
+    energy = system.kinetic_energy / float(system.mass.sum()) + pull * _fall(system)
+    return 2.0 * energy / (system.dimension + 2)
+
+
+def _fall(system: ParticleSystem) -> float:
+    """How far the centre of mass is above that of a packing on the floor [m]."""
+    axis, pull = _pull(system)
+    height = float(system.mass @ system.positions[:, axis]) / float(system.mass.sum())
+    above = height if pull < 0.0 else float(system.box[axis]) - height
+    packed = _solid(system) / (DENSEST[system.dimension] * float(np.prod(np.delete(system.box, axis))))
+    return max(0.0, above - max(0.5 * packed, float(system.radius.mean())))

@@ -1,0 +1,97 @@
+"""Boxes of grains in files, by the ending of the name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Final
+
+from ...support import saving, validation
+from . import extended_xyz, gsd_file, lammps_data
+from .frame import Append, Frame
+
+FORMATS: Final[dict[str, ModuleType]] = {
+    ".xyz": extended_xyz,
+    ".extxyz": extended_xyz,
+    ".gsd": gsd_file,
+    ".data": lammps_data,
+    ".lmp": lammps_data,
+}
+
+
+def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
+    """The path, and the format that its ending names.
+
+    Raises
+    ------
+    ValueError
+        If it is no path or has an unknown ending.
+    """
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"{parameter}: got {validation.shown(path)}, must be a path")
+    target = Path(path)
+    if target.suffix.lower() not in FORMATS:
+        raise ValueError(
+            f"{parameter}: got {validation.shown(str(path))}, must end in {validation.any_of([*FORMATS])}"
+        )
+    return target, FORMATS[target.suffix.lower()]
+
+
+def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
+    """Arguments of ParticleSystem as they stand in the file, and how far rounding may have moved a particle.
+
+    The latter is relative to a radius: 0 where the file holds double precision.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or is damaged; names it.
+    """
+    target, kind = format_of(path)
+    which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
+    try:
+        if not target.is_file():
+            raise ValueError("cannot be read: no such file")
+        found = kind.read(target, which)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except MemoryError:
+        raise ValueError(f"{path}: cannot be read: more than fits in memory") from None
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+    return found.arguments, found.rounding
+
+
+def write(path: str | Path, frames: Iterable[Frame]) -> Path:
+    """Write frames to a file that appears once it is whole.
+
+    Raises
+    ------
+    ValueError
+        If the ending is unknown, or the format cannot hold the frames.
+    OSError
+        If the file cannot be written; names it.
+    """
+    with appender(path) as append:
+        for frame in frames:
+            append(frame)
+    return Path(path)
+
+
+@contextmanager
+def appender(path: str | Path) -> Iterator[Append]:
+    """Takes frames for a file that appears under its name once the block is left.
+
+    Raises
+    ------
+    ValueError
+        If the ending is unknown, or the format is not installed.
+    OSError
+        If the file cannot be written; names it.
+    """
+    _, kind = format_of(path)
+    with saving.whole(path) as unfinished, kind.appender(unfinished) as append:
+        yield append

@@ -1,0 +1,175 @@
+"""Extended XYZ: a text, one line for each particle, that OVITO and ASE read.
+
+Written here and not by ASE, which keeps eight decimals: a grain of 1 mm would lose all but five digits of its place.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+import numpy as np
+
+from ...support import validation
+from .frame import Append, Floats, Found, Frame, three, words
+
+COLUMNS: Final = "species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1"
+NAMES: Final = {
+    "pos": "positions",
+    "velo": "velocities",
+    "vel": "velocities",
+    "radius": "radius",
+    "mass": "mass",
+    "masses": "mass",
+}
+BLOCK: Final = 65536  #: rows that are made into text at once
+
+_ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
+
+
+@contextmanager
+def appender(path: Path) -> Iterator[Append]:
+    """Appends frames to a new file."""
+    with open(path, "wb") as file:
+        yield lambda frame: _append(file, frame)
+
+
+def _append(file: BinaryIO, frame: Frame) -> None:
+    file.write(f"{len(frame.positions)}\n{_comment(frame)}\n".encode())
+    table = np.column_stack([three(frame.positions), three(frame.velocities), frame.radius, frame.mass])
+    for first in range(0, len(table), BLOCK):
+        rows = (f"X {' '.join(map(repr, row))}\n" for row in table[first : first + BLOCK].tolist())
+        file.write("".join(rows).encode())
+
+
+def _comment(frame: Frame) -> str:
+    """The second line: cell, columns, periodicity and what else is not in a column."""
+    d = len(frame.box)
+    edges = three(frame.box, 2.0 * float(frame.radius.max()))
+    flags = ["T" if side == "periodic" else "F" for side in frame.boundary] + ["F"] * (3 - d)
+    gravity = " ".join(map(repr, three(frame.gravity).tolist()))
+    lattice = " ".join(map(repr, np.diag(edges).ravel().tolist()))
+    return (
+        f'Lattice="{lattice}" Properties={COLUMNS} pbc="{" ".join(flags)}" '
+        f'Time={frame.time!r} gravity="{gravity}" dimension={d}'
+    )
+
+
+def read(path: Path, frame: int) -> Found:
+    """One frame of the file.
+
+    Raises
+    ------
+    ValueError
+        If it is not extended XYZ, is cut short, or lacks a column or the cell.
+    """
+    with open(path, "rb") as file:
+        starts = list(_frames(file))
+        if not -len(starts) <= frame < len(starts):
+            raise ValueError(f"frame: got {frame}, must be in [{-len(starts)}, {len(starts) - 1}]")
+        file.seek(starts[frame])
+        n = int(file.readline())
+        entries = _entries(_text(file.readline()))
+        table, where = _table(file, n, entries)
+    return Found(_arguments(table, where, entries))
+
+
+def _frames(file: BinaryIO) -> Iterator[int]:
+    """Where each frame begins."""
+    while True:
+        start = file.tell()
+        first = file.readline()
+        if not first.strip():
+            if not first:
+                return
+            continue
+        if not re.fullmatch(rb"\s*\d{1,12}\s*", first):
+            shown = validation.shown(_text(first).strip())
+            raise ValueError(f"number of particles: got {shown}, must be a whole number")
+        n = int(first)
+        lines = sum(1 for _ in islice(file, n + 1))
+        if n == 0 or lines != n + 1:
+            raise ValueError(f"number of particles: got {n}, but {max(lines - 1, 0)} lines of them")
+        yield start
+
+
+def _text(line: bytes) -> str:
+    try:
+        return line.decode()
+    except UnicodeDecodeError:
+        raise ValueError("not a text in UTF-8") from None
+
+
+def _entries(comment: str) -> dict[str, str]:
+    return {key: quoted or plain for key, quoted, plain in _ENTRY.findall(comment)}
+
+
+def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dict[str, slice]]:
+    """The numbers of the columns that are wanted, and where each property stands among them."""
+    parts = entries.get("Properties", "").split(":")
+    used: list[int] = []
+    where: dict[str, slice] = {}
+    column = 0
+    for name, kind, width in zip(parts[::3], parts[1::3], parts[2::3], strict=False):
+        if not width.isdigit():
+            raise ValueError(
+                f"Properties: got {validation.shown(entries['Properties'])}, must be name:kind:width:…"
+            )
+        count = int(width)
+        if name in NAMES and kind in "RI" and NAMES[name] not in where and count <= 3:
+            where[NAMES[name]] = slice(len(used), len(used) + count)
+            used += range(column, column + count)
+        column += count
+    for wanted, needed in (("positions", 3), ("velocities", 3), ("radius", 1), ("mass", 1)):
+        if wanted not in where or where[wanted].stop - where[wanted].start != needed:
+            raise ValueError("Properties: must hold pos:R:3, velo:R:3, radius:R:1 and mass:R:1")
+    return _numbers(islice(file, n), used), where
+
+
+def _numbers(lines: Iterator[bytes], columns: list[int]) -> Floats:
+    try:
+        return np.loadtxt(lines, usecols=columns, comments=None, ndmin=2, encoding="utf-8")
+    except (ValueError, IndexError) as error:
+        raise ValueError(f"particles: {str(error).splitlines()[0]}") from None
+
+
+def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) -> dict[str, Any]:
+    cell = _vector(entries, "Lattice", 9).reshape(3, 3)
+    if np.any(cell != np.diag(np.diag(cell))) or np.any(_vector(entries, "Origin", 3, 0.0) != 0.0):
+        raise ValueError("Lattice: must be a box along the axes with its corner at the origin")
+    d = {"2": 2, "3": 3}.get(entries.get("dimension", "3"))
+    if d is None:
+        raise ValueError(f"dimension: got {validation.shown(entries['dimension'])}, must be 2 or 3")
+    flags = entries.get("pbc", "T T T").split()
+    if len(flags) != 3 or not {*flags} <= {"T", "F", "1", "0"}:
+        raise ValueError(f"pbc: got {validation.shown(entries['pbc'])}, must be T or F for each axis")
+    positions, velocities = (table[:, where[name]] for name in ("positions", "velocities"))
+    if np.any(positions[:, d:]) or np.any(velocities[:, d:]):
+        raise ValueError("dimension: got 2, must be 3: some z are not 0")
+    return {
+        "positions": positions[:, :d],
+        "velocities": velocities[:, :d],
+        "radius": table[:, where["radius"]][:, 0],
+        "mass": table[:, where["mass"]][:, 0],
+        "box": np.diag(cell)[:d],
+        "boundary": words(flag in "T1" for flag in flags[:d]),
+        "gravity": _vector(entries, "gravity", 3, 0.0)[:d],
+    }
+
+
+def _vector(entries: dict[str, str], name: str, count: int, default: float | None = None) -> Floats:
+    """An entry of so many numbers."""
+    if name not in entries and default is not None:
+        return np.full(count, default)
+    try:
+        found = np.array([float(word) for word in entries.get(name, "").split()])
+    except ValueError:
+        found = np.empty(0)
+    if found.shape != (count,) or not np.isfinite(found).all():
+        got = validation.shown(entries[name]) if name in entries else "nothing"
+        raise ValueError(f"{name}: got {got}, must be {count} numbers")
+    return found

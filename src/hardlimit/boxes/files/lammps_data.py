@@ -1,0 +1,225 @@
+"""LAMMPS data, ``atom_style sphere``, in SI units. No library reads or writes that style.
+
+The format keeps diameters and densities. Walls and gravity belong to the script of LAMMPS; here they stand in the first
+line, which LAMMPS skips.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import _core
+from ...support import validation
+from .frame import Append, Floats, Found, Frame, three, words
+
+BLOCK: Final = 65536  #: rows that are made into text at once
+SECTIONS: Final = ("Atoms", "Velocities")
+_MARK: Final = re.compile(
+    r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pf ]+), gravity (.+)"
+)
+
+
+@contextmanager
+def appender(path: Path) -> Iterator[Append]:
+    """Writes one frame to a new file; a second one is refused, for the format knows no trajectories."""
+    with open(path, "wb") as file:
+
+        def append(frame: Frame) -> None:
+            if file.tell():
+                raise ValueError("a LAMMPS data file holds one frame, must end in .gsd or .xyz for more")
+            _write(file, frame, np.ones(len(frame.radius), np.int64))
+
+        yield append
+
+
+def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
+    """A file of particles of several types, numbered from 1."""
+    with open(path, "wb") as file:
+        _write(file, frame, types)
+
+
+def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
+    file.write(_header(frame, int(types.max())).encode())
+    density = densities(frame.mass, frame.radius)
+    _rows(file, "Atoms # sphere", [2.0 * frame.radius, density, three(frame.positions)], types)
+    _rows(file, "Velocities", [three(frame.velocities), np.zeros((len(density), 3))])
+
+
+def _rows(file: BinaryIO, title: str, columns: list[Floats], types: NDArray[np.int64] | None = None) -> None:
+    """A section: number, type if it has one, and the columns."""
+    table = np.column_stack(columns)
+    file.write(f"\n{title}\n\n".encode())
+    for first in range(0, len(table), BLOCK):
+        block = table[first : first + BLOCK].tolist()
+        kinds = (
+            [""] * len(block) if types is None else [f" {t}" for t in types[first : first + BLOCK].tolist()]
+        )
+        rows = (
+            f"{i}{kind} {' '.join(map(repr, row))}\n"
+            for i, (kind, row) in enumerate(zip(kinds, block, strict=True), start=first + 1)
+        )
+        file.write("".join(rows).encode())
+
+
+def _header(frame: Frame, types: int) -> str:
+    d = len(frame.box)
+    sides = " ".join("p" if side == "periodic" else "f" for side in frame.boundary)
+    gravity = " ".join(map(repr, frame.gravity.tolist()))
+    lines = [
+        f"LAMMPS data file by hardlimit, SI units, dimension {d}, boundary {sides}, gravity {gravity}",
+        "",
+        f"{len(frame.positions)} atoms",
+        f"{types} atom types",
+        "",
+    ]
+    half = float(frame.radius.max())
+    limits = [(0.0, float(edge)) for edge in frame.box] + [(-half, half)] * (3 - d)
+    lines += [f"{low!r} {high!r} {axis}lo {axis}hi" for axis, (low, high) in zip("xyz", limits, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+def densities(mass: Floats, radius: Floats) -> Floats:
+    """Densities [kg/m³] from which the masses come back, to the last bit where there is such a number."""
+    rho = mass / (4.0 / 3.0 * math.pi * radius**3)
+    best = rho.copy()
+    found = sphere_masses(rho, radius) == mass
+    for direction in (-math.inf, math.inf):
+        near = rho
+        for _ in range(4):
+            near = np.nextafter(near, direction)
+            hit = ~found & (sphere_masses(near, radius) == mass)
+            best[hit] = near[hit]
+            found |= hit
+    return best
+
+
+def sphere_masses(density: Floats, radius: Floats) -> Floats:
+    """The masses of spheres [kg]."""
+    return np.fromiter(map(_core.ball_mass, density.tolist(), radius.tolist()), np.float64, len(density))
+
+
+def read(path: Path, frame: int) -> Found:
+    """The system in the file.
+
+    Raises
+    ------
+    ValueError
+        If it is not LAMMPS data of atom_style sphere in a box along the axes.
+    """
+    if frame not in (0, -1):
+        raise ValueError(f"frame: got {frame}, must be 0 or -1: the format holds one")
+    try:
+        lines = path.read_bytes().decode().splitlines()
+    except UnicodeDecodeError:
+        raise ValueError("not a text in UTF-8") from None
+    header, sections = _parts(lines)
+    mark = _MARK.match(lines[0]) if lines else None
+    d = int(mark[1]) if mark else 3
+    n = _count(header)
+    limits = _limits(header)
+    atoms = _table("Atoms", sections, n, (7, 10))
+    speeds = _table("Velocities", sections, n, (7, 4))
+    if np.any(atoms[:, 4 + d : 7]) or np.any(speeds[:, 1 + d : 4]):
+        raise ValueError("dimension: got 2, must be 3: some z are not 0")
+    radius = 0.5 * atoms[:, 2]
+    return Found(
+        {
+            "positions": atoms[:, 4 : 4 + d] - limits[:d, 0],
+            "velocities": speeds[:, 1 : 1 + d],
+            "radius": radius,
+            "density": atoms[:, 3],
+            "box": limits[:d, 1] - limits[:d, 0],
+            **_from_mark(mark, d),
+        }
+    )
+
+
+def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:
+    """The header, and for each section what stands beside its title and its lines."""
+    header: list[str] = []
+    sections: dict[str, tuple[str, list[str]]] = {}
+    here = header
+    for line in lines[1:]:
+        text, _, comment = line.partition("#")
+        if re.match(r"[A-Z]", text):
+            title = text.strip()
+            if title in sections:
+                raise ValueError(f"{title}: given twice")
+            here = []
+            sections[title] = (comment.strip(), here)
+        elif text.strip():
+            here.append(text)
+    return header, sections
+
+
+def _count(header: Iterable[str]) -> int:
+    counts = [match[1] for line in header if (match := re.fullmatch(r"\s*(\d{1,12})\s+atoms\s*", line))]
+    if len(counts) != 1 or int(counts[0]) == 0:
+        raise ValueError("header: must say once how many atoms there are, such as '1000 atoms'")
+    return int(counts[0])
+
+
+def _limits(header: Iterable[str]) -> Floats:
+    """Lower and upper end (3, 2) of the box along each axis."""
+    found: dict[str, list[float]] = {}
+    for line in header:
+        if re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
+            raise ValueError("header: got a tilted box, must be along the axes")
+        match = re.fullmatch(r"\s*(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi\s*", line)
+        if match:
+            found[match[3]] = [_float(f"{match[3]}lo {match[3]}hi", word) for word in match.groups()[:2]]
+    missing = [axis for axis in "xyz" if axis not in found]
+    if missing:
+        raise ValueError(f"header: must hold the line '… … {missing[0]}lo {missing[0]}hi'")
+    return np.array([found[axis] for axis in "xyz"])
+
+
+def _float(name: str, word: str) -> float:
+    try:
+        return validation.number(name, float(word))
+    except ValueError:
+        raise ValueError(f"{name}: got {validation.shown(word)}, must be a finite number") from None
+
+
+def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, widths: tuple[int, ...]) -> Floats:
+    """The rows of a section in the order of their numbers."""
+    if title not in sections:
+        raise ValueError(f"{title}: missing, must hold one line for each atom")
+    style, lines = sections[title]
+    if style and title == "Atoms" and style != "sphere":
+        raise ValueError(f"Atoms: got the style {validation.shown(style)}, must be sphere")
+    if len(lines) != n:
+        raise ValueError(f"{title}: got {len(lines)} lines, must be {n}, one for each atom")
+    try:
+        found = np.loadtxt(lines, ndmin=2, comments=None)
+    except ValueError as error:
+        raise ValueError(f"{title}: {str(error).splitlines()[0]}") from None
+    if found.shape[1] not in widths:
+        raise ValueError(
+            f"{title}: got {found.shape[1]} columns, must be {widths[0]} as of atom_style sphere"
+        )
+    found = found[np.argsort(found[:, 0], kind="stable")]
+    if not np.all(np.diff(found[:, 0]) > 0.0):
+        raise ValueError(f"{title}: some numbers of atoms stand twice or are none")
+    return found
+
+
+def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
+    """Walls and gravity from the first line, if this program wrote it."""
+    if mark is None:
+        return {}
+    sides, gravity = mark[2].split(), mark[3].split()
+    if len(sides) != d or len(gravity) != d:
+        raise ValueError("first line: must name a side and a gravity for each axis")
+    return {
+        "boundary": words(side == "p" for side in sides),
+        "gravity": [_float("gravity", word) for word in gravity],
+    }

@@ -1,0 +1,190 @@
+"""Our contact laws in the words of LAMMPS' ``pair_style granular`` and ``fix wall/gran granular``, exactly.
+
+With δ the overlap, v = dδ/dt, m and R the effective mass and radius, LAMMPS has (``limit_damping``: never attractive)
+
+* ``hooke k``: k δ; ``hertz K``: K √R δ^{3/2},
+* ``damping velocity``, coefficient γ: γ v; ``damping viscoelastic``, coefficient h: h m √(R δ) v,
+* ``damping coeff_restitution``, coefficient e: c √(m F/δ) v with F the elastic force, c = 2b for hooke, √5 b for hertz
+  and b = −ln e/√(π² + ln² e).
+
+The last is the form of our linear dashpot, γ = 2b√(m k), and of Tsuji's law, α √(m k) δ^{1/4} with α = √5 b, one
+coefficient for all masses. Its e is not our ε, which belongs to the same b without an attractive tail: LAMMPS is told
+the e that gives our b. ``damping tsuji`` is another fit and not used. Viscoelastic spheres have h = (3/2) ρ A/(m √R).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import _core
+from ...contact.contact import Law
+from ..system import Floats, ParticleSystem
+
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+#: LAMMPS has 32 groups, and each type needs one at the walls.
+MOST_TYPES: Final = 30
+#: Of critical damping. Beyond it the e that gives it would leave the range of numbers.
+LARGEST_RATIO: Final = 0.99
+COMMON: Final = "limit_damping tangential linear_nohistory 0.0 0.0"
+
+
+@dataclass(frozen=True)
+class Types:
+    """Particles that one set of coefficients serves."""
+
+    of_particle: Integers  #: (N,) from 0
+    bodies: list[tuple[float, float]]  #: mass [kg] and radius [m] of one particle of each type
+
+    def __len__(self) -> int:
+        return len(self.bodies)
+
+
+def types_of(system: ParticleSystem, law: Law) -> Types:
+    """The types that LAMMPS needs.
+
+    Raises
+    ------
+    ValueError
+        If LAMMPS does not have the law, or would need too many types.
+    """
+    needed = _needs(law)
+    columns = [getattr(system, name) for name in needed]
+    if not columns:
+        one = (float(system.mass[0]), float(system.radius[0]))
+        return Types(np.zeros(system.n, np.int64), [one])
+    _, first, inverse = np.unique(np.stack(columns, axis=1), axis=0, return_index=True, return_inverse=True)
+    if len(first) > MOST_TYPES:
+        raise ValueError(
+            f"{' | '.join(needed)}: got {len(first)} different ones, must be at most {MOST_TYPES} for engine 'lammps', "
+            f"whose coefficients depend on them under this law"
+        )
+    bodies = [(float(system.mass[i]), float(system.radius[i])) for i in first]
+    return Types(inverse.reshape(-1).astype(np.int64), bodies)
+
+
+def _needs(law: Law) -> tuple[str, ...]:
+    """What the coefficients of LAMMPS depend on, of a pair.
+
+    Raises
+    ------
+    ValueError
+        If LAMMPS does not have the law.
+    """
+    name = law.record["name"]
+    if name not in COEFFICIENTS:
+        raise ValueError(
+            f"law: got {law!r}, must be one of {', '.join(COEFFICIENTS)} for engine 'lammps', which has no other"
+        )
+    unit = _contact(law, 1.0, 1.0)
+    if name == "linear":
+        strong = _damping_ratio(unit, 1.0) > LARGEST_RATIO
+        return ("mass",) if "restitution" in law.parameters and strong else ()
+    if name == "viscoelastic":
+        if unit.values()[1] == 0.0:
+            return ()
+        return ("mass",) if "dissipative_time" in law.parameters else ("mass", "radius")
+    ratio = unit.values()[1] / math.sqrt(5.0)
+    if ratio > LARGEST_RATIO:
+        raise ValueError(
+            f"law: got {law!r}, damped {ratio:.3g} times critically, must be at most {LARGEST_RATIO:g} times for "
+            "engine 'lammps', which has no stronger damping of this form"
+        )
+    return ("radius",) if "elastic_prefactor" in law.parameters else ()
+
+
+def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> str:
+    """The words for the contact of two bodies of these masses [kg] and radii [m]; a wall has infinite ones."""
+    mass, radius = (_core.effective(a, b) for a, b in zip(body, other, strict=True))
+    words = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
+    return f"{words} {COMMON}"
+
+
+def _contact(law: Law, mass: float, radius: float) -> Any:
+    parameters = list(law.parameters.values())
+    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
+
+
+def _damping_ratio(contact: Any, mass: float) -> float:
+    stiffness, damping = contact.values()
+    return float(0.5 * damping / (math.sqrt(stiffness) * math.sqrt(mass)))
+
+
+def _usual_restitution(ratio: float) -> float:
+    """The e with −ln e/√(π² + ln² e) = b."""
+    return math.exp(-math.pi * ratio / math.sqrt((1.0 - ratio) * (1.0 + ratio)))
+
+
+def _linear(law: Law, contact: Any, mass: float, radius: float) -> str:
+    stiffness, damping = contact.values()
+    ratio = _damping_ratio(contact, mass)
+    if "damping" in law.parameters or ratio > LARGEST_RATIO:
+        return f"hooke {stiffness!r} {damping!r} damping velocity"
+    return f"hooke {stiffness!r} {_usual_restitution(ratio)!r} damping coeff_restitution"
+
+
+def _viscoelastic(law: Law, contact: Any, mass: float, radius: float) -> str:
+    rho, time = contact.values()
+    along = rho / math.sqrt(radius)
+    return f"hertz {along!r} {1.5 * along * time / mass!r} damping viscoelastic"
+
+
+def _tsuji(law: Law, contact: Any, mass: float, radius: float) -> str:
+    prefactor, alpha = contact.values()
+    usual = _usual_restitution(alpha / math.sqrt(5.0))
+    return f"hertz {prefactor / math.sqrt(radius)!r} {usual!r} damping coeff_restitution"
+
+
+COEFFICIENTS: Final[dict[str, Callable[[Law, Any, float, float], str]]] = {
+    "linear": _linear,
+    "viscoelastic": _viscoelastic,
+    "tsuji": _tsuji,
+}
+
+
+class Pairs:
+    """Our own law between the particles of a system, and between them and walls."""
+
+    def __init__(self, system: ParticleSystem, law: Law) -> None:
+        self._law, self._mass, self._radius = law, np.asarray(system.mass), np.asarray(system.radius)
+        kinds, inverse = np.unique(np.stack([self._mass, self._radius], 1), axis=0, return_inverse=True)
+        self._bodies = [*map(tuple, kinds.tolist()), (math.inf, math.inf)]
+        self._kind = inverse.reshape(-1)
+
+    def apart(self, first: Integers, second: Integers) -> Floats:
+        """Distance at touch [m]; of walls, which have a negative number, the radius."""
+        return self._radius[first] + np.where(second < 0, 0.0, self._radius[second])
+
+    def effective_mass(self, first: Integers, second: Integers) -> Floats:
+        """[kg]"""
+        one, other = self._mass[first], self._mass[second]
+        return np.where(second < 0, one, one * other / (one + other))
+
+    def force(self, first: Integers, second: Integers, compression: Floats, rate: Floats) -> Floats:
+        """Repulsive force [N]."""
+        return self._each(first, second, lambda contact, at: contact.force(compression[at], rate[at]))
+
+    def energy(self, first: Integers, second: Integers, compression: Floats) -> Floats:
+        """Elastic energy [J]."""
+        return self._each(first, second, lambda contact, at: contact.energy(compression[at]))
+
+    def _each(self, first: Integers, second: Integers, value: Callable[[Any, Integers], Floats]) -> Floats:
+        """Values of all contacts, computed for those of two kinds of bodies at a time."""
+        found = np.zeros(len(first))
+        wall = len(self._bodies) - 1
+        other = np.where(second < 0, wall, self._kind[second])
+        code = self._kind[first] * (wall + 1) + other
+        order = np.argsort(code, kind="stable")
+        for at in np.split(order, np.flatnonzero(np.diff(code[order])) + 1):
+            if len(at):
+                body, partner = (self._bodies[k] for k in divmod(int(code[at[0]]), wall + 1))
+                mass, radius = (_core.effective(a, b) for a, b in zip(body, partner, strict=True))
+                found[at] = value(_contact(self._law, mass, radius), at)
+        return found

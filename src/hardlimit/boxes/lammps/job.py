@@ -1,0 +1,110 @@
+"""What LAMMPS is to do, and the folder in which it does so: input, particles, and how to read what comes back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from ... import _core
+from ...contact.laws import LAWS
+from ...support import saving, validation
+from ..engines import law_entry
+from ..files import lammps_data
+from ..system import ParticleSystem
+from .forces import Pairs, Types, between, types_of
+from .script import Plan, script
+
+INPUT: Final = "in.hardlimit"
+START: Final = "start.data"
+SETTINGS: Final = "hardlimit.json"
+#: What LAMMPS writes.
+LOG: Final = "log.lammps"
+PAIRS: Final = "pairs.dump"
+WALLS: Final = "walls.dump"
+END: Final = "end.dump"
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run: a system, a law, an end."""
+
+    system: ParticleSystem
+    law: Any
+    plan: Plan
+
+    @property
+    def pairs(self) -> Pairs:
+        """Our own law between its particles."""
+        return Pairs(self.system, self.law)
+
+    @property
+    def streams(self) -> list[str]:
+        """The files of contacts that LAMMPS writes."""
+        return [PAIRS, *([WALLS] if "wall" in self.system.boundary else [])]
+
+
+def write(job: Job, folder: Path) -> Path:
+    """Write all that LAMMPS needs into a folder that exists; the path of the input.
+
+    Raises
+    ------
+    ValueError
+        If LAMMPS has no such law, or cannot take so many kinds of particles.
+    OSError
+        If a file cannot be written; names it.
+    """
+    types = types_of(job.system, job.law)
+    text = script(job.system, types, _coefficients(job, types), job.plan, _header(job, folder))
+    with saving.whole(folder / START) as unfinished:
+        lammps_data.write(unfinished, job.system.as_frame(), types.of_particle + 1)
+    settings = {"version": _core.version, "law": law_entry(job.law), "plan": vars(job.plan)}
+    saving.write(folder / SETTINGS, json.dumps(settings, indent=1).encode())
+    saving.write(folder / INPUT, text.encode())
+    return folder / INPUT
+
+
+def _coefficients(job: Job, types: Types) -> Mapping[tuple[int, int | None], str]:
+    """The words for each pair of types, and for each type at a wall."""
+    found: dict[tuple[int, int | None], str] = {}
+    wall = (float("inf"), float("inf"))
+    for i, body in enumerate(types.bodies):
+        found[i, None] = between(job.law, body, wall)
+        for j, other in enumerate(types.bodies[i:], start=i):
+            found[i, j] = between(job.law, body, other)
+    return found
+
+
+def _header(job: Job, folder: Path) -> list[str]:
+    plan = job.plan
+    return [
+        f"Newton's equations of a box of grains, written by hardlimit {_core.version}; SI units",
+        f"{job.system!r}",
+        f"{job.law!r}",
+        f"until {plan.until:.9g} s, {plan.n_steps} steps of {plan.time_step:.9g} s, {plan.samples} samples",
+        "",
+        f"run:        mpiexec -n 4 lmp -in {INPUT}     in this folder; LAMMPS of 22 Jul 2025 or newer with GRANULAR",
+        f"afterwards: hardlimit.lammps_result({folder.name!r})     in Python",
+    ]
+
+
+def read(folder: Path) -> Job:
+    """The job that was written to a folder.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or it is damaged; names the file.
+    """
+    path = folder / SETTINGS
+    try:
+        settings = json.loads(path.read_text(encoding="utf-8"))
+        name, parameters = settings["law"]
+        law, plan = LAWS[name](**parameters), Plan(**settings["plan"])
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"{path}: damaged: {validation.shown(str(error))}") from None
+    return Job(ParticleSystem.read(folder / START, allowed_overlap=1.0 - 1e-9), law, plan)

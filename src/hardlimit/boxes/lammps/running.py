@@ -1,0 +1,176 @@
+"""A run by LAMMPS, from our system to our result."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from ...support import validation
+from ...support.progress import Report
+from ..contact_result import COLUMNS, ContactResult
+from ..engines import present, with_fall
+from ..system import Floats
+from . import child, rows
+from . import job as jobs
+from .contacts import Contacts, contacts
+from .job import Job
+from .program import find
+from .touching import Finder, PairDump, WallDump, Watch
+
+MOST_RANKS: Final = 1_000_000
+
+
+def checked_ranks(ranks: Any) -> int:
+    """How many processes share the box.
+
+    Raises
+    ------
+    ValueError
+        If it is no such number.
+    """
+    return 1 if ranks is None else validation.whole("ranks", ranks, 1, MOST_RANKS)
+
+
+def run(job: Job, ranks: int, report: Report) -> ContactResult:
+    """Let LAMMPS do it, in a folder that goes away.
+
+    Raises
+    ------
+    ImportError
+        If there is no LAMMPS that can.
+    RuntimeError
+        If LAMMPS fails; says what LAMMPS says.
+    """
+    program = find(ranks)
+    with tempfile.TemporaryDirectory(prefix="hardlimit-lammps-", ignore_cleanup_errors=True) as place:
+        folder = Path(place)
+        jobs.write(job, folder)
+        watches = watches_of(job)
+
+        def said(line: str) -> None:
+            row = rows.row_of(line)
+            if row is not None:
+                report(int(row[0]), job.plan.n_steps)
+
+        child.run(
+            program.command(ranks, "-in", jobs.INPUT, "-log", jobs.LOG),
+            folder,
+            program.environment(),
+            {name: watch.follow for name, watch in watches.items()},
+            said,
+        )
+        return result(job, folder, list(watches.values()))
+
+
+def watches_of(job: Job) -> dict[str, Watch]:
+    """What follows each dump of contacts."""
+    pairs, plan = job.pairs, job.plan
+    dumps: dict[str, PairDump | WallDump] = {jobs.PAIRS: PairDump(pairs)}
+    if jobs.WALLS in job.streams:
+        dumps[jobs.WALLS] = WallDump(pairs, job.system)
+    return {
+        name: Watch(
+            dump,
+            pairs,
+            plan.per_sample,
+            Finder(pairs, plan.time_step, plan.n_steps) if plan.log else None,
+        )
+        for name, dump in dumps.items()
+    }
+
+
+def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
+    """What LAMMPS left in the folder.
+
+    Raises
+    ------
+    ValueError
+        If something is missing.
+    """
+    plan = job.plan
+    positions, velocities = rows.state(folder / jobs.END, job.system.dimension)
+    found = _contacts(watches) if plan.log else None
+    kept = _rows(job, rows.thermo(folder / jobs.LOG), watches, found)
+    counts: dict[str, Any] = dict.fromkeys(("n_contacts", "n_pairs", "n_ended", "n_overlapped"))
+    if found is not None:
+        counts = {name: int(kept[-1, COLUMNS.index(name)]) for name in counts}
+    return ContactResult(
+        system=present(job.system, _Ended(positions, velocities, plan.until)),
+        time=plan.until,
+        law=job.law,
+        engine="lammps",
+        outcome_name="ok",
+        rows=kept,
+        log=None if found is None else tuple(found),
+        time_step=plan.time_step,
+        n_steps=plan.n_steps,
+        **counts,
+    )
+
+
+class _Ended:
+    """The end of the run as the engines show it."""
+
+    def __init__(self, positions: Floats, velocities: Floats, time: float) -> None:
+        self._positions, self._velocities, self.time = positions, velocities, time
+
+    def state(self) -> tuple[Floats, Floats]:
+        """Positions along unfolded paths, and velocities."""
+        return self._positions, self._velocities
+
+
+def _contacts(watches: list[Watch]) -> Contacts:
+    finders = [watch.finder for watch in watches if watch.finder is not None]
+    begins = [change for finder in finders for change in finder.begins]
+    ends = [change for finder in finders for change in finder.ends]
+    return contacts(begins, ends)
+
+
+def _rows(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) -> Floats:
+    """One row of ``COLUMNS`` for each sample."""
+    plan, system = job.plan, job.system
+    seen = dict(zip(rows.THERMO, thermo.T, strict=True))
+    if len(thermo) != (plan.samples if plan.n_steps else 0) + 1 or seen["step"][-1] != plan.n_steps:
+        raise ValueError(
+            f"{jobs.LOG}: got {len(thermo)} samples up to step {thermo[-1:, :1]}, the run did not end"
+        )
+    time = plan.until * (np.arange(len(thermo)) / plan.samples)
+    seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
+    seen = with_fall(system, time, seen)
+    kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
+    sums = [[watch.sums[int(step)] for step in seen["step"]] for watch in watches]
+    stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
+    total = kinetic + potential + stored
+    volume = system.dimension * float(np.prod(system.box))
+    lasted = np.diff(time, prepend=0.0)
+    columns = {
+        "time": time,
+        "kinetic_energy": kinetic,
+        "potential_energy": potential,
+        "contact_energy": stored,
+        "dissipated_energy": total[0] - total,
+        "granular_temperature": seen["granular_temperature"],
+        "n_in_contact": np.array([[s.in_contact for s in one] for one in sums]).sum(axis=0),
+        "virial": np.cumsum(seen["virial"] * volume * lasted),
+        **_counts(time, log),
+    }
+    return np.stack([columns[name] for name in COLUMNS], axis=1)
+
+
+def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:
+    """How many contacts there were up to each sample; NaN where nobody counted."""
+    if log is None:
+        return {
+            name: np.full(len(time), np.nan) for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
+        }
+    ended = ~np.isnan(log.end)
+    of = {
+        "n_contacts": log.begin,
+        "n_pairs": log.begin[log.second >= 0],
+        "n_ended": np.sort(log.end[ended]),
+        "n_overlapped": np.sort(log.end[ended & log.overlapped]),
+    }
+    return {name: np.searchsorted(when, time, side="right").astype(float) for name, when in of.items()}

@@ -1,0 +1,42 @@
+"""Whether contacts are stiff enough for the speeds of a system."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..contact import compression
+from ..contact.contact import Law
+from .system import ParticleSystem
+from .time_step import contacts
+
+
+def typical_speed(system: ParticleSystem) -> float:
+    """Mean speed of impact [m/s] in a gas, √(πT); between walls T counts the motion against them."""
+    squares = np.einsum("ij,ij->i", system.velocities, system.velocities)
+    if "wall" not in system.boundary:
+        return math.sqrt(math.pi * system.granular_temperature)
+    return math.sqrt(math.pi * float(np.average(squares, weights=system.mass)) / system.dimension)
+
+
+def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
+    """Refuse what must exceed the range of contact laws: where a mean impact of any two particles would.
+
+    Raises
+    ------
+    ValueError
+        If it would; says by how much.
+    """
+    speed = typical_speed(system)
+    if law is None or not 0.0 < speed < math.inf:
+        return
+    impact = np.array([speed])
+    # The smaller radius is at most twice the effective one.
+    least = min(float(c.compression(impact)[0]) / (2.0 * c.effective_radius) for c in contacts(system, law))
+    if least >= compression.DEEPEST:
+        raise ValueError(
+            f"law: got {law!r}, under which an impact at the mean speed of {speed:.3g} m/s would compress "
+            f"contacts by {least:.3g} of the smaller radius or more, must be stiff enough for less than "
+            f"{compression.DEEPEST:g}"
+        )

@@ -1,0 +1,154 @@
+"""Random starts: radii, the edge of the box, positions without overlap, velocities of an equilibrium."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support import validation
+from ..support.memory import available_memory, shown_bytes
+from ..support.progress import Report
+
+Floats = NDArray[np.float64]
+
+MOST_PARTICLES: Final = 2**31 - 1
+#: Memory that growing a start, or a run, takes for each particle [bytes].
+BYTES_PER_PARTICLE: Final = 300
+#: The densest random starts that growth reaches, by dimension.
+DENSEST: Final = {2: 0.82, 3: 0.62}
+LARGEST_RADIUS: Final = 1e100
+
+
+class Chance:
+    """Random numbers of one seed, independent for radii, positions and velocities.
+
+    Raises
+    ------
+    ValueError
+        If ``seed`` is not a whole number from 0 to 2⁶³ − 1.
+    """
+
+    def __init__(self, seed: Any) -> None:
+        root = np.random.SeedSequence(validation.whole("seed", seed, 0, 2**63 - 1))
+        sizes, places, speeds = root.spawn(3)
+        self.sizes = np.random.default_rng(sizes)
+        self.speeds = np.random.default_rng(speeds)
+        self.seed_of_positions = int(places.generate_state(1, np.uint64)[0] >> np.uint64(1))
+
+
+def count(n: Any) -> int:
+    """N, if so many particles fit in memory.
+
+    Raises
+    ------
+    ValueError
+        If it is no whole number from 1 on, or they do not fit.
+    """
+    wanted = validation.whole("n", n, 1, MOST_PARTICLES)
+    needed, room = wanted * BYTES_PER_PARTICLE, available_memory()
+    if needed > room:
+        raise ValueError(
+            f"n: got {wanted}, which take {shown_bytes(needed)}, must fit in the {shown_bytes(room)} of free memory"
+        )
+    return wanted
+
+
+def radii(radius: Any, n: int, chance: Chance) -> Floats:
+    """N radii [m]: one for all, N of them, or a uniform spread between two.
+
+    Raises
+    ------
+    ValueError
+        If they are neither, or not positive.
+    """
+    limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST_RADIUS}
+    pair = n != 2 and not isinstance(radius, str | bytes) and _length(radius) == 2
+    if not pair:
+        return validation.each("radius", radius, n, **limits)
+    smallest, largest = validation.numbers("radius", radius, 2, **limits)
+    if smallest > largest:
+        raise ValueError(
+            f"radius: got {smallest:.16g} and {largest:.16g}, must be the smallest and the largest"
+        )
+    found = chance.sizes.uniform(smallest, largest, n)
+    found.flags.writeable = False
+    return found
+
+
+def _length(values: Any) -> int:
+    try:
+        return len(values)
+    except TypeError:
+        return -1
+
+
+def filled(radius: Floats, dimension: int) -> float:
+    """Volume [m³] of all particles, in 2-D their area [m²]."""
+    if dimension == 2:
+        return math.pi * float(np.sum(radius**2))
+    return 4.0 / 3.0 * math.pi * float(np.sum(radius**3))
+
+
+def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
+    """Edge [m] of the square or cube in which the particles fill this share.
+
+    Raises
+    ------
+    ValueError
+        If the share is not in (0, 0.62], in 2-D (0, 0.82].
+    """
+    share = validation.number(
+        "packing_fraction", packing_fraction, 0.0, DENSEST[dimension], highest_allowed=True
+    )
+    found = (filled(radius, dimension) / share) ** (1.0 / dimension)
+    return validation.number("packing_fraction | radius: edge of the box", found, 0.0, LARGEST_RADIUS)
+
+
+def positions(
+    radius: Floats, box: Floats, periodic: Sequence[bool], chance: Chance, report: Report
+) -> Floats:
+    """Places (N, d) [m] in the box at which no two particles overlap; reports thousandths of the growth.
+
+    Raises
+    ------
+    ValueError
+        If the particles found no room, as a few large ones between walls may not.
+    """
+    found = _core.grow_packing(
+        len(radius),
+        len(box),
+        np.ascontiguousarray(radius),
+        box.tolist(),
+        list(periodic),
+        chance.seed_of_positions,
+        lambda share, collisions: report(int(1000.0 * share), 1000),
+    )
+    return np.asarray(found, np.float64)
+
+
+def velocities(
+    mass: Floats, dimension: int, rms_speed: float, periodic: Sequence[bool], chance: Chance
+) -> Floats:
+    """Maxwell's velocities (N, d) [m/s] with this root mean square and no momentum along periodic axes.
+
+    Raises
+    ------
+    ValueError
+        If particles shall move, but one alone in a periodic box has no velocity relative to itself.
+    """
+    n = len(mass)
+    if rms_speed == 0.0:
+        return np.zeros((n, dimension))
+    if n == 1 and all(periodic):
+        raise ValueError(f"rms_speed: got {rms_speed:.16g}, must be 0 for one particle: its momentum is zero")
+    found = chance.speeds.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
+    for axis, wrapped in enumerate(periodic):
+        if wrapped:
+            found[:, axis] -= np.average(found[:, axis], weights=mass)
+    scaled: Floats = found * (rms_speed / math.sqrt(float(np.mean(np.einsum("ij,ij->i", found, found)))))
+    return scaled

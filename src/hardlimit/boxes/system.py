@@ -1,0 +1,623 @@
+"""The scenario: spheres, or disks, in a box with periodic or solid sides."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _core
+from ..contact.balls import HEAVIEST, LIGHTEST
+from ..support import html, validation
+from ..support.progress import Report, reporter
+from . import files
+from . import starts as random_start
+from .files.frame import Frame
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Floats = NDArray[np.float64]
+#: One number for all axes, or one for each.
+Vector = float | Sequence[float] | Floats
+
+AXES: Final = ("x", "y", "z")
+BOUNDARIES: Final = ("periodic", "wall")
+LARGEST: Final = (
+    1e100  #: lengths, speeds and accelerations beyond this are refused: their squares would overflow
+)
+ROUNDING: Final = 1e-9  #: overlaps up to this, relative to the sum of the radii, are taken for touch
+
+
+@dataclass(frozen=True, init=False, repr=False, eq=False)
+class ParticleSystem:
+    """Smooth spheres (3-D) or disks (2-D) in a box that runs from 0 to its edges.
+
+    A system never changes and its arrays are read-only; :meth:`replace` makes another one. Two systems are equal if all
+    their values are.
+
+    Parameters
+    ----------
+    positions : (N, d) numbers [m]
+        Of the centres, d = 2 or 3. Periodic ones lie in [0, edge]; at a wall the whole particle lies inside.
+    velocities : (N, d) numbers [m/s]
+    radius : number or N numbers [m]
+    density : number or N numbers [kg/m³]
+        The mass is then that of a sphere, also for disks: a monolayer.
+    mass : number or N numbers [kg]
+        Give exactly one of ``density`` and ``mass``.
+    box : d numbers [m]
+        Edges, or one number for all of them. A periodic edge is at least four of the largest radii, so that two
+        particles touch in one way only; one between walls at least two.
+    boundary : "periodic", "wall", or one of them for each axis
+    gravity : number or d numbers [m/s²]
+        A vector, or one number: the acceleration along minus the last axis.
+    allowed_overlap : float
+        Overlaps up to this, relative to the sum of the radii (at a wall the radius), are accepted; the default covers
+        rounding. Particles of soft contacts overlap while they touch.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range or of another shape, a particle lies outside the box, or two overlap; names
+        them.
+
+    Notes
+    -----
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008).
+
+    Examples
+    --------
+    >>> at, moving = [[0.02, 0.05], [0.04, 0.05]], [[0.1, 0.0], [-0.1, 0.0]]
+    >>> hl.ParticleSystem(at, moving, radius=0.005, density=2500.0, box=0.1)
+    <ParticleSystem of 2 disks, packing fraction 0.015708, box 0.1 × 0.1 m, periodic>
+    >>> hl.ParticleSystem(at, moving, radius=0.015, density=2500.0, box=0.1)
+    Traceback (most recent call last):
+    ValueError: positions: particles 0 and 1 overlap, gap -0.01 m, ...
+    """
+
+    positions: Floats  #: (N, d) [m]
+    velocities: Floats  #: (N, d) [m/s]
+    radius: Floats  #: (N,) [m]
+    mass: Floats  #: (N,) [kg]
+    box: Floats  #: (d,) [m]
+    boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
+    gravity: Floats  #: (d,) [m/s²]
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        velocities: ArrayLike,
+        radius: float | ArrayLike,
+        density: float | ArrayLike | None = None,
+        mass: float | ArrayLike | None = None,
+        *,
+        box: Vector,
+        boundary: str | Sequence[str] = "periodic",
+        gravity: Vector = 0.0,
+        allowed_overlap: float = ROUNDING,
+    ) -> None:
+        given = validation.exactly_one(density=density, mass=mass)
+        at = validation.rows("positions", positions, (2, 3))
+        n, d = at.shape
+        size = validation.each("radius", radius, n, lowest=0.0, highest=LARGEST)
+        matter = validation.each(given, density if given == "density" else mass, n, lowest=0.0)
+        self._set(
+            positions=at,
+            velocities=_checked_velocities(velocities, n, d),
+            radius=size,
+            mass=_checked_masses(given, matter, size),
+            box=_checked_box(box, d),
+            boundary=checked_boundary(boundary, d),
+            gravity=checked_gravity(gravity, d),
+        )
+        self._check_geometry(
+            validation.number("allowed_overlap", allowed_overlap, 0.0, 1.0, lowest_allowed=True)
+        )
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def _of(cls, **values: Any) -> ParticleSystem:
+        """A system of values that are known to be good, and that nobody else will change."""
+        self = cls.__new__(cls)
+        self._set(**values)
+        return self
+
+    def _check_geometry(self, allowed_overlap: float) -> None:
+        _check_sizes(self.box, self.boundary, float(self.radius.max()))
+        _check_inside(self, allowed_overlap)
+        first, second, gap = _core.deepest_overlap(
+            self.positions,
+            np.ascontiguousarray(self.radius),
+            self.box,
+            [side == "periodic" for side in self.boundary],
+        )
+        apart = float(self.radius[first] + self.radius[second])
+        if first >= 0 and -gap > allowed_overlap * apart:
+            raise ValueError(
+                f"positions: particles {first} and {second} overlap, gap {gap:.6g} m, sum of the radii "
+                f"{apart:.6g} m; must be apart, or overlap by at most {allowed_overlap:g} of it (allowed_overlap)"
+            )
+
+    @classmethod
+    def random(
+        cls,
+        n: int,
+        packing_fraction: float,
+        radius: float | Sequence[float],
+        density: float | ArrayLike,
+        rms_speed: float,
+        *,
+        dimension: int = 3,
+        seed: int = 0,
+        boundary: str | Sequence[str] = "periodic",
+        gravity: Vector = 0.0,
+        progress: bool | Report | None = None,
+    ) -> ParticleSystem:
+        """Particles at random without overlap, with the velocities of an equilibrium (Maxwell).
+
+        The box has equal edges. Dense systems are grown by the event-driven engine (Lubachevsky & Stillinger, J. Stat.
+        Phys. 60, 561 (1990)). Positions are disordered but not those of an equilibrium: let an elastic gas collide
+        some tens of times per particle before you measure.
+
+        Parameters
+        ----------
+        n : int
+            Number of particles.
+        packing_fraction : float
+            Share of the box that particles fill; at most 0.62 (3-D) and 0.82 (2-D).
+        radius : float, N numbers, or (smallest, largest) [m]
+            Two numbers are the limits of a uniform spread, unless n is 2.
+        density : number or N numbers [kg/m³]
+        rms_speed : float [m/s]
+            Root of the mean square of all speeds, exactly. The total momentum along periodic axes is zero.
+        dimension : int
+            2 or 3.
+        seed : int
+            The same seed gives the same bits.
+        boundary : "periodic", "wall", or one of them for each axis
+            As for the system itself.
+        gravity : number or d numbers [m/s²]
+            As for the system itself.
+        progress : bool or callable(done, total), optional
+            True shows a bar. A function is told how far the particles have grown, in thousandths.
+
+        Returns
+        -------
+        ParticleSystem
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range, or so few particles are asked for that the box would be too small.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> round(gas.granular_temperature, 6)  # a third of 0.1², for each axis
+        0.003333
+        """
+        count = random_start.count(n)
+        d = validation.whole("dimension", dimension, 2, 3)
+        sides = checked_boundary(boundary, d)
+        pull = checked_gravity(gravity, d)
+        speed = validation.number(
+            "rms_speed", rms_speed, 0.0, LARGEST, lowest_allowed=True, highest_allowed=True
+        )
+        chance = random_start.Chance(seed)
+        size = random_start.radii(radius, count, chance)
+        matter = validation.each("density", density, count, lowest=0.0)
+        weight = _checked_masses("density", matter, size)
+        edge = random_start.edge(packing_fraction, size, d)
+        box = np.full(d, edge)
+        _check_room(box, sides, size)
+        periodic = [side == "periodic" for side in sides]
+        speeds = random_start.velocities(weight, d, speed, periodic, chance)
+        with reporter(progress, "random start", "") as report:
+            places = random_start.positions(size, box, periodic, chance, report)
+        return cls._of(
+            positions=places,
+            velocities=speeds,
+            radius=size,
+            mass=weight,
+            box=box,
+            boundary=sides,
+            gravity=pull,
+        )
+
+    @classmethod
+    def read(
+        cls, path: str | Path, *, frame: int = -1, allowed_overlap: float | None = None
+    ) -> ParticleSystem:
+        """The system in a file: extended XYZ (.xyz, .extxyz), GSD (.gsd) or LAMMPS data (.data, .lmp), by its ending.
+
+        Parameters
+        ----------
+        path : path
+        frame : int
+            Which one of a trajectory; the last one by default.
+        allowed_overlap : float, optional
+            As for the system; by default rounding, which is coarser in a GSD file of single precision.
+
+        Returns
+        -------
+        ParticleSystem
+
+        Raises
+        ------
+        ValueError
+            If the file cannot be read, is damaged, or holds no system that is accepted; names it.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> hl.ParticleSystem.read(gas.write("gas.xyz")) == gas
+        True
+        """
+        found, rounding = files.read(path, frame)
+        allowed = max(ROUNDING, rounding) if allowed_overlap is None else allowed_overlap
+        try:
+            return cls(**found, allowed_overlap=allowed)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+
+    def write(self, path: str | Path) -> Path:
+        """Write the system as extended XYZ, GSD or LAMMPS data, by the ending of ``path``.
+
+        Every number comes back to the last bit, except that LAMMPS data hold densities, from which a mass comes back
+        to rounding. A file of that name is replaced once the new one is whole.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .xyz, .extxyz, .gsd, .data or .lmp.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        ValueError
+            If the ending is unknown, or the format is not installed.
+        OSError
+            If the file cannot be written; names it.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> print(gas.write("gas.data"))  # for read_data of LAMMPS
+        gas.data
+        """
+        return files.write(path, [self.as_frame()])
+
+    def as_frame(self, time: float = 0.0) -> Frame:
+        """What a file holds of the system at ``time`` [s].
+
+        :meta private:
+        """
+        return Frame(**{field.name: getattr(self, field.name) for field in fields(self)}, time=time)
+
+    def replace(
+        self,
+        *,
+        positions: ArrayLike | None = None,
+        velocities: ArrayLike | None = None,
+        radius: float | ArrayLike | None = None,
+        density: float | ArrayLike | None = None,
+        mass: float | ArrayLike | None = None,
+        box: Vector | None = None,
+        boundary: str | Sequence[str] | None = None,
+        gravity: Vector | None = None,
+    ) -> ParticleSystem:
+        """The system with other values; what is not given stays, the masses included.
+
+        Parameters
+        ----------
+        positions : (N, d) numbers [m], optional
+        velocities : (N, d) numbers [m/s], optional
+        radius : number or N numbers [m], optional
+        density : number or N numbers [kg/m³], optional
+        mass : number or N numbers [kg], optional
+            At most one of ``density`` and ``mass``.
+        box : number or d numbers [m], optional
+        boundary : "periodic", "wall", or one of them for each axis, optional
+        gravity : number or d numbers [m/s²], optional
+
+        Returns
+        -------
+        ParticleSystem
+
+        Raises
+        ------
+        ValueError
+            As for the system itself. Overlaps that the system has already are no error while nothing moves.
+
+        Examples
+        --------
+        >>> gas = hl.ParticleSystem.random(
+        ...     100, packing_fraction=0.1, radius=1e-3, density=2500.0, rms_speed=0.1
+        ... )
+        >>> hot = gas.replace(velocities=2.0 * gas.velocities)
+        >>> round(hot.granular_temperature / gas.granular_temperature, 9)
+        4.0
+        """
+        if density is not None and mass is not None:
+            raise ValueError("density | mass: got both, must be at most one of them")
+        new = {"positions": positions, "radius": radius, "box": box, "boundary": boundary}
+        kept: dict[str, Any] = {
+            name: getattr(self, name) if value is None else value for name, value in new.items()
+        }
+        moved = any(value is not None for value in new.values())
+        return ParticleSystem(
+            velocities=self.velocities if velocities is None else velocities,
+            density=density,
+            mass=self.mass if density is None and mass is None else mass,
+            gravity=self.gravity if gravity is None else gravity,
+            allowed_overlap=ROUNDING if moved else max(ROUNDING, self._overlap_share),
+            **kept,
+        )
+
+    @cached_property
+    def _overlap_share(self) -> float:
+        """The deepest overlap there is, relative to the sum of the radii or, at a wall, the radius."""
+        periodic = [side == "periodic" for side in self.boundary]
+        radius = np.ascontiguousarray(self.radius)
+        first, second, gap = _core.deepest_overlap(self.positions, radius, self.box, periodic)
+        deepest = -gap / float(radius[first] + radius[second])
+        for axis, wrapped in enumerate(periodic):
+            x = self.positions[:, axis]
+            if not wrapped:
+                inside = np.minimum(x, self.box[axis] - x) / radius
+                deepest = max(deepest, 1.0 - float(inside.min()))
+        return math.nextafter(deepest, 1.0) * (1.0 + 1e-12)
+
+    # --- what it is made of ---------------------------------------------------------------------------------
+
+    @property
+    def n(self) -> int:
+        """N, the number of particles."""
+        return len(self.positions)
+
+    @property
+    def dimension(self) -> int:
+        """d: 2 for disks, 3 for spheres."""
+        return int(self.positions.shape[1])
+
+    @property
+    def density(self) -> Floats:
+        """Mass over the volume of the sphere (N,) [kg/m³]."""
+        return _fixed(self.mass / (4.0 / 3.0 * math.pi * self.radius**3))
+
+    @cached_property
+    def packing_fraction(self) -> float:
+        """Share of the box that the particles fill: volumes in 3-D, areas in 2-D."""
+        return random_start.filled(self.radius, self.dimension) / float(np.prod(self.box))
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Σ m v²/2 [J]."""
+        return 0.5 * float(np.einsum("i,ij,ij->", self.mass, self.velocities, self.velocities))
+
+    @property
+    def momentum(self) -> Floats:
+        """Σ m v (d,) [kg m/s]."""
+        return _fixed(self.mass @ self.velocities)
+
+    @property
+    def granular_temperature(self) -> float:
+        """T = Σ m|v − V|²/(d Σ m) [m²/s²], V the velocity of the centre of mass."""
+        total = float(self.mass.sum())
+        relative = self.velocities - self.momentum / total
+        return float(np.einsum("i,ij,ij->", self.mass, relative, relative)) / (self.dimension * total)
+
+    @property
+    def dataset(self) -> xr.Dataset:
+        """Dataset over ``particle`` and ``axis``: ``position``, ``velocity``, ``radius`` and ``mass``, with units."""
+        import xarray as xr
+
+        axes = list(AXES[: self.dimension])
+        return xr.Dataset(
+            {
+                "position": (("particle", "axis"), self.positions, {"units": "m"}),
+                "velocity": (("particle", "axis"), self.velocities, {"units": "m/s"}),
+                "radius": ("particle", self.radius, {"units": "m"}),
+                "mass": ("particle", self.mass, {"units": "kg"}),
+                "box": ("axis", self.box, {"units": "m", "long_name": "edges, the box runs from 0"}),
+                "gravity": ("axis", self.gravity, {"units": "m/s2"}),
+                "boundary": ("axis", list(self.boundary), {"long_name": "sides of the box"}),
+            },
+            coords={"particle": np.arange(self.n), "axis": axes},
+            attrs={
+                "title": f"Box of {self.n} grains",
+                "source": f"hardlimit {_core.version}",
+                "packing_fraction": self.packing_fraction,
+            },
+        )
+
+    # --- as a value -----------------------------------------------------------------------------------------
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ParticleSystem):
+            return NotImplemented
+        pairs = ((getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+        return all(a is b or bool(np.array_equal(a, b)) for a, b in pairs)
+
+    def __hash__(self) -> int:
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> int:
+        digest = hashlib.blake2b(repr(self.boundary).encode(), digest_size=8)
+        for name in ("positions", "velocities", "radius", "mass", "box", "gravity"):
+            digest.update((getattr(self, name) + 0.0).tobytes())  # −0 equals 0 and has other bits
+        return int.from_bytes(digest.digest(), "little", signed=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, tuple(getattr(self, field.name) for field in fields(self))
+
+    def __repr__(self) -> str:
+        what = "spheres" if self.dimension == 3 else "disks"
+        return (
+            f"<ParticleSystem of {self.n} {what}, packing fraction {self.packing_fraction:.6g}, "
+            f"box {_times(self.box)} m, {'/'.join(dict.fromkeys(self.boundary))}>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = [[label, text] for label, text in described(self)]
+        what = "spheres" if self.dimension == 3 else "disks"
+        return html.table(f"{self.n} {what} in a box", ["", ""], rows)
+
+
+def described(system: ParticleSystem) -> list[tuple[str, str]]:
+    """Label and value of what a table says of a system."""
+    found = [
+        ("box [m]", _times(system.box)),
+        ("sides", ", ".join(f"{axis} {side}" for axis, side in zip(AXES, system.boundary, strict=False))),
+        ("packing fraction φ", html.number(system.packing_fraction)),
+        ("radius [m]", _between(system.radius)),
+        ("mass [kg]", _between(system.mass)),
+        ("granular temperature [m²/s²]", html.number(system.granular_temperature)),
+        ("kinetic energy [J]", html.number(system.kinetic_energy)),
+    ]
+    if system.gravity.any():
+        found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
+    return found
+
+
+def _times(box: Floats) -> str:
+    return " × ".join(f"{edge:.6g}" for edge in box)
+
+
+def _between(values: Floats) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.6g}" if low == high else f"{low:.6g} … {high:.6g}"
+
+
+def _fixed(array: Floats) -> Floats:
+    array.flags.writeable = False
+    return array
+
+
+def _rebuild(*values: Any) -> ParticleSystem:
+    names = [field.name for field in fields(ParticleSystem)]
+    return ParticleSystem._of(**dict(zip(names, values, strict=True)))
+
+
+# --- checks of the input ------------------------------------------------------------------------------------
+
+
+def _checked_velocities(velocities: Any, n: int, d: int) -> Floats:
+    found = validation.rows("velocities", velocities, (d,))
+    if len(found) != n:
+        raise ValueError(f"velocities: got shape {found.shape}, must be ({n}, {d}) as the positions")
+    if np.abs(found).max() > LARGEST:
+        raise ValueError(f"velocities: got {np.abs(found).max():.16g}, must be at most {LARGEST:g}")
+    return found
+
+
+def _checked_masses(given: str, matter: Floats, radius: Floats) -> Floats:
+    """Masses [kg] from ``matter``, the densities or the masses themselves; one number where all are the same."""
+    if given == "mass":
+        mass = matter
+    elif matter.strides == radius.strides == (0,):
+        mass = np.broadcast_to(np.float64(_core.ball_mass(float(matter[0]), float(radius[0]))), len(matter))
+    else:
+        mass = np.fromiter(map(_core.ball_mass, matter.tolist(), radius.tolist()), np.float64, len(matter))
+    good = (mass >= LIGHTEST) & (mass <= HEAVIEST)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise ValueError(
+            f"radius | {given}: got {radius[bad]:.16g} and {matter[bad]:.16g} for particle {bad}, a mass of "
+            f"{mass[bad]:g} kg, must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
+        )
+    return mass
+
+
+def _checked_box(box: Any, d: int) -> Floats:
+    limits = {"lowest": 0.0, "highest": LARGEST, "highest_allowed": True}
+    return np.array(validation.numbers("box", box, d, **limits))
+
+
+def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
+    """One word for each axis.
+
+    Raises
+    ------
+    ValueError
+        If it is neither "periodic" nor "wall" nor one of them for each axis.
+    """
+    if isinstance(boundary, str):
+        return (validation.one_of("boundary", boundary, BOUNDARIES),) * d
+    words = validation.instances("boundary", boundary, str, "word")
+    if len(words) != d:
+        raise ValueError(f"boundary: got {len(words)} words, must be one or {d}, one for each axis")
+    return tuple(validation.one_of(f"boundary[{i}]", word, BOUNDARIES) for i, word in enumerate(words))
+
+
+def checked_gravity(gravity: Any, d: int) -> Floats:
+    """The vector [m/s²]; one number g is (0, …, −g).
+
+    Raises
+    ------
+    ValueError
+        If it is neither a number nor d of them.
+    """
+    limits = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True, "highest_allowed": True}
+    values = validation.numbers("gravity", gravity, d, **limits)
+    if np.ndim(gravity) == 0:
+        return np.array([0.0] * (d - 1) + [-values[0] if values[0] else 0.0])
+    return np.array(values)
+
+
+def _check_sizes(box: Floats, boundary: Sequence[str], largest: float) -> None:
+    """A periodic edge has room for four of the largest radii, one between walls for two."""
+    for axis, side in enumerate(boundary):
+        radii = 4 if side == "periodic" else 2
+        if not box[axis] >= radii * largest:
+            raise ValueError(
+                f"box: got {box[axis]:.16g} along {AXES[axis]}, {side}, must be >= "
+                f"{validation.at_least(radii * largest)}, {'four' if radii == 4 else 'two'} times the largest radius"
+            )
+
+
+def _check_room(box: Floats, boundary: Sequence[str], radius: Floats) -> None:
+    try:
+        _check_sizes(box, boundary, float(radius.max()))
+    except ValueError as error:
+        raise ValueError(
+            f"n | packing_fraction: got {len(radius)} particles, too few for this packing fraction: {error}"
+        ) from None
+
+
+def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:
+    for axis, side in enumerate(system.boundary):
+        x, edge = system.positions[:, axis], system.box[axis]
+        inner = system.radius * (1.0 - allowed_overlap) if side == "wall" else np.broadcast_to(0.0, system.n)
+        good = (x >= inner) & (x <= edge - inner)
+        if not good.all():
+            bad = int(np.argmin(good))
+            where = "with its whole radius between the walls" if side == "wall" else "in the box"
+            accepted = validation.describe_range(float(inner[bad]), float(edge - inner[bad]), True, True)
+            raise ValueError(
+                f"positions[{bad}]: got {AXES[axis]} = {x[bad]:.16g}, must be {accepted}, {where}"
+            )

@@ -1,0 +1,105 @@
+"""The time step of a run by steps: from the errors that it makes, measured on isolated contacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+import numpy as np
+
+from .. import _core
+from ..contact.contact import Law
+from ..support import validation
+from .system import ParticleSystem
+
+DEFAULT_ERROR: Final = 1e-3  #: of ε, and by our own steps of energy and positions
+SMALLEST_ERROR: Final = 1e-9  #: some ten thousand steps for each contact
+LARGEST_ERROR: Final = 0.05
+#: Speeds at which contacts are tried, relative to the largest to expect.
+SPEEDS: Final = (1.0, 0.1, 0.01)
+#: No particle moves further in a step, relative to the smallest radius.
+FARTHEST: Final = 0.1
+#: With more kinds of particles than this, only the smallest and the largest are tried.
+MOST_KINDS: Final = 6
+
+
+#: The longest step [s] of a scheme, of one contact, a speed [m/s] and an error.
+LongestStep = Callable[[_core.Contact, float, float], float]
+
+
+def chosen(
+    system: ParticleSystem,
+    law: Law,
+    restitution_error: Any,
+    time_step: Any,
+    longest_step: LongestStep = _core.longest_step,
+) -> float:
+    """The longest step [s] that a run may take: as given, or as long as the error allows.
+
+    Raises
+    ------
+    ValueError
+        If both are given, one is outside its range, or contacts would not be stable with this step.
+    """
+    if restitution_error is not None and time_step is not None:
+        raise ValueError("restitution_error | time_step: got both, must be at most one of them")
+    if time_step is None:
+        wanted = DEFAULT_ERROR if restitution_error is None else restitution_error
+        error = validation.number(
+            "restitution_error",
+            wanted,
+            SMALLEST_ERROR,
+            LARGEST_ERROR,
+            lowest_allowed=True,
+            highest_allowed=True,
+        )
+        return _longest(system, law, error, longest_step)
+    step = validation.number("time_step", time_step, 0.0)
+    limit = _longest(system, law, LARGEST_ERROR, longest_step)
+    if step > limit:
+        raise ValueError(
+            f"time_step: got {step:.6g} s, must be <= {validation.at_most(limit)} s, "
+            "with which the contacts of this system are stable"
+        )
+    return step
+
+
+def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
+    """The longest step with at most this error in every contact to expect, also far from passing through anyone."""
+    top = largest_speed(system)
+    # Without motion and gravity only overlaps can drive contacts, at speeds that the step need not know.
+    tried = top if top > 0.0 else 1.0
+    found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
+    for contact in contacts(system, law):
+        for share in SPEEDS:
+            found = min(found, longest_step(contact, share * tried, error))
+    return found
+
+
+def largest_speed(system: ParticleSystem) -> float:
+    """The largest speed of impact to expect [m/s]: twice that of the fastest particle, and that of a fall."""
+    fastest = math.sqrt(float(np.einsum("ij,ij->i", system.velocities, system.velocities).max()))
+    fall = float(np.abs(system.gravity) @ system.box)
+    return 2.0 * fastest + math.sqrt(2.0 * fall)
+
+
+def contacts(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
+    """One contact of each kind: between kinds of particles, and with a wall where there is one."""
+    kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
+    if len(kinds) > MOST_KINDS:
+        ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]
+        kinds = kinds[sorted(set(map(int, ends)))]
+    partners = [tuple(kind) for kind in kinds.tolist()]
+    if "wall" in system.boundary:
+        partners.append((math.inf, math.inf))
+    parameters = list(law.parameters.values())
+    for i, (mass, radius) in enumerate(kinds.tolist()):
+        for other_mass, other_radius in partners[i:]:
+            yield _core.make_contact(
+                law.record["name"],
+                law.alternative,
+                parameters,
+                _core.effective(mass, other_mass),
+                _core.effective(radius, other_radius),
+            )

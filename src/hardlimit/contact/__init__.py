@@ -1,0 +1,1 @@
+"""One contact: balls and the floor, contact laws, approximations, the largest compression."""

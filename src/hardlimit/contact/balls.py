@@ -1,0 +1,105 @@
+"""The bodies that touch: solid spheres and the floor."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from .. import _core
+from ..support import validation
+
+#: Masses [kg] whose products neither vanish nor overflow.
+LIGHTEST: Final = 1e-150
+HEAVIEST: Final = 1e150
+
+
+@dataclass(frozen=True, init=False)
+class Ball:
+    """A solid sphere.
+
+    Parameters
+    ----------
+    radius : float [m]
+    density : float [kg/m³]
+        The mass is then (4/3) π density radius³.
+    mass : float [kg]
+        Give exactly one of ``density`` and ``mass``.
+
+    Raises
+    ------
+    ValueError
+        If a value is not positive and finite, the mass is beyond all reason, or both or neither of the
+        alternatives are given.
+
+    Examples
+    --------
+    >>> hl.Ball(0.033, mass=0.058)  # a tennis ball
+    Ball(radius=0.033, mass=0.058)
+    >>> glass = hl.Ball(0.005, density=2500.0)
+    >>> f"{glass.mass * 1e3:.3f} g"
+    '1.309 g'
+    >>> glass.resized(0.01)
+    Ball(radius=0.01, density=2500.0)
+    """
+
+    radius: float  #: [m]
+    mass: float  #: [kg]
+    density: float  #: [kg/m³]
+    given: str  #: which one stays when the radius is changed, ``"density"`` or ``"mass"``
+
+    def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
+        given = validation.exactly_one(density=density, mass=mass)
+        size = validation.number("radius", radius, 0.0)
+        if density is not None:
+            rho = validation.number("density", density, 0.0)
+            weight = _core.ball_mass(rho, size)
+        else:
+            weight = validation.number("mass", mass, 0.0)
+            volume = _core.ball_mass(1.0, size)
+            rho = weight / volume if volume > 0.0 else math.inf
+        if not LIGHTEST <= weight <= HEAVIEST:
+            what, value = ("density", rho) if given == "density" else ("mass", weight)
+            raise ValueError(
+                f"radius | {what}: got {size:.16g} and {value:.16g}, a mass of {weight:g} kg, "
+                f"must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
+            )
+        for name, of_it in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
+            object.__setattr__(self, name, of_it)
+
+    def __repr__(self) -> str:
+        return f"Ball(radius={self.radius!r}, {self.given}={getattr(self, self.given)!r})"
+
+    def resized(self, radius: float) -> Ball:
+        """The ball with another radius and the same density (or mass, if that was given).
+
+        Parameters
+        ----------
+        radius : float [m]
+
+        Raises
+        ------
+        ValueError
+            If the radius is not positive and finite.
+        """
+        if self.given == "density":
+            return Ball(radius, density=self.density)
+        return Ball(radius, mass=self.mass)
+
+
+class Floor:
+    """The floor: body 0, of infinite mass and radius."""
+
+    __slots__ = ()
+
+    radius: Final = math.inf
+    mass: Final = math.inf
+
+    def __repr__(self) -> str:
+        return "FLOOR"
+
+    def __reduce__(self) -> str:
+        return "FLOOR"
+
+
+FLOOR: Final = Floor()

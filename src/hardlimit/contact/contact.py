@@ -1,0 +1,518 @@
+"""Contact laws and one contact between two bodies.
+
+The laws themselves are C++ headers (``core/contact``); this module turns their records into Python classes
+and hands the physics back to the core.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from inspect import Parameter, Signature
+from types import MappingProxyType
+from typing import Any, ClassVar, Final, Self, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support import validation
+from .balls import FLOOR, Ball, Floor
+
+RESTITUTION: Final = "restitution"
+
+#: Values in the examples of laws, by unit: those of a stiff grain.
+TYPICAL: Final = {"N/m": 1e6, "N/m^1.5": 1e9, "Pa": 7e10, "s": 1e-6}
+
+#: Numbers that give an array of the same shape; a single float gives a float.
+Values = NDArray[Any] | Sequence[float] | Sequence[Sequence[float]]
+Floats = NDArray[np.float64]
+
+
+class Contact:
+    """One contact of two bodies under a law; made by :meth:`Law.between`.
+
+    The law's own constants are attributes, such as ``stiffness`` and ``damping`` under :class:`LinearDashpot`; the
+    documentation of the law names them. ``law`` is the law.
+
+    Examples
+    --------
+    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+    >>> contact = law.between(hl.Ball(0.01, density=2500.0))  # with the floor
+    >>> contact
+    Contact(stiffness=1e+06, damping=52.2461, effective_mass=0.010472)
+    >>> f"{contact.duration() * 1e3:.3f} ms"
+    '0.278 ms'
+    """
+
+    def __init__(self, law: Law, core: _core.Contact) -> None:
+        self.law = law
+        self.core = core
+        names = [constant["name"] for constant in law.record["constants"]]
+        self._constants: dict[str, float] = dict(zip(names, core.values(), strict=True))
+
+    def __getattr__(self, name: str) -> float:
+        constants = self.__dict__.get("_constants", {})
+        if name in constants:
+            return float(constants[name])
+        raise AttributeError(
+            f"{type(self).__name__} of a {type(self.law).__name__} has no attribute {name!r}"
+        )
+
+    def __repr__(self) -> str:
+        inner = ", ".join(f"{k}={v:.6g}" for k, v in self._constants.items())
+        return f"Contact({inner}, effective_mass={self.effective_mass:.6g})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _contact, (self.law, self.effective_mass, self.effective_radius)
+
+    @property
+    def effective_mass(self) -> float:
+        """m_i m_j/(m_i + m_j) [kg]."""
+        return self.core.effective_mass
+
+    @property
+    def effective_radius(self) -> float:
+        """R_i R_j/(R_i + R_j) [m]."""
+        return self.core.effective_radius
+
+    @overload
+    def restitution(self, speed: float = ...) -> float: ...
+    @overload
+    def restitution(self, speed: Values) -> Floats: ...
+    def restitution(self, speed: float | Values = 1.0) -> float | Floats:
+        """Coefficient of restitution of an isolated collision (Eqs. 13, B3).
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array
+            ε, of the same shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+
+        Examples
+        --------
+        >>> law = hl.Viscoelastic(
+        ...     youngs_modulus=7e10, poisson_ratio=0.3, restitution=0.8, impact_speed=1.0
+        ... )
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> contact.restitution([0.01, 1.0, 10.0]).round(3)
+        array([0.913, 0.8  , 0.709])
+        """
+        return _over_speeds(self.core.restitution, speed)
+
+    @overload
+    def duration(self, speed: float = ...) -> float: ...
+    @overload
+    def duration(self, speed: Values) -> Floats: ...
+    def duration(self, speed: float | Values = 1.0) -> float | Floats:
+        """Time from first touch to zero force of one isolated collision (Eq. 11).
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array [s]
+            Of the same shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+
+        Examples
+        --------
+        >>> law = hl.Tsuji(elastic_prefactor=1e9, restitution=0.8)
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> (contact.duration([0.1, 1.0]) * 1e6).round(1)  # [µs]
+        array([196.2, 123.8])
+        """
+        return _over_speeds(self.core.duration, speed)
+
+    @overload
+    def compression(self, speed: float = ...) -> float: ...
+    @overload
+    def compression(self, speed: Values) -> Floats: ...
+    def compression(self, speed: float | Values = 1.0) -> float | Floats:
+        """Greatest compression of an isolated head-on collision.
+
+        Parameters
+        ----------
+        speed : number or array [m/s]
+            Of impact, > 0.
+
+        Returns
+        -------
+        float or array [m]
+            Of the same shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not positive and finite.
+
+        Notes
+        -----
+        By integration of m_eff d²ξ/dt² = −F to dξ/dt = 0 (Eq. 8). Without damping v √(m_eff/k) under the linear law
+        and (5 m_eff v²/(4 ρ))^(2/5) under that of Hertz. Laws describe small compressions: see the limits.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
+        >>> contact = law.between(hl.Ball(0.01, mass=0.01))
+        >>> f"{contact.compression(1.0) * 1e3:.3f} mm"
+        '0.100 mm'
+        """
+        return _over_speeds(self.core.compression, speed)
+
+    @overload
+    def force(self, compression: float, rate: float = ...) -> float: ...
+    @overload
+    def force(self, compression: Values, rate: float | Values = ...) -> Floats: ...
+    @overload
+    def force(self, compression: float, rate: Values) -> Floats: ...
+    def force(self, compression: float | Values, rate: float | Values = 0.0) -> float | Floats:
+        """Repulsive force, never below zero (Eqs. 7, B1).
+
+        Arrays are broadcast against each other.
+
+        Parameters
+        ----------
+        compression : number or array [m]
+            ξ; without compression there is no force.
+        rate : number or array [m/s]
+            dξ/dt, positive while the bodies approach.
+
+        Returns
+        -------
+        float or array [N]
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite, or the shapes do not go together.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
+        >>> contact.force(1e-5, [1.0, 0.0, -1.0]).round(1)  # never attracts
+        array([62.2, 10. ,  0. ])
+        """
+        depth, closing = _numbers("compression", compression), _numbers("rate", rate)
+        try:
+            depth, closing = np.broadcast_arrays(depth, closing)
+        except ValueError:
+            shapes = f"shapes {depth.shape} and {closing.shape}"
+            raise ValueError(f"compression | rate: got {shapes}, must be broadcastable") from None
+        flat = self.core.force(np.ascontiguousarray(depth.ravel()), np.ascontiguousarray(closing.ravel()))
+        return _as_given(flat, depth.shape)
+
+    @overload
+    def energy(self, compression: float) -> float: ...
+    @overload
+    def energy(self, compression: Values) -> Floats: ...
+    def energy(self, compression: float | Values) -> float | Floats:
+        """Elastic energy, zero without compression.
+
+        Parameters
+        ----------
+        compression : number or array [m]
+            ξ.
+
+        Returns
+        -------
+        float or array [J]
+
+        Raises
+        ------
+        ValueError
+            If a value is not finite.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+        >>> f"{law.between(hl.Ball(0.01, density=2500.0)).energy(1e-5):.2g} J"
+        '5e-05 J'
+        """
+        depth = _numbers("compression", compression)
+        return _as_given(self.core.energy(depth.ravel()), depth.shape)
+
+
+def _numbers(name: str, values: float | Values, **limits: float) -> Floats:
+    return validation.array(name, values, ndim=None, empty_allowed=True, **limits)  # type: ignore[arg-type]
+
+
+def _as_given(flat: Floats, shape: tuple[int, ...]) -> float | Floats:
+    return float(flat[0]) if shape == () else flat.reshape(shape)
+
+
+def _over_speeds(function: Callable[[Floats], Floats], speed: float | Values) -> float | Floats:
+    array = _numbers("speed", speed, lowest=0.0)
+    return _as_given(function(array.ravel()), array.shape)
+
+
+class Law:
+    """A contact law with its parameters, the base of the classes in :data:`LAWS`.
+
+    Each class is made by the package from what the compiled core says of the law. A law never changes, and laws of the
+    same class and parameters are equal. Its parameters are attributes.
+
+    Examples
+    --------
+    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+    >>> law.stiffness, law == hl.LAWS["linear"](stiffness=1e6, restitution=0.5)
+    (1000000.0, True)
+    """
+
+    record: ClassVar[dict[str, Any]]
+    parameters: Mapping[str, float]  #: as given, in the record's order
+    alternative: int  #: which set of alternatives was given
+
+    def __init__(self, **given: float | None) -> None:
+        record = self.record
+        common = record["common"]
+        choices = record["alternatives"]
+        named = {k: v for k, v in given.items() if v is not None}
+        known = [p["name"] for p in common] + [p["name"] for choice in choices for p in choice]
+        for name in named:
+            if name not in known:
+                raise ValueError(
+                    f"{name}: unknown, {type(self).__name__} takes {', '.join(dict.fromkeys(known))}"
+                )
+        for p in common:
+            if p["name"] not in named:
+                raise ValueError(f"{p['name']}: missing, must be {_range_of(p)}")
+        rest = set(named) - {p["name"] for p in common}
+        matching = [i for i, choice in enumerate(choices) if {p["name"] for p in choice} == rest]
+        if len(matching) != 1:
+            raise ValueError(_refused_choice(choices, rest))
+        checked = {
+            p["name"]: validation.number(
+                p["name"],
+                named[p["name"]],
+                p["lowest"],
+                p["highest"],
+                lowest_allowed=p["lowest_allowed"],
+                highest_allowed=p["highest_allowed"],
+            )
+            for p in [*common, *choices[matching[0]]]
+        }
+        self.__dict__.update(alternative=matching[0], parameters=MappingProxyType(checked))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a law does not change, replace({name}=…) makes another one")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"{name}: a law does not change")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _law, (type(self), dict(self.parameters))
+
+    def __getattr__(self, name: str) -> float:
+        parameters = self.__dict__.get("parameters", {})
+        if name in parameters:
+            return float(parameters[name])
+        raise AttributeError(f"{type(self).__name__} has no parameter {name!r}")
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.parameters.items())})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Law) and type(self) is type(other) and self.parameters == other.parameters
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, tuple(self.parameters.items())))
+
+    def replace(self, **changes: float) -> Self:
+        """The law with some parameters changed.
+
+        A parameter of another alternative selects that one, and what it does not share with the present one is dropped.
+
+        Parameters
+        ----------
+        **changes : float
+            Parameters of the law by name, with their new values.
+
+        Raises
+        ------
+        ValueError
+            As for the law itself.
+
+        Examples
+        --------
+        >>> hl.LinearDashpot(stiffness=1e6, restitution=0.5).replace(damping=3.0)
+        LinearDashpot(stiffness=1000000.0, damping=3.0)
+        """
+        chosen = self._alternative_for(set(changes))
+        names = {p["name"] for group in (self.record["common"], chosen) for p in group}
+        kept = {name: value for name, value in self.parameters.items() if name in names}
+        return type(self)(**(kept | changes))
+
+    def _alternative_for(self, changed: set[str]) -> list[dict[str, Any]]:
+        """The alternative that the changed parameters and the present ones complete, else the present one."""
+        choices: list[list[dict[str, Any]]] = self.record["alternatives"]
+        present = choices[self.alternative]
+        common = {p["name"] for p in self.record["common"]}
+        for choice in (present, *choices):
+            names = {p["name"] for p in choice}
+            if changed - common <= names <= changed | set(self.parameters):
+                return choice
+        knowing = [c for c in choices if changed - common <= {p["name"] for p in c}]
+        return present if present in knowing or not knowing else knowing[0]
+
+    @property
+    def specified_restitution(self) -> float:
+        """The one ε given for all contacts, or NaN if the law was given by material constants."""
+        return self.parameters.get(RESTITUTION, math.nan)
+
+    def between(self, ball: Ball, other: Ball | Floor = FLOOR) -> Contact:
+        """The contact of two bodies.
+
+        Parameters
+        ----------
+        ball : Ball
+        other : Ball or FLOOR
+
+        Returns
+        -------
+        Contact
+
+        Raises
+        ------
+        ValueError
+            If ``ball`` is no Ball or ``other`` neither a Ball nor FLOOR.
+
+        Examples
+        --------
+        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
+        >>> big, small = hl.Ball(0.02, density=2500.0), hl.Ball(0.01, density=2500.0)
+        >>> round(law.between(small, big).damping, 2)
+        49.26
+        >>> round(law.between(small, hl.FLOOR).damping, 2)
+        52.25
+        """
+        if not isinstance(ball, Ball):
+            raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
+        if not isinstance(other, Ball | Floor):
+            raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
+        return _contact(
+            self, _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
+        )
+
+
+def _contact(law: Law, mass: float, radius: float) -> Contact:
+    """The contact of two bodies of this effective mass and radius."""
+    parameters = list(law.parameters.values())
+    return Contact(law, _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius))
+
+
+def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
+    """The records of all parameters that a law knows, by name."""
+    choices = law.record["alternatives"]
+    return {p["name"]: p for p in [*law.record["common"], *(p for choice in choices for p in choice)]}
+
+
+def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[str]) -> str:
+    """Which sets of parameters there are for what was given: those that complete it, or all."""
+    sets = [[str(p["name"]) for p in choice] for choice in choices]
+    fitting = [names for names in sets if given <= set(names)] or sets
+    names = dict.fromkeys(name for one in fitting for name in one)
+    got = " and ".join(name for name in names if name in given)
+    nothing = "neither" if len(names) == 2 else "none of them"
+    wanted = " or ".join(" + ".join(one) for one in fitting)
+    return f"{' | '.join(names)}: got {got or nothing}, must be {wanted}"
+
+
+def _law(kind: type[Law], parameters: dict[str, float]) -> Law:
+    return kind(**parameters)
+
+
+def _range_of(parameter: dict[str, Any]) -> str:
+    return validation.describe_range(
+        parameter["lowest"], parameter["highest"], parameter["lowest_allowed"], parameter["highest_allowed"]
+    )
+
+
+def make_law(record: dict[str, Any]) -> type[Law]:
+    """The Python class of one registered law."""
+    made = type(record["class_name"], (Law,), {"record": record, "__module__": "hardlimit"})
+    made.__signature__ = _signature(record)  # type: ignore[attr-defined]
+    made.__doc__ = _documentation(record, _example(made))
+    return made
+
+
+def _signature(record: dict[str, Any]) -> Signature:
+    """Keywords only: what every contact needs, then the parameters of the alternatives, which may be left out."""
+    common = [p["name"] for p in record["common"]]
+    chosen = dict.fromkeys(p["name"] for choice in record["alternatives"] for p in choice)
+    needed = [Parameter(name, Parameter.KEYWORD_ONLY, annotation=float) for name in common]
+    optional = [
+        Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=float | None) for name in chosen
+    ]
+    return Signature([*needed, *optional])
+
+
+def _documentation(record: dict[str, Any], example: Sequence[str]) -> str:
+    choices = record["alternatives"]
+    every = {p["name"]: p for group in (record["common"], *choices) for p in group}
+    lines = [record["summary"], ""]
+    besides = ", ".join(f"``{p['name']}``" for p in record["common"])
+    lines += [
+        f"Besides {besides}, give exactly one of these sets:"
+        if besides
+        else "Give exactly one of these sets:",
+        "",
+    ]
+    lines += ["* " + ", ".join(f"``{p['name']}``" for p in choice) for choice in choices]
+    lines += ["", "A contact has the attributes:", ""]
+    lines += [f"* ``{c['name']}``, {c['meaning']}{_unit(c)}" for c in record["constants"]]
+    lines += ["", "Parameters", "----------"]
+    for name, p in every.items():
+        lines += [
+            f"{name} : float{_unit(p)}",
+            f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}.",
+        ]
+    lines += ["", "Raises", "------", "ValueError"]
+    lines += ["    If a value is outside its range or not exactly one of the sets is given."]
+    lines += ["", "Notes", "-----", f"Source: {record['source']}."]
+    return "\n".join([*lines, "", "Examples", "--------", *example])
+
+
+def _unit(parameter: dict[str, Any]) -> str:
+    return "" if parameter["unit"] == "1" else f" [{parameter['unit']}]"
+
+
+def _example(law: type[Law]) -> list[str]:
+    """A ball that falls on the floor under this law, with a value for each parameter of the first alternative."""
+    given = [*law.record["common"], *law.record["alternatives"][0]]
+    values = {p["name"]: _typical(p) for p in given}
+    contact = law(**values).between(Ball(0.01, density=2500.0))
+    return [
+        f">>> law = hl.{law.__name__}({', '.join(f'{name}={_short(value)}' for name, value in values.items())})",
+        ">>> contact = law.between(hl.Ball(0.01, density=2500.0))  # with the floor",
+        '>>> f"ε {contact.restitution(1.0):.3f}, {contact.duration(1.0) * 1e6:.1f} µs"',
+        repr(f"ε {contact.restitution(1.0):.3f}, {contact.duration(1.0) * 1e6:.1f} µs"),
+    ]
+
+
+def _short(value: float) -> str:
+    return f"{value:g}".replace("e+0", "e").replace("e+", "e").replace("e-0", "e-")
+
+
+def _typical(parameter: dict[str, Any]) -> float:
+    """Half the largest value of what is bounded, else that of a stiff grain."""
+    if math.isfinite(parameter["highest"]):
+        return float(0.5 * parameter["highest"])
+    return TYPICAL.get(parameter["unit"], 1.0)

@@ -1,0 +1,10 @@
+"""The contact laws, one class for each line of ``core/contact/registry.hpp``; types are in ``laws.pyi``."""
+
+from .. import _core
+from .contact import Law, make_law
+
+#: The contact laws by the names that files and the command line use.
+LAWS: dict[str, type[Law]] = {record["name"]: make_law(record) for record in _core.law_records()}
+globals().update({law.__name__: law for law in LAWS.values()})
+
+__all__ = ["LAWS", *(law.__name__ for law in LAWS.values())]

@@ -1,0 +1,254 @@
+"""One initial state through Newton's equations and each rule for hard spheres: ``hl.fidelity``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from .. import _core
+from ..boxes import engine_choice, engines
+from ..boxes.system import ParticleSystem
+from ..contact import compression
+from ..contact.contact import Law
+from ..support import validation
+from ..support.progress import Report, reporter
+from . import statistics
+from .replica import NEWTON, RESTITUTION_ERROR, RULES, Plan, digest
+from .result import RESOLUTION, Fidelity
+from .starts import Starts, checked_starts
+from .store import Store, facts_of
+
+__all__ = ["MODELS", "Fidelity", "fidelity"]
+
+MODELS: Final = (NEWTON, *RULES)
+ENGINES: Final = ("auto", "events", "steps")
+LEAST_RESOLUTION: Final = 1e-5
+
+
+def fidelity(
+    system: ParticleSystem | Callable[[int], ParticleSystem],
+    *,
+    law: Law,
+    until: float,
+    models: Sequence[str] = MODELS,
+    replicas: int = 1,
+    samples: int = 100,
+    restitution: float | None = None,
+    contact_duration: float | None = None,
+    resolution: float = RESOLUTION,
+    engine: str = "auto",
+    seed: int = 0,
+    workers: int = 1,
+    scheduler: Any = None,
+    store: str | Path | None = None,
+    progress: bool | Report | None = None,
+) -> Fidelity:
+    """How far can each rule for hard spheres be trusted here? The same start through Newton's equations and each rule.
+
+    All models of a replica start from the same state, so that their differences are known better than their values;
+    error bars are standard errors over replicas. One replica has none, and gives no verdict.
+
+    Parameters
+    ----------
+    system : ParticleSystem or callable(seed)
+        The start of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: velocities
+        are drawn anew (Maxwell) with the seed ``seed`` + k, each particle undergoes some 20 elastic collisions as a
+        hard sphere, and velocities are shifted and scaled to the mean velocity and the granular temperature of
+        ``system``. That is no replica of a start out of equilibrium, or under gravity (refused): for those give a
+        function, which is called with ``seed`` + k for replica k and makes the start.
+    law : Law
+        Contact law of Newton's equations and of the rules law and soft.
+    until : float [s]
+    models : sequence of {"newton", "constant", "law", "tc", "soft"}
+        ``"newton"`` must be among them; see :func:`event_driven` for the rules.
+    replicas : int
+        How many starts are followed.
+    samples : int
+        Spacings in time.
+    restitution : float, optional
+        ε of the rules constant and tc. By default that of the law at the mean impact speed of the start, √(πT), for
+        a pair of particles of mean mass and radius: for laws given by a restitution just that.
+    contact_duration : float [s], optional
+        t_c of the rule tc and of t_c ν. By default that of the law at the same impact.
+    resolution : float
+        Relative difference that should be told apart, 1e-5 to 1. A rule counts as not told apart only where the bars,
+        99 % of Student's distribution, are not longer than this; else it is not resolved, and the sentence says how
+        many replicas that would take.
+    engine : {"auto", "events", "steps"}
+        How Newton's equations are solved: see :func:`molecular_dynamics`. ``"auto"`` is decided by the start of
+        replica 0, for all. ``"steps"`` is for long contacts (t_c ν of 0.1 and more, where large groups hang together)
+        and heaps; its steps change ε by at most 1e-4.
+    seed : int
+        The same seed gives the same starts.
+    workers : int
+        Processes. With 1, all is computed in this one. The result does not depend on it.
+    scheduler : str, distributed.Client or cluster object, optional
+        Computes on a cluster of dask.distributed instead (extra ``hardlimit[cluster]``).
+    store : path, optional
+        A file that keeps every replica once it is finished. The same call computes only those that are missing; with
+        more ``replicas`` it adds to them.
+    progress : bool or callable(done, total), optional
+        True shows a bar. A function is told the samples so far, of all models and replicas, and how many there are.
+
+    Returns
+    -------
+    Fidelity
+        An inelastic collapse is an outcome, no error.
+
+    Raises
+    ------
+    ValueError
+        If an argument is outside its range, two do not go together, two replicas start the same, or the store was made
+        with other arguments.
+    OSError
+        If the store cannot be written; names it.
+    ImportError
+        If ``scheduler`` is given without dask.distributed.
+    RuntimeError
+        If a process dies or the scheduler goes away.
+
+    Notes
+    -----
+    Sources of the rules: Luding & McNamara, Granular Matter 1, 113 (1998); Müller & Pöschel, Phys. Rev. E 87, 033301
+    (2013).
+
+    Examples
+    --------
+    >>> disks = hl.ParticleSystem.random(
+    ...     16, 0.3, radius=1e-3, density=2500.0, rms_speed=0.1, dimension=2
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.8)
+    >>> found = hl.fidelity(
+    ...     disks, law=law, until=0.02, models=["newton", "law"], replicas=4, samples=4
+    ... )
+    >>> print(found)
+    At t_c ν = 0.014 the rule law is not resolved by cooling: ± 5.6 % with 4
+    replicas (99 % confidence); for ± 1 % about 29 replicas would be needed.
+    """
+    if not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    count = validation.whole("replicas", replicas, 1, statistics.MOST_REPLICAS)
+    many = validation.whole("workers", workers, 1, 1024)
+    if scheduler is not None and many > 1:
+        raise ValueError(
+            f"scheduler | workers: got a scheduler and {many} workers, must be at most one of them"
+        )
+    chosen = _checked_models(models)
+    end = validation.number("until", until, 0.0, lowest_allowed=True)
+    spacings = engines.checked_samples(samples)
+    limits = {"lowest_allowed": True, "highest_allowed": True}
+    resolved = validation.number("resolution", resolution, LEAST_RESOLUTION, 1.0, **limits)
+    solver = validation.one_of("engine", engine, ENGINES)
+    elsewhere = scheduler is not None or (many > 1 and count > 1)
+    starts = checked_starts(system, seed, count, elsewhere, solver)
+    with reporter(progress, "fidelity", "samples") as report:
+        first = starts.start(0, lambda done, total: None)
+        if solver == "auto":
+            solver = engine_choice.estimated(first, law, end, RESTITUTION_ERROR).engine
+            starts = replace(starts, engine=solver)
+        plan = Plan(law, chosen, end, spacings, *_impact(first, law, restitution, contact_duration), solver)
+        kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
+        wanted = [k for k in range(count) if k not in kept.replicas]
+        _compute(starts, plan, kept, wanted, count, many if elsewhere else 1, scheduler, report)
+    _insist_on_different_starts(kept, count)
+    found = Fidelity(
+        plan=plan,
+        system=repr(first),
+        dimension=first.dimension,
+        arrays=tuple(kept.replicas[k] for k in range(count)),
+        resolution=resolved,
+    )
+    compression.warn(found.largest_compression, stacklevel=3)
+    return found
+
+
+def _compute(
+    starts: Starts,
+    plan: Plan,
+    kept: Store,
+    wanted: Sequence[int],
+    count: int,
+    workers: int,
+    scheduler: Any,
+    report: Report,
+) -> None:
+    """The replicas that are missing, each into the store as it is finished."""
+    known = (count - len(wanted)) * plan.steps
+
+    def tell(done: int) -> None:
+        report(known + done, count * plan.steps)
+
+    tell(0)
+    if not wanted:
+        return
+    from . import pool  # and with it processes, which take a tenth of a second
+
+    if scheduler is not None:
+        found = pool.on_cluster(starts, plan, wanted, scheduler, tell)
+    elif workers > 1 and len(wanted) > 1:
+        found = pool.processes(starts, plan, wanted, workers, tell)
+    else:
+        found = pool.here(starts, plan, wanted, tell)
+    with closing(found):
+        for replica, arrays in found:
+            kept.add(replica, arrays)
+    tell(len(wanted) * plan.steps)
+
+
+# --- checks of the input ------------------------------------------------------------------------------------
+
+
+def _checked_models(models: Any) -> tuple[str, ...]:
+    """Newton's equations, and the rules in the order given."""
+    names = validation.instances("models", models, str, "name")
+    for i, name in enumerate(names):
+        validation.one_of(f"models[{i}]", name, MODELS)
+    if len(set(names)) < len(names):
+        raise ValueError(f"models: got {', '.join(names)}, must be different ones")
+    if NEWTON not in names:
+        raise ValueError(
+            f"models: got {', '.join(names) or 'none'}, must include {NEWTON}, what all are compared with"
+        )
+    return (NEWTON, *(name for name in names if name != NEWTON))
+
+
+def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration: Any) -> tuple[float, float]:
+    """ε and t_c [s] of the rules that take one of each: as given, or those of a typical impact."""
+    if restitution is None or contact_duration is None:
+        mass, radius = float(system.mass.mean()), float(system.radius.mean())
+        typical = _core.make_contact(*engines.choice(law), 0.5 * mass, 0.5 * radius)
+        speed = np.array([typical_speed(system)])
+    if restitution is None:
+        given = law.specified_restitution
+        epsilon = given if math.isfinite(given) else float(typical.restitution(speed)[0])
+    else:
+        limits = {"lowest_allowed": True, "highest_allowed": True}
+        epsilon = validation.number("restitution", restitution, 0.0, 1.0, **limits)
+    if contact_duration is None:
+        return epsilon, float(typical.duration(speed)[0])
+    return epsilon, validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
+
+
+def typical_speed(system: ParticleSystem) -> float:
+    """Mean speed of impact [m/s] in a gas of this granular temperature, √(πT); of particles that do not move against
+    each other that of a fall over the box, and 1 m/s where nothing makes them fall."""
+    thermal = math.sqrt(math.pi * system.granular_temperature)
+    fall = math.sqrt(2.0 * float(np.abs(system.gravity) @ system.box))
+    return thermal or fall or 1.0
+
+
+def _insist_on_different_starts(kept: Store, count: int) -> None:
+    seen: dict[bytes, int] = {}
+    for k in range(count):
+        start = kept.replicas[k]["start"].tobytes()
+        if start in seen:
+            raise ValueError(
+                f"system: replicas {seen[start]} and {k} start the same, must start from different states"
+            )
+        seen[start] = k

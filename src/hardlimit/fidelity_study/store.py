@@ -1,0 +1,107 @@
+"""Finished replicas in one file, which is replaced as a whole whenever another one is finished."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from .. import _core
+from ..boxes import checkpoint
+from ..support import locking, validation
+from .replica import Arrays
+
+#: In the header of the file.
+KIND: Final = "fidelity"
+
+#: How long others may take to write; more than the largest store needs.
+PATIENCE: Final = 60.0  # s
+
+
+class Store:
+    """The replicas that are known, by number; with a path they are kept there.
+
+    ``facts`` is all that a replica depends on, in words: a file with other facts is refused.
+
+    Raises
+    ------
+    ValueError
+        If the file is none of ours, is damaged, of another version or of other facts; names it.
+    OSError
+        If it cannot be written; names it.
+    """
+
+    def __init__(self, path: Any, facts: Mapping[str, Any]) -> None:
+        self.path = None if path is None else _checked(path)
+        self.facts = dict(facts)
+        self.replicas: dict[int, Arrays] = {}
+        if self.path is not None:
+            if self.path.exists():
+                self.replicas = self._read(self.path)
+            else:
+                self._keep()
+
+    def add(self, replica: int, arrays: Arrays) -> None:
+        """One more, which is in the file when this returns, beside those that other processes have put there."""
+        self.replicas[replica] = arrays
+        self._keep()
+
+    def _keep(self) -> None:
+        """Write what is known; one process at a time, and none loses what another one has written meanwhile."""
+        if self.path is None:
+            return
+        with locking.locked(self.path.parent, self.path, PATIENCE):
+            if self.path.exists():
+                self.replicas = self._read(self.path) | self.replicas
+            flat = {
+                f"{k}/{name}": array for k, found in self.replicas.items() for name, array in found.items()
+            }
+            checkpoint.write(self.path, {"kind": KIND, "facts": self.facts}, flat)
+
+    def _read(self, path: Path) -> dict[int, Arrays]:
+        try:
+            header, flat = checkpoint.read(path)
+        except ValueError as error:
+            raise ValueError(f"store: {error}") from None
+        if header.get("kind") != KIND:
+            raise ValueError(
+                f"store: {path} is a checkpoint of a run, must be a store of hl.fidelity or a new file"
+            )
+        for name, wanted in self.facts.items():
+            kept = header["facts"].get(name)
+            if kept != wanted:
+                what = f"{name} {_short(kept)}, not {_short(wanted)}"
+                raise ValueError(f"store: {path} was made with {what}; repeat that call or take another path")
+        found: dict[int, Arrays] = {}
+        for key, array in flat.items():
+            replica, name = key.split("/")
+            found.setdefault(int(replica), {})[name] = array
+        return found
+
+
+def _short(fact: Any) -> str:
+    text = str(fact)
+    return text if len(text) <= validation.LONGEST else f"{text[: validation.LONGEST - 1]}…"
+
+
+def _checked(path: Any) -> Path:
+    try:
+        return checkpoint.checked_path(path)
+    except ValueError as error:
+        raise ValueError(str(error).replace("checkpoint:", "store:", 1)) from None
+
+
+def facts_of(plan: Any, start: str, seed: int) -> dict[str, Any]:
+    """All that a replica depends on beside its number."""
+    return {
+        "hardlimit_version": _core.version,
+        "models": list(plan.models),
+        "law": repr(plan.law),
+        "until": plan.until,
+        "samples": plan.samples,
+        "restitution": plan.restitution,
+        "contact_duration": plan.contact_duration,
+        "engine": plan.engine,
+        "seed": seed,
+        "start": start,
+    }

@@ -1,0 +1,62 @@
+"""One isolated contact: its restitution and duration."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .labels import scaled
+from .style import COLUMN_WIDTH, PAGE_WIDTH, PALETTE, style
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ..contact.contact import Contact
+
+
+#: An axis of ε spans at least this much: what does not depend on the speed is a straight line.
+LEAST_SPAN: Final = 0.1
+
+
+def around(restitution: NDArray[np.float64]) -> tuple[float, float]:
+    """Limits of an axis on which a restitution varies visibly."""
+    low, high = float(restitution.min()), float(restitution.max())
+    margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
+    return max(low - margin, 0.0), high + margin
+
+
+def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Figure:
+    """Coefficient of restitution and duration of one isolated contact over the speed of impact [m/s]."""
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH * 0.6, 4.0))
+        upper, lower = figure.subplots(2, 1, sharex=True)
+        restitution = np.asarray(contact.restitution(speeds))
+        upper.plot(speeds, restitution, color=PALETTE["blue"])
+        upper.set_ylabel(r"coefficient of restitution $\varepsilon$")
+        upper.set_ylim(*around(restitution))
+        duration = np.asarray(contact.duration(speeds))
+        factor, unit = scaled(float(duration.max()), "s")
+        lower.plot(speeds, duration * factor, color=PALETTE["vermillion"])
+        lower.set_ylabel(f"duration [{unit}]")
+        lower.set_ylim(0.0, 1.1 * float(duration.max()) * factor)
+        lower.set_xscale("log")
+        lower.set_xlim(speeds[0], speeds[-1])
+        lower.set_xlabel("speed of impact [m/s]")
+    return figure
+
+
+def restitution_obtained(asked: NDArray[np.float64], curves: dict[str, NDArray[np.float64]]) -> Figure:
+    """Restitution obtained over restitution asked for; one curve for each way to choose the damping."""
+    with style():
+        figure = Figure(figsize=(COLUMN_WIDTH * 1.15, COLUMN_WIDTH * 1.05))
+        ax = figure.subplots()
+        for (name, obtained), line in zip(curves.items(), ("-", (0, (5, 2)), (0, (1, 1.2))), strict=False):
+            ax.plot(asked, obtained, ls=line, label=name)
+        ax.set_xlabel(r"$\varepsilon$ asked for")
+        ax.set_ylabel(r"$\varepsilon$ obtained")
+        ax.set_xlim(0.0, 1.0)
+        ax.set_ylim(0.0, 1.02)
+        ax.legend(loc="lower right")
+    return figure

@@ -1,0 +1,102 @@
+"""A box of grains over time: temperature, collision rate and pressure, with theory beside them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+from ..boxes import theory
+from ..boxes.result import COLUMNS
+from .labels import scaled
+from .style import GREY, PAGE_WIDTH, PALETTE, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from ..boxes.result import ParticleResult
+
+#: Panels from top to bottom: variable, label, colour.
+PANELS = (
+    ("granular_temperature", "granular temperature", "blue"),
+    ("collision_rate", "collision rate", "vermillion"),
+    ("pressure", "pressure", "green"),
+)
+#: A temperature that changes by more than this factor is drawn on a logarithmic axis.
+WIDE = 5.0
+TRANSIENT = f"the start’s transient: {theory.RELAXED} collisions per particle"
+
+
+def gas(run: ParticleResult) -> Figure:
+    """Granular temperature, collision rate and pressure over time; theory as dashed lines where it applies."""
+    ds = run.series
+    time = ds["time"].values
+    factor, unit = scaled(float(time[-1]), "s")
+    theories = expectations(run)
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH * 0.72, 5.6))
+        axes = figure.subplots(len(PANELS), 1, sharex=True)
+        for ax, (name, label, colour) in zip(axes, PANELS, strict=True):
+            values, units = ds[name].values, str(ds[name].attrs["units"])
+            # Rate and pressure are means since the sample before: drawn at the middle of that time.
+            at = time if name == "granular_temperature" else time - 0.5 * np.diff(time, prepend=time[0])
+            many = {"marker": ".", "ms": 4.0} if len(time) <= 40 else {}
+            ax.plot(at * factor, values, color=PALETTE[colour], label="event-driven", **many)
+            if name in theories:
+                if name != "granular_temperature":
+                    ax.axvspan(0.0, transient(run) * factor, color="0.9", lw=0.0, label=TRANSIENT)
+                text, expected = theories[name]
+                ax.plot(at * factor, expected, color="black", lw=0.9, ls=(0, (4, 3)), label=text)
+                ax.legend(loc="best")
+            ax.set_ylabel(f"{label}\n[{units.replace('m2/s2', 'm²/s²')}]")
+            set_scale(ax, values, [v for _, v in [theories[name]]] if name in theories else [])
+        axes[-1].set_xlim(0.0, float(time[-1]) * factor or 1.0)
+        axes[-1].set_xlabel(f"time [{unit}]")
+        figure.align_ylabels(axes)
+        if not theories:
+            axes[0].set_title(
+                f"no theory: {theory.why_not(run.system)}", fontsize="small", color=GREY, loc="right"
+            )
+    return figure
+
+
+def transient(run: ParticleResult) -> float:
+    """Time [s] until which rate and pressure are still those of the start; the last sample if they are to the end."""
+    time, pairs = (run.rows[:, COLUMNS.index(name)] for name in ("time", "n_pairs"))
+    forgotten = 2.0 * pairs >= theory.RELAXED * run.system.n
+    return float(time[forgotten][0] if forgotten.any() else time[-1])
+
+
+def set_scale(ax: Axes, values: Any, others: list[Any]) -> None:
+    """From zero, or logarithmic where values spread over decades."""
+    good = np.concatenate([np.asarray(v)[np.isfinite(v)] for v in (values, *others)])
+    positive = good[good > 0.0]
+    if len(positive) == len(good) > 0 and positive.max() > WIDE * positive.min():
+        ax.set_yscale("log")
+        decades = float(np.log10(positive.max() / positive.min()))
+        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 3.0 else (1.0,)))
+        ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+        ax.yaxis.set_minor_formatter(NullFormatter())
+    elif len(good) and good.min() >= 0.0:
+        ax.set_ylim(0.0, 1.15 * float(good.max()) or 1.0)
+
+
+def expectations(run: ParticleResult) -> dict[str, tuple[str, Any]]:
+    """Name of the theory and its values at the times of the panels, for each variable that it says something of."""
+    if theory.why_not(run.system) is not None:
+        return {}
+    gas_of = theory.gas(run.system)
+    ds = run.series
+    temperature = ds["granular_temperature"].values
+    between = 0.5 * (temperature + np.concatenate([temperature[:1], temperature[:-1]]))
+    found = {"collision_rate": ("Enskog, at the temperature measured", gas_of.collision_rate(between))}
+    e = run.settings.restitution
+    if e is not None:
+        name = "Carnahan–Starling" if run.system.dimension == 3 else "Henderson"
+        found["pressure"] = (f"{name}, at the temperature measured", gas_of.pressure(between, e))
+        if e < 1.0 and temperature[0] > 0.0:
+            cooling = gas_of.cooling(ds["time"].values, float(temperature[0]), e)
+            found["granular_temperature"] = ("Haff’s law", cooling)
+    return found

@@ -1,0 +1,164 @@
+"""A film of a box of grains: disks as they are, spheres cut by a plane through the middle of the box."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
+
+from ..support import saving
+from . import video
+from .labels import scaled
+from .stage import STYLE
+from .style import style
+
+if TYPE_CHECKING:
+    from ..boxes.system import ParticleSystem
+
+Floats = NDArray[np.float64]
+Frame = Any  #: NDArray[np.uint8], height × width × 3
+#: Time [s], state, collisions so far.
+Instant = tuple[float, "ParticleSystem", int]
+
+COLOURS = "viridis"
+FASTEST = 2.0  #: in units of the root mean square; few particles are faster
+
+
+def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 640, rate: int = 15) -> Path:
+    """Write one picture for each instant as MP4 or GIF, by the ending of ``path``.
+
+    Parameters
+    ----------
+    path : path
+    instants : iterable of (time [s], ParticleSystem, collisions so far)
+        Taken one by one while the film is written.
+    end : float [s]
+        Of the run; it sets the unit of the clock.
+    width : int
+        In pixels, a multiple of 32; 16:9.
+    rate : int
+        Pictures per second.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; names it.
+    """
+    with saving.whole(path) as unfinished:
+        write = video.write_mp4 if path.suffix.lower() == ".mp4" else video.write_gif
+        write(unfinished, pictures(instants, end, width), (width, width * 9 // 16), rate)
+    return path
+
+
+def pictures(instants: Iterable[Instant], end: float, width: int) -> Iterator[Frame]:
+    """The pictures of the film one after the other."""
+    stage: Stage | None = None
+    with style(**STYLE):
+        for time, system, collisions in instants:
+            stage = stage or Stage(system, end, width)
+            yield stage.picture(time, system, collisions)
+
+
+class Stage:
+    """The box on the left, clock and colours on the right.
+
+    Colours are speeds over their root mean square at the instant, so that a gas that has cooled shows them still.
+    """
+
+    def __init__(self, system: ParticleSystem, end: float, width: int) -> None:
+        self.unit = scaled(end, "s")
+        self.plane = (0, system.dimension - 1)  # what is shown: x and, upwards, the last axis
+        self.figure = Figure(figsize=(9.6, 5.4), dpi=width / 9.6)
+        self.canvas = cast(Any, FigureCanvasAgg(self.figure))
+        self.ax = self.figure.add_axes((0.03, 0.07, 0.52, 0.86))
+        self._draw_box(system)
+        scale = Normalize(0.0, FASTEST)
+        self.bodies = EllipseCollection(
+            [], [], [], units="xy", offsets=np.empty((0, 2)), transOffset=self.ax.transData,
+            cmap=COLOURS, norm=scale, edgecolors="black", linewidths=0.3,
+        )  # fmt: skip
+        self.ax.add_collection(self.bodies)
+        self.bodies.set_clip_path(self.inside)
+        self.clock = self.figure.text(0.60, 0.86, "", fontsize=15)
+        self.facts = self.figure.text(0.60, 0.80, "", fontsize=10, va="top", linespacing=1.6)
+        bar = self.figure.add_axes((0.60, 0.2, 0.34, 0.03))
+        self.figure.colorbar(ScalarMappable(scale, COLOURS), cax=bar, orientation="horizontal", extend="max")
+        bar.set_xlabel("speed / root mean square at this instant")
+        self.title = self.figure.text(0.60, 0.06, caption(system), fontsize=9, color="#333333")
+
+    def _draw_box(self, system: ParticleSystem) -> None:
+        across, up = (float(system.box[axis]) for axis in self.plane)
+        margin = 0.01 * max(across, up)
+        self.ax.set_xlim(-margin, across + margin)
+        self.ax.set_ylim(-margin, up + margin)
+        self.ax.set_aspect("equal")
+        self.ax.set_axis_off()
+        self.inside = Rectangle((0.0, 0.0), across, up, transform=self.ax.transData)
+        corners = np.array([[0, 0], [across, 0], [across, up], [0, up], [0, 0]])
+        sides = [system.boundary[axis] for axis in (self.plane[1], self.plane[0])]
+        for i, (a, b) in enumerate(itertools.pairwise(corners)):
+            solid = sides[i % 2] == "wall"
+            look: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
+            self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **look)
+
+    def picture(self, time: float, system: ParticleSystem, collisions: int) -> Frame:
+        """The picture of one state."""
+        at, radius, speed = shown(system)
+        size, usual = 2.0 * radius, root_mean_square(system)
+        relative = speed / (usual or 1.0)
+        self.bodies.set(offsets=at, widths=size, heights=size, angles=np.zeros(len(size)), array=relative)
+        factor, unit = self.unit
+        self.clock.set_text(f"t = {time * factor:.3f} {unit}")
+        grouped = f"{collisions:,}".replace(",", "\u202f")
+        self.facts.set_text(
+            f"{grouped} collisions\ngranular temperature {system.granular_temperature:.3g} m²/s²\n"
+            f"root mean square of the speeds {usual:.3g} m/s"
+        )
+        self.canvas.draw()
+        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
+
+
+def root_mean_square(system: ParticleSystem) -> float:
+    """Of the speeds of all particles [m/s]."""
+    return float(np.linalg.norm(system.velocities)) / math.sqrt(system.n)
+
+
+def caption(system: ParticleSystem) -> str:
+    """What is shown."""
+    what = f"{system.n} disks" if system.dimension == 2 else f"{system.n} spheres, cut by the plane y = L/2"
+    return f"{what}\ndashed sides are periodic" if "periodic" in system.boundary else what
+
+
+def shown(system: ParticleSystem) -> tuple[Floats, Floats, Floats]:
+    """Centres (n, 2), radii (n,) and speeds (n,) of the circles, periodic images at the edges included."""
+    radius = np.asarray(system.radius)
+    at = system.positions
+    if system.dimension == 3:
+        off = np.abs(at[:, 1] - 0.5 * system.box[1])
+        cut = off < radius
+        at, radius, off = at[cut][:, [0, 2]], radius[cut], off[cut]
+        radius = np.sqrt(radius**2 - off**2)
+        speed = np.linalg.norm(system.velocities[cut], axis=1)
+    else:
+        speed = np.linalg.norm(system.velocities, axis=1)
+    for column, axis in enumerate((0, system.dimension - 1)):
+        if system.boundary[axis] == "periodic":
+            edge = float(system.box[axis])
+            low, high = at[:, column] < radius, at[:, column] > edge - radius
+            shift = np.zeros(2)
+            shift[column] = edge
+            at = np.concatenate([at, at[low] + shift, at[high] - shift])
+            radius = np.concatenate([radius, radius[low], radius[high]])
+            speed = np.concatenate([speed, speed[low], speed[high]])
+    return at, radius, speed

@@ -1,0 +1,303 @@
+"""What a frame of a film shows: the balls of two models side by side, the clock, the forces."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, Final, cast
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Ellipse, Rectangle
+
+from ..column.models import MODELS
+from .forces import draw_forces, pairs_of, window
+from .labels import scaled
+from .storyboard import Scene, gaps_at, round_up
+from .style import ball_colour
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from ..column.result import Result
+
+Frame = Any  #: NDArray[np.uint8], height × width × 3
+
+SQUEEZE: Final = 0.3  #: largest drawn deformation, in radii
+SMALLEST_DRAWN: Final = 0.28  #: smallest drawn radius in the close-up, in largest radii
+
+STYLE: Final = {
+    "font__family": "DejaVu Sans",
+    "mathtext__fontset": "dejavusans",
+    "figure__constrained_layout__use": False,
+    "font__size": 9.0,
+    "axes__labelsize": 9.0,
+    "xtick__labelsize": 8.0,
+    "ytick__labelsize": 8.0,
+}
+
+
+class _Stage:
+    """A figure of which the fixed part is drawn once and the moving part for each frame."""
+
+    def __init__(self, result: Result, ghost: Result, scene: Scene, width: int) -> None:
+        self.result, self.ghost, self.scene = result, ghost, scene
+        self.figure = Figure(figsize=(9.6, 5.4), dpi=width / 9.6)
+        self.canvas = cast(Any, FigureCanvasAgg(self.figure))
+        self.states = [gaps_at(model, scene.times) for model in (result, ghost)]
+        self.moving: list[Any] = []
+        self.axes = [self.figure.add_axes(box) for box in self.boxes()]
+        self.set_up()
+        self.clock = self.figure.text(0.645, 0.925, "", fontsize=15, va="center")
+        self.moving.append(self.clock)
+        for artist in self.moving:
+            artist.set_animated(True)
+        self.canvas.draw()
+        self.background = self.canvas.copy_from_bbox(self.figure.bbox)
+
+    def boxes(self) -> tuple[tuple[float, float, float, float], ...]:
+        """Where the two models stand."""
+        if self.result.column.floor:
+            return (0.065, 0.1, 0.25, 0.76), (0.34, 0.1, 0.25, 0.76)
+        return (0.03, 0.5, 0.56, 0.34), (0.03, 0.1, 0.56, 0.34)
+
+    def set_up(self) -> None:
+        raise NotImplementedError
+
+    def move(self, i: int) -> None:
+        raise NotImplementedError
+
+    def picture(self, i: int) -> Frame:
+        """Frame i as an array."""
+        self.clock.set_text(_clock(float(self.scene.times[i]), self.scene.close_up))
+        self.move(i)
+        self.canvas.restore_region(self.background)
+        for artist in self.moving:
+            self.figure.draw_artist(artist)
+        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
+
+    def caption(self, text: str) -> None:
+        slowed = self.scene.slowed
+        factor, unit = scaled(1.0 / slowed, "s")
+        how = f"slowed {_grouped(slowed)} times" if slowed > 1.0 else "in real time"
+        how = f"{_grouped(1.0 / slowed)} times faster" if slowed < 1.0 else how
+        speed = f"{how}: 1 s of film is {_grouped(factor / slowed)} {unit}" if slowed != 1.0 else how
+        self.figure.text(0.645, 0.875, f"{speed}\n{text}", fontsize=9, color="#333333", va="top")
+
+    def title_models(self) -> None:
+        names = (MODELS[self.result.model].label, MODELS[self.ghost.model].label)
+        for ax, name in zip(self.axes, names, strict=True):
+            ax.set_title(name, fontsize=10.5, pad=6)
+
+    def add_forces(self) -> None:
+        """Forces over time with a cursor, beside the balls."""
+        pairs = pairs_of(self.result)
+        height = 0.6 / len(pairs)
+        axes = []
+        for k in range(len(pairs)):
+            box = (0.725, 0.12 + (len(pairs) - 1 - k) * height, 0.25, height - 0.045)
+            axes.append(self.figure.add_axes(box))
+        draw_forces(axes, self.result, self.ghost)
+        for ax in axes[:-1]:
+            ax.tick_params(labelbottom=False)
+            ax.set_xlim(axes[-1].get_xlim())
+        start, stop = window([self.result, self.ghost])
+        factor = scaled(stop, "s")[0]
+        self.cursors = [ax.axvline(start * factor, color="#d00000", lw=1.4) for ax in axes]
+        self.time_factor = factor
+        self.moving += self.cursors
+
+
+def _clock(t: float, close_up: bool) -> str:
+    if close_up and abs(t) < 0.01:
+        text = f"t = {t * 1e6:.1f} µs"
+    else:
+        text = f"t = {t * 1e3:.{3 if close_up else 1}f} ms"
+    return text.replace("-", "−")
+
+
+def _grouped(number: float) -> str:
+    return f"{number:,.6g}".replace(",", "\u202f") if number >= 1.0 else f"{number:g}"
+
+
+def _contact_count(result: Result) -> str:
+    """How often the balls touched; for a ball alone, how often it touched the floor."""
+    alone = len(result.column.balls) == 1
+    n = int(result.contacts.sizes["contact"]) if alone else result.n_contacts
+    return f"{n} contact{'' if n == 1 else 's'} {'with the floor' if alone else 'of the balls'}"
+
+
+class Wide(_Stage):
+    """True positions and sizes, the whole fall and rebound."""
+
+    def set_up(self) -> None:
+        column = self.result.column
+        # The same scale for fall and rebound: as high as either gets.
+        highest = max(float(z.max()) for z, _ in self.states)
+        highest = max(highest, self.scene.highest)
+        largest = max(ball.radius for ball in column.balls)
+        top = 1.08 * (highest + largest)
+        for ax in self.axes:
+            box = ax.get_window_extent()
+            half = 0.5 * top * box.width / box.height
+            ax.set_xlim(-half, half)
+            ax.set_ylim(-0.04 * top, top)
+            ax.set_xticks([])
+            _draw_floor(ax)
+            ax.axhline(float(column.initial_positions[-1]), color="#999999", lw=0.8, ls=":")
+        self.axes[1].tick_params(labelleft=False)
+        if self.scene.rebound:
+            for ax, model in zip(self.axes, (self.result, self.ghost), strict=True):
+                text = _contact_count(model)
+                ax.text(0.5, 0.975, text, transform=ax.transAxes, ha="center", va="top", fontsize=9.5)
+        self.axes[0].set_ylabel("height [m]")
+        self.title_models()
+        whose = "top ball" if len(column.balls) > 1 else "ball"
+        self.caption(f"true sizes and heights\ndotted: release of the {whose}")
+        self.balls = [
+            _make_balls(ax, [b.radius for b in column.balls], k == 1) for k, ax in enumerate(self.axes)
+        ]
+        self.moving += [ball for balls in self.balls for ball in balls]
+        self.add_forces()
+
+    def move(self, i: int) -> None:
+        for balls, (z, _) in zip(self.balls, self.states, strict=True):
+            for ball, height in zip(balls, z[i], strict=True):
+                ball.set_center((0.0, height))
+        for cursor in self.cursors:
+            t = float(self.scene.times[i]) * self.time_factor
+            cursor.set_xdata([t, t])
+
+
+class CloseUp(_Stage):
+    """Gaps and deformations drawn larger than the balls, each contact on its own stated scale."""
+
+    def set_up(self) -> None:
+        column = self.result.column
+        true = np.array([ball.radius for ball in column.balls])
+        largest = float(true.max())
+        shrink = math.log(SMALLEST_DRAWN) / math.log(true.min() / largest) if true.min() < largest else 1.0
+        power = min(1.0, shrink) if true.min() / largest < SMALLEST_DRAWN else 1.0
+        self.radii = (true / largest) ** power
+        self.scales = [self._scale(pair, largest) for pair in range(len(true))]
+        self.horizontal = not column.floor
+        length = 2.5 * float(self.radii.sum())
+        if not self.horizontal:  # wide enough for the largest ball, squeezed
+            box = self.axes[0].get_window_extent()
+            length = max(length, 2.4 * box.height / box.width)
+        for ax in self.axes:
+            box = ax.get_window_extent()
+            if self.horizontal:
+                half = 0.5 * length * box.height / box.width
+                ax.set_xlim(-0.1 * length, length)
+                ax.set_ylim(-half, half)
+            else:
+                half = 0.5 * length * 1.06 * box.width / box.height
+                ax.set_xlim(-half, half)
+                ax.set_ylim(-0.06 * length, length)
+                _draw_floor(ax)
+            ax.set_xticks([])
+            ax.set_yticks([])
+        self.length = length
+        self.title_models()
+        self.caption(self._scale_text(power))
+        self.balls = [_make_balls(ax, list(self.radii), k == 1) for k, ax in enumerate(self.axes)]
+        self.moving += [ball for balls in self.balls for ball in balls]
+        self.gone = [
+            ax.text(
+                *((0.985, 0.5) if self.horizontal else (0.5, 0.985)),
+                "",
+                transform=ax.transAxes,
+                ha="right" if self.horizontal else "center",
+                va="center" if self.horizontal else "top",
+                fontsize=8.5,
+                color="#444444",
+            )
+            for ax in self.axes
+        ]
+        self.moving += self.gone
+        self.add_forces()
+
+    def _scale(self, pair: int, largest: float) -> float:
+        """Drawn length for one metre of gap: so that the deepest deformation is clear but not grotesque."""
+        deepest = -float(self.states[0][1][:, pair].min())
+        if (pair == 0 and not self.result.column.floor) or not deepest > 0.0:
+            return 1.0 / largest
+        smaller = self.radii[pair] if pair == 0 else min(self.radii[pair - 1], self.radii[pair])
+        factor = SQUEEZE * smaller * largest / deepest  # compared with true scale of the largest ball
+        if factor <= 1.0:
+            return 1.0 / largest
+        return round_up(factor) / (2.0 if round_up(factor) > factor * 1.2 else 1.0) / largest
+
+    def _scale_text(self, power: float) -> str:
+        largest = max(ball.radius for ball in self.result.column.balls)
+        parts = []
+        for pair in pairs_of(self.result):
+            where = "at the floor" if pair == 0 else f"balls {pair}–{pair + 1}"
+            parts.append(f"{where} ×{_grouped(self.scales[pair] * largest)}")
+        text = "close-up, deformation and gaps enlarged:\n" + ", ".join(parts[:3])
+        if len(parts) > 3:
+            text += ", …"
+        return text + ("\nradii not to scale" if power < 1.0 else "")
+
+    def move(self, i: int) -> None:
+        for k, (balls, (_, gaps)) in enumerate(zip(self.balls, self.states, strict=True)):
+            self._place(k, balls, gaps[i])
+        for cursor in self.cursors:
+            t = float(self.scene.times[i]) * self.time_factor
+            cursor.set_xdata([t, t])
+
+    def _place(self, which: int, balls: list[Ellipse], gaps: NDArray[np.float64]) -> None:
+        """Ellipses that touch while in contact: a compression takes length from the bodies that share it."""
+        drawn = gaps * np.array(self.scales)
+        if self.horizontal:
+            drawn[0] = 0.0  # the first ball of a cradle stays where it is; only gaps are shown
+        squeeze = np.maximum(-drawn, 0.0)
+        bottom = 0.0
+        missing = ""
+        for b, ball in enumerate(balls):
+            bottom += max(float(drawn[b]), 0.0)
+            below = float(squeeze[b]) * (1.0 if b == 0 else 0.5)
+            above = 0.5 * float(squeeze[b + 1]) if b + 1 < len(balls) else 0.0
+            size = max(2.0 * self.radii[b] - below - above, 0.2 * self.radii[b])
+            across = 2.0 * self.radii[b] * math.sqrt(2.0 * self.radii[b] / size)
+            centre = bottom + 0.5 * size
+            if self.horizontal:
+                ball.set(center=(centre, 0.0), width=size, height=across)
+            else:
+                ball.set(center=(0.0, centre), width=across, height=size)
+            if bottom > self.length and not missing:
+                away = float(gaps[b])
+                missing = f"▲ ball {b + 1} is {_distance(away)} away"
+                missing = missing.replace("▲", "▶") if self.horizontal else missing
+            bottom += size
+        self.gone[which].set_text(missing)
+
+
+def _distance(metres: float) -> str:
+    return f"{metres * 1e6:.0f} µm" if metres < 1e-3 else f"{metres * 1e3:.1f} mm"
+
+
+def _draw_floor(ax: Axes) -> None:
+    low, high = ax.get_xlim()
+    bottom = ax.get_ylim()[0]
+    ground = Rectangle((low, bottom), high - low, -bottom, facecolor="#e4e4e4", lw=0, hatch="////")
+    ground.set_edgecolor("#aaaaaa")
+    ax.add_patch(ground)
+    ax.axhline(0.0, color="black", lw=1.0)
+
+
+def _make_balls(ax: Axes, radii: list[float], ghost: bool) -> list[Ellipse]:
+    balls = []
+    for i, radius in enumerate(radii):
+        colour = ball_colour(i + 1)
+        ball = Ellipse((0.0, 0.0), 2.0 * radius, 2.0 * radius, facecolor=colour, edgecolor="black", lw=0.8)
+        if ghost:
+            inch = radius * ax.get_window_extent().height / abs(np.diff(ax.get_ylim())[0]) / ax.figure.dpi
+            ball.set(facecolor="white", edgecolor=colour, linewidth=1.6)
+            if inch > 0.1:  # dashes need room
+                ball.set_linestyle("--")
+        ax.add_patch(ball)
+        balls.append(ball)
+    return balls

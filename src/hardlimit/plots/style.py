@@ -1,0 +1,189 @@
+"""One look for all pictures: palette, type, colours of pairs and of contact counts; saving a figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib as mpl
+import numpy as np
+from cycler import cycler
+from matplotlib.backend_bases import FigureCanvasBase
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
+from matplotlib.figure import Figure
+
+from ..support import saving, validation
+
+#: Okabe and Ito's palette (2008), by name.
+PALETTE: Final = {
+    "black": "#000000",
+    "blue": "#0072b2",
+    "vermillion": "#d55e00",
+    "green": "#009e73",
+    "purple": "#cc79a7",
+    "orange": "#e69f00",
+    "sky": "#56b4e9",
+    "yellow": "#f0e442",
+}
+GREY: Final = "#8c8c8c"
+MISSING: Final = "#808080"  #: where a map has no value
+
+RESOLUTIONS: Final = (20.0, 2400.0)  #: smallest and largest ``dpi``
+COLUMN_WIDTH: Final = 3.4  #: [inch] one column of a journal page
+PAGE_WIDTH: Final = 7.0  #: [inch] both columns
+
+STYLE: Final[dict[str, Any]] = {
+    "font.family": "STIXGeneral",  # these fonts come with matplotlib: the same picture everywhere
+    "mathtext.fontset": "stix",
+    "font.size": 10.0,
+    "axes.labelsize": 10.0,
+    "axes.titlesize": 10.0,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "legend.fontsize": 9.0,
+    "legend.frameon": False,
+    "legend.handlelength": 1.8,
+    "axes.linewidth": 0.7,
+    "axes.prop_cycle": cycler(
+        color=[PALETTE[c] for c in ("blue", "vermillion", "green", "purple", "orange", "sky", "black")]
+    ),
+    "lines.linewidth": 1.2,
+    "patch.linewidth": 0.7,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.pad": 5.0,  # clear of the lowest label of the other axis
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "xtick.minor.visible": True,
+    "ytick.minor.visible": True,
+    "figure.constrained_layout.use": True,
+    "figure.dpi": 200.0,
+    "savefig.dpi": 200.0,
+    "savefig.bbox": "standard",
+    "image.interpolation": "nearest",
+    "pdf.fonttype": 42,
+    "svg.fonttype": "path",
+}
+
+
+@contextmanager
+def style(**changes: Any) -> Iterator[None]:
+    """The shared look as a context: ``with style(): figure = Figure(…)``; ``changes`` override rcParams."""
+    settings: Any = STYLE | {key.replace("__", "."): value for key, value in changes.items()}
+    with mpl.rc_context(settings):
+        yield
+
+
+def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
+    """Write the figure by the ending of ``path`` (png, pdf, svg, …).
+
+    Parameters
+    ----------
+    figure : Figure
+    path : path
+    dpi : float, optional
+        Resolution [dots per inch] of pixels, those inside a PDF or SVG included; 200 by default, 300 is what
+        journals ask for.
+
+    Raises
+    ------
+    ValueError
+        If the ending is unknown, the folder does not exist, or the resolution is outside [20, 2400].
+    OSError
+        If the file cannot be written; names it.
+    """
+    target = Path(path)
+    ending = target.suffix.lower()
+    if ending not in endings():
+        raise ValueError(f"plot: got {str(path)!r}, must end in {validation.any_of(endings())}")
+    if not target.parent.is_dir():
+        raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
+    resolution = checked_resolution(dpi)
+    with style(), saving.whole(target) as unfinished:
+        figure.savefig(unfinished, dpi=resolution, format=ending.removeprefix("."))
+    return target
+
+
+def endings() -> list[str]:
+    """Of the files that a picture can be written to."""
+    return [f".{name}" for name in sorted(FigureCanvasBase.get_supported_filetypes())]
+
+
+def checked_resolution(dpi: float | None) -> float:
+    """``dpi`` [dots per inch], 200 for None; a ValueError if it is outside [20, 2400]."""
+    if dpi is None:
+        return float(STYLE["savefig.dpi"])
+    return validation.number("dpi", dpi, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)
+
+
+def pair_label(pair: int) -> str:
+    """F01 for the floor and the lowest ball, F12 for the next pair, …, as mathematical text."""
+    return f"$F_{{{pair}{pair + 1}}}$" if pair < 9 else f"$F_{{{pair},{pair + 1}}}$"
+
+
+def pair_colour(pair: int) -> str:
+    """The colour that a pair has in every picture."""
+    names = ("vermillion", "blue", "green", "purple", "orange", "sky", "black")
+    return PALETTE[names[pair % len(names)]]
+
+
+def ball_colour(ball: int) -> str:
+    """The colour that ball 1, 2, … has in every picture: that of the contact below it."""
+    return pair_colour(ball - 1)
+
+
+# --- contact counts -----------------------------------------------------------------------------------------
+
+MOST_COUNTED: Final = 15  #: contacts; more share one colour
+
+
+def oklch(lightness: float, chroma: float, hue: float) -> tuple[float, float, float]:
+    """sRGB, 0 to 1, of a colour in the perceptual space OKLCH (Ottosson 2020); hue in degrees."""
+    a, b = (chroma * f(math.radians(hue)) for f in (math.cos, math.sin))
+    cones = np.array(
+        [
+            lightness + 0.3963377774 * a + 0.2158037573 * b,
+            lightness - 0.1055613458 * a - 0.0638541728 * b,
+            lightness - 0.0894841775 * a - 1.291485548 * b,
+        ]
+    )
+    to_linear_rgb = np.array(
+        [
+            [4.0767416621, -3.3077115913, 0.2309699292],
+            [-1.2684380046, 2.6097574011, -0.3413193965],
+            [-0.0041960863, -0.7034186147, 1.707614701],
+        ]
+    )
+    linear = np.clip(to_linear_rgb @ cones**3, 0.0, 1.0)
+    red, green, blue = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return float(red), float(green), float(blue)
+
+
+def count_colour(n: int) -> tuple[float, float, float]:
+    """The colour of ``n`` contacts, in every picture and on the page (``countColor`` in web/src/theme.ts).
+
+    The colours grow lighter with the count, from purple through orange to straw, so that they keep their order
+    in grey and for colour-blind readers; no contact is a dark grey.
+    """
+    if n == 0:
+        return 44 / 255, 46 / 255, 50 / 255
+    eased = ((min(n, MOST_COUNTED) - 1) / (MOST_COUNTED - 1)) ** 0.8
+    chroma = 0.055 + 0.115 * math.sin(math.pi * (1.0 - 0.88 * eased))
+    return oklch(0.36 + 0.59 * eased, chroma, -80.0 + 180.0 * eased)
+
+
+def count_colours(highest: int, lowest: int = 0) -> tuple[Colormap, BoundaryNorm]:
+    """Colour map and norm for counts ``lowest`` … ``highest``; a count always has the same colour.
+
+    Counts above 15 are white; missing values are grey.
+    """
+    last = min(max(int(highest), 1), MOST_COUNTED)
+    first = min(max(int(lowest), 0), last)
+    colours = [count_colour(n) for n in range(first, last + 1)]
+    cmap = ListedColormap(colours, "contacts").with_extremes(over="white", bad=MISSING)
+    return cmap, BoundaryNorm(np.arange(first - 0.5, last + 1.0), last - first + 1)

@@ -1,0 +1,1 @@
+"""What any package needs: checks of the input, units, files, progress, tables, citations."""

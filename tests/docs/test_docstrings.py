@@ -1,0 +1,245 @@
+"""Docstrings of the public interface: what must be in them, and that their examples are true.
+
+Public is what ``docs/api.md`` shows: every name in ``hardlimit.__all__`` and the classes that these return, with all
+their methods and properties but those marked ``:meta private:``. The rules, without exceptions by name:
+
+* everything has a summary, a sentence on the first line or lines;
+* a function, a method or a class that the user makes names every parameter under Parameters, in order and with its
+  type; a class without that section says which function makes it;
+* what takes an argument can be given a wrong one, and says under Raises what it then does; so does a property that
+  raises;
+* what computes, and what states a formula, cites an equation or a publication; a class does so for its members. A
+  function that needs a path reads or writes, and computes nothing;
+* every function and class has an example, and every method stands in one, its own or its class's; a property may.
+
+A field is described beside it or under Parameters.
+"""
+
+import ast
+import doctest
+import inspect
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, is_dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import hardlimit as hl
+
+API = Path(__file__).resolve().parents[2] / "docs" / "api.md"
+SECTIONS = ["Parameters", "Returns", "Raises", "Notes", "Examples"]
+CITED = re.compile(r"\bEqs?\. ?[A-Z]?\d|\bFigs?\. ?\d|\bAppendix [A-Z]\b|\b(1[89]|20)\d\d\b")
+FORMULA = re.compile(r"\S = \S|[√Σ∝]|\w²/")
+FILES = {"path", "folder"}
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE | doctest.DONT_ACCEPT_TRUE_FOR_1
+DRAWS = re.compile(r"\.(plot|animate)\(")
+
+
+@dataclass
+class Documented:
+    """A public object, and the class it belongs to."""
+
+    name: str
+    item: Any
+    owner: Any = None
+
+    @cached_property
+    def text(self) -> str:
+        return inspect.getdoc(self.item) or ""
+
+    @cached_property
+    def sections(self) -> dict[str, str]:
+        """Of the docstring, by title; what comes first has none."""
+        parts = re.split(r"^(\w+)\n-{3,}\n", self.text, flags=re.M)
+        return {"": parts[0], **dict(zip(parts[1::2], parts[2::2], strict=True))}
+
+    @property
+    def is_property(self) -> bool:
+        return isinstance(self.item, property | cached_property)
+
+    @property
+    def source(self) -> str:
+        function = (
+            self.item.fget if isinstance(self.item, property) else getattr(self.item, "func", self.item)
+        )
+        return inspect.getsource(function)
+
+    @property
+    def parameters(self) -> list[str]:
+        """Of a function, a method, or a class that the user makes."""
+        if self.is_property or (isinstance(self.item, type) and "Parameters" not in self.sections):
+            return []
+        found = [] if inspect.ismodule(self.item) else inspect.signature(self.item).parameters
+        return [name for name in found if name not in ("self", "cls")]
+
+    @property
+    def examples(self) -> list[doctest.Example]:
+        return doctest.DocTestParser().get_examples(self.text)
+
+
+def shown(name: str) -> Any:
+    module, _, last = name.rpartition(".")
+    return getattr(import_module(module), last) if module else getattr(hl, last)
+
+
+def members(name: str, owner: type) -> Iterator[Documented]:
+    """Public methods and properties, with those inherited from a class that is not shown itself."""
+    bases = [
+        b for b in owner.__mro__ if (b.__module__.startswith("hardlimit") and b not in SHOWN) or b is owner
+    ]
+    found: dict[str, Any] = {}
+    for base in reversed(bases):
+        found |= vars(base)
+    for member, item in found.items():
+        if member.startswith("_") or not (
+            inspect.isroutine(item) or isinstance(item, property | cached_property)
+        ):
+            continue
+        described = getattr(owner, member) if inspect.isroutine(item) else item
+        documented = Documented(f"{name}.{member}", described, owner)
+        if documented.is_property and not documented.text:
+            inherited = [vars(base)[member] for base in owner.__mro__ if member in vars(base)]
+            documented.text = next(filter(None, map(inspect.getdoc, inherited)), "")
+        if ":meta private:" not in documented.text:
+            yield documented
+
+
+NAMES = re.findall(r"^\.\. auto(?:class|function):: ([\w.]+)", API.read_text(encoding="utf-8"), flags=re.M)
+SHOWN = [shown(name) for name in NAMES]
+TOP = [Documented("hardlimit", hl), *map(Documented, NAMES, SHOWN)]
+MEMBERS = [member for one in TOP if isinstance(one.item, type) for member in members(one.name, one.item)]
+EVERY = [*TOP, *MEMBERS]
+
+
+def test_all_names_are_shown():
+    text = API.read_text(encoding="utf-8")
+    assert [
+        name for name in hl.__all__ if not re.search(rf"^\.\. (auto\w+|py:data):: {name}$", text, re.M)
+    ] == []
+    assert len(set(NAMES)) == len(NAMES) and len(MEMBERS) > 100
+
+
+def test_summary():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            summary = one.text.split("\n\n")[0]
+            if not re.match(r"\S.*[.?]$", summary, re.S):
+                yield f"{one.name}: {summary!r}"
+            unknown = [title for title in one.sections if title and title not in SECTIONS]
+            order = [SECTIONS.index(title) for title in one.sections if title in SECTIONS]
+            if unknown or order != sorted(order):
+                yield f"{one.name}: sections {list(one.sections)}"
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def test_parameters():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            heads = re.findall(r"^(\S.*)$", one.sections.get("Parameters", ""), re.M)
+            listed = [name.strip() for head in heads for name in head.partition(" : ")[0].split(",")]
+            if [name.lstrip("*") for name in listed] != one.parameters:
+                yield f"{one.name}: takes {one.parameters}, lists {listed}"
+            for head in heads:
+                names, _, kind = head.partition(" : ")
+                if not (kind or head.startswith("**")) or ("," in names and kind.count("[") > 1):
+                    yield f"{one.name}: {head}"
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def test_makers():
+    """A class that nobody makes by its name says where it comes from."""
+
+    def bad() -> Iterator[str]:
+        for one in TOP:
+            made = isinstance(one.item, type) and not one.parameters
+            if made and not re.search(r"\b(made|returned)\s+by\b", one.text, re.I):
+                yield one.name
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def comments(owner: type) -> dict[str, str | None]:
+    """What stands beside each field of a class, after ``#:``, as Sphinx reads it."""
+    source = inspect.getsource(owner)
+    lines = source.splitlines()
+    found = {}
+    for node in ast.parse(source).body[0].body:
+        if isinstance(node, ast.AnnAssign) and node.end_lineno is not None:
+            comment = re.search("#: (.*)", lines[node.end_lineno - 1])
+            found[node.target.id] = comment[1] if comment else None
+    return found
+
+
+def test_fields():
+    def bad() -> Iterator[str]:
+        for one in TOP:
+            if not (is_dataclass(one.item) or hasattr(one.item, "_fields")):
+                continue
+            listed = one.sections.get("Parameters", "")
+            for name, comment in comments(one.item).items():
+                if comment is None and not re.search(rf"^[\w, ]*\b{name}\b", listed, re.M):
+                    yield f"{one.name}.{name}"
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def test_raises():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            raises = one.is_property and re.search(r"raise (?!NotImplementedError)", one.source)
+            refuses = bool(one.parameters) or raises
+            if refuses and "Raises" not in one.sections:
+                yield one.name
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def test_sources():
+    def bad() -> Iterator[str]:
+        for one in EVERY:
+            computes = inspect.isfunction(one.item) and not one.owner and not FILES & set(one.parameters)
+            prose = "\n".join(text for title, text in one.sections.items() if title != "Examples")
+            owners = inspect.getdoc(one.owner) or "" if one.owner else ""
+            if (computes or FORMULA.search(prose)) and not CITED.search(prose + owners):
+                yield one.name
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def test_examples_are_there():
+    def bad() -> Iterator[str]:
+        for one in TOP:
+            if not one.examples:
+                yield one.name
+        for one in MEMBERS:
+            method = one.name.rpartition(".")[2]
+            texts = "".join(e.source for e in [*one.examples, *Documented("", one.owner).examples])
+            if not one.is_property and f".{method}(" not in texts:
+                yield one.name
+
+    assert not (found := list(bad())), "\n".join(found)
+
+
+def cases() -> Iterator[Any]:
+    """Everything with examples; those that draw take a second each and run with the slow tests."""
+    for one in EVERY:
+        if one.examples:
+            draws = any(DRAWS.search(example.source) for example in one.examples)
+            yield pytest.param(one, id=one.name, marks=[pytest.mark.slow] if draws else [])
+
+
+@pytest.mark.parametrize("one", list(cases()))
+def test_examples_are_true(one, tmp_path, monkeypatch):
+    """Each by itself, in an empty folder, after ``import hardlimit as hl`` and ``import numpy as np``."""
+    monkeypatch.chdir(tmp_path)
+    said: list[str] = []
+    test = doctest.DocTest(one.examples, {"hl": hl, "np": np}, one.name, one.name, 0, one.text)
+    runner = doctest.DocTestRunner(optionflags=FLAGS)
+    assert runner.run(test, out=said.append).failed == 0, "".join(said)

@@ -1,0 +1,169 @@
+"""Oblique soft impact: the force of a contact, integrated in the plane by SciPy, turns the contact normal as known."""
+
+import csv
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import hardlimit as hl
+from conftest import DATA
+
+PATH = DATA / "oblique_rotation.csv"
+ROWS = list(csv.DictReader(PATH.read_text(encoding="utf-8").splitlines()))
+
+
+def contact_of(law: str, duration: float) -> hl.Contact:
+    """Two spheres of diameter 1 and reduced mass 1 whose elastic head-on impact at speed 1 lasts ``duration``."""
+    ball = hl.Ball(0.5, mass=2.0)
+    if law == "linear":
+        return hl.LinearDashpot(stiffness=(np.pi / duration) ** 2, restitution=1.0).between(ball, ball)
+    poisson = 0.3
+    prefactor = (3.218065459719 / duration) ** 2.5  # t_c = 3.218… k^(−2/5) v^(−1/5)
+    modulus = prefactor * 3.0 * (1.0 - poisson**2) / (2.0 * np.sqrt(0.25))
+    elastic = hl.Viscoelastic(youngs_modulus=modulus, poisson_ratio=poisson, dissipative_time=0.0)
+    return elastic.between(ball, ball)
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: "-".join(list(row.values())[:3]))
+def test_normal_turns(row: dict[str, str]) -> None:
+    law, duration, angle, rotation, length = row.values()
+    duration, angle = float(duration), np.radians(float(angle))
+    contact = contact_of(law, duration)
+    np.testing.assert_allclose(contact.duration(1.0), duration, rtol=1e-11)
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        distance = np.hypot(y[0], y[1])
+        push = contact.force(1.0 - distance) / contact.effective_mass / distance
+        return [y[2], y[3], push * y[0], push * y[1]]
+
+    def apart(t: float, y: np.ndarray) -> float:
+        return np.hypot(y[0], y[1]) - 1.0
+
+    apart.terminal, apart.direction = True, 1.0
+    start = [1.0, 0.0, -np.cos(angle), np.sin(angle)]
+    run = solve_ivp(
+        motion,
+        (0, 5 * duration),
+        start,
+        "DOP853",
+        events=apart,
+        rtol=1e-12,
+        atol=1e-15,
+        max_step=duration / 50,
+    )
+    end = run.y_events[0][-1]
+    np.testing.assert_allclose(np.degrees(np.arctan2(end[1], end[0])), float(rotation), rtol=1e-8)
+    np.testing.assert_allclose(run.t_events[0][-1] / duration, float(length), rtol=1e-8)
+
+
+# --- two balls dropped with an offset -----------------------------------------------------------------------
+
+
+def columns(seed: int) -> hl.Column:
+    """Random drops of two balls that part."""
+    rng = np.random.default_rng(seed)
+    lower, upper = 0.1 * rng.uniform(0.3, 1.0), 0.1 * rng.uniform(0.1, 0.6)
+    e = rng.uniform(0.8, 1.0)
+    law = [
+        hl.LinearDashpot(stiffness=5e7, restitution=e),
+        hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=e, impact_speed=1.0),
+        hl.Tsuji(elastic_prefactor=1e9, restitution=e),
+    ][seed % 3]
+    gap = float(rng.choice([0.0, 1e-4, 1e-3]))
+    balls = [hl.Ball(lower, density=840.0), hl.Ball(upper, density=840.0)]
+    return hl.Column(balls, gap, lower + rng.uniform(0.1, 0.8), law)
+
+
+@pytest.mark.parametrize("seed", range(9))
+def test_without_offset_it_is_the_column(seed: int) -> None:
+    column = columns(seed)
+    found, straight = hl.oblique_drop(column, 0.0), hl.newton(column)
+    scale = 1e-8 * column.impact_speed
+    assert found.sideways_velocity == 0.0 and found.estimate == 0.0
+    assert found.separation_velocity == pytest.approx(straight.separation_velocity, abs=scale)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_offsets_are_mirrored_and_keep_momentum(seed: int) -> None:
+    column = columns(seed)
+    offset = 0.05 * column.balls[1].radius
+    one, other = hl.oblique_drop(column, offset), hl.oblique_drop(column, -offset)
+    scale = column.impact_speed
+    assert one.sideways_velocity == pytest.approx(-other.sideways_velocity, abs=1e-9 * scale)
+    assert one.separation_velocity == pytest.approx(other.separation_velocity, abs=1e-9 * scale)
+    masses = np.array([ball.mass for ball in column.balls])
+    assert abs(masses @ one.velocities[:, 0]) < 1e-9 * masses[0] * scale
+    assert one.run.energy_error < 1e-9
+    assert one.tilt == -other.tilt and one.throw_angle > 0.0
+
+
+def linear_response(column: hl.Column) -> float:
+    """Sideways velocity per offset: x'' = F12(t) x/(μ s), with the force and the distance s of the straight drop."""
+    straight = hl.newton(column)
+    lower, upper = column.balls
+    reduced = lower.mass * upper.mass / (lower.mass + upper.mass)
+    _, begin, end = straight.contact_times
+    state, steps = np.array([1.0, 0.0]), 100
+    for a, b in pairwise(np.unique(np.concatenate([[0.0], begin, end]))):
+        margin = 1e-9 * (b - a)  # the force jumps at the ends
+        at = straight.trajectory(np.clip(np.linspace(a, b, 2 * steps + 1), a + margin, b - margin))
+        apart = (at.position.sel(ball=2) - at.position.sel(ball=1)).values
+        rate, h = at.force.sel(pair=1).values / (reduced * apart), (b - a) / steps
+
+        def change(y: np.ndarray, k: float) -> np.ndarray:
+            return np.array([y[1], k * y[0]])
+
+        for begin_rate, middle, end_rate in zip(rate[:-1:2], rate[1::2], rate[2::2], strict=True):
+            k1 = change(state, begin_rate)
+            k2 = change(state + 0.5 * h * k1, middle)
+            k3 = change(state + 0.5 * h * k2, middle)
+            state = state + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + change(state + h * k3, end_rate))
+    return float(state[1]) * lower.mass / (lower.mass + upper.mass)
+
+
+def test_small_offsets_follow_the_linear_response() -> None:
+    """The sideways velocity is odd in the offset: what it lacks of the linear one falls with the square."""
+    column = hl.Column.paper(restitution=0.9, gap=5e-4)
+    response = linear_response(column)
+    offsets = np.array([4e-3, 2e-3, 1e-3])
+    errors = [abs(hl.oblique_drop(column, d).sideways_velocity / (d * response) - 1.0) for d in offsets]
+    assert errors[-1] < 1e-4
+    np.testing.assert_allclose(np.array(errors[:-1]) / errors[1:], 4.0, rtol=0.1)
+    tiny = hl.oblique_drop(column, 1e-6)
+    assert tiny.sideways_velocity == pytest.approx(1e-6 * response, rel=1e-6)
+    assert tiny.estimate == pytest.approx(tiny.sideways_velocity, rel=0.05)
+
+
+def test_collisions_far_apart_give_the_estimate_in_closed_form() -> None:
+    """A wide gap: (1 + ε)² V/(1 + m2/m1) along the line of centres, less the square of the tilt."""
+    column = hl.Column.paper(restitution=0.9, gap=5e-3, stiffness=1e10, gravity=1e-9, height=0.11).replace(
+        velocities=-3.0
+    )
+    found = hl.oblique_drop(column, 1e-5)
+    ratio = column.balls[1].mass / column.balls[0].mass
+    closed = 1.9**2 * 3.0 / (1.0 + ratio) * found.tilt
+    assert found.sideways_velocity == pytest.approx(closed, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("column", "offset", "message"),
+    [
+        (3, 0.0, "column: got 3, must be a Column of two balls"),
+        (hl.Column.paper(), 0.2, "offset: got 0.2, must be in [-0.1089, 0.1089]"),
+        (hl.Column.paper(), np.nan, "offset: got nan"),
+        (hl.Column.paper().replace(velocities=[-1.0, -2.0]), 0.0, "column: got two velocities"),
+        (
+            hl.Column.paper().replace(
+                law=[hl.LinearDashpot(stiffness=k, restitution=0.9) for k in (1e6, 2e6)]
+            ),
+            0.0,
+            "column: got two laws",
+        ),
+    ],
+)
+def test_bad_drops_are_refused(column: object, offset: float, message: str) -> None:
+    with pytest.raises(ValueError) as error:
+        hl.oblique_drop(column, offset)
+    assert str(error.value).startswith(message)

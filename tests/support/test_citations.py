@@ -1,0 +1,60 @@
+"""What is cited: every name of the package has its publications, and BibTeX is whole."""
+
+import re
+from pathlib import Path
+
+import pytest
+from click import Context
+from click.testing import CliRunner
+
+import hardlimit as hl
+from hardlimit import _core
+from hardlimit.boxes import contact_run as contact_course
+from hardlimit.boxes import hard_spheres as event_driven
+from hardlimit.cli import main
+from hardlimit.support import citations
+
+
+def test_all_that_has_a_name_has_a_topic() -> None:
+    topics = citations.topics()
+    assert set(topics["models"]) == {record["name"] for record in _core.model_records()}
+    assert set(topics["laws"]) == set(hl.LAWS)
+    assert set(topics["rules"]) == {rule for rules in event_driven.RULES.values() for rule in rules}
+    assert set(topics["engines"]) == {*contact_course.ENGINES, "lammps"}
+    commands = {name.replace("-", "_") for name in main.list_commands(Context(main))}
+    assert set(topics["tools"]) <= commands & set(hl.__all__)
+    folder = Path(hl.__file__).parent / "paper"
+    assert {f"fig{f.stem.removeprefix('figure')}" for f in folder.glob("figure*.py")} == set(
+        topics["figures"]
+    )
+
+
+def every_topic() -> list[str]:
+    return [name for names in citations.topics().values() for name in names]
+
+
+def test_bibtex_is_whole_and_names_each_publication_once() -> None:
+    entries = citations.bibtex(*every_topic()).split("\n\n")
+    assert len(entries) == 1 + len(citations.publications(*every_topic()))
+    keys = [re.match(r"@(software|article|book)\{(\w+),\n", entry)[2] for entry in entries]
+    assert len(set(keys)) == len(keys)
+    for entry in entries[1:]:
+        assert entry.count("{") == entry.count("}")
+        assert re.search(r"author = \{\S.*\},", entry) and re.search(r"title = \{\{\S.*\}\},", entry)
+        assert re.search(r"year = \{\d{4}\},", entry) and re.search(r"doi = \{10\.\d{4,}/\S+\},", entry)
+
+
+def test_no_publication_stands_unused() -> None:
+    assert set(citations.publications(*every_topic())) == set(citations._references()["publications"])
+
+
+def test_the_command_prints_what_the_topics_rest_on() -> None:
+    printed = CliRunner().invoke(main, ["cite", "tc", "newton"]).stdout
+    assert printed == citations.bibtex("tc", "newton")
+    table = CliRunner().invoke(main, ["cite"]).stdout
+    assert all(name in table for name in every_topic())
+
+
+def test_an_unknown_topic_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^topic: got 'gravity', must be one of newton, "):
+        citations.bibtex("newton", "gravity")

@@ -1,0 +1,202 @@
+"""Progress: for True a bar on stderr or lines in a log, the caller's own function, or nothing."""
+
+import io
+import math
+import re
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import hardlimit as hl
+from hardlimit.boxes import pace, time_step
+from hardlimit.support import progress
+from hardlimit.support.progress import bar, reporter
+
+PAPER = hl.Column.paper()
+
+
+def test_a_bar_in_a_terminal():
+    out = io.StringIO()
+    terminal = Console(file=out, force_terminal=True, width=100, color_system=None)
+    with bar("sweep", "points", terminal) as report:
+        report(0, 2_000_000)
+        report(1_000_000, 2_000_000)
+        report(2_000_000, 2_000_000)
+    text = out.getvalue()
+    assert "sweep" in text and "100%" in text and "points/s" in text
+
+
+def test_nothing_where_nobody_looks():
+    out = io.StringIO()
+    with bar("sweep", "points", Console(file=out)) as report:
+        report(1, 1)
+    assert out.getvalue() == ""
+
+
+@pytest.mark.parametrize("given", [None, False, True])
+def test_a_sweep_takes_it(given, capfd):
+    """stderr is no terminal here, and stdout is never written to."""
+    found = hl.sweep(PAPER, gap=[1e-4, 1e-3], progress=given)
+    assert found.sizes == {"gap": 2}
+    written = capfd.readouterr()
+    assert written.out == written.err == ""
+
+
+def test_a_function_of_the_caller():
+    told = []
+    hl.sweep(PAPER, gap=[1e-4, 1e-3], progress=lambda done, total: told.append((done, total)))
+    assert told[0] == (0, 2) and told[-1] == (2, 2)
+    with reporter(print, "sweep", "points") as report:
+        assert report is print
+
+
+@pytest.mark.parametrize("given", [0, 1, 3.5, "yes", [], print.__class__])
+def test_everything_else_is_refused(given):
+    with pytest.raises(ValueError, match=r"progress: got .*, must be True, False or callable with"):
+        hl.sweep(PAPER, gap=[1e-4], progress=given)
+
+
+class Clock:
+    """Seconds that pass only when somebody looks, or is told."""
+
+    def __init__(self, step: float = 0.0) -> None:
+        self.now, self.step = 1000.0, step
+
+    def monotonic(self) -> float:
+        self.now += self.step
+        return self.now
+
+
+def test_lines_in_a_log(monkeypatch):
+    """The first after 10 s, then after ever longer times; what is counted is per second since the line before."""
+    clock, out = Clock(), io.StringIO()
+    monkeypatch.setattr(progress, "clock", clock)
+    with bar("run", "contacts", Console(file=out, width=40)) as report:
+        for second in range(100):
+            report.note = f"note [{second}]"
+            report(1000 * second, 200_000)
+            clock.now += 1.0
+    assert out.getvalue().splitlines() == [
+        "run: 5%, after 10 s, 1 kcontacts/s; note [10]",
+        "run: 10%, after 20 s, 1 kcontacts/s; note [20]",
+        "run: 20%, after 40 s, 1 kcontacts/s; note [40]",
+        "run: 40%, after 80 s, 1 kcontacts/s; note [80]",
+    ]
+
+
+def test_lines_without_a_rate_or_a_total(monkeypatch):
+    clock, out = Clock(), io.StringIO()
+    monkeypatch.setattr(progress, "clock", clock)
+    with bar("film", console=Console(file=out)) as report:
+        clock.now += 5000.0
+        report(0, 0)
+        report(1, 2)  # at once: the next one is due after ten minutes
+        clock.now += 601.0
+        report(1, 2)
+    assert out.getvalue() == "film: after 83 min\nfilm: 50%, after 93 min\n"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(0.0, "less than a second"), (1.4, "1 s"), (119.0, "119 s"), (120.0, "2 min"), (9000.0, "2 h"),
+     (3e5, "3 days"), (1e300, "decades"), (math.inf, "decades"), (math.nan, "decades")],
+)  # fmt: skip
+def test_how_long(seconds, words):
+    assert progress.duration(seconds) == words
+
+
+def test_a_note_below_the_bar():
+    out = io.StringIO()
+    terminal = Console(file=out, force_terminal=True, width=100, color_system=None)
+    with bar("run", "contacts", terminal) as report:
+        report.note = "half of the time in clusters"
+        report(1, 2)
+    assert "half of the time in clusters" in out.getvalue()
+
+
+# --- of a run by events -------------------------------------------------------------------------------------
+
+DISKS = hl.ParticleSystem.random(
+    60, 0.3, 1e-3, 2500.0, rms_speed=0.1, dimension=2, boundary=["periodic", "wall"], gravity=9.81
+)
+
+
+def settle(engine, **given):
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.5)
+    return hl.molecular_dynamics(DISKS, law=law, until=0.05, engine=engine, samples=40, **given)
+
+
+def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd):
+    """Nothing was said: 300 disks that settle ran for 405 s in silence."""
+    monkeypatch.setattr(progress, "clock", Clock(step=3.0))
+    monkeypatch.setattr(pace, "clock", Clock(step=3.0))
+    run = settle("events", progress=True)
+    lines = capfd.readouterr().err.splitlines()
+    form = (
+        r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?contacts/s; \d+% of the time in clusters; the rest "
+        r"takes about [^,]+, the whole run by engine='steps' about [^,]+(, which is advised)?"
+    )
+    assert len(lines) >= 2 and all(re.fullmatch(form, line) for line in lines), lines
+    assert np.array_equal(run.rows, settle("events").rows)  # it changes no bit
+    settle("steps", progress=True)
+    lines = capfd.readouterr().err.splitlines()
+    assert lines and all(
+        re.fullmatch(r"molecular dynamics: \d+%, after \S+ \S+, \S+ k?steps/s", one) for one in lines
+    )
+
+
+def test_a_function_is_told_numbers_alone(monkeypatch):
+    """And nobody tries steps for it."""
+    monkeypatch.setattr(pace, "seconds_by_steps", None)
+    told = []
+    run = settle("events", progress=lambda *seen: told.append(seen))
+    assert told[-1][0] <= run.n_contacts and all(len(seen) == 2 and seen[0] <= seen[1] for seen in told)
+
+
+class Run:
+    """An engine at a time [s], of which bodies have spent this share in clusters."""
+
+    def __init__(self) -> None:
+        self.time, self.cluster_share = 0.0, 0.0
+
+
+def test_the_note_is_about_the_last_seconds(monkeypatch):
+    """Share in clusters and pace since the note before; steps are tried after 2, 2, 4, 8 … s."""
+    clock, run, tried = Clock(), Run(), []
+    monkeypatch.setattr(pace, "clock", clock)
+    monkeypatch.setattr(pace, "seconds_by_steps", lambda *given: tried.append(clock.now) or 100.0)
+    monkeypatch.setattr(pace.engines, "present", lambda system, engine: system)
+    said = pace.Pace()
+
+    def note() -> str:
+        return said.note(None, None, run, 10.0)
+
+    assert note() == ""
+    clock.now, run.time, run.cluster_share = clock.now + 2.0, 1.0, 0.5
+    first = note()
+    assert (
+        first
+        == "50% of the time in clusters; the rest takes about 18 s, the whole run by engine='steps' about 100 s"
+    )
+    clock.now, run.time = clock.now + 1.0, 1.5
+    assert note() == first  # not yet
+    clock.now, run.time, run.cluster_share = clock.now + 9.0, 2.0, 0.75
+    assert note() == (
+        "100% of the time in clusters; the rest takes about 80 s, the whole run by engine='steps' about 100 s"
+    )
+    clock.now, run.time = clock.now + 1000.0, 3.0
+    assert "the rest takes about 117 min, " in note() and note().endswith("about 100 s, which is advised")
+    clock.now += 2.0  # it hangs
+    assert note().startswith("75% of the time in clusters; the rest takes about decades, ")
+    assert [at - 1000.0 for at in tried] == [2.0, 12.0, 1012.0]
+
+
+def test_what_steps_would_take_is_measured(monkeypatch):
+    """Steps of the present state, so many that they are a small matter; the time for each of them is what counts."""
+    clock = Clock(step=1.0)
+    monkeypatch.setattr(pace, "clock", clock)
+    law = hl.LinearDashpot(stiffness=1e4, restitution=0.5)
+    step = time_step.chosen(DISKS, law, None, None)
+    found = pace.seconds_by_steps(DISKS, law, 2.0)  # the trial takes one second on this clock
+    assert found == pytest.approx(2.0 / step / pace.MOST, rel=2e-3)

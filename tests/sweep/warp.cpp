@@ -1,0 +1,24 @@
+// core/sweep/kernel.cu in the emulated warp of warp.hpp, for tests/sweep/test_cuda.py.
+#include <cstring>
+
+#include "kernel.cu"
+
+unsigned long long
+    room[sizeof(hardlimit::sweep::Pool) * (hardlimit::sweep::block / hardlimit::sweep::warp) / 8 + 1];
+
+namespace {
+struct Call {
+    void (*kernel)(Task*);
+    Task* task;
+};
+// 0 if the threads stayed in step to the end.
+int emulate(void (*kernel)(Task*), Task* task) {
+    std::memset(room, 0xa5, sizeof room);
+    Call call{kernel, task};
+    const auto body = [](void* c) { static_cast<Call*>(c)->kernel(static_cast<Call*>(c)->task); };
+    return emulated::run(body, &call) < 0;
+}
+}  // namespace
+
+extern "C" int emulate_solve(Task* task) { return emulate(solve, task); }
+extern "C" int emulate_damping_ratios(Task* task) { return emulate(damping_ratios, task); }
