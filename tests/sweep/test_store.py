@@ -32,6 +32,9 @@ from hardlimit.sweep.store import Store
 PAPER = hl.Column.paper()
 GRID = {"restitution": np.linspace(0.3, 1.0, 9), "gap": np.geomspace(1e-6, 1e-2, 5), "height": 0.7}
 
+#: For processes that import this module.
+TESTS = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -179,7 +182,7 @@ KILLED_AT_EVERY_STEP = """
     import numpy as np
     import hardlimit as hl, zarr, xarray
     from hardlimit.sweep import chunks
-    sys.path.insert(0, {tests!r})
+    sys.path[:0] = {tests!r}
     from test_store import GRID, PAPER, files
 
     chunks.POINTS = 20
@@ -223,9 +226,7 @@ KILLED_AT_EVERY_STEP = """
 @pytest.mark.slow
 def test_killed_at_every_step_it_ends_with_the_same_bytes(tmp_path: Path, events: str) -> None:
     """SIGKILL before each access to the file system in turn, again while going on, then a run to the end."""
-    script = KILLED_AT_EVERY_STEP.format(
-        tests=str(Path(__file__).parent), folder=str(tmp_path), events=events
-    )
+    script = KILLED_AT_EVERY_STEP.format(tests=TESTS, folder=str(tmp_path), events=events)
     done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) > (10 if events else 60)
@@ -258,7 +259,7 @@ KILLED_AGAIN_AND_AGAIN = """
     import numpy as np
     import hardlimit as hl, zarr, xarray
     from hardlimit.sweep import chunks
-    sys.path.insert(0, {tests!r})
+    sys.path[:0] = {tests!r}
     from test_store import files
 
     chunks.POINTS_INTEGRATED = 100
@@ -296,7 +297,7 @@ KILLED_AGAIN_AND_AGAIN = """
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 @pytest.mark.slow
 def test_killed_again_and_again_it_ends_with_the_same_bytes(tmp_path: Path) -> None:
-    script = KILLED_AGAIN_AND_AGAIN.format(tests=str(Path(__file__).parent), folder=str(tmp_path))
+    script = KILLED_AGAIN_AND_AGAIN.format(tests=TESTS, folder=str(tmp_path))
     done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) > 5
