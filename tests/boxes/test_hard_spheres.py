@@ -353,7 +353,7 @@ def test_size_ratio_of_a_hundred() -> None:
         position, velocity, radius, mass, np.array(box), ("periodic",) * 3, np.zeros(3), Rule("constant", 1.0)
     )
     slow.advance(math.inf, 150)
-    _, first, second, _ = run.take_log()
+    _, first, second, *_ = run.take_log()
     assert list(zip(first, second, strict=True)) == [row[1:3] for row in slow.log]
 
 
@@ -534,7 +534,7 @@ def test_soft_rule_is_newtons_equations_where_contacts_are_isolated(case: dict) 
         law=(law.record["name"], law.alternative, list(law.parameters.values())),
     )
     run.advance(case["until"])
-    _, first, second, _ = run.take_log()
+    _, first, second, *_ = run.take_log()
     known = sorted((begin, a, b) for begin, _, a, b in case["contacts"])
     assert list(zip(first, second, strict=True)) == [row[1:] for row in known]
     assert run.n_soft == len(known)
