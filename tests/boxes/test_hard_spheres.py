@@ -78,7 +78,7 @@ def test_reference_log(case: dict) -> None:
         contact_duration=case.get("contact_duration", math.nan),
     )
     run.advance(math.inf, case["collisions"])
-    time, first, second, speed = run.take_log()
+    time, first, second, speed, _ = run.take_log()
     known = np.array(case["log"])
     rms = math.sqrt(np.mean(np.sum(np.square(case["velocities"]), axis=1)))
     assert np.array_equal(first, known[:, 1])
@@ -309,7 +309,7 @@ def test_what_does_not_move_ends_in_time() -> None:
 def test_touching_particles_at_the_start() -> None:
     run = engine([[1.0, 1.0], [2.0, 1.0]], [[1.0, 0.0], [-1.0, 0.0]], box=9.0)
     run.advance(1.0)
-    time, first, second, speed = run.take_log()
+    time, first, second, speed, _ = run.take_log()
     assert (time[0], first[0], second[0], speed[0]) == (0.0, 0, 1, 2.0)
     assert run.n_rows == 1
     apart = engine([[1.0, 1.0], [2.0, 1.0]], [[-1.0, 0.0], [1.0, 0.0]], box=9.0)
@@ -421,7 +421,7 @@ def test_who_overlaps_at_the_start_collides_at_once_or_parts() -> None:
     velocity = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [0.0, -1.0]]
     run = engine(np.array(position), np.array(velocity), box=[10.0, 10.0], periodic=False, restitution=0.5)
     run.advance(0.1, 0)
-    time, first, second, speed = run.take_log()
+    time, first, second, speed, _ = run.take_log()
     assert list(zip(time, first, second, speed, strict=True)) == [(0.0, 0, 1, 1.0), (0.0, 4, -3, 1.0)]
 
 
