@@ -279,7 +279,7 @@ def test_shares_of_all_statements_stay_when_points_are_added_elsewhere(data, row
         expected = percents(rows[statement.text].result)
         if not expected or not statement.figures:
             continue
-        found = statement.check(crowded)
+        found = statement.row(crowded)
         assert percents(found.result) == pytest.approx(expected, abs=0.51), statement.text
         assert found.agrees == rows[statement.text].agrees
         compared += len(expected)
@@ -342,7 +342,7 @@ def test_every_spike_of_fig3_is_named(data):
 
 
 def test_report_puts_what_deviates_first(data, rows, tmp_path):
-    report = paper.Report(tmp_path, 840.0, rows=[*rows.values(), *MISPRINTS.rows(Paper(), kind="misprint")])
+    report = paper.Report(tmp_path, 840.0, rows=[*rows.values(), *MISPRINTS.rows(Paper())])
     page = report.to_markdown()
     assert page.index("## Statements that do not agree") < page.index("## Statements that agree")
     assert page.index("| partly |") < page.index("| yes |") < page.index("| misprint |")
@@ -352,7 +352,7 @@ def test_report_puts_what_deviates_first(data, rows, tmp_path):
 
 
 def test_misprints_do_not_hold():
-    found = MISPRINTS.rows(Paper(), kind="misprint")
+    found = MISPRINTS.rows(Paper())
     assert [row.agrees for row in found] == ["misprint"] * 5
     assert {row.kind for row in found} == {"misprint"}
     assert "2.9960 V; Eq. 5 says 2.9960 V" in found[0].result

@@ -96,7 +96,7 @@ def run(
         scan = inference.infer(track.within)
         described = scan.assign_attrs(paper.attributes("Fig. 3 and text"))
         write("density", inference.draw(described), described)
-    report.rows += [*inference.rows(paper, scan), *MISPRINTS.rows(paper, kind="misprint")]
+    report.rows += [*inference.rows(paper, scan), *MISPRINTS.rows(paper)]
     report.wall_time = time.perf_counter() - started
     page = folder / "report.md"
     saving.write(page, report.to_markdown().encode())

@@ -14,7 +14,7 @@ from ..plots.style import PAGE_WIDTH, pair_colour, pair_label
 from .drawing import KILO, MICRO
 from .sampling import ball_contacts, variable
 from .setup import Paper
-from .statement import Finding, Statements, near, verdict
+from .statement import Outcome, Statements, near
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -150,24 +150,24 @@ def _number_contacts(ax: Axes, data: xr.Dataset) -> None:
 
 
 @STATEMENTS.add("F01 jumps to a finite value at the first touch", "Sec. IV A, Fig. 2", 2)
-def _jump(paper: Paper) -> Finding:
+def _jump(paper: Paper) -> Outcome:
     force = paper.figure(2)["force_floor"]
     at = float(force.sel(time=slice(0.0, None))[1])
     before = float(force.sel(time=slice(None, -1e-15))[-1])
     column = paper.linear()
     damping = column.contacts[0].damping * column.impact_speed
-    return Finding(
+    return (
         f"from {before:g} to {at / 1e3:.3f} kN; γ01 V = {damping / 1e3:.3f} kN",
-        verdict(near(at, damping, 1e-3 * damping)),
+        near(at, damping, 1e-3 * damping),
     )
 
 
 @STATEMENTS.add("The balls touch several times during one floor contact", "Sec. IV A, Fig. 2", 2)
-def _several(paper: Paper) -> Finding:
+def _several(paper: Paper) -> Outcome:
     figure = paper.figure(2)
     inside = int(np.sum(figure["end"].values < float(figure["t_floor_end"])))
-    return Finding(
+    return (
         f"{figure.sizes['contact']} contacts, {inside} of them within the floor contact; the last ends at "
         f"{float(figure.t_end) * 1e6:.3f} µs, the floor contact at {float(figure.t_floor_end) * 1e6:.3f} µs",
-        verdict(inside > 1),
+        inside > 1,
     )

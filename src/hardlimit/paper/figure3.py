@@ -28,7 +28,7 @@ from .sampling import (
     variable,
 )
 from .setup import RESTITUTION, Paper
-from .statement import Finding, Statements, about, near, verdict
+from .statement import Outcome, Statements, about, near
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -147,45 +147,43 @@ def _label_spikes(ax: Axes, tips: Array) -> None:
 
 
 @STATEMENTS.add("The last contact may end before or after the floor contact", "Sec. IV A, Fig. 3", 3)
-def _either_order(paper: Paper) -> Finding:
+def _either_order(paper: Paper) -> Outcome:
     figure = paper.figure(3)
     epsilon = figure["restitution_outline"].values
     late = figure["outline_t_end"].values > figure["outline_t_floor_end"].values
     after = share(late, (epsilon, False))
-    return Finding(
+    return (
         f"after it for {100 * after:.1f} % of the ε from {epsilon[0]:g} to {epsilon[-1]:g}",
-        verdict(0.0 < after < 1.0),
+        0.0 < after < 1.0,
     )
 
 
 @STATEMENTS.add("3 contacts at ε = 1", "Sec. IV A, Fig. 3")
-def _elastic(paper: Paper) -> Finding:
+def _elastic(paper: Paper) -> Outcome:
     n = newton(paper.linear(1.0)).n_contacts
-    return Finding(f"{n} contacts", verdict(n == 3))
+    return (f"{n} contacts", n == 3)
 
 
 @STATEMENTS.add("At a large gap one contact remains", "Sec. IV A")
-def _large_gap(paper: Paper) -> Finding:
+def _large_gap(paper: Paper) -> Outcome:
     counts = {gap: newton(paper.linear(1.0, gap=gap)).n_contacts for gap in (1e-4, 1e-3, 1e-2)}
     shown = ", ".join(f"{n} at {gap * 1e3:g} mm" for gap, n in counts.items())
-    return Finding(f"ε = 1: {shown}", verdict(counts[1e-2] == 1))
+    return (f"ε = 1: {shown}", counts[1e-2] == 1)
 
 
 @STATEMENTS.add(
     "From ε = 1 downwards the number of contacts first grows, then falls: one maximum", "Sec. IV A, Fig. 3", 3
 )
-def _one_maximum(paper: Paper) -> Finding:
+def _one_maximum(paper: Paper) -> Outcome:
     counts = paper.figure(3)["outline_n_contacts"].values
     path = successive(counts[::-1])
-    return Finding(
-        f"{', '.join(map(str, path))} contacts as ε falls from 1 to 0.1", verdict(maxima(counts) == 1)
-    )
+    return (f"{', '.join(map(str, path))} contacts as ε falls from 1 to 0.1", maxima(counts) == 1)
 
 
 @STATEMENTS.add(
     "The same for every set of parameters: the number over ε has a single maximum", "Sec. IV A", 7
 )
-def _one_maximum_everywhere(paper: Paper) -> Finding:
+def _one_maximum_everywhere(paper: Paper) -> Outcome:
     linear = paper.linear()
     gaps = middles(*figure4.GAPS, figure4.ROWS, logarithmic=True)
     ratios = middles(*figure4.RATIOS, figure4.ROWS)
@@ -197,30 +195,28 @@ def _one_maximum_everywhere(paper: Paper) -> Finding:
     single = float(np.mean(by_gap == 1)), float(np.mean(by_ratio == 1))
     most = f"{by_gap.max()} maxima at Δh = {gaps[int(np.argmax(by_gap))] * 1e6:.2f} µm"
     hertz = maxima(paper.figure(7)["outline_n_contacts"].values)
-    return Finding(
+    return (
         f"linear: one maximum for {about(single[0])} of the Δh (logarithmic) and {about(single[1])} "
         f"of the R1/R2 of Fig. 4; {most}; viscoelastic (Fig. 7): {hertz} maxima",
-        verdict(min(single) == 1.0 and hertz == 1, min(single) > 0.5),
+        min(single) == 1.0 and hertz == 1,
+        min(single) > 0.5,
     )
 
 
 @STATEMENTS.add("The duration of a contact depends only weakly on ε", "Sec. IV A")
-def _weakly(paper: Paper) -> Finding:
+def _weakly(paper: Paper) -> Outcome:
     def duration(epsilon: float) -> float:
         return float(paper.linear(epsilon).contacts[1].duration())
 
     changes = {epsilon: 1.0 - duration(epsilon) / duration(1.0) for epsilon in (0.9, 0.7, 0.5, 0.3)}
     shown = ", ".join(f"{100 * change:.0f} % at {epsilon:g}" for epsilon, change in changes.items())
-    return Finding(
-        f"shorter than at ε = 1 by {shown}",
-        verdict(changes[0.7] < 0.1, changes[0.5] < 0.1, changes[0.3] < 0.1),
-    )
+    return (f"shorter than at ε = 1 by {shown}", changes[0.7] < 0.1, changes[0.5] < 0.1, changes[0.3] < 0.1)
 
 
 @STATEMENTS.add(
     "The adiabatic solution agrees perfectly with the numerical one at R1/R2 = 10", "Sec. IV A, Fig. 3", 3
 )
-def _adiabatic(paper: Paper) -> Finding:
+def _adiabatic(paper: Paper) -> Outcome:
     grid = np.linspace(0.1, 1.0, 1801)
     both = [counts_over(paper.linear(), model, restitution=grid) for model in ("newton", "adiabatic")]
     same = float(np.mean(both[0] == both[1]))
@@ -236,15 +232,16 @@ def _adiabatic(paper: Paper) -> Finding:
     tips = paper.figure(3)
     both_tips = tips["spike"].values[:1], tips["adiabatic_spike"].values[:1]
     shift = float(np.abs(both_tips[0] - both_tips[1]).max(initial=0.0))
-    return Finding(
+    return (
         f"equal counts for {100 * same:.1f} % of the ε from 0.1 to 1; contacts that begin during the floor "
         f"contact within {100 * worst:.2f} % of its duration; first spike shifted by {shift:.4f} in ε",
-        verdict(worst < 0.01, same > 0.999),
+        worst < 0.01,
+        same > 0.999,
     )
 
 
 @STATEMENTS.add("The adiabatic solution becomes exact for R1 ≫ R2", "App. A")
-def _order(paper: Paper) -> Finding:
+def _order(paper: Paper) -> Outcome:
     errors, masses = [], []
     for upper in (0.01, 0.005, 0.0025):
         column = paper.linear(0.7, radius_2=upper)
@@ -256,10 +253,10 @@ def _order(paper: Paper) -> Finding:
         errors.append(abs(parted[0] - parted[1]) / column.impact_speed)
         masses.append(column.balls[1].mass / column.balls[0].mass)
     order = math.log(errors[0] / errors[-1]) / math.log(masses[0] / masses[-1])
-    return Finding(
+    return (
         f"v2 − v1 after the first contact off by {errors[0]:.1e}, {errors[1]:.1e}, {errors[2]:.1e} V at "
         f"R1/R2 = 10, 20, 40: ∝ (m2/m1)^{order:.2f}",
-        verdict(errors[0] > errors[1] > errors[2]),
+        errors[0] > errors[1] > errors[2],
     )
 
 
@@ -268,10 +265,11 @@ def _order(paper: Paper) -> Finding:
     "Sec. IV A, Fig. 3",
     3,
 )
-def _spikes(paper: Paper) -> Finding:
+def _spikes(paper: Paper) -> Outcome:
     tips = paper.figure(3)["spike"].values
     shown = ", ".join(f"{tip:.4f}" for tip in tips)
-    return Finding(
+    return (
         f"tips at {shown or 'no ε'}",
-        verdict(tips.size > 0 and near(tips[0], 0.78, 0.005), tips.size > 1 and near(tips[1], 0.67, 0.005)),
+        tips.size > 0 and near(tips[0], 0.78, 0.005),
+        tips.size > 1 and near(tips[1], 0.67, 0.005),
     )

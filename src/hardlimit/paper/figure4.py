@@ -19,7 +19,7 @@ from .caption import quantity, typeset
 from .drawing import MILLI
 from .sampling import Array, Axis, Counts, counts_over, middles, share, variable
 from .setup import GAP, RADIUS_RATIO, RESTITUTION, Paper
-from .statement import Finding, Statements, about, verdict
+from .statement import Outcome, Statements, about
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -184,7 +184,7 @@ def _label_counts(ax: Axes, x: Array, y: Array, counts: Counts, marked: float) -
     "Sec. IV A, Fig. 4",
     4,
 )
-def _maximum_over_gap(paper: Paper) -> Finding:
+def _maximum_over_gap(paper: Paper) -> Outcome:
     epsilon = middles(*RESTITUTIONS, ROWS)
     gaps = np.geomspace(*GAPS, FINE)
     counts = counts_over(paper.linear(), restitution=epsilon, gap=gaps)
@@ -194,35 +194,37 @@ def _maximum_over_gap(paper: Paper) -> Finding:
         grows.append(bool(np.all(np.diff(column[at_most[-1] :]) <= 0)))
         single.append(bool(at_most[-1] - at_most[0] + 1 == at_most.size))
     i, j = np.unravel_index(int(np.argmax(counts)), counts.shape)
-    return Finding(
+    return (
         f"growing from 10 mm down to the maximum for {about(float(np.mean(grows)))} of the ε of Fig. 4, the "
         f"maximum in one interval of Δh for {about(float(np.mean(single)))}; most contacts: {counts.max()}, at ε = "
         f"{epsilon[i]:.3f}, Δh = {gaps[j] * 1e6:.1f} µm",
-        verdict(all(grows), all(single)),
+        all(grows),
+        all(single),
     )
 
 
 @STATEMENTS.add("t_c,01/t_c,12 grows with m1/m2", "Sec. IV A")
-def _durations(paper: Paper) -> Finding:
+def _durations(paper: Paper) -> Outcome:
     ratios = []
     for radii in (1.0, 2.0, 5.0, 10.0, 20.0):
         floor, pair = paper.linear(0.7, radius_ratio=radii).contacts
         ratios.append(floor.duration() / pair.duration())
     shown = ", ".join(f"{ratio:.2f}" for ratio in ratios)
-    return Finding(f"{shown} at R1/R2 = 1, 2, 5, 10, 20", verdict(bool(np.all(np.diff(ratios) > 0))))
+    return (f"{shown} at R1/R2 = 1, 2, 5, 10, 20", bool(np.all(np.diff(ratios) > 0)))
 
 
 @STATEMENTS.add(
     "The number of contacts grows with R1/R2, as the dominating of two effects", "Sec. IV A, Fig. 4", 4
 )
-def _grows_with_ratio(paper: Paper) -> Finding:
+def _grows_with_ratio(paper: Paper) -> Outcome:
     epsilon = middles(*RESTITUTIONS, ROWS)
     ratios = np.linspace(*RATIOS, FINE)
     counts = counts_over(paper.linear(), restitution=epsilon, radius_ratio=ratios)
     never_falls = float(np.mean(np.all(np.diff(counts, axis=1) >= 0, axis=1)))
     ends_higher = float(np.mean(counts[:, -1] > counts[:, 0]))
-    return Finding(
+    return (
         f"higher at {ratios[-1]:g} than at {ratios[0]:g} for {about(ends_higher)} of the ε of Fig. 4; "
         f"without falling in between for {about(never_falls)}",
-        verdict(ends_higher > 0.9, never_falls > 0.5),
+        ends_higher > 0.9,
+        never_falls > 0.5,
     )

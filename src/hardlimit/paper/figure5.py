@@ -16,7 +16,7 @@ from ..sweep import sweep
 from .drawing import MICRO, MILLI, count_ticks, ratio_and_counts
 from .sampling import ball_contacts, bisect, counts_of, refine, variable
 from .setup import Paper
-from .statement import Finding, Statements, near, verdict
+from .statement import Outcome, Statements, near
 
 TITLE: Final = "Effective restitution over the initial gap"
 CHOICES: Final = (
@@ -109,14 +109,15 @@ def _first_wide(data: xr.Dataset, width: float) -> float:
 
 
 @STATEMENTS.add("ε_eff/ε → 1 with growing Δh, where one contact is left", "Sec. IV B, Fig. 5", 5)
-def _levels_off(paper: Paper) -> Finding:
+def _levels_off(paper: Paper) -> Outcome:
     figure = paper.figure(5)
     last = float(figure["restitution_ratio"][-1])
     single = int(figure["n_contacts"][-1]) == 1
-    return Finding(
+    return (
         f"{last:.4f} at {float(figure.gap[-1]) * 1e3:g} mm, with {int(figure.n_contacts[-1])} contact; it "
         f"levels off slightly above 1 because gravity acts during the contact",
-        verdict(near(last, 1.0, 0.01), single),
+        near(last, 1.0, 0.01),
+        single,
     )
 
 
@@ -125,7 +126,7 @@ def _levels_off(paper: Paper) -> Finding:
     "Sec. IV B, Fig. 5",
     5,
 )
-def _independent_beyond(paper: Paper) -> Finding:
+def _independent_beyond(paper: Paper) -> Outcome:
     column = paper.linear(RESTITUTION)
     floor = column.contacts[0]
     beta, omega2 = floor.damping / (2 * floor.effective_mass), floor.stiffness / floor.effective_mass
@@ -137,37 +138,36 @@ def _independent_beyond(paper: Paper) -> Finding:
 
     _, high = bisect(1e-4, 1e-2, meets_during_floor_contact, 1e-9)
     ratio = newton(paper.linear(RESTITUTION, gap=high * 1.01)).restitution_ratio
-    return Finding(
+    return (
         f"from Δh = {high * 1e3:.3f} mm on (without gravity {formula * 1e3:.3f} mm); ε_eff/ε = {ratio:.4f} "
         f"there",
-        verdict(near(ratio, 1.0, 0.01)),
+        near(ratio, 1.0, 0.01),
     )
 
 
 @STATEMENTS.add(
     "One contact is necessary but not sufficient for independent collisions", "Sec. IV B, Fig. 5", 5
 )
-def _not_sufficient(paper: Paper) -> Finding:
+def _not_sufficient(paper: Paper) -> Outcome:
     result = newton(paper.linear(RESTITUTION, gap=5e-4))
     figure = paper.figure(5)
     good = np.abs(figure["restitution_ratio"].values - 1.0) < 0.01
     necessary = bool(np.all(figure["n_contacts"].values[good] == 1))
-    return Finding(
+    return (
         f"ε = 0.9, Δh = 0.5 mm: {result.n_contacts} contact, ε_eff/ε = {result.restitution_ratio:.3f} at "
         f"t_f ({result.restitution_ratio_at_separation:.3f} at separation)",
-        verdict(necessary, result.n_contacts == 1 and result.restitution_ratio < 0.95),
+        necessary,
+        result.n_contacts == 1 and result.restitution_ratio < 0.95,
     )
 
 
 @STATEMENTS.add("The number of contacts over Δh has a maximum", "Sec. IV B, Fig. 5", 5)
-def _peak(paper: Paper) -> Finding:
+def _peak(paper: Paper) -> Outcome:
     figure = paper.figure(5)
     counts = figure["n_contacts"].values
     at = figure["gap"].values[counts == counts.max()]
     inside = 0 < int(np.argmax(counts)) < counts.size - 1
-    return Finding(
-        f"{counts.max()} contacts from {at[0] * 1e6:.2f} to {at[-1] * 1e6:.2f} µm", verdict(inside)
-    )
+    return (f"{counts.max()} contacts from {at[0] * 1e6:.2f} to {at[-1] * 1e6:.2f} µm", inside)
 
 
 @STATEMENTS.add(
@@ -175,7 +175,7 @@ def _peak(paper: Paper) -> Finding:
     "Sec. IV B, Fig. 5",
     5,
 )
-def _oscillates(paper: Paper) -> Finding:
+def _oscillates(paper: Paper) -> Outcome:
     figure = paper.figure(5)
     gap, counts = figure["gap"].values, figure["n_contacts"].values
     peak = float(gap[int(np.argmax(counts))])
@@ -185,8 +185,9 @@ def _oscillates(paper: Paper) -> Finding:
     for at in falls:
         result = newton(paper.linear(RESTITUTION, gap=at * (1 - 1e-7)))
         late += int(ball_contacts(result)[0][-1] > result.t_floor_end)
-    return Finding(
+    return (
         f"below {peak * 1e6:.1f} µm it falls {len(falls)} times as Δh grows; in {late} of them the contact "
         f"that is lost began after the floor contact",
-        verdict(bool(falls), late == len(falls)),
+        bool(falls),
+        late == len(falls),
     )

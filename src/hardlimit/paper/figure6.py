@@ -15,7 +15,7 @@ from . import figure4, figure5
 from .drawing import BLUE, RATIO, broken, count_ticks, ratio_and_counts
 from .sampling import counts_of, refine, share
 from .setup import RADIUS_RATIO, Paper
-from .statement import Finding, Statements, verdict
+from .statement import Outcome, Statements
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -109,22 +109,23 @@ def _draw_inset(ax: Axes, data: xr.Dataset) -> None:
 
 
 @STATEMENTS.add("ε_eff/ε falls with growing R1/R2, as the contacts become more", "Sec. IV B, Fig. 6", 6)
-def _falls_with_ratio(paper: Paper) -> Finding:
+def _falls_with_ratio(paper: Paper) -> Outcome:
     figure = paper.figure(6)
     ratio, counts = figure["restitution_ratio"].values, figure["n_contacts"].values
     peaks = [float(ratio[counts == n].max()) for n in np.unique(counts)]
     overall = bool(np.all(np.diff(peaks) < 0))
     monotone = bool(np.all(np.diff(ratio) <= 1e-9))
     shown = ", ".join(f"{p:.3f}" for p in peaks[:5])
-    return Finding(
+    return (
         f"its maximum at 1, 2, 3, … contacts falls: {shown} …; "
         + ("it never rises" if monotone else "but it jumps to ≈ 0 at each new contact and rises from there"),
-        verdict(overall, monotone),
+        overall,
+        monotone,
     )
 
 
 @STATEMENTS.add("For most parameters several contacts dissipate more: ε_eff/ε < 1", "Sec. IV B", 4, 5, 6)
-def _most(paper: Paper) -> Finding:
+def _most(paper: Paper) -> Outcome:
     maps, radii = paper.figure(4), paper.figure(6)
     shares, highest = [], 0.0
     for name in ("gap", "radius_ratio"):
@@ -133,27 +134,30 @@ def _most(paper: Paper) -> Finding:
         ratio = maps[f"restitution_ratio_over_{name}"].values[several]
         highest = max(highest, float(np.nanmax(ratio, initial=0.0)))
     shares.append(share(radii["n_contacts"].values > 1, (radii["radius_ratio"].values, False)))
-    return Finding(
+    return (
         f"several contacts on {100 * shares[0]:.0f} % of the upper map of Fig. 4 (Δh logarithmic), "
         f"{100 * shares[1]:.0f} % of the lower one, and {100 * shares[2]:.0f} % of the R1/R2 of Fig. 6; with "
         f"several contacts ε_eff/ε is at most {highest:.3f} on the maps",
-        verdict(*(part > 0.5 for part in shares), highest < 1.0),
+        shares[0] > 0.5,
+        shares[1] > 0.5,
+        shares[2] > 0.5,
+        highest < 1.0,
     )
 
 
 @STATEMENTS.add(
     "Near R1 = R2 dissipation is reduced: a small interval with ε_eff/ε > 1", "Sec. IV B, Fig. 6", 6
 )
-def _reduced(paper: Paper) -> Finding:
+def _reduced(paper: Paper) -> Outcome:
     low, high, at, top = above_one(paper.figure(6))
     shown = (
         f"ε = {RESTITUTION:g}: above 1 from R1/R2 = {low:.2f} to {high:.2f}, at most {top:.4f} at {at:.2f}"
     )
-    return Finding(shown if top > 1.0 else "nowhere above 1", verdict(top > 1.0, high - low < 1.0))
+    return (shown if top > 1.0 else "nowhere above 1", top > 1.0, high - low < 1.0)
 
 
 @STATEMENTS.add("Only in that interval is ε_eff > ε", "Sec. IV B", 4, 5, 6)
-def _only_there(paper: Paper) -> Finding:
+def _only_there(paper: Paper) -> Outcome:
     figure, maps = paper.figure(5), paper.figure(4)
     ratio, gap = figure["restitution_ratio"].values, figure["gap"].values
     above = gap[ratio > 1.0]
@@ -169,16 +173,18 @@ def _only_there(paper: Paper) -> Finding:
         values = maps[f"restitution_ratio_over_{name}"].values
         shares.append((share(values > 1.0, *figure4.axes(maps, name)), *figure4.highest(paper, name)))
     (upper, upper_top, _), (lower, lower_top, where) = shares
-    return Finding(
+    return (
         f"{elsewhere}, on {100 * upper:.0f} % of the upper map of Fig. 4 (up to {upper_top:.4f}) and "
         f"{100 * lower:.0f} % of the lower one (up to {lower_top:.2f}, {where}); within Fig. 6, "
         + ("nowhere else" if one_interval else "also elsewhere"),
-        verdict(one_interval, above.size == 0, upper == 0.0),
+        one_interval,
+        above.size == 0,
+        upper == 0.0,
     )
 
 
 @STATEMENTS.add("ε_eff/ε takes any value from almost 0 to slightly above 1", "Sec. V, Figs. 5–6", 4, 5, 6)
-def _range(paper: Paper) -> Finding:
+def _range(paper: Paper) -> Outcome:
     curves = [paper.figure(n)["restitution_ratio"].values for n in (5, 6)]
     both = np.sort(np.concatenate(curves))
     hole = int(np.argmax(np.diff(both)))
@@ -187,13 +193,11 @@ def _range(paper: Paper) -> Finding:
         f"Fig. {n} (ε = {epsilon:g}): {curve.min():.1e} to {curve.max():.4f}"
         for n, epsilon, curve in zip((5, 6), (figure5.RESTITUTION, RESTITUTION), curves, strict=True)
     )
-    return Finding(
+    return (
         f"{shown}; neither has a value between {both[hole]:.3f} and {both[hole + 1]:.3f}. Maps of Fig. 4: up to "
         f"{upper:.4f} on the upper and {lower:.2f} on the lower one ({where})",
-        verdict(
-            bool(both[0] < 0.01),
-            bool(1.0 < both[-1] < 1.05),
-            bool(both[hole + 1] - both[hole] < 0.01),
-            max(upper, lower) < 1.05,
-        ),
+        bool(both[0] < 0.01),
+        bool(1.0 < both[-1] < 1.05),
+        bool(both[hole + 1] - both[hole] < 0.01),
+        max(upper, lower) < 1.05,
     )

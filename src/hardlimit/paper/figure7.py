@@ -16,7 +16,7 @@ from .caption import quantity, typeset
 from .drawing import MILLI, TIME, draw_sequence, sequence_legend
 from .sampling import counts_of, late_contacts, maxima, refine, sequences, variable
 from .setup import INPUT_SPEED, POISSON_RATIO, YOUNGS_MODULUS_INSET, Paper
-from .statement import Finding, Statements, near, verdict
+from .statement import Outcome, Statements, near
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -104,21 +104,23 @@ def _draw_inset(ax: Axes, data: xr.Dataset) -> None:
 
 
 @STATEMENTS.add("Viscoelastic spheres show the same structure", "App. B, Fig. 7", 7)
-def _same_structure(paper: Paper) -> Finding:
+def _same_structure(paper: Paper) -> Outcome:
     figure = paper.figure(7)
     counts = figure["outline_n_contacts"].values
     late = late_contacts("restitution_outline", figure, "outline_")
     rises = counts.max() > counts[-1] and counts[0] < counts[-1]
-    return Finding(
+    return (
         f"{counts[-1]} contacts at ε = 1, up to {counts.max()}, {counts[0]} at ε = 0.1; {len(late)} "
         f"intervals of ε with a contact after the floor contact; {maxima(counts)} maxima over ε instead of "
         f"one",
-        verdict(bool(rises), bool(late), maxima(counts) == 1),
+        bool(rises),
+        bool(late),
+        maxima(counts) == 1,
     )
 
 
 @STATEMENTS.add("Y = 6e9 N/m² matches the linear force at an overlap of (R1 + R2)/10", "App. B")
-def _matched(paper: Paper) -> Finding:
+def _matched(paper: Paper) -> Outcome:
     column = paper.linear()
     lower, upper = column.balls
     overlap = (lower.radius + upper.radius) / 10
@@ -127,26 +129,26 @@ def _matched(paper: Paper) -> Finding:
     pair, floor = (
         linear / unit.between(*bodies).force(overlap) for bodies in ((upper, lower), (lower, FLOOR))
     )
-    return Finding(
+    return (
         f"Y = {pair:.3g} N/m² for the two balls, {floor:.3g} for ball and floor",
-        verdict(near(pair, YOUNGS_MODULUS_INSET, 0.05e9)),
+        near(pair, YOUNGS_MODULUS_INSET, 0.05e9),
     )
 
 
 @STATEMENTS.add(
     "In the geometry of Fig. 3 viscoelastic balls still touch several times", "App. B, Fig. 7 inset", 7
 )
-def _inset(paper: Paper) -> Finding:
+def _inset(paper: Paper) -> Outcome:
     counts = paper.figure(7)["inset_outline_n_contacts"].values
-    return Finding(f"{counts[-1]} contacts at ε = 1, up to {counts.max()}", verdict(counts.max() > 1))
+    return (f"{counts[-1]} contacts at ε = 1, up to {counts.max()}", counts.max() > 1)
 
 
 @STATEMENTS.add("The restitution of viscoelastic spheres depends on the speed", "App. B")
-def _speed(paper: Paper) -> Finding:
+def _speed(paper: Paper) -> Outcome:
     column = paper.viscoelastic(0.7)
     values = column.contacts[0].restitution(np.array([0.1, INPUT_SPEED, column.impact_speed]))
-    return Finding(
+    return (
         f"A set by ε = 0.7 at {INPUT_SPEED:g} m/s: {values[0]:.4f} at 0.1 m/s, {values[2]:.4f} at the "
         f"{column.impact_speed:.3f} m/s of the drop",
-        verdict(values[0] > values[1] > values[2]),
+        values[0] > values[1] > values[2],
     )

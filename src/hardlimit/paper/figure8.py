@@ -13,7 +13,7 @@ from ..plots.style import PAGE_WIDTH
 from .drawing import MICRO, MILLI, TIME, draw_sequence, sequence_legend
 from .sampling import Counts, counts_of, late_contacts, refine, sequences, successive, variable
 from .setup import INPUT_SPEED, Paper
-from .statement import Finding, Statements, near, verdict
+from .statement import Outcome, Statements, near
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -108,7 +108,7 @@ def _add_restitution(ax: Axes, a: Array, data: xr.Dataset) -> None:
     7,
     8,
 )
-def _one_material(paper: Paper) -> Finding:
+def _one_material(paper: Paper) -> Outcome:
     def features(number: int, name: str) -> tuple[Counts, int]:
         figure = paper.figure(number)
         return figure["outline_n_contacts"].values, len(late_contacts(name, figure, "outline_"))
@@ -119,18 +119,19 @@ def _one_material(paper: Paper) -> Finding:
     )
     path_one, path_both = successive(one[::-1]), successive(both)
     same_path = bool(np.array_equal(path_one, path_both))
-    return Finding(
+    return (
         f"Fig. 8: {', '.join(map(str, path_both))} contacts as A grows, Fig. 7 "
         f"{'the same' if same_path else ', '.join(map(str, path_one))}; late contacts in {late_both} "
         f"intervals (Fig. 7: {late_one})",
-        verdict(both.max() > 1 and late_both > 0, abs(int(both.max()) - int(one.max())) <= 1),
+        both.max() > 1 and late_both > 0,
+        abs(int(both.max()) - int(one.max())) <= 1,
     )
 
 
 @STATEMENTS.add("One material means ε01 ≠ ε12", "App. C")
-def _two_restitutions(paper: Paper) -> Finding:
+def _two_restitutions(paper: Paper) -> Outcome:
     floor, pair = (float(c.restitution(INPUT_SPEED)) for c in paper.same_material(1e-5).contacts)
-    return Finding(
+    return (
         f"A = 10 µs: ε01 = {floor:.4f}, ε12 = {pair:.4f} at {INPUT_SPEED:g} m/s",
-        verdict(not near(floor, pair, 1e-3)),
+        not near(floor, pair, 1e-3),
     )

@@ -52,6 +52,7 @@ FIGURES: Final[dict[int, Figure]] = {
     8: figure8,
 }
 
-STATEMENTS: Final = Statements(collisions.STATEMENTS)
+STATEMENTS: Final = Statements()
+STATEMENTS.extend(collisions.STATEMENTS)
 for _figure in FIGURES.values():
     STATEMENTS.extend(_figure.STATEMENTS)

@@ -9,15 +9,9 @@ from typing import NamedTuple
 from .report import Agreement, Kind, Row
 from .setup import Paper
 
-
-class Finding(NamedTuple):
-    """The result of a check and its verdict."""
-
-    result: str
-    agrees: Agreement
-
-
-Check = Callable[[Paper], Finding]
+#: The result of a check in words, and the conditions that must hold if the paper is right.
+Outcome = tuple[str, *tuple[bool, ...]]
+Check = Callable[[Paper], Outcome]
 
 
 class Statement(NamedTuple):
@@ -27,16 +21,26 @@ class Statement(NamedTuple):
     where: str
     figures: tuple[int, ...]  #: checked if all of these are computed; empty: in every run
     check: Check
+    kind: Kind
+
+    def row(self, paper: Paper) -> Row:
+        """Check the statement."""
+        result, *holds = self.check(paper)
+        some: Agreement = "partly" if any(holds) else "misprint" if self.kind == "misprint" else "no"
+        return Row(self.text, self.where, result, "yes" if all(holds) else some, self.kind)
 
 
 class Statements(list[Statement]):
     """The statements of one figure or section, in the order of the paper."""
 
+    def __init__(self, kind: Kind = "statement") -> None:
+        self.kind = kind
+
     def add(self, text: str, where: str, *figures: int) -> Callable[[Check], Check]:
         """Decorator: the function checks this statement."""
 
         def register(check: Check) -> Check:
-            self.append(Statement(text, where, figures, check))
+            self.append(Statement(text, where, figures, check, self.kind))
             return check
 
         return register
@@ -45,21 +49,15 @@ class Statements(list[Statement]):
         self,
         paper: Paper,
         figures: Iterable[int] = (),
-        kind: Kind = "statement",
         progress: Callable[[float], object] = lambda part: None,
     ) -> list[Row]:
         """The rows of the statements that need no other than these figures."""
         chosen = [s for s in self if set(s.figures) <= set(figures)]
         table = []
-        for i, s in enumerate(chosen):
-            table.append(Row(s.text, s.where, *s.check(paper), kind))
+        for i, statement in enumerate(chosen):
+            table.append(statement.row(paper))
             progress((i + 1) / len(chosen))
         return table
-
-
-def verdict(*conditions: bool) -> Agreement:
-    """``yes`` if all conditions hold, ``no`` if none does, else ``partly``."""
-    return "yes" if all(conditions) else "partly" if any(conditions) else "no"
 
 
 def near(value: float, wanted: float, within: float) -> bool:
