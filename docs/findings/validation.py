@@ -19,8 +19,7 @@ import hardlimit as hl
 from hardlimit.boxes import theory
 from hardlimit.convert.codes import Pair, Written, code
 from hardlimit.paper import figure3
-from hardlimit.paper.drawings import DRAWINGS
-from hardlimit.paper.setup import Setup
+from hardlimit.paper.setup import Paper
 from hardlimit.plots.style import PALETTE, style
 
 DATA = Path(__file__).resolve().parents[2] / "tests" / "data"
@@ -267,7 +266,7 @@ def grains(n):
 def fig3():
     """Fig. 3 as `hardlimit paper` draws it, without the caption; pages that show it have their own."""
     with style():
-        return DRAWINGS[3](figure3.compute(Setup()))
+        return figure3.draw(figure3.compute(Paper()))
 
 
 def main():
