@@ -22,7 +22,7 @@ struct Seen {
     Numbers position, velocity;
     double kinetic, potential, contact, dissipated, momentum[3], virial, largest_compression;
     std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
-    std::vector<hp::ContactRow> open;
+    std::vector<hp::ContactRecord> open;
 };
 
 // The engine of any law.
@@ -42,7 +42,7 @@ public:
     virtual double cluster_share() const = 0;
     virtual Seen survey() const = 0;
     virtual double margin_used(int instants) const = 0;
-    virtual std::vector<hp::ContactRow> take_log() = 0;
+    virtual std::vector<hp::ContactRecord> take_log() = 0;
     virtual void save(hp::Writer& writer) const = 0;
 };
 
@@ -84,7 +84,7 @@ public:
                 std::move(s.open)};
     }
     double margin_used(int instants) const override { return run_.margin_used(instants); }
-    std::vector<hp::ContactRow> take_log() override { return run_.take_log(); }
+    std::vector<hp::ContactRecord> take_log() override { return run_.take_log(); }
     void save(hp::Writer& writer) const override { run_.save(writer); }
 
 private:
