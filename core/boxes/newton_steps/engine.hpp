@@ -7,11 +7,10 @@
 // velocities, energies and ε are all of second order in h.
 //
 // A step is a sweep over the neighbour list, which finds the few pairs in contact, and a pass that moves all bodies
-// (slab_sweep.hpp). An advance begins and ends with half a step of the velocities: between two calls they belong to the
+// (stepper.hpp). An advance begins and ends with half a step of the velocities: between two calls they belong to the
 // same time as the positions.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -21,10 +20,8 @@
 #include "../../base/outcome.hpp"
 #include "../../base/threads.hpp"
 #include "../common/archive.hpp"
-#include "decomposition.hpp"
-#include "forces.hpp"
-#include "motion.hpp"
-#include "rebuild_criterion.hpp"
+#include "contact_log.hpp"
+#include "stepper.hpp"
 
 namespace hardlimit::boxes {
 
@@ -71,10 +68,10 @@ public:
                  const Watch& watch) {
         if (outcome_ != Outcome::ok) return;
         quota_ = std::max(most_steps, std::uint64_t{1});
-        if (paused_ && until != until_) planned_ = done_;
+        if (paused_ && until != plan_.until) plan_.planned = plan_.done;
         if (paused_) {
             Stop never;
-            begin_batch(never);
+            begin_steps(never);
             run(threads, period, watch);
         }
         if (paused_ || !(until > time_) || outcome_ != Outcome::ok) return;
@@ -156,40 +153,27 @@ private:
     using Member = ThreadTeam::Member;
     // What the threads do next.
     enum class Phase { resume, measure, rebuild, batch, over };
-    static constexpr std::size_t most_in_batch = steps::RebuildCriterion::most_steps;
 
     Box3 box_;
     PairLaws<Law> laws_;
     steps::Decomposition<Law> domain_;
+    steps::RebuildCriterion criterion_;
+    steps::Stepper<Law> stepper_;
     Bodies& bodies_ = domain_.bodies;
     std::vector<Slab>& slabs_ = domain_.slabs;
+    steps::StepPlan& plan_ = stepper_.plan;
+    steps::Instant& now_ = stepper_.now;
 
-    // Written between two phases by one thread, and read by all during a phase.
-    alignas(64) steps::Instant now_{};  // of the first step of the batch; between phases of the last one
-    double time_step_;                  // the longest [s]
-    double h_ = 0.0;                    // the current one [s]
-    double kick_ = 0.0;                 // by which velocities advance in the phase [s]
+    double time_step_;  // the longest [s]
     Phase phase_ = Phase::rebuild;
-    std::uint32_t batch_steps_ = 0;
-    steps::RebuildCriterion criterion_;
-
-    // What threads report during a batch.
-    alignas(64) std::atomic<std::uint32_t> last_step_{0};  // of the batch
-    std::atomic<bool> too_deep_{false};                    // a contact
-    std::atomic<bool> faster_{false};                      // a body, than criterion_.fastest
-    std::array<std::atomic<double>, most_in_batch>
-        fastest_in_{};  // each step, if beyond criterion_.fastest [m/s]
-
-    alignas(64) double time_ = 0.0;
-    double from_ = 0.0, until_ = 0.0;                   // of this advance [s]
-    std::uint64_t planned_ = 0, done_ = 0, taken_ = 0;  // steps: of this advance, of it done, since the start
-    std::uint64_t quota_ = 0;                           // steps until it pauses
+    double time_ = 0.0;
+    std::uint64_t taken_ = 0;  // steps since the start
+    std::uint64_t quota_ = 0;  // steps until the run pauses
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<i64> ended_by_;
     i64 ended_at_wall_ = 0;
     steps::ContactLog log_;
-    std::vector<std::pair<std::uint32_t, std::size_t>> events_;  // slab, index in its events
     std::atomic<double> reached_{0.0};
     std::atomic<std::uint64_t> contacts_{0};
 
@@ -197,14 +181,15 @@ private:
         : box_(box),
           laws_(std::move(laws)),
           domain_(box_, laws_, bodies),
+          stepper_(box_, laws_, domain_, criterion_),
           time_step_(time_step),
           log_(bodies, log) {}
 
     void plan(double until) {
         const double steps = (until - time_) / time_step_ * (1.0 - 1e-12);
-        planned_ = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
-        from_ = time_, until_ = until, done_ = 0;
-        h_ = (until - time_) / static_cast<double>(planned_);
+        plan_.planned = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
+        plan_.from = time_, plan_.until = until, plan_.done = 0;
+        plan_.h = (until - time_) / static_cast<double>(plan_.planned);
         criterion_.batch_end = taken_;
         phase_ = Phase::resume;
     }
@@ -220,7 +205,7 @@ private:
 
     Double4 velocity_of(std::size_t i) const {
         if (!paused_) return bodies_.velocity[i];
-        return bodies_.velocity[i] + (bodies_.acceleration[i].at(now_.step) + box_.pull()) * (0.5 * h_);
+        return bodies_.velocity[i] + (bodies_.acceleration[i].at(now_.step) + box_.pull()) * (0.5 * plan_.h);
     }
     double unfolded(std::size_t i, int axis) const {
         return bodies_.position[i][axis] + bodies_.tag[i].image_flags[axis] * box_.edge[axis];
@@ -230,43 +215,30 @@ private:
     // --- phases, each of which all threads do together ------------------------------------------------------------
 
     void work(Member& me) {
-        while (phase_ != Phase::over) switch (phase_) {
-                case Phase::resume:
-                    resume(me);
-                    break;
-                case Phase::measure:
-                    for_slabs(me, [this](std::uint32_t k) { domain_.measure(slabs_[k]); });
-                    me.sync([&] { end_measure(me.stop); });
-                    break;
-                case Phase::rebuild:
-                    rebuild(me);
-                    break;
-                case Phase::batch:
-                    take_steps(me);
-                    break;
-                case Phase::over:
-                    break;
-            }
+        while (phase_ != Phase::over) {
+            if (phase_ == Phase::resume) resume(me);
+            if (phase_ == Phase::measure) measure(me);
+            if (phase_ == Phase::rebuild) rebuild(me);
+            if (phase_ == Phase::batch) take_batch(me);
+        }
     }
 
-    // Slabs of a thread: first, last. Its first slab is even, since pairs of an even and an odd slab are divided.
-    std::pair<std::uint32_t, std::uint32_t> slabs_of(const Member& me) const {
-        const auto count = static_cast<std::uint32_t>(slabs_.size());
-        if (count == 1) return {0, me.index == 0 ? 1 : 0};
-        const auto [first, last] = me.part_of(count / 2);
-        return {2 * first, 2 * last};
-    }
     template <class Action>
     void for_slabs(const Member& me, const Action& action) {
-        const auto [first, last] = slabs_of(me);
+        const auto [first, last] = stepper_.slabs_of(me);
         for (std::uint32_t k = first; k < last; ++k) action(k);
     }
 
     void resume(Member& me) {
-        for_slabs(me, [this](std::uint32_t k) { steps::Forces<Law>::resume(slabs_[k], bodies_, h_); });
-        me.sync([&] { kick_ = 0.5 * h_; });
-        for_slabs(me, [this](std::uint32_t k) { move(k, 0); });
+        for_slabs(me, [this](std::uint32_t k) { steps::Forces<Law>::resume(slabs_[k], bodies_, plan_.h); });
+        me.sync([&] { stepper_.kick = 0.5 * plan_.h; });
+        for_slabs(me, [this](std::uint32_t k) { stepper_.move(k, 0, true); });
         me.sync([&] { end_steps(1, me.stop); });
+    }
+
+    void measure(Member& me) {
+        for_slabs(me, [this](std::uint32_t k) { domain_.measure(slabs_[k]); });
+        me.sync([&] { end_measure(me.stop); });
     }
 
     void rebuild(Member& me) {
@@ -279,126 +251,56 @@ private:
         me.sync([&] {
             domain_.restore_contacts();
             criterion_.list_built(domain_.skin());
-            begin_batch_of_steps(me.stop);
+            begin_batch(me.stop);
         });
     }
 
-    // Slabs of a batch of steps. The sweep of a slab accelerates bodies of this slab and of the next one, which move
-    // afterwards. Every body is to receive its forces in the same order with any number of threads: those of an even
-    // slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it and of the
-    // one before. A thread keeps to this order in its own slabs, and moves bodies soon after their sweep, while they
-    // are in the cache. It waits for the others before its last sweep, which reaches into the slabs of the next thread,
-    // and after it, so that the next thread may move its first slab.
-    void take_steps(Member& me) {
-        const auto [first, last] = slabs_of(me);
-        const bool any = first < last;
-        std::uint32_t step = 0;
-        for (; step <= last_step_.load(std::memory_order_relaxed); ++step) {
-            if (any && step > 0) move(first, step - 1);
-            if (any) sweep(first, step);
-            for (std::uint32_t odd = first + 1; odd + 1 < last; odd += 2) {
-                sweep(odd + 1, step), sweep(odd, step);
-                move(odd, step), move(odd + 1, step);
-            }
-            me.sync();
-            if (any && last - 1 > first) sweep(last - 1, step), move(last - 1, step);
-            me.sync();
-        }
-        if (any) move(first, step - 1);
-        me.sync([&] { end_batch(step, me.stop); });
-    }
-
-    void sweep(std::uint32_t k, std::uint32_t step) {
-        Slab& slab = slabs_[k];
-        steps::Forces<Law>(box_, domain_.grid, bodies_, laws_, instant(step)).sweep(slab);
-        if (slab.largest_compression >= deepest_compression) {
-            too_deep_.store(true, std::memory_order_relaxed);
-            end_after(step + 1);
-        }
-    }
-    // After all forces on the slab: velocities advance by kick_, then positions by h_, unless the advance ends here.
-    void move(std::uint32_t k, std::uint32_t step) {
-        Slab& slab = slabs_[k];
-        slab.vacant.insert(slab.vacant.end(), slab.vacated.begin(), slab.vacated.end());
-        slab.vacated.clear();
-        const std::size_t before = (k + slabs_.size() - 1) % slabs_.size();
-        kick(slab, slabs_[before], bodies_, box_, now_.step + step, kick_);
-        const double fastest = math::sqrt(slab.fastest);
-        slab.fastest = 0.0;
-        if (phase_ == Phase::batch && now_.closing) return;
-        if (fastest > criterion_.fastest) {
-            std::atomic<double>& most = fastest_in_[step];
-            double was = most.load(std::memory_order_relaxed);
-            while (was < fastest && !most.compare_exchange_weak(was, fastest, std::memory_order_relaxed))
-                continue;
-            faster_.store(true, std::memory_order_relaxed);
-            if (fastest > criterion_.limit) end_after(step + 1);
-        }
-        drift(slab, bodies_, h_);
-    }
-    // Ends the batch early. Threads may be in the step after the one that asks for it, so that is the last one.
-    void end_after(std::uint32_t step) {
-        std::uint32_t last = last_step_.load(std::memory_order_relaxed);
-        while (last > step && !last_step_.compare_exchange_weak(last, step, std::memory_order_relaxed))
-            continue;
+    void take_batch(Member& me) {
+        const std::uint32_t steps = stepper_.take_steps(me);
+        me.sync([&] { end_batch(steps, me.stop); });
     }
 
     // --- between two phases, by one thread ------------------------------------------------------------------------
 
-    double time_at(std::uint64_t done) const {
-        return done == planned_ ? until_ : from_ + static_cast<double>(done) * h_;
-    }
-    steps::Instant instant(std::uint32_t ahead) const {
-        steps::Instant then = now_;
-        if (ahead > 0) then.step += ahead, then.time = time_at(done_ + ahead);
-        return then;
-    }
-
-    void begin_batch_of_steps(Stop& stop) {
-        criterion_.begin_batch(taken_, planned_ - done_, bodies_.count(), pull(), h_);
-        begin_batch(stop);
-    }
-    // Begins the steps of a batch, or pauses.
     void begin_batch(Stop& stop) {
+        criterion_.begin_batch(taken_, plan_.planned - plan_.done, bodies_.count(), pull(), plan_.h);
+        begin_steps(stop);
+    }
+    // Begins steps of the current batch, or pauses.
+    void begin_steps(Stop& stop) {
         const bool first = now_.step == 0;
-        const bool closing = first || done_ == planned_ || outcome_ != Outcome::ok;
+        const bool closing = first || plan_.done == plan_.planned || outcome_ != Outcome::ok;
         paused_ = !closing && !paused_ && (quota_ == 0 || stop.now());
         phase_ = paused_ ? Phase::over : Phase::batch;
         if (paused_) return;
-        const double weight = closing ? 0.5 : 1.0, h = first ? 0.0 : h_;
+        const double weight = closing ? 0.5 : 1.0, h = first ? 0.0 : plan_.h;
         now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, weight * h, closing};
-        kick_ = closing ? now_.velocity_lag : h_;
-        const std::uint64_t most = std::min(quota_, std::uint64_t{most_in_batch});
+        stepper_.kick = closing ? now_.velocity_lag : plan_.h;
+        const std::uint64_t most = std::min(quota_, std::uint64_t{stepper_.most_steps});
         const std::uint64_t steps = closing ? 1 : std::min(criterion_.batch_end - taken_, most);
-        last_step_.store(static_cast<std::uint32_t>(steps) - 1, std::memory_order_relaxed);
+        stepper_.begin(steps);
     }
     void end_batch(std::uint32_t steps, Stop& stop) {
-        log_events();
-        if (too_deep_.load(std::memory_order_relaxed)) end_too_deep();
+        steps::log_events(slabs_, log_);
+        if (stepper_.too_deep()) end_too_deep();
         if (now_.closing) {
             phase_ = Phase::over;
             return;
         }
-        now_ = instant(steps - 1);
+        now_ = stepper_.instant(steps - 1);
         quota_ -= steps;
         end_steps(steps, stop);
     }
     void end_steps(std::uint32_t steps, Stop& stop) {
-        const bool faster = faster_.load(std::memory_order_relaxed);
-        for (std::uint32_t k = 0; k < steps; ++k) {
-            ++done_, ++taken_;
-            const double fastest = faster ? fastest_in_[k].load(std::memory_order_relaxed) : 0.0;
-            criterion_.add_step(taken_, fastest, pull(), h_);
-        }
-        if (faster) {
-            for (auto& fastest : fastest_in_) fastest.store(0.0, std::memory_order_relaxed);
-            faster_.store(false, std::memory_order_relaxed);
-        }
-        time_ = time_at(done_);
+        stepper_.take_speeds(steps, [this](double fastest) {
+            ++plan_.done, ++taken_;
+            criterion_.add_step(taken_, fastest, pull(), plan_.h);
+        });
+        time_ = plan_.time_at(plan_.done);
         reached_.store(time_, std::memory_order_relaxed);
         contacts_.store(log_.begun(), std::memory_order_relaxed);
-        if (taken_ < criterion_.batch_end) return begin_batch(stop);
-        if (criterion_.holds()) return begin_batch_of_steps(stop);
+        if (taken_ < criterion_.batch_end) return begin_steps(stop);
+        if (criterion_.holds()) return begin_batch(stop);
         phase_ = Phase::measure;
     }
 
@@ -411,21 +313,21 @@ private:
             fastest = math::max(fastest, math::sqrt(s.fastest));
             s.farthest = s.fastest = 0.0;
         }
-        const bool missed = criterion_.measured(farthest, fastest, h_, domain_.skin());
+        const bool missed = criterion_.measured(farthest, fastest, plan_.h, domain_.skin());
         // Bodies that move further in a step could pass through each other.
-        if (missed || !(finite && fastest * h_ < 0.25 * domain_.smallest_diameter())) {
+        if (missed || !(finite && fastest * plan_.h < 0.25 * domain_.smallest_diameter())) {
             outcome_ = Outcome::unresolved;
             ended_by_ = {fastest_body()};
-            begin_batch(stop);
+            begin_steps(stop);
         } else if (criterion_.allowance > 0.05 * domain_.skin()) {
-            begin_batch_of_steps(stop);
+            begin_batch(stop);
         } else {
             begin_rebuild();
         }
     }
     void begin_rebuild() {
         phase_ = Phase::rebuild;
-        domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? h_ : time_step_);
+        domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? plan_.h : time_step_);
     }
 
     // Original index of the fastest body, or of one whose state is not finite.
@@ -450,41 +352,16 @@ private:
         std::ranges::sort(ended_by_);
     }
 
-    // Logs what began and ended in the steps of a batch, in the order of time.
-    void log_events() {
-        for (std::uint32_t k = 0; k < slabs_.size(); ++k)
-            for (std::size_t at = 0; at < slabs_[k].events.size(); ++at) events_.push_back({k, at});
-        std::ranges::stable_sort(events_, {}, [this](const std::pair<std::uint32_t, std::size_t>& where) {
-            return slabs_[where.first].events[where.second].order();
-        });
-        for (const auto& [k, at] : events_) {
-            std::vector<steps::ContactEvent>& all = slabs_[k].events;
-            steps::ContactEvent& e = all[at];
-            if (e.begins) {
-                log_.begin(e.contact);
-                Contact& c = slabs_[k].contacts[static_cast<std::size_t>(e.slot)];
-                if (c.begin_event != static_cast<std::int32_t>(at)) continue;  // it has ended already
-                static_cast<steps::ContactBegin&>(c) = e.contact;
-                c.begin_event = -1;
-            } else {
-                const bool logged = e.begin_event < 0;
-                log_.end(logged ? e.contact : all[static_cast<std::size_t>(e.begin_event)].contact, e.time,
-                         e.separation_speed);
-            }
-        }
-        for (const auto& [k, at] : events_) slabs_[k].events.clear();
-        events_.clear();
-    }
-
     // --- checkpoint -----------------------------------------------------------------------------------------------
 
     template <class Archive>
     void exchange(Archive& archive) {
         domain_.exchange(archive);
         criterion_.exchange(archive);
-        archive(time_), archive(h_), archive(taken_), archive(now_), archive(outcome_);
+        archive(time_), archive(plan_.h), archive(taken_), archive(now_), archive(outcome_);
         archive(ended_by_), archive(ended_at_wall_);
-        archive(from_), archive(until_), archive(planned_), archive(done_), archive(paused_);
+        archive(plan_.from), archive(plan_.until), archive(plan_.planned), archive(plan_.done),
+            archive(paused_);
         log_.exchange(archive);
     }
 };
