@@ -55,12 +55,12 @@ public:
         return {2 * first, 2 * last};
     }
 
-    // Returns the number of steps taken. The sweep of a slab accelerates bodies of this slab and of the next one, which
-    // move afterwards. Every body must receive its forces in the same order with any number of threads: those of an even
-    // slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it and of the
-    // one before. A thread does this in its own slabs alone, and moves bodies soon after their sweep, while they are in
-    // the cache. It waits for the other threads before its last sweep, which reaches into the slabs of the next thread,
-    // and after it, so that the next thread may move its first slab.
+    // Returns the number of steps taken. The sweep of a slab accelerates bodies of this slab and of the next one,
+    // which move afterwards. Every body must receive its forces in the same order with any number of threads: those of
+    // an even slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it
+    // and of the one before. A thread does this in its own slabs alone, and moves bodies soon after their sweep, while
+    // they are in the cache. It waits for the other threads before its last sweep, which reaches into the slabs of the
+    // next thread, and after it, so that the next thread may move its first slab.
     std::uint32_t take_steps(Member& me) {
         const auto [first, last] = slabs_of(me);
         const bool any = first < last;
@@ -101,8 +101,8 @@ public:
         drift(slab, domain_.bodies, plan.h);
     }
 
-    // After a batch: whether a contact was too deep, and add(speed) for each step with its largest speed if that exceeds
-    // criterion.fastest, else 0.
+    // After a batch: whether a contact was too deep, and add(speed) for each step with its largest speed if that
+    // exceeds criterion.fastest, else 0.
     bool too_deep() const { return too_deep_.load(std::memory_order_relaxed); }
     template <class Add>
     void take_speeds(std::uint32_t steps, const Add& add) {
