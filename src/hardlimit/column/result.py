@@ -451,7 +451,9 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("relative velocity v'r at t_f [m/s]", result.relative_velocity),
             ("separation velocity [m/s]", result.separation_velocity),
             ("effective ε at t_f", result.effective_restitution),
+            ("effective ε at separation", result.effective_restitution_at_separation),
             ("effective ε / ε at t_f", result.restitution_ratio),
+            ("effective ε / ε at separation", result.restitution_ratio_at_separation),
         ]
     found += compression.rows(result.largest_compression)
     for i in reversed(range(len(column.balls))):

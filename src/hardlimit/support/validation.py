@@ -236,6 +236,11 @@ def _of_its_own(found: NDArray[np.float64], given: Any) -> NDArray[np.float64]:
     return kept
 
 
+def is_number(value: Any) -> bool:
+    """Whether :func:`number` takes the value, if it is in the range."""
+    return _as_float(value) is not None
+
+
 def _as_float(value: Any) -> float | None:
     """A number as a float, too large ones as infinity; None for anything else."""
     if isinstance(value, bool | np.timedelta64):  # Python and NumPy count both among the whole numbers
@@ -314,11 +319,6 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name}: got {shown(value)}, must be one of {', '.join(choices)}")
     return str(value)
-
-
-def any_of(words: Sequence[str]) -> str:
-    """The words as a message lists them: ``a, b or c``."""
-    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
 def flag(name: str, value: Any) -> bool:
