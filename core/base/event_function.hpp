@@ -1,4 +1,4 @@
-// The surface of an event: a function of the state that falls to zero where the event is.
+// An event function: a function of the state that falls to zero at the event.
 #pragma once
 #include "math.hpp"
 
@@ -10,8 +10,8 @@ struct Surface {
     double value, slope, smooth, smooth_slope;
 };
 
-// Follows the minimum of a surface between two positive values, a at 0 and b at `high`, until it is decided
-// whether it falls below zero; `high` becomes a place where it does. at(x): the surface at x.
+// Locates the minimum of an event function between two positive values, a at 0 and b at `high`, and decides whether
+// it is negative; `high` then becomes an argument where it is. at(x): the event function at x.
 template <class At>
 bool dips(Surface a, Surface b, double& high, const At& at) {
     double low = 0.0, up = high;

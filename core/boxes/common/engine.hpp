@@ -8,7 +8,7 @@
 #include "../../base/stop.hpp"
 #include "../hard_spheres/accumulators.hpp"
 #include "../hard_spheres/rules/rules.hpp"
-#include "../kernels/touch_kernel.hpp"
+#include "../kernels/interface.hpp"
 
 namespace hardlimit::boxes {
 

@@ -21,7 +21,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
     take(s);
     put_into_cells();
     next_sort_ = collisions_between_sorts * static_cast<i64>(s.n);
-    if (rule.soft) softs_.assign(s.n, {-math::infinity, nobody});
+    if (rule.soft) softs_.assign(s.n, {-math::infinity, no_particle});
     refresh_tally();
     predict_all(stop);
     restart_calendar();
@@ -121,7 +121,7 @@ void HardSpheres<d, motion, mixed>::put_into_cells() {
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
-    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, nobody);
+    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, no_particle);
 }
 
 template <int d, Motion motion, bool mixed>

@@ -15,7 +15,7 @@ from ..boxes.system import described
 from ..column import files
 from ..fidelity_study import MODELS
 from ..fidelity_study import report as texts
-from ..support import processors, validation
+from ..support import machine, validation
 from ..support.formatting import digits
 from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default, make_job, usual_end
 from .job import Entry, entry_options
@@ -126,7 +126,7 @@ def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.Pa
     run.setdefault("until", usual_end(start))
     run.setdefault("replicas", REPLICAS)
     if "scheduler" not in run:
-        run.setdefault("workers", processors.usable())
+        run.setdefault("workers", machine.processors())
     return start, hl.fidelity(system, law=law, **run, progress=True)
 
 

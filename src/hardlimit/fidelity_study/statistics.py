@@ -109,21 +109,7 @@ def replicas_needed(error: float, replicas: int, resolution: float) -> float:
 
 @cache
 def student(freedom: int, level: float = LEVEL) -> float:
-    """How many standard errors the bars are long: t with P(|T| > t) = level for so many degrees of freedom."""
-    freedom = min(freedom, 1000)  # from there on it falls by 0.2 %
-    low, high = 0.0, 0.5 * math.pi
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if _student_inside(middle, freedom) > 1.0 - level else (middle, high)
-    return math.sqrt(freedom) * math.tan(low)
+    """Length of the bars in standard errors: t with P(|T| > t) = level for Student's distribution."""
+    from scipy.special import stdtrit
 
-
-def _student_inside(angle: float, freedom: int) -> float:
-    """P(|T| < t) for t = √freedom·tan(angle): Abramowitz & Stegun, 26.7.3 and 26.7.4."""
-    sine, cosine = math.sin(angle), math.cos(angle)
-    odd = freedom % 2 == 1
-    term, total = (cosine, 0.0) if odd else (1.0, 0.0)
-    for k in range(freedom // 2):
-        total += term
-        term *= cosine**2 * ((2 * k + 2) / (2 * k + 3) if odd else (2 * k + 1) / (2 * k + 2))
-    return 2.0 / math.pi * (angle + sine * total) if odd else sine * total
+    return float(stdtrit(freedom, 1.0 - 0.5 * level))

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from .. import _core
 from ..boxes import checkpoint
-from ..support import locking, validation
+from ..support import saving, validation
 from .replica import Arrays
 
 #: In the header of the file.
@@ -50,7 +50,7 @@ class Store:
         """Write what is known; one process at a time, and none loses what another one has written meanwhile."""
         if self.path is None:
             return
-        with locking.locked(self.path.parent, self.path, PATIENCE):
+        with saving.locked(self.path, PATIENCE):
             if self.path.exists():
                 self.replicas = self._read(self.path) | self.replicas
             flat = {

@@ -196,15 +196,7 @@ def _ends(fit: Minuit, i: int) -> tuple[float, float]:
 
 
 def chi_square_probability(chi_square: float, degrees: int) -> float:
-    """Probability that χ² of so many degrees of freedom exceeds ``chi_square``; NaN without any.
+    """Probability that χ² with so many degrees of freedom exceeds ``chi_square``; NaN without degrees of freedom."""
+    from scipy.special import chdtrc
 
-    The incomplete gamma function Q(n/2, χ²/2) of whole and half orders is a finite sum (Abramowitz & Stegun 26.4.4–5).
-    """
-    if degrees < 1 or math.isnan(chi_square):
-        return math.nan
-    if chi_square <= 0.0:
-        return 1.0
-    half, odd = 0.5 * chi_square, degrees % 2
-    powers = np.arange(degrees // 2) + 0.5 * odd
-    terms = (math.exp(-half + p * math.log(half) - math.lgamma(p + 1.0)) for p in powers)
-    return min((math.erfc(math.sqrt(half)) if odd else 0.0) + math.fsum(terms), 1.0)
+    return float(chdtrc(degrees, chi_square)) if degrees > 0 else math.nan
