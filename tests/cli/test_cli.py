@@ -512,7 +512,11 @@ def test_bad_input(args: list[object], message: str, tmp_path: Path, monkeypatch
         ('model = "newton"', "colour = 1", "sweep.colour: unknown, must be one of model, engine"),
         ('"0.4:1:60"', "[]", "restitution: got an empty list, must hold at least one number"),
         ('"0.4:1:60"', "[[1]]", "sweep.axes.restitution[0]: got [1], must be a number"),
-        ('"0.4:1:60"', "true", "sweep.axes.restitution: got True, must be a number, a list a,b,… or start:stop:count"),
+        (
+            '"0.4:1:60"',
+            "true",
+            "sweep.axes.restitution: got True, must be a number, a list a,b,… or start:stop:count",
+        ),
         ('"0.4:1:60"', "1979-05-27", "sweep.axes.restitution: got datetime.date"),
         ("[sweep]", "[[sweep]]", "sweep: got [{"),
         ("[sweep.axes]", "[sweep.axis]", "sweep.axis: unknown"),

@@ -34,7 +34,11 @@ def test_the_table_and_the_file(start, tmp_path):
     text = run(
         "gas", start, *LAW, "--engine", "events", "--until", "2ms", "--save", tmp_path / "run.nc"
     ).stdout
-    assert "27 spheres" in text and "Newton's equations, linear law: k 1e6 N/m, ε 0.9" in text and "outcome: ok" in text
+    assert (
+        "27 spheres" in text
+        and "Newton's equations, linear law: k 1e6 N/m, ε 0.9" in text
+        and "outcome: ok" in text
+    )
     assert max(map(len, text.splitlines())) <= 100
     with xr.open_datatree(tmp_path / "run.nc") as tree:
         assert tree["contacts"].sizes["contact"] > 0 and tree["final"].sizes["particle"] == 27
