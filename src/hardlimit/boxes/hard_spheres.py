@@ -131,9 +131,10 @@ def start(
         If contacts under the law would be too deep.
     """
     refuse_too_soft(system, settings.law)
-    empty = (np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     engine = engine_of(system, settings, log)
-    return Course(system, settings, engine, target, log=empty if log else None, path=path, every=every)
+    return Course(
+        system, settings, engine, target, log=engine.take_log() if log else None, path=path, every=every
+    )
 
 
 def resume(

@@ -280,7 +280,7 @@ def load(path: Any) -> Course:
         settings = Settings(header["rule"], header["restitution"], law, header["contact_duration"])
         engine = _core.HardSpheres.load(arrays["engine"].tobytes())
         system = engines.system_in(header, arrays, engine)
-        log = engines.log_in(arrays, 4)
+        log = engines.log_in(arrays, 5)
         target = Target(**header["target"])
         every = float(header["every"])
     except (KeyError, TypeError, ValueError) as error:
