@@ -2,7 +2,8 @@
 
     python docs/findings/beads.py [--points 41] [--sizes 2 5 10 20 50] [--out docs/images/beads.png]
 
-After Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev. E 50, 4113 (1994), with the two-ball problem as the limiting case.
+After Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev. E 50, 4113 (1994). The two-ball problem is the limiting
+case.
 """
 
 import argparse
@@ -23,7 +24,7 @@ def law(restitution):
 
 
 def column(n, restitution, gap):
-    """N beads above a floor, all gaps equal; ``gap`` in units of the distance that a bead moves during a floor contact."""
+    """N beads above a floor with equal gaps, in units of the distance that a bead moves during a floor contact."""
     duration = law(restitution).between(BEAD).duration()
     wide = gap * SPEED * duration
     return hl.Column(
@@ -62,7 +63,7 @@ def two_balls(points):
 
 
 def critical(n):
-    """N(1 − ε) above which collisions collapse, ε = tan²(π/4 (1 − 1/N)): Bernu & Mazighi, J. Phys. A 23, 5745 (1990)."""
+    """N(1 − ε) of the collapse, ε = tan²(π/4 (1 − 1/N)): Bernu & Mazighi, J. Phys. A 23, 5745 (1990)."""
     return n * (1.0 - np.tan(0.25 * np.pi * (1.0 - 1.0 / n)) ** 2)
 
 

@@ -185,7 +185,7 @@ PATH = re.compile(
 ROOTS = ("", "core", "src/hardlimit", "docs", "tests", "web")
 TEXTS = [
     page
-    for pattern in ("*.md", "benchmarks/*.md", "docs/**/*.md", "tests/data/*.md")
+    for pattern in ("*.md", "benchmarks/*.md", "docs/**/*.md", "tests/data/*.md", ".ci/run", "pyproject.toml")
     for page in sorted(DOCS.parent.glob(pattern))
     if not {"generated", "auto_gallery"} & set(page.parts)
 ]

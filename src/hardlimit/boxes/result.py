@@ -14,6 +14,7 @@ from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import html
+from ..support.formatting import digits
 from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
 
@@ -271,7 +272,7 @@ class ParticleResult:
         return f"<ParticleResult of {self.system.n} particles ({self.settings.words()}): {found}>"
 
     def _repr_html_(self) -> str:
-        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows = [[label, digits(value)] for label, value in quantities(self)]
         return html.table(self.settings.words(), ["", ""], [*rows, ["outcome", self.outcome]])
 
 
