@@ -3,9 +3,9 @@
     python tools/verify_codes.py --kratos-python PATH --mujoco-python PATH tests/data/code_restitution.csv
 
 Each run takes the numbers that a user without knowledge of the code would take (``usual`` in ``hl.convert``), for
-several restitutions and speeds. ``test_convert.py`` compares the results with the predictions of ``hardlimit`` for these
-numbers. Requires the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Python with KratosDEMApplication and
-one with mujoco (wheels). The rows of a missing code are left unchanged. The tests run LAMMPS themselves.
+several restitutions and speeds. ``test_convert.py`` compares the results with the predictions of ``hardlimit``.
+Requires the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Python with KratosDEMApplication and one
+with mujoco (wheels). The rows of a missing code are left unchanged. The tests run LAMMPS themselves.
 """
 
 import argparse
