@@ -3,9 +3,9 @@ Which masses throw the top ball highest?
 ========================================
 
 Four balls, the lowest of 1 kg and the top one of 10 g: which masses are best between them? For collisions it is a
-geometric progression. For balls that touch it is not: the two masses in between are equal. The right panel shows both stacks over the gap between neighbours, in units of the distance
-:math:`V t_c` that a ball falls during a contact: each stack is better in the range for which it was optimised
-(:doc:`/stacks`). Contacts are linear and elastic.
+geometric progression. For balls that touch it is not: the two masses in between are equal. The right panel shows both
+stacks over the gap between neighbours, in units of the distance :math:`V t_c` that a ball falls during a contact: each
+stack is better in the range for which it was optimised (:doc:`/stacks`). Contacts are linear and elastic.
 """
 
 import hardlimit as hl
