@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import _core
 from ..contact.contact import Law
-from ..support.progress import duration
+from ..support.formatting import duration
 from . import engines, time_step
 from .system import ParticleSystem
 

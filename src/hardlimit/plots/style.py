@@ -16,6 +16,7 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from ..support import saving, validation
+from ..support.formatting import listed
 
 #: Palette of Okabe and Ito (2008), for colour-blind readers.
 PALETTE: Final = {
@@ -100,7 +101,7 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     target = Path(path)
     ending = target.suffix.lower()
     if ending not in endings():
-        raise ValueError(f"plot: got {str(path)!r}, must end in {validation.any_of(endings())}")
+        raise ValueError(f"plot: got {str(path)!r}, must end in {listed(endings(), 'or')}")
     if not target.parent.is_dir():
         raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
     resolution = checked_resolution(dpi)
