@@ -37,6 +37,7 @@ from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.fidelity import LOOKS
 from hardlimit.plots.style import GREY, PAGE_WIDTH, style
 from hardlimit.support import saving
+from hardlimit.support.estimate import Estimate
 from hardlimit.support.progress import bar
 
 HERE = Path(__file__).parent
@@ -182,7 +183,7 @@ def late(ds: xr.Dataset) -> dict[str, np.ndarray]:
     return found
 
 
-def difference(ds: xr.Dataset, quantity: str, rule: str) -> statistics.Estimate:
+def difference(ds: xr.Dataset, quantity: str, rule: str) -> Estimate:
     """(rule − Newton)/Newton with its standard error over (t_c ν, φ, ε), paired by replicas."""
     values = ds[quantity].transpose("replica", ...)
     of_rule, of_newton = (values.sel(model=model).values for model in (rule, "newton"))
@@ -199,8 +200,8 @@ def trusted(ds: xr.Dataset, quantity: str, rule: str, limit: float) -> tuple[np.
     """
     found = difference(ds, quantity, rule)
     known = np.isfinite(ds[quantity].sel(model="newton")).any("replica").values
-    below = np.abs(found.mean) + 2.0 * found.error <= limit
-    above = known & ~(np.abs(found.mean) - 2.0 * found.error <= limit)
+    below = np.abs(found.value) + 2.0 * found.error <= limit
+    above = known & ~(np.abs(found.value) - 2.0 * found.error <= limit)
     at = ds["tc_nu"].values[:, None, None]
     held = np.where(below & (np.cumsum(above, axis=0) == 0), at, 0.0).max(axis=0)
     rest = np.cumsum((known & ~above)[::-1], axis=0)[::-1] == 0
@@ -241,9 +242,7 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
             for shift, rule in enumerate(RULES):
                 found = difference(ds, quantity, rule)
                 at = np.s_[:, column, row]
-                _points(
-                    ax, statistics.Estimate(found.mean[at], found.error[at]), ds.sizes["replica"], rule, shift
-                )
+                _points(ax, Estimate(*(part[at] for part in found)), ds.sizes["replica"], rule, shift)
             if row == 0:
                 ax.set_title(rf"$\phi$ = {phi:g}")
             if column == 0:
@@ -261,12 +260,12 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
     return figure
 
 
-def _points(ax: Axes, found: statistics.Estimate, replicas: int, rule: str, shift: int) -> None:
+def _points(ax: Axes, found: Estimate, replicas: int, rule: str, shift: int) -> None:
     """Draw the points of a rule beside those of the others, so that error bars do not overlap."""
     colour = LOOKS[rule]["color"]
     x = np.array(TC_NU) * 1.12 ** (shift - 1)
-    size, error = 100.0 * np.abs(found.mean), 100.0 * found.error
-    apart = statistics.outside(found, replicas)
+    size, error = 100.0 * np.abs(found.value), 100.0 * found.error
+    apart = statistics.significant(found, replicas)
     ax.errorbar(x, size, error, fmt="none", ecolor=colour, elinewidth=0.9)
     ax.plot(x, size, "o", ms=4.0, c="white", mec=colour, mew=0.9)
     ax.plot(x[apart], size[apart], "o", ms=4.0, c=colour, mec=colour, label=RULES[rule])

@@ -30,7 +30,7 @@ struct Setting {
 struct Log {
     std::vector<double> time;  // [s]
     std::vector<i64> first, second;
-    std::vector<double> impact_speed;  // [m/s]
+    std::vector<double> impact_speed, separation_speed;  // [m/s]
 };
 
 struct Observation {

@@ -216,7 +216,7 @@ private:
     void keep_bounds(u32 i);
     double restitution(bool within_contact, double speed, PairGeometry pair, double smaller_radius);
     PairGeometry geometry(u32 i, u32 j) const;
-    void note(u32 i, i64 second, double speed, double lost, double waited);
+    void note(u32 i, i64 second, double speed, double separation_speed, double lost, double waited);
     std::pair<i64, i64> named(u32 i, i64 second) const;
     void end_here(Outcome outcome, u32 i, i64 second);
     void give_up(Outcome outcome, u32 i, i64 second, double speed);

@@ -66,7 +66,9 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     shift_body(i, -mass(j) / whole, change, shift);
     shift_body(j, mass(i) / whole, change, shift);
     remember(i, j, impact.duration);
-    note(i, j, speed, 0.5 * pair.effective_mass * (before - after), math::infinity);
+    // Angular momentum: at equal distances the tangential speed is the same.
+    const double separation = math::sqrt(math::max(0.0, after - square));
+    note(i, j, speed, separation, 0.5 * pair.effective_mass * (before - after), math::infinity);
     ++tally_.pairs;
 }
 
@@ -89,7 +91,9 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
     tally_.momentum[axis] += m * change[axis];
     shift_body(i, 1.0, change, shift);
     remember(i, no_particle, impact.duration, 1 + static_cast<u32>(own_event(axis, away < 0.0)));
-    note(i, wall, speed, lost - m * pressing * end.normal_shift, math::infinity);
+    const double dissipated = lost - m * pressing * end.normal_shift;
+    const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));
+    note(i, wall, speed, separation, dissipated, math::infinity);
 }
 
 // Until either has met something else a pair is not to collide again, though drawn back it may overlap and approach.

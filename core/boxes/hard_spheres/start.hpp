@@ -52,7 +52,7 @@ void HardSpheres<d, motion, mixed>::archive(Archive& a) {
     a(box_), a(choice), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
     a(particles_), a(pending_), a(periods_), a(names_), a(masses_), a(rescans_), a(fastest_);
     a(tally_), a(until_refresh_), a(now_), a(outcome_), a(early_end_);
-    a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed);
+    a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed), a(log_.separation_speed);
     a(softs_), a(soft_contacts_), a(soft_third_body_), a(deepest_);
     watch_.archive(a);
     make_rule(choice);

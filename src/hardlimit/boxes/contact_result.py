@@ -14,6 +14,7 @@ from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import html
+from ..support.formatting import digits
 from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
 
@@ -221,7 +222,7 @@ class ContactResult:
         return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}{why}>"
 
     def _repr_html_(self) -> str:
-        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows = [[label, digits(value)] for label, value in quantities(self)]
         rows += [["engine", choice(self)]] if self.engine_reason else []
         return html.table(f"{self.engine}, {self.law!r}", ["", ""], [*rows, ["outcome", self.outcome]])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -38,6 +39,7 @@ def event_driven(
     log: bool = False,
     checkpoint: str | Path | None = None,
     checkpoint_every: float = 60.0,
+    observe: Callable[[float, ParticleSystem], Mapping[str, Any]] | None = None,
     progress: bool | Report | None = None,
 ) -> ParticleResult:
     """Let the particles of a box collide as hard spheres: every collision is an instant.
@@ -67,6 +69,8 @@ def event_driven(
         and at the end.
     checkpoint_every : float [s]
         By the clock on the wall.
+    observe : callable(t, system), optional
+        Called with time [s] and state at each sample.
     progress : bool or callable(done, total), optional
         True shows a bar. A function is told the collisions so far, and how many to expect at this rate.
 
@@ -106,7 +110,9 @@ def event_driven(
         raise ValueError("until | max_collisions: got neither, must be at least one of them")
     _, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
     with reporter(progress, "event-driven", "collisions") as report:
-        return start(system, settings, end.target(system), keep, path, every).run(report)
+        course = start(system, settings, end.target(system), keep, path, every)
+        course.observe = observe
+        return course.run(report)
 
 
 def start(
@@ -125,9 +131,10 @@ def start(
         If contacts under the law would be too deep.
     """
     refuse_too_soft(system, settings.law)
-    empty = (np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))
     engine = engine_of(system, settings, log)
-    return Course(system, settings, engine, target, log=empty if log else None, path=path, every=every)
+    return Course(
+        system, settings, engine, target, log=engine.take_log() if log else None, path=path, every=every
+    )
 
 
 def resume(
@@ -135,6 +142,7 @@ def resume(
     *,
     until: float | None = None,
     max_collisions: int | None = None,
+    observe: Callable[[float, ParticleSystem], Mapping[str, Any]] | None = None,
     progress: bool | Report | None = None,
 ) -> ParticleResult:
     """Go on with a run from its checkpoint, with the bits of a run that was not stopped; checkpoints go on as well.
@@ -157,6 +165,7 @@ def resume(
         If a checkpoint cannot be written; names it.
     """
     course = load(path)
+    course.observe = observe
     if until is not None or max_collisions is not None:
         course.set_end(*later_end(course, until, max_collisions))
     with reporter(progress, "event-driven", "collisions") as report:

@@ -14,6 +14,7 @@ from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import html
+from ..support.formatting import digits
 from .early_end import EarlyEnd, in_words
 from .system import ParticleSystem
 
@@ -148,7 +149,7 @@ class ParticleResult:
     rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
     log: tuple[NDArray[Any], ...] | None = field(
         repr=False
-    )  #: time, first, second, impact speed; None without log
+    )  #: time, first, second, impact speed, separation speed; None without log
 
     @property
     def outcome(self) -> str:
@@ -204,7 +205,7 @@ class ParticleResult:
 
     @property
     def collisions(self) -> xr.Dataset:
-        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed`` [m/s].
+        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, impact and separation speed [m/s].
 
         ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
 
@@ -217,7 +218,7 @@ class ParticleResult:
 
         if self.log is None:
             raise ValueError("log: got False, must be True for the run to keep its collisions")
-        time, first, second, speed = map(_fixed, self.log)
+        time, first, second, impact, separation = map(_fixed, self.log)
         return xr.Dataset(
             {
                 "time": ("collision", time, {"units": "s"}),
@@ -227,7 +228,12 @@ class ParticleResult:
                     second,
                     {"long_name": "particle; −1 − 2·axis wall at 0, −2 − 2·axis at L"},
                 ),
-                "impact_speed": ("collision", speed, {"units": "m/s", "long_name": "speed of approach"}),
+                "impact_speed": ("collision", impact, {"units": "m/s", "long_name": "speed of approach"}),
+                "separation_speed": (
+                    "collision",
+                    separation,
+                    {"units": "m/s", "long_name": "speed of separation"},
+                ),
             },
             attrs=self._attributes("Collisions"),
         )
@@ -266,7 +272,7 @@ class ParticleResult:
         return f"<ParticleResult of {self.system.n} particles ({self.settings.words()}): {found}>"
 
     def _repr_html_(self) -> str:
-        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows = [[label, digits(value)] for label, value in quantities(self)]
         return html.table(self.settings.words(), ["", ""], [*rows, ["outcome", self.outcome]])
 
 

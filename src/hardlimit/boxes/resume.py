@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from ..support.progress import Report
 from . import (
@@ -19,6 +21,7 @@ from . import (
 )
 from .contact_result import ContactResult
 from .result import ParticleResult
+from .system import ParticleSystem
 
 
 def resume(
@@ -26,6 +29,7 @@ def resume(
     *,
     until: float | None = None,
     max_collisions: int | None = None,
+    observe: Callable[[float, ParticleSystem], Mapping[str, Any]] | None = None,
     progress: bool | Report | None = None,
 ) -> ParticleResult | ContactResult:
     """Go on with a run from its checkpoint, with the bits of a run that was not stopped; checkpoints go on as well.
@@ -38,6 +42,8 @@ def resume(
     max_collisions : int, optional
         Of hard spheres; counted from the start of the run. Without both, the end that the run was given. The samples
         keep their spacing.
+    observe : callable(t, system), optional
+        Of hard spheres; called with time [s] and state at each sample.
     progress : bool or callable(done, total), optional
         As for the function that began the run.
 
@@ -67,4 +73,6 @@ def resume(
     header, _ = checkpoint.read(path)
     if header.get("kind") == contact_course.KIND:
         return molecular_dynamics.resumed(path, until, max_collisions, progress)
-    return event_driven.resume(path, until=until, max_collisions=max_collisions, progress=progress)
+    return event_driven.resume(
+        path, until=until, max_collisions=max_collisions, observe=observe, progress=progress
+    )

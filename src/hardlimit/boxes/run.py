@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -57,7 +57,9 @@ class Course:
         log: tuple[NDArray[Any], ...] | None = None,
         path: Path | None = None,
         every: float = math.inf,
+        observe: Callable[[float, ParticleSystem], object] | None = None,
     ) -> None:
+        self.observe = observe  #: called with time [s] and state at each sample
         self.system, self.settings, self.engine = system, settings, engine
         self.path, self.every = path, every
         self._log = None if log is None else [log]
@@ -105,6 +107,8 @@ class Course:
                     self._sample()
                     if self.path is not None and len(self._sampled[0]) == 1:
                         self.save()
+                    if self.observe is not None:
+                        self.observe(self.engine.time, self.current())
                     yield self.engine.time
             if self.path is not None:
                 self.save()
@@ -276,7 +280,7 @@ def load(path: Any) -> Course:
         settings = Settings(header["rule"], header["restitution"], law, header["contact_duration"])
         engine = _core.HardSpheres.load(arrays["engine"].tobytes())
         system = engines.system_in(header, arrays, engine)
-        log = engines.log_in(arrays, 4)
+        log = engines.log_in(arrays, 5)
         target = Target(**header["target"])
         every = float(header["every"])
     except (KeyError, TypeError, ValueError) as error:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.estimate import Estimate
 from .candidates import Candidate
 from .measurements import HOPELESS, Measured
 
@@ -28,34 +29,11 @@ SHARE: Final = 0.2
 STARTS: Final = 3
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """A fitted value and its uncertainty; made by :func:`hardlimit.fit`.
-
-    Examples
-    --------
-    >>> impacts = hl.Impacts.of_restitution(
-    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
-    ... )
-    >>> epsilon = hl.fit(impacts, "linear", compare=False).parameters["restitution"]
-    >>> print(epsilon, f"in [{epsilon.lower:.4f}, {epsilon.upper:.4f}]")
-    0.940333 ± 0.0017 in [0.9386, 0.9421]
-    """
-
-    value: float  #: the most likely one
-    error: float  #: standard error, from the curvature of the likelihood
-    lower: float  #: lower end of the interval of the confidence asked for, from the profile of the likelihood
-    upper: float  #: its upper end
-
-    def __str__(self) -> str:
-        return f"{self.value:.6g} ± {self.error:.2g}"
-
-
 @dataclass(frozen=True, eq=False)
 class Minimum:
     """Where the likelihood is largest."""
 
-    estimates: dict[str, Estimate]
+    estimates: dict[str, Estimate[float]]
     covariance: Floats  #: of the free parameters, in their order; the scatter last if it is free
     deviations: Floats  #: in units of their errors, independent
     chi_square: float

@@ -22,10 +22,9 @@
 #include <vector>
 
 #include "../../../base/dormand_prince.hpp"
-#include "../../../base/event_function.hpp"
 #include "../../../base/stop.hpp"
-#include "../../../column/general/events.hpp"
-#include "../../../contact/law.hpp"
+#include "../../../contact/events.hpp"
+#include "../../../contact/smooth_time.hpp"
 #include "../../binary_contact/planar_contact.hpp"
 #include "../../kernels/power_series.hpp"
 #include "records.hpp"
@@ -112,7 +111,7 @@ private:
     // Part of the contact distance above which a compression is resolved by the positions.
     static constexpr double resolved_depth = 1e-12;
 
-    enum class Event : unsigned char { none, begins, ends, opens, engages, deepens };
+    using Event = ContactEvent;
     struct StepEvent {  // the first event in a step of a series
         double at;      // in units of the series
         Event what = Event::none;
@@ -161,12 +160,6 @@ private:
     }
     bool any(ContactState state) const {
         return std::any_of(pairs.begin(), pairs.end(), [&](const auto& q) { return q.state == state; });
-    }
-
-    static double power(double x, int n) {
-        double product = 1.0;
-        for (int i = 0; i < n; ++i) product *= x;
-        return product;
     }
 
     void run(double until, Stop& stop, long most_steps, bool through);
@@ -274,14 +267,14 @@ private:
     // Rounding error of a compression, the difference of positions [m]. While others are in contact, a pair that moves
     // by less does not begin a contact.
     static double rounding(const ContactPair<Law>& q) { return 2.0 * math::epsilon * q.contact_distance; }
-    Surface event_function(int index, Event kind, const double* y, const double* dy) const;
+    EventFunction event_at(int index, Event kind, const double* y, const double* dy) const;
     double acceleration(const ContactPair<Law>& q, const Geometry& g, const double* y,
                         const double* dy) const;
     bool still_fresh(int q) const;
     bool crosses(int q, Event kind, double& length);
-    void locate(int q, Event kind, const Surface& a, const Surface& b, double length, double& high);
     void midpoint_step(double step);
-    double first_guess(int q, const Surface& a, const Surface& b, double length, double high) const;
+    double first_guess(int q, const EventFunction& a, const EventFunction& b, double length,
+                       double high) const;
     template <class Value>
     bool event_at_start(const Value& value);
     void apply(Event what, int index);

@@ -5,24 +5,21 @@
 namespace hardlimit::boxes {
 
 template <class Law>
-Surface Cluster<Law>::event_function(int index, Event kind, const double* y, const double* dy) const {
+EventFunction Cluster<Law>::event_at(int index, Event kind, const double* y, const double* dy) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     const Geometry g = geometry(q, y);
-    const double gamma = dy[time_index()], depth_slope = gamma * g.rate;
-    const auto simple = [](double f, double df) { return Surface{f, df, f, df}; };
-    if (kind == Event::begins) return simple(-g.depth, -depth_slope);
-    if (kind == Event::opens) return simple(g.depth, depth_slope);
-    if (kind == Event::deepens) return simple(depth_left(q, g), -depth_slope);
-    const Slack slack = q.law.slack(g.rate);
-    const double rate_slope = acceleration(q, g, y, dy);
-    const double excess = g.depth - slack.depth, excess_slope = depth_slope - slack.slope * rate_slope;
-    if (kind == Event::engages) return simple(-excess, -excess_slope);
-    if (!q.rooted) return simple(excess, excess_slope);
-    const double at = y[slot_[static_cast<std::size_t>(index)]],
-                 change = dy[slot_[static_cast<std::size_t>(index)]];
-    if (!(slack.depth > 0.0)) return {at, change, excess, excess_slope};
-    const double least = onset_root<p>(slack.depth), share = slack.slope * g.rate / slack.depth;
-    return {at - least, change - least * rate_slope * share / (p * g.rate), excess, excess_slope};
+    const double depth_slope = dy[time_index()] * g.rate;
+    if (kind == Event::deepens) {
+        const double left = depth_left(q, g);
+        return {left, -depth_slope, left, -depth_slope};
+    }
+    PairMotion m{g.depth, depth_slope, g.rate, 0.0, q.rooted, 0.0, 0.0};
+    if (kind == Event::ends || kind == Event::engages) m.rate_slope = acceleration(q, g, y, dy);
+    if (q.rooted) {
+        m.s = y[slot_[static_cast<std::size_t>(index)]];
+        m.s_slope = dy[slot_[static_cast<std::size_t>(index)]];
+    }
+    return event_function(q.law, kind, m);
 }
 
 // d(rate)/dτ
@@ -45,62 +42,45 @@ double Cluster<Law>::acceleration(const ContactPair<Law>& q, const Geometry& g, 
 template <class Law>
 bool Cluster<Law>::still_fresh(int q) const {
     for (const Event kind : events_of(pairs[static_cast<std::size_t>(q)]))
-        if (kind != Event::none && !(event_function(q, kind, end_.data(), k_end_.data()).value > 0.0))
-            return true;
+        if (kind != Event::none && !(event_at(q, kind, end_.data(), k_end_.data()).value > 0.0)) return true;
     return false;
 }
 
-// Looks for a zero of one surface in (0, length]; if there is one, `length` and end_ move to it.
+// Whether an event of the pair happens in (0, length]; if so, `length` and end_ move to the first one.
 template <class Law>
 bool Cluster<Law>::crosses(int q, Event kind, double& length) {
-    const bool fresh = pairs[static_cast<std::size_t>(q)].fresh;
-    const Surface a = event_function(q, kind, y_.data(), k_.data());
-    const Surface b = event_function(q, kind, end_.data(), k_end_.data());
+    const ContactPair<Law>& pair = pairs[static_cast<std::size_t>(q)];
+    const EventFunction a = event_at(q, kind, y_.data(), k_.data());
+    const EventFunction b = event_at(q, kind, end_.data(), k_end_.data());
+    const double noise = rounding(pair);
+    if (pair.fresh && kind == Event::begins && b.value < 0.0 && b.value > -noise) return false;
+    const auto at_trial = [&] { return event_at(q, kind, trial_.data(), k_trial_.data()); };
+    const auto at = [&](double x) {
+        probe(x);
+        return at_trial();
+    };
     double high = length;
-    if (b.value > 0.0 || (fresh && b.value == 0.0)) {
-        if (!(a.smooth_slope < 0.0 && b.smooth_slope > 0.0)) return false;
-        const auto at = [&](double x) {
-            probe(x);
-            return event_function(q, kind, trial_.data(), k_trial_.data());
-        };
-        if (!dips(a, b, high, at)) return false;
-    } else if (fresh && a.smooth_slope >= 0.0 && b.smooth_slope >= 0.0) {
-        return false;  // rising from the surface: rounding
-    } else if (fresh && kind == Event::begins && b.value > -rounding(pairs[static_cast<std::size_t>(q)])) {
-        return false;
-    }
-    locate(q, kind, a, b, length, high);
-    length = high;
+    if (!falls_to_zero(a, b, pair.fresh, high, at)) return false;
+    const double whole = length, guess = first_guess(q, a, b, whole, high);
+    probe(guess);
+    const auto close = [=](const EventFunction& f, double x, double next) {
+        return math::abs(f.smooth) <= noise || math::abs(next - x) <= 1e-14 * whole;
+    };
+    // The remaining way is soon so short that the midpoint rule, with an error of third order in it, needs two
+    // evaluations instead of twelve.
+    const auto move = [&](double x, double next) {
+        if (math::abs(next - x) <= 1e-4 * whole)
+            midpoint_step(next - x);
+        else
+            probe(next);
+    };
+    length = locate_zero(guess, high, at_trial, close, move);
     end_.swap(trial_);
     k_end_.swap(k_trial_);
     return true;
 }
 
-// First zero in (0, high], the surface being below zero at `high`; leaves the state there in trial_. Starts from
-// the zero of the cubic through the two ends of the step. What is left of the way is soon so short that the
-// midpoint rule, whose error is of the third order in it, goes it in two evaluations instead of twelve.
-template <class Law>
-void Cluster<Law>::locate(int q, Event kind, const Surface& a, const Surface& b, double length,
-                          double& high) {
-    double low = 0.0, up = high, at = first_guess(q, a, b, length, high);
-    probe(at);
-    for (int i = 0; i < 100; ++i) {
-        const Surface f = event_function(q, kind, trial_.data(), k_trial_.data());
-        (f.value > 0.0 ? low : up) = at;
-        const double newton = at - f.value / f.slope;
-        const double next = newton >= low && newton <= up && f.slope < 0.0 ? newton : 0.5 * (low + up);
-        const bool close = math::abs(f.smooth) <= rounding(pairs[static_cast<std::size_t>(q)]) || next == at;
-        if (close || math::abs(next - at) <= 1e-14 * length) break;
-        if (math::abs(next - at) <= 1e-4 * length)
-            midpoint_step(next - at);
-        else
-            probe(next);
-        at = next;
-    }
-    high = at;
-}
-
-// Moves the state in trial_ on by a very short step.
+// Advances the state in trial_ by a very short step.
 template <class Law>
 void Cluster<Law>::midpoint_step(double step) {
     const std::size_t n = trial_.size();
@@ -110,8 +90,9 @@ void Cluster<Law>::midpoint_step(double step) {
     derivative(trial_.data(), k_trial_.data());
 }
 
+// Zero of the cubic through both ends of the step; the middle where there is none below `high`.
 template <class Law>
-double Cluster<Law>::first_guess(int q, const Surface& a, const Surface& b, double length,
+double Cluster<Law>::first_guess(int q, const EventFunction& a, const EventFunction& b, double length,
                                  double high) const {
     if (pairs[static_cast<std::size_t>(q)].fresh || !(a.smooth > 0.0 && b.smooth < 0.0)) return 0.5 * high;
     const double chord = (b.smooth - a.smooth) / length;

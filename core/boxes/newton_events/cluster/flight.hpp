@@ -94,7 +94,7 @@ template <class Law>
 double Cluster<Law>::time_to_engage(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());
     if (q.second >= 0) return g.rate > 0.0 ? 0.0 : math::infinity;
-    return column::newton::time_to_engage(q.law, g.depth, g.rate, wall_acceleration(q), q.fresh);
+    return hardlimit::time_to_engage(q.law, g.depth, g.rate, wall_acceleration(q), q.fresh);
 }
 
 template <class Law>

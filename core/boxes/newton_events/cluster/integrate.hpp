@@ -4,25 +4,15 @@
 
 namespace hardlimit::boxes {
 
-// Returns γ, and leaves γ (ℓ/s)^{p−1} of each rooted contact in factor_, which is at most 1.
+// γ; leaves γ (ℓ/s)^{p−1} of each rooted contact in factor_.
 template <class Law>
 double Cluster<Law>::clock_rate(const double* y) const {
     if constexpr (p == 1) return 1.0;
-    if (rooted_.empty()) return 1.0;
-    int least = -1;
-    for (const int q : rooted_) {
-        factor_[q] = power(y[slot_[q]] / pairs[q].s_unit, p - 1);
-        if (least < 0 || math::abs(factor_[q]) < math::abs(factor_[least])) least = q;
-    }
-    const double smallest = factor_[least];
-    double square = smallest * smallest;
-    for (const int q : rooted_) {
-        factor_[q] = factor_[q] == smallest ? 1.0 : smallest / factor_[q];  // several may be zero
-        square += factor_[q] * factor_[q];
-    }
-    const double norm = math::sqrt(square);
-    for (const int q : rooted_) factor_[q] /= norm;
-    return smallest / norm;
+    const auto for_rooted = [this](const auto& f) {
+        for (const int q : rooted_) f(q);
+    };
+    for_rooted([&](int q) { factor_[q] = math::power<p - 1>(y[slot_[q]] / pairs[q].s_unit); });
+    return smooth_time_rate(for_rooted, factor_.data());
 }
 
 template <class Law>
@@ -46,7 +36,7 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
             dy[3 * (n + pair.first) + a] -= along / members[pair.first].mass;
             if (pair.second >= 0) dy[3 * (n + pair.second) + a] += along / members[pair.second].mass;
         }
-        if (pair.rooted) dy[slot_[q]] = g.rate / p * factor_[q] / power(pair.s_unit, p - 1);
+        if (pair.rooted) dy[slot_[q]] = g.rate / p * factor_[q] / math::power<p - 1>(pair.s_unit);
     }
     if constexpr (p > 1)
         for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
@@ -107,8 +97,7 @@ void Cluster<Law>::integration_step(double until) {
     if (!(h_ > 0.0)) h_ = 0.25 * time_unit();
     if (!known_) derivative(y_.data(), k_.data());
     known_ = true;
-    if (event_at_start(
-            [this](int q, Event kind) { return event_function(q, kind, y_.data(), k_.data()).value; }))
+    if (event_at_start([this](int q, Event kind) { return event_at(q, kind, y_.data(), k_.data()).value; }))
         return;
     const int n = dimension();
     double length = h_;

@@ -104,9 +104,9 @@ void Cluster<Law>::set_scales(ContactPair<Law>& q) const {
         q.s_unit = speed_unit_ * math::sqrt(mass / q.law.elastic_force(1.0));
     } else {
         const double energy = 0.5 * mass * speed_unit_ * speed_unit_;
-        q.s_unit = column::newton::solve_power([&](double x) { return q.law.energy(x); }, energy);
+        q.s_unit = roots::solve_power([&](double x) { return q.law.energy(x); }, energy);
     }
-    q.depth_unit = power(q.s_unit, p);
+    q.depth_unit = math::power<p>(q.s_unit);
     const auto may_reach = [&](double part) {
         return q.law.energy(onset_root<p>(part * smaller_radius(q))) <= most_energy();
     };
