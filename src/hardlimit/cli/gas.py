@@ -12,11 +12,12 @@ import click
 from click.shell_completion import CompletionItem
 
 from ..boxes import files
+from ..boxes.box import BOUNDARIES
 from ..boxes.files.frame import Append
-from ..boxes.hard_spheres import RULES
-from ..boxes.result import ParticleResult
-from ..boxes.run import Course
-from ..boxes.system import BOUNDARIES, ParticleSystem
+from ..boxes.result import ContactResult, ParticleResult
+from ..boxes.rules import RULES
+from ..boxes.run import Run
+from ..boxes.system import ParticleSystem
 from ..support.progress import Report, bar
 from .gas_compare import make_command
 from .gas_contacts import engine_options, refuse_without_engine, run_contacts
@@ -55,7 +56,7 @@ start_options = options(
 run_options = options(
     click.option(
         "--rule",
-        help=f"Rule of collision: {' | '.join(sorted({r for rules in RULES.values() for r in rules}))}.",
+        help=f"Rule of collision: {' | '.join(sorted(RULES))}.",
     ),
     quantity_option("--contact-duration", unit="s", help="Contact duration of the rule tc [s]."),
     quantity_option(
@@ -140,7 +141,7 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
     result = carry_out(job.course, job.outputs)
     written = [path for path in (job.outputs["out"], job.outputs["animate"]) if path]
     if job.outputs["save"]:
-        how = {"rule": result.settings.words()}
+        how = {"rule": result.settings.report()}
         written.append(save(result, job.outputs["save"], how, "collisions"))
     if job.outputs["plot"]:
         from .. import plots
@@ -152,13 +153,13 @@ def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, 
         print_report(start, result, written)
 
 
-def carry_out(course: Course, outputs: dict[str, Path | None]) -> ParticleResult:
+def carry_out(course: Run, outputs: dict[str, Path | None]) -> ParticleResult:
     """The run, with a frame for the trajectory and the film at every sample."""
     with ExitStack() as open_files:
         report = open_files.enter_context(bar("event-driven", "collisions"))
         append = open_files.enter_context(files.appender(outputs["out"])) if outputs["out"] else None
         if append is None and not outputs["animate"]:
-            return course.run(report)
+            return _of_hard_spheres(course.run(report))
         instants = frames(course, report, append)
         if outputs["animate"]:
             from ..plots.grain_film import film
@@ -166,15 +167,18 @@ def carry_out(course: Course, outputs: dict[str, Path | None]) -> ParticleResult
             film(outputs["animate"], instants, course.target.span)
         for _ in instants:
             pass
-    return course.result()
+    return _of_hard_spheres(course.result())
 
 
-def frames(
-    course: Course, report: Report, append: Append | None
-) -> Iterator[tuple[float, ParticleSystem, int]]:
+def _of_hard_spheres(result: ParticleResult | ContactResult) -> ParticleResult:
+    assert isinstance(result, ParticleResult)
+    return result
+
+
+def frames(course: Run, report: Report, append: Append | None) -> Iterator[tuple[float, ParticleSystem, int]]:
     """Time, state and number of collisions at every sample, each written to the trajectory."""
     for time in course.steps(report):
         system = course.current()
         if append is not None:
             append(system.as_frame(time))
-        yield time, system, course.engine.n_rows
+        yield time, system, course.engine.n_contacts

@@ -7,9 +7,9 @@ from typing import Any, Final
 
 import click
 
-from ..boxes.contact_result import ContactResult, choice, quantities
 from ..boxes.lammps.folder import lammps_input
 from ..boxes.newton import NAMES, molecular_dynamics
+from ..boxes.result import ContactResult
 from ..boxes.system import ParticleSystem, described
 from .gas_job import ContactJob, make_contact_job
 from .gas_report import mapping, save
@@ -116,10 +116,10 @@ def print_report(start: ParticleSystem, result: ContactResult, files: list[Path]
     out = console()
     what = "spheres" if start.dimension == 3 else "disks"
     show(out, f"{start.n} {what}", table(["", ""], [[label, text] for label, text in described(start)]))
-    rows = [[label, digits(value)] for label, value in quantities(result)]
+    rows = [[label, digits(value)] for label, value in result.quantities()]
     show(out, f"Newton's equations, {result.law!r}", table(["", result.engine], rows))
     if result.engine_reason:
-        out.print(choice(result), markup=False)
+        out.print(result.choice(), markup=False)
     style = "default" if result.outcome_code == 0 else "yellow"
     out.print(f"outcome: {result.outcome}", style=style, markup=False)
     for path in files:

@@ -10,8 +10,8 @@ from typing import Any, Final
 from ..boxes import hard_spheres as runs
 from ..boxes.checkpoint import checked_path
 from ..boxes.files import FORMATS
-from ..boxes.result import Settings
-from ..boxes.run import Course, load
+from ..boxes.rules import Settings, checked_settings
+from ..boxes.run import Keeping, Run, checked_samples, load
 from ..boxes.system import ParticleSystem
 from ..column import files as columns
 from ..column.scenario import Column
@@ -56,7 +56,7 @@ OUTPUTS: Final = ("out", "save", "plot", "animate")
 class Job:
     """A run at its beginning, or where a checkpoint left it, and where its results go."""
 
-    course: Course
+    course: Run
     outputs: dict[str, Path | None]  #: "out", "save", "plot" and "animate"
 
 
@@ -79,13 +79,14 @@ def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job
     every = 60.0 if run["checkpoint_every"] is None else run["checkpoint_every"]
     every = validation.number("checkpoint_every", every, 0.0)
     samples = 100 if run["samples"] is None else run["samples"]
-    end = runs.checked_end(run["until"], run["max_collisions"], samples)
+    samples = checked_samples(samples)
+    end = runs.checked_end(run["until"], run["max_collisions"])
     _refuse_frames_without_end(outputs, end.until, end.max_collisions)
     system = start(content)
     if end.until is None and end.max_collisions is None:
         end = end._replace(until=usual_end(system))
-    keep = outputs["save"] is not None
-    return Job(runs.start(system, settings, end.target(system), keep, checkpoint, every), outputs)
+    keeping = Keeping(samples, outputs["save"] is not None, checkpoint, every)
+    return Job(runs.start(system, settings, end, keeping), outputs)
 
 
 @dataclass(frozen=True)
@@ -267,7 +268,7 @@ def _rules(
         law, restitution = law_of(law, law_name, parameters), None
     else:
         restitution = parameters.get("restitution", USUAL_RESTITUTION if restitution is None else restitution)
-    return runs.checked_settings(law, restitution, run.pop("rule"), run.pop("contact_duration")), run
+    return checked_settings(law, restitution, run.pop("rule"), run.pop("contact_duration")), run
 
 
 def law_of(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:

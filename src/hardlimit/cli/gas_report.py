@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..boxes import theory
-from ..boxes.contact_result import ContactResult
-from ..boxes.result import ParticleResult, quantities
+from ..boxes.result import ContactResult, ParticleResult
 from ..boxes.system import ParticleSystem, described
 from ..support import saving
 from .printing import console, digits, plain, show, table
@@ -19,17 +18,16 @@ from .printing import console, digits, plain, show, table
 def expected(result: ParticleResult) -> dict[str, float]:
     """What theory says of the quantities of a result, by their label; nothing where it does not apply."""
     system = result.system
-    rows = result.rows
-    if theory.why_not(system) is not None or not rows[-1, 0] > rows[0, 0]:
+    time, temperature = result.samples["time"], result.samples["granular_temperature"]
+    if theory.why_not(system) is not None or not time[-1] > time[0]:
         return {}
     gas = theory.gas(system)
-    temperature = rows[:, 3]
-    rate = _mean(gas.collision_rate(temperature), rows[:, 0])
+    rate = _mean(gas.collision_rate(temperature), time)
     found = {"mean collision rate [1/s]": rate}
     e = result.settings.restitution
     if e is not None:
         unit = "N/m" if system.dimension == 2 else "Pa"
-        pressure = _mean(gas.pressure(temperature, e), rows[:, 0])
+        pressure = _mean(gas.pressure(temperature, e), time)
         found[f"mean pressure [{unit}]"] = pressure
         cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
         found["granular temperature at the end [m²/s²]"] = cooled
@@ -48,12 +46,12 @@ def print_report(start: ParticleSystem, result: ParticleResult, files: list[Path
     show(out, f"{start.n} {what}", table(["", ""], [[label, text] for label, text in described(start)]))
     theories = expected(result)
     rows = [
-        [label, digits(value), digits(theories.get(label, math.nan))] for label, value in quantities(result)
+        [label, digits(value), digits(theories.get(label, math.nan))] for label, value in result.quantities()
     ]
     if not theories:
         rows = [row[:2] for row in rows]
     names = ["", "event-driven"] + (["theory"] if theories else [])
-    show(out, f"Hard spheres, rule {result.settings.words()}", table(names, rows), note(start, result))
+    show(out, f"Hard spheres, rule {result.settings.report()}", table(names, rows), note(start, result))
     out.print(
         f"outcome: {result.outcome}", style="default" if result.outcome_code == 0 else "yellow", markup=False
     )

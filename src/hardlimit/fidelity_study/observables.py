@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes.box import Floats
+from ..boxes.system import ParticleSystem
 
 Indices = NDArray[np.int64]
 

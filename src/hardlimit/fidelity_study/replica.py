@@ -11,14 +11,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boxes import contact_result, engines, result, time_step
-from ..boxes import contact_run as contact_course
-from ..boxes import run as course
-from ..boxes.contact_run import ContactCourse
-from ..boxes.hard_spheres import start as start_hard_spheres
-from ..boxes.result import Settings
-from ..boxes.run import Course
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes import hard_spheres, newton, time_step
+from ..boxes.box import Floats
+from ..boxes.engines import NewtonSettings
+from ..boxes.observables import OBSERVABLES, Samples
+from ..boxes.result import ContactResult
+from ..boxes.rules import Settings
+from ..boxes.run import Keeping, Run
+from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
 from . import encounters
 from .observables import Observer
@@ -103,7 +103,7 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Step, alive: Step) -> A
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
-            places = engines.state(run.system, run.engine)[0]
+            places = run.engine.state()[0]
             truth = places if i == 0 else truth
             found["pair_correlation"][i, k] = observer.pair_correlation(places)
             found["density_variance"][i, k] = observer.density_variance(places)
@@ -122,39 +122,34 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Step, alive: Step) -> A
     }
 
 
-def _course(plan: Plan, model: str, system: ParticleSystem) -> Course | ContactCourse:
+def _course(plan: Plan, model: str, system: ParticleSystem) -> Run:
     """The run of one model at its beginning."""
+    keeping = Keeping(plan.samples, log=True)
     if model == NEWTON:
-        target = contact_course.Target(plan.until, plan.until, plan.samples)
         step = None
         if plan.engine == "steps":
             step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None)
-        return contact_course.start(
-            system, contact_course.Settings(plan.law, plan.engine, 1), step, target, True
-        )
+        return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, keeping, step)
     if model in ("constant", "tc"):
         duration = plan.contact_duration if model == "tc" else None
         settings = Settings(model, plan.restitution, None, duration)
     else:
         settings = Settings(model, None, plan.law, None)
-    return start_hard_spheres(
-        system, settings, course.Target(plan.until, None, plan.until, plan.samples), True
-    )
+    return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), keeping)
 
 
 def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:
     """Temperature and energy, and means since the start, of the samples that were reached."""
-    rows = ended.rows[:reached]
-    kind = contact_result if isinstance(ended, contact_result.ContactResult) else result
-    values = kind.series_values(rows, system)
-    lost, passed = values["dissipated_energy"], rows[:, 0] - rows[0, 0]
+    samples = Samples(system, {name: values[:reached] for name, values in ended.samples.items()})
+    time = samples["time"]
+    lost, passed = samples["dissipated_energy"], time - time[0]
     lost = np.where(np.abs(lost) <= ROUNDING * system.kinetic_energy, 0.0, lost)
     lasted = np.diff(passed)
-    found = {"granular_temperature": values["granular_temperature"], "cooling": _cooling(system, lost)}
+    found = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
     with np.errstate(invalid="ignore", divide="ignore"):
         found["dissipation_rate"] = lost / passed
         for name in ("collision_rate", "pressure"):
-            found[name] = np.append(0.0, np.cumsum(values[name][1:] * lasted)) / passed
+            found[name] = np.append(0.0, np.cumsum(OBSERVABLES[name].values(samples)[1:] * lasted)) / passed
     return found
 
 
@@ -175,7 +170,7 @@ def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
 
 def _of_the_log(plan: Plan, system: ParticleSystem, ended: Any) -> dict[str, Any]:
     """What single contacts were like, and how the run ended."""
-    if isinstance(ended, contact_result.ContactResult):
+    if isinstance(ended, ContactResult):
         assert ended.n_contacts is not None  # both of our engines count them
         found, count = encounters.of_newton(ended), ended.n_contacts
     else:

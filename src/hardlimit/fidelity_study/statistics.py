@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from ..boxes.system import Floats
+from ..boxes.box import Floats
 
 #: Chance that a difference of nothing lies outside its bars.
 LEVEL: Final = 0.01
