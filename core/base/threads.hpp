@@ -1,4 +1,4 @@
-// Threads that share one piece of work: how they are followed, stopped and ended.
+// A team of threads on one computation: progress, stop requests and exceptions.
 #pragma once
 #include <atomic>
 #include <chrono>

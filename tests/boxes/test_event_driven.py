@@ -83,7 +83,7 @@ def test_pressure_from_the_log(dimension):
     """Σ r·Δp of the collisions as the log has them, and the kinetic part of constant energy."""
     system = lattice(36, dimension, spread=2.0)
     run = hl.event_driven(system, restitution=1.0, until=0.05, samples=5, log=True)
-    _, first, second, speed = run.log
+    _, first, second, speed, _ = run.log
     m, radius = np.asarray(system.mass), np.asarray(system.radius)
     reduced = m[first] * m[second] / (m[first] + m[second])
     virial = np.sum((radius[first] + radius[second]) * 2.0 * reduced * speed)

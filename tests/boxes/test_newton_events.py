@@ -251,7 +251,7 @@ def test_no_path_leaves_its_margin(law: hl.Law, boundary: str) -> None:
         run = _core.NewtonEvents(*engine_arguments(system), law_arguments(law), False)
         for k in range(1, 40):
             run.advance(4e-5 * k)
-            used.append(run.margin_used(29))
+            used.append(run.safety_radius_used(29))
     assert 0.9 < max(used) <= 1.0
 
 
@@ -737,7 +737,7 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
         run.advance(angle / frequency)
         place = (run.state()[0][0, 1] - radius) * frequency / speed
         assert place == pytest.approx(math.sin(angle) + fall * (1.0 - math.cos(angle)), abs=1e-8), k
-        assert run.margin_used(20) <= 1.0, k
+        assert run.safety_radius_used(20) <= 1.0, k
 
 
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])

@@ -84,12 +84,12 @@ template <class Law>
 class Run {
 public:
     using Engine = NewtonEvents<Law>;
-    using Survey = typename Engine::Survey;
+    using Observation = NewtonObservation;
 
     explicit Run(const Case<Law>& c)
         : c_(c),
           engine_(std::make_unique<Engine>(c.box, c.x, c.v, c.laws, true, of(c))),
-          start_(engine_->survey()) {}
+          start_(engine_->observe()) {}
 
     // So far, and what must be true there.
     void advance(double until) {
@@ -113,7 +113,7 @@ public:
         Stop never;
         again.advance(until, most_events, never);
         advance(until);
-        const Survey a = engine_->survey(), b = again.survey();
+        const Observation a = engine_->observe(), b = again.observe();
         require(engine_->time() == again.time() && a.position == b.position && a.velocity == b.velocity,
                 "what was loaded goes on with the same bits");
         require(a.begun == b.begun && a.ended == b.ended && a.dissipated == b.dissipated,
@@ -124,17 +124,17 @@ private:
     static constexpr std::uint64_t most_events = 50;  // of an advance
     const Case<Law>& c_;
     std::unique_ptr<Engine> engine_;
-    Survey start_;
+    Observation start_;
     double dissipated_ = 0.0;
     double slack_ = 0.0;  // of what overlaps without force: not lost where it is pressed again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
     }
-    static double sum(const Survey& s) { return s.kinetic + s.potential + s.contact + s.dissipated; }
+    static double sum(const Observation& s) { return s.kinetic + s.potential + s.contact + s.dissipated; }
 
     void check() {
-        const Survey now = engine_->survey();
+        const Observation now = engine_->observe();
         for (const auto* numbers : {&now.position, &now.velocity})
             for (const double value : *numbers)
                 require(math::is_finite(value), "finite places and velocities");
@@ -159,7 +159,7 @@ private:
             require(math::abs(now.momentum[k] - start_.momentum[k]) <= 1e-10 * c_.momentum,
                     "momentum is kept");
         check_overlaps(now, scale);
-        require(engine_->margin_used(5) <= 1.0, "true paths keep to the space that is left to them");
+        require(engine_->safety_radius_used(5) <= 1.0, "true paths keep to the space that is left to them");
         for (const ContactRow& row : engine_->take_log())
             require(row.begin >= 0.0 && row.end >= row.begin && row.end <= engine_->time() &&
                         (row.second < 0 || row.first < row.second),
@@ -167,7 +167,7 @@ private:
     }
 
     // Nobody is deeper in another one than all energy could press him; who approaches there is in contact.
-    void check_overlaps(const Survey& now, double energy) {
+    void check_overlaps(const Observation& now, double energy) {
         slack_ = 0.0;
         const auto n = static_cast<std::int64_t>(c_.s.n);
         for (std::int64_t i = 0; i < n; ++i) {
@@ -192,7 +192,7 @@ private:
             }
         }
     }
-    void check_overlap(const Survey& now, std::int64_t i, std::int64_t j, double depth, double inwards,
+    void check_overlap(const Observation& now, std::int64_t i, std::int64_t j, double depth, double inwards,
                        double energy) {
         const double reach = c_.radius[i] + (j < 0 ? 0.0 : c_.radius[j]);
         if (!(depth > 0.0)) return;

@@ -9,7 +9,7 @@ from rich.console import Console
 
 import hardlimit as hl
 from hardlimit.boxes import pace, time_step
-from hardlimit.support import progress
+from hardlimit.support import formatting, progress
 from hardlimit.support.progress import bar, reporter
 from same_samples import same_samples
 
@@ -103,7 +103,7 @@ def test_lines_without_a_rate_or_a_total(monkeypatch):
      (3e5, "3 days"), (1e300, "decades"), (math.inf, "decades"), (math.nan, "decades")],
 )  # fmt: skip
 def test_how_long(seconds, words):
-    assert progress.duration(seconds) == words
+    assert formatting.duration(seconds) == words
 
 
 def test_a_note_below_the_bar():

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..contact.contact import Law
-from ..support import processors, validation
+from ..support import machine, validation
 from ..support.progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
@@ -211,4 +211,4 @@ def checked_threads(threads: Any, n: int) -> int:
     """
     if threads is not None:
         return validation.whole("threads", threads, 1, MOST_THREADS)
-    return max(1, min(processors.usable(), n // LEAST_SHARE, MOST_THREADS))
+    return max(1, min(machine.processors(), n // LEAST_SHARE, MOST_THREADS))

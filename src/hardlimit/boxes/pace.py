@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from ..contact.contact import Law
-from ..support.progress import duration
+from ..support.formatting import duration
 from . import shim as _core
 from . import time_step
 from .falling_frame import engine_arguments, law_arguments

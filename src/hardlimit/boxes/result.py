@@ -98,6 +98,7 @@ COLLISIONS: Final = (
     Column("first", "", "particle"),
     Column("second", "", f"particle; {WALL_NUMBERS}"),
     Column("impact_speed", "m/s", "speed of approach"),
+    Column("separation_speed", "m/s", "speed of separation"),
 )
 CONTACTS: Final = (
     Column("begin", "s", "first touch, or when the force sets in again"),
@@ -258,7 +259,8 @@ class ParticleResult(_Result):
 
     @property
     def collisions(self) -> xr.Dataset:
-        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed`` [m/s].
+        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed``, ``separation_speed``
+        [m/s].
 
         ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from .. import _core
 from ..contact.balls import HEAVIEST, LIGHTEST
-from ..support import validation
-from ..support.memory import available_memory, shown_bytes
+from ..support import machine, validation
+from ..support.formatting import size
 from ..support.progress import Report
 from .box import LARGEST, Box, Floats
 
@@ -48,10 +48,10 @@ def count(n: Any) -> int:
         If it is no whole number from 1 on, or they do not fit.
     """
     wanted = validation.whole("n", n, 1, MOST_PARTICLES)
-    needed, room = wanted * BYTES_PER_PARTICLE, available_memory()
+    needed, room = wanted * BYTES_PER_PARTICLE, machine.free_memory()
     if needed > room:
         raise ValueError(
-            f"n: got {wanted}, which take {shown_bytes(needed)}, must fit in the {shown_bytes(room)} of free memory"
+            f"n: got {wanted}, which take {size(needed)}, must fit in the {size(room)} of free memory"
         )
     return wanted
 

@@ -16,9 +16,9 @@ from ..contact.contact import Law, law_parameters
 from ..contact.laws import LAWS
 from ..fitting import fit as fitted
 from ..fitting.files import read_measurements
-from ..fitting.likelihood import Estimate
 from ..fitting.measurements import Measured
 from ..fitting.result import Fit, as_mapping
+from ..support.estimate import Estimate
 from .contact import body_options, make_ball, other_ball
 from .options import (
     dpi_option,
@@ -171,6 +171,6 @@ def unit_of(law: type[Law], name: str) -> str:
     return "" if unit == "1" else unit
 
 
-def row(name: str, e: Estimate, unit: str) -> list[str]:
+def row(name: str, e: Estimate[float], unit: str) -> list[str]:
     interval = f"{digits(e.lower)} … {digits(e.upper)}"
     return [name, digits(e.value), digits(e.error, 2), interval, unit]

@@ -13,7 +13,7 @@ from ..boxes.system import ParticleSystem, described
 from ..contact.contact import Law
 from ..contact.laws import LinearDashpot
 from ..fidelity_study import MODELS, Fidelity, fidelity
-from ..support import processors, validation
+from ..support import machine, validation
 from . import gas_job
 from .options import (
     dpi_option,
@@ -164,7 +164,7 @@ def make_job(file: str | None, given: dict[str, Any]) -> Job:
         run["seed"] = source.given.get("seed", 0)
     run.setdefault("replicas", USUAL_REPLICAS)
     if "scheduler" not in run:
-        run.setdefault("workers", processors.usable())
+        run.setdefault("workers", machine.processors())
     return Job(source, start, law, run, outputs)
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.estimate import Estimate
 from .candidates import Candidate
 from .measurements import HOPELESS, Measured
 
@@ -28,34 +29,11 @@ SHARE: Final = 0.2
 STARTS: Final = 3
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """A fitted value and its uncertainty; made by :func:`hardlimit.fit`.
-
-    Examples
-    --------
-    >>> impacts = hl.Impacts.of_restitution(
-    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
-    ... )
-    >>> epsilon = hl.fit(impacts, "linear", compare=False).parameters["restitution"]
-    >>> print(epsilon, f"in [{epsilon.lower:.4f}, {epsilon.upper:.4f}]")
-    0.940333 ± 0.0017 in [0.9386, 0.9421]
-    """
-
-    value: float  #: the most likely one
-    error: float  #: standard error, from the curvature of the likelihood
-    lower: float  #: lower end of the interval of the confidence asked for, from the profile of the likelihood
-    upper: float  #: its upper end
-
-    def __str__(self) -> str:
-        return f"{self.value:.6g} ± {self.error:.2g}"
-
-
 @dataclass(frozen=True, eq=False)
 class Minimum:
     """Where the likelihood is largest."""
 
-    estimates: dict[str, Estimate]
+    estimates: dict[str, Estimate[float]]
     covariance: Floats  #: of the free parameters, in their order; the scatter last if it is free
     deviations: Floats  #: in units of their errors, independent
     chi_square: float
@@ -196,15 +174,7 @@ def _ends(fit: Minuit, i: int) -> tuple[float, float]:
 
 
 def chi_square_probability(chi_square: float, degrees: int) -> float:
-    """Probability that χ² of so many degrees of freedom exceeds ``chi_square``; NaN without any.
+    """Probability that χ² with so many degrees of freedom exceeds ``chi_square``; NaN without degrees of freedom."""
+    from scipy.special import chdtrc
 
-    The incomplete gamma function Q(n/2, χ²/2) of whole and half orders is a finite sum (Abramowitz & Stegun 26.4.4–5).
-    """
-    if degrees < 1 or math.isnan(chi_square):
-        return math.nan
-    if chi_square <= 0.0:
-        return 1.0
-    half, odd = 0.5 * chi_square, degrees % 2
-    powers = np.arange(degrees // 2) + 0.5 * odd
-    terms = (math.exp(-half + p * math.log(half) - math.lgamma(p + 1.0)) for p in powers)
-    return min((math.erfc(math.sqrt(half)) if odd else 0.0) + math.fsum(terms), 1.0)
+    return float(chdtrc(degrees, chi_square)) if degrees > 0 else math.nan

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ..contact.contact import RESTITUTION, Contact, Law
 from ..support import html
+from ..support.estimate import Estimate
 from .candidates import IMPACT_SPEED, Candidate
-from .likelihood import SCATTER, Estimate, Minimum, chi_square_probability
+from .likelihood import SCATTER, Minimum, chi_square_probability
 from .measurements import Impacts, Measured, Rebounds
 
 if TYPE_CHECKING:
@@ -124,12 +125,12 @@ class Fit:
         return self.chosen.law
 
     @property
-    def parameters(self) -> Mapping[str, Estimate]:
+    def parameters(self) -> Mapping[str, Estimate[float]]:
         """Each fitted parameter: value, standard error, and the ends of its interval."""
         return {k: v for k, v in self.chosen.minimum.estimates.items() if k != SCATTER}
 
     @property
-    def scatter(self) -> Estimate | None:
+    def scatter(self) -> Estimate[float] | None:
         """Standard deviation of the measured quantity from one impact to the next, beyond its errors; None unless
         it was fitted."""
         return self.chosen.minimum.estimates.get(SCATTER)
@@ -175,7 +176,7 @@ class Fit:
         return self.law.between(self.chosen.candidate.ball, self.chosen.candidate.other)
 
     @property
-    def dissipation(self) -> Estimate | None:
+    def dissipation(self) -> Estimate[float] | None:
         """A (ρ/m_eff)^(2/5) [(s/m)^(1/5)] of viscoelastic spheres: all that ε(v) tells; None for other laws.
 
         x = (3/2) A (ρ/m_eff)^(2/5) v^(1/5) is the argument of ε(x) (Müller & Pöschel 2011, Eq. B3).
@@ -277,7 +278,7 @@ def _names(trials: Sequence[Trial]) -> str:
 def as_mapping(fit: Fit) -> dict[str, Any]:
     """Everything in plain values, SI units."""
 
-    def plain(e: Estimate | None) -> dict[str, float] | None:
+    def plain(e: Estimate[float] | None) -> dict[str, float] | None:
         return None if e is None else {"value": e.value, "error": e.error, "lower": e.lower, "upper": e.upper}
 
     points: dict[str, Any] = {"deviation": fit.deviations}

@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..fidelity_study import statistics
-from ..fidelity_study.encounters import EDGES
+from ..fidelity_study.contacts import EDGES
 from .gas import set_scale
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
@@ -71,9 +70,8 @@ def _title(f: Fidelity) -> str:
     return f"{number}{bars}"
 
 
-def _band(ax: Axes, x: Any, found: Any, look: dict[str, Any], **more: Any) -> None:
-    """A line with one standard error on either side."""
-    mean, error = found
+def _band(ax: Axes, x: Any, mean: Any, error: Any, look: dict[str, Any], **more: Any) -> None:
+    """A line with a band of one standard error on either side."""
     ax.plot(x, mean, **look, **more)
     ax.fill_between(x, mean - error, mean + error, color=look["color"], alpha=0.18, lw=0.0)
 
@@ -81,7 +79,9 @@ def _band(ax: Axes, x: Any, found: Any, look: dict[str, Any], **more: Any) -> No
 def _temperature(ax: Axes, f: Fidelity, factor: float) -> None:
     values = f.dataset["granular_temperature"].values
     for model, found in zip(f.models, values, strict=True):
-        _band(ax, f.plan.times * factor, found.T, LOOKS[model], label=NAMES.get(model, model))
+        _band(
+            ax, f.plan.times * factor, found[:, 0], found[:, 1], LOOKS[model], label=NAMES.get(model, model)
+        )
     set_scale(ax, values[..., 0].ravel(), [])
     ax.set_ylabel("granular temperature\n[m²/s²]")
 
@@ -91,8 +91,7 @@ def _difference(ax: Axes, f: Fidelity, name: str, label: str, factor: float) -> 
     ax.axhline(0.0, color="black", lw=1.0)
     for model in f.models[1:]:
         found = f.difference(name, model)
-        shown = statistics.Estimate(100.0 * found.mean, 100.0 * found.error)
-        _band(ax, f.plan.times * factor, shown, LOOKS[model])
+        _band(ax, f.plan.times * factor, 100.0 * found.value, 100.0 * found.error, LOOKS[model])
         left = f.departure(name, model)
         if left is not None:
             ax.plot(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..column.scenario import Column
-from ..support import processors, validation
+from ..support import machine, validation
 from ..support.progress import reporter
 from .chunks import Chunks
 from .engines import ENGINES, Engine
@@ -162,4 +162,4 @@ def _threads(threads: Any, engine: Engine) -> int:
         return validation.whole("threads", threads, 1, 1024)
     if engine.many_tasks:
         return 1
-    return processors.usable()
+    return machine.processors()

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..support.memory import available_memory, shown_bytes
+from ..support import machine
+from ..support.formatting import size
 from .chunks import Chunks
 from .computation import Computation, Values, dataset
 
@@ -57,13 +58,15 @@ def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> 
         With the room that the results would take.
     """
     each = sum(variable.bytes_of_point for variable in computation.results.values())
-    points, taken = computation.size, f"{shown_bytes(computation.size * each)} of results"
+    points, taken = computation.size, f"{size(computation.size * each)} of results"
     if in_store:
         most = MOST_CHUNKS * (points // chunks.number or 1)
         if chunks.number > MOST_CHUNKS:
             raise ValueError(f"points: got {points:.3g}, {taken}, must be <= {most:.2g} in one store")
         return
-    room = available_memory()
+    room = machine.free_memory()
     if points * each > room:
-        need = f"must fit in the {shown_bytes(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
+        need = (
+            f"must fit in the {size(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
+        )
         raise ValueError(f"points: got {points:.3g}, {taken}, {need}")

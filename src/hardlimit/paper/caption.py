@@ -1,4 +1,4 @@
-"""What stands below a figure: the parameters it was computed with, and what it means."""
+"""The caption of a figure: its parameters, and what it means for event-driven simulations."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 FONT_SIZE: Final = 8.5  #: [points]
 LINE: Final = 0.155  #: [inch] from one line of the caption to the next
-LETTERS: Final = 17.3  #: that fit into an inch
+LETTERS: Final = 17.3  #: per inch
 
-#: Names of ``attrs["parameters"]`` in the order in which they are written: symbol and unit.
+#: Symbol and unit of the entries of ``attrs["parameters"]``, in the order of the caption.
 SYMBOLS: Final = {
     "restitution": ("ε", ""),
     "impact_speed_m_s": ("v_in", "m/s"),
@@ -30,7 +30,7 @@ SYMBOLS: Final = {
     "height_m": ("z1(0)", "m"),
 }
 
-#: How symbols of plain text are set.
+#: Plain symbols as mathematical text.
 TYPESET: Final = {
     "R1/R2": "$R_1/R_2$",
     "z1(0)": "$z_1^{(0)}$",
@@ -47,7 +47,7 @@ TYPESET: Final = {
 
 
 def write_caption(figure: Figure, data: xr.Dataset) -> None:
-    """Write parameters and meaning below the axes, in space taken from them."""
+    """Write parameters and meaning below the axes, which shrink to make room."""
     width, height = figure.get_size_inches()
     wrap = int(LETTERS * width)
     lines = textwrap.wrap(parameter_line(json.loads(data.attrs["parameters"])), wrap)
@@ -61,7 +61,7 @@ def write_caption(figure: Figure, data: xr.Dataset) -> None:
 
 
 def parameter_line(parameters: dict[str, Any]) -> str:
-    """``Parameters: ε = 0.7, Δh = 0.1 mm, …``; a line never breaks within one of them."""
+    """``Parameters: ε = 0.7, Δh = 0.1 mm, …``, without line breaks inside an entry."""
     parts = []
     for name, (symbol, unit) in SYMBOLS.items():
         if name in parameters:
@@ -87,7 +87,7 @@ _LENGTHS: Final = ((0.2, 1.0, "m"), (5e-3, 1e2, "cm"), (0.0, 1e3, "mm"))
 
 
 def typeset(text: str) -> str:
-    """Symbols and powers of ten as mathematical text."""
+    """Text with symbols and powers of ten as mathematical text."""
     for plain, mathematical in TYPESET.items():
         alone = rf"(?<![\w$\\_{{/]){re.escape(plain)}(?![\w/])"
         text = re.sub(alone, mathematical.replace("\\", r"\\"), text)
