@@ -32,7 +32,7 @@ from harness import publish, table
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes.engines import scene
+from hardlimit.boxes.falling_frame import engine_arguments
 
 TABLES = ("rates", "kinds", "cooling")
 LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")
@@ -52,7 +52,7 @@ class Ours:
         if law:
             restitution = math.nan
         duration = 1e-4 if rule == "tc" else math.nan
-        self.run = _core.HardSpheres(*scene(system), rule, restitution, law, duration, False)
+        self.run = _core.HardSpheres(*engine_arguments(system), rule, restitution, law, duration, False)
 
     def warm_up(self) -> Ours:
         self.run.advance(math.inf, 5 * len(self.run.state()[0]))

@@ -19,7 +19,7 @@ from harness import Method, arguments, interleave, publish, table
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes.engines import choice, scene
+from hardlimit.boxes.falling_frame import engine_arguments, law_arguments
 from hardlimit.boxes.theory import Gas
 
 try:
@@ -96,10 +96,16 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
     step = duration / STEPS_PER_CONTACT
     span = SPAN / rate
     steps = max(20, min(math.ceil(span / step), 20_000_000 // system.n))
-    events = Run(_core.NewtonEvents(*scene(system), choice(law)), span, "contacts_reached")
-    stepping = Run(_core.NewtonSteps(*scene(system), choice(law), step), steps * step, "n_contacts")
+    events = Run(_core.NewtonEvents(*engine_arguments(system), law_arguments(law)), span, "contacts_reached")
+    stepping = Run(
+        _core.NewtonSteps(*engine_arguments(system), law_arguments(law), step), steps * step, "n_contacts"
+    )
     nan = math.nan
-    hard = Run(_core.HardSpheres(*scene(system), "constant", RESTITUTION, None, nan, False), span, "n_rows")
+    hard = Run(
+        _core.HardSpheres(*engine_arguments(system), "constant", RESTITUTION, None, nan, False),
+        span,
+        "n_rows",
+    )
     methods = [
         Method("events", "", events, 1),
         Method("steps", f"t_c/{STEPS_PER_CONTACT}", stepping, 1),

@@ -17,7 +17,6 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
-from hardlimit.cli.sweep import axis
 
 import hardlimit as hl
 from command_line import printed, refused, run
@@ -25,6 +24,7 @@ from conftest import law_of, slow
 from hardlimit import _core
 from hardlimit.cli import main
 from hardlimit.cli.gas import compare
+from hardlimit.cli.sweep import axis
 from hardlimit.column import files
 from hardlimit.contact.contact import law_parameters
 from legible import coloured
