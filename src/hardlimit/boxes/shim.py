@@ -12,7 +12,7 @@ CLASSES: dict[str, Any] = {
     "newton_events": _core.NewtonEvents,
     "newton_steps": _core.NewtonSteps,
 }
-COLLISIONS = ("time", "first", "second", "impact_speed")
+COLLISIONS = ("time", "first", "second", "impact_speed", "separation_speed")
 CONTACTS = ("begin", "end", "first", "second", "impact_speed", "separation_speed", "overlapped")
 
 
