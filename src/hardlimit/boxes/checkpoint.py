@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 3  #: of the file; another one is refused
+FORMAT: Final = 4  #: of the file; another one is refused
 HEADER: Final = "header"
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..system import Floats
+from ..box import Floats
 from .forces import Integers
 from .touching import Change
 

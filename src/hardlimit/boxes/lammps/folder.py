@@ -11,8 +11,8 @@ from typing import Any
 from ...contact.contact import Law
 from ...support import validation
 from .. import time_step as steps
-from ..contact_result import ContactResult
-from ..engines import checked_keeping
+from ..result import ContactResult
+from ..run import checked_keeping
 from ..softness import refuse_too_soft
 from ..system import ParticleSystem
 from . import half_steps, running
@@ -149,7 +149,7 @@ def make_job(
     ValueError
         If a value is outside its range, or LAMMPS cannot do it.
     """
-    count, keep, _, _ = checked_keeping(samples, log, None, 60.0)
+    count, keep, *_ = checked_keeping(samples, log, None, 60.0)
     refuse_too_soft(system, law)
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, half_steps.longest_step)

@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 
 from ... import _core
 from ...contact.contact import Law
-from ..system import Floats, ParticleSystem
+from ..box import Floats
+from ..system import ParticleSystem
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -101,10 +102,10 @@ def _needs(law: Law) -> tuple[str, ...]:
 
 
 def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> str:
-    """The words for the contact of two bodies of these masses [kg] and radii [m]; a wall has infinite ones."""
+    """The coefficients for the contact of two bodies of these masses [kg] and radii [m]; a wall has infinite ones."""
     mass, radius = (_core.effective(a, b) for a, b in zip(body, other, strict=True))
-    words = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
-    return f"{words} {COMMON}"
+    coefficients = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
+    return f"{coefficients} {COMMON}"
 
 
 def _contact(law: Law, mass: float, radius: float) -> Any:

@@ -67,7 +67,7 @@ def write(job: Job, folder: Path) -> Path:
 
 
 def _coefficients(job: Job, types: Types) -> Mapping[tuple[int, int | None], str]:
-    """The words for each pair of types, and for each type at a wall."""
+    """The coefficients for each pair of types, and for each type at a wall."""
     found: dict[tuple[int, int | None], str] = {}
     wall = (float("inf"), float("inf"))
     for i, body in enumerate(types.bodies):

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from ..system import Floats
+from ..box import Floats
 
 #: Of the log, one row for each sample.
 THERMO: Final = ("step", "kinetic_energy", "potential_energy", "px", "py", "pz", "virial")

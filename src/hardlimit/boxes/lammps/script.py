@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from ..engines import common_fall
-from ..system import AXES, ParticleSystem
+from ..box import AXES
+from ..system import ParticleSystem
 from .forces import Types
 
 #: Of the neighbour list, in mean radii: half the mean free gap between neighbours, within these limits.
@@ -40,7 +40,7 @@ def script(
     plan: Plan,
     header: Sequence[str],
 ) -> str:
-    """The input as text. ``coefficients``: words for pairs (i, j) of types, and for (i, None), a type at a wall."""
+    """The input as text. ``coefficients``: those for pairs (i, j) of types, and for (i, None), a type at a wall."""
     parts = [
         [f"# {line}".rstrip() for line in header],
         _box(system),
@@ -69,7 +69,7 @@ def _box(system: ParticleSystem) -> list[str]:
 
 
 def _forces(coefficients: Mapping[tuple[int, int | None], str]) -> list[str]:
-    pairs = [f"pair_coeff {i + 1} {j + 1} {words}" for (i, j), words in coefficients.items() if j is not None]
+    pairs = [f"pair_coeff {i + 1} {j + 1} {text}" for (i, j), text in coefficients.items() if j is not None]
     return ["# forces", "pair_style granular", *pairs]
 
 
@@ -102,7 +102,7 @@ def _walls(
 def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     """Without friction nothing turns."""
     yield "# motion"
-    pull = system.gravity - common_fall(system)
+    pull = system.gravity - system.domain.common_fall
     if pull.any():
         size = float(np.sqrt(pull @ pull))
         along = " ".join(map(repr, [*pull.tolist(), 0.0][:3]))

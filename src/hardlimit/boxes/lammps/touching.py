@@ -12,7 +12,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from ..system import Floats, ParticleSystem
+from ..box import Floats
+from ..system import ParticleSystem
 from .forces import Flags, Integers, Pairs
 from .rows import Snapshot, snapshots, table
 
@@ -67,14 +68,11 @@ class WallDump:
 
     def _sides(self, step: Integers, table: Floats) -> Iterator[tuple[Any, ...]]:
         number = table[:, 0].astype(np.int64) - 1
-        for axis, side in enumerate(self._system.boundary):
-            if side != "wall":
-                continue
+        for wall, axis, upper in self._system.domain.walls():
             x, v, edge = table[:, 1 + axis], table[:, 4 + axis], self._system.box[axis]
-            for wall, gap, rate in ((-1 - 2 * axis, x, -v), (-2 - 2 * axis, edge - x, v)):
-                depth = self._system.radius[number] - gap
-                hit = depth > 0.0
-                yield step[hit], number[hit], np.full(int(hit.sum()), wall), depth[hit], rate[hit]
+            depth = self._system.radius[number] - (edge - x if upper else x)
+            rate, hit = v if upper else -v, depth > 0.0
+            yield step[hit], number[hit], np.full(int(hit.sum()), wall), depth[hit], rate[hit]
 
 
 class Sums(NamedTuple):
