@@ -1,8 +1,28 @@
-// Cells of the event-driven engine: set-up, neighbours of a body, crossing into another cell.
+// Set-up of the event-driven engine, and its cells: neighbours of a body, crossing into another cell.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
+
+template <class Law>
+NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& position,
+                                const std::vector<double>& velocity, PairLaws<Law> laws, bool log,
+                                const hardlimit_abi::TouchKernels& kernels)
+    : box_(box),
+      laws_(std::move(laws)),
+      soft_(soft_contacts(laws_, position.size() / 3, kernels)),
+      keep_log_(log),
+      gravity_(std::to_array(box.gravity)) {
+    const std::size_t n = position.size() / 3;
+    find_extreme_radii(n);
+    largest_safety_radius_ = initial_safety_radius(velocity);
+    make_cells(n, kernels);
+    load(position, velocity);
+    begin_contacts();
+    for (int i = 0; i < static_cast<int>(n); ++i)
+        if (free(i)) predict_events(i);
+    restart_calendar_queue();
+}
 
 template <class Law>
 void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {

@@ -183,11 +183,8 @@ private:
             return e.end == of.time && e.group == of.group && !e.clustered;
         };
     }
-    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
-                                                 const hardlimit_abi::TouchKernels& kernels);
     void prefetch_contact_ends() const;
     void process_event(int i);
-    void end_run(Outcome outcome, const std::vector<int>& bodies, i64 wall = 0);
 
     // cells.hpp
     void find_extreme_radii(std::size_t n);
@@ -239,6 +236,7 @@ private:
     void find_third_bodies(int i, int index, std::vector<int>& near) const;
     void schedule_group(int index);
     bool ends_too_deep(int index);
+    void end_run(Outcome outcome, const std::vector<int>& bodies, i64 wall = 0);
 
     // membership.hpp
     int new_group();
@@ -279,6 +277,8 @@ private:
     double safety_radius_used(const Group& g, std::size_t m, const Vector3& at, double time) const;
 
     // isolated_contact.hpp
+    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                 const hardlimit_abi::TouchKernels& kernels);
     bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
     void separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
                        const Vector3& normal, const Vector3& across) const;
@@ -301,49 +301,6 @@ private:
     template <class Archive>
     static void exchange(Archive& archive, Cluster<Law>& c);
 };
-
-template <class Law>
-NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& position,
-                                const std::vector<double>& velocity, PairLaws<Law> laws, bool log,
-                                const hardlimit_abi::TouchKernels& kernels)
-    : box_(box),
-      laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, position.size() / 3, kernels)),
-      keep_log_(log),
-      gravity_(std::to_array(box.gravity)) {
-    const std::size_t n = position.size() / 3;
-    find_extreme_radii(n);
-    largest_safety_radius_ = initial_safety_radius(velocity);
-    make_cells(n, kernels);
-    load(position, velocity);
-    begin_contacts();
-    for (int i = 0; i < static_cast<int>(n); ++i)
-        if (free(i)) predict_events(i);
-    restart_calendar_queue();
-}
-
-// Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
-// largest body; a pair that does not fit the table is solved directly.
-template <class Law>
-SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
-                                                         const hardlimit_abi::TouchKernels& kernels) {
-    std::size_t least = 0, most = 0;
-    for (std::size_t i = 1; i < count; ++i) {
-        if (laws.radius(i) < laws.radius(least)) least = i;
-        if (laws.radius(i) > laws.radius(most)) most = i;
-    }
-    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
-    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
-    const auto damping = [&](std::size_t i, std::size_t j) {
-        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
-        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
-    };
-    const double of_most = damping(most, most);
-    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
-    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
-    const auto first = static_cast<std::int64_t>(most);
-    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
-}
 
 template <class Law>
 void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& stop) {
@@ -412,16 +369,6 @@ void NewtonEvents<Law>::process_event(int i) {
     if (!box_.periodic[axis] && cells_.place(level_, e.cell)[axis] == last)
         return begin_contact(i, -1, 2 * axis + (is_high(own) ? 1 : 0));
     leave_cell(i);
-}
-
-// Ends the run at these bodies.
-template <class Law>
-void NewtonEvents<Law>::end_run(Outcome outcome, const std::vector<int>& bodies, i64 wall) {
-    if (outcome_ != Outcome::ok) return;
-    outcome_ = outcome;
-    ended_at_wall_ = wall;
-    for (const int i : bodies) ended_by_.push_back(pending_[i].original_index);
-    std::sort(ended_by_.begin(), ended_by_.end());
 }
 
 }  // namespace hardlimit::boxes

@@ -4,6 +4,29 @@
 
 namespace hardlimit::boxes {
 
+// Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
+// largest body; a pair that does not fit the table is solved directly.
+template <class Law>
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                         const hardlimit_abi::TouchKernels& kernels) {
+    std::size_t least = 0, most = 0;
+    for (std::size_t i = 1; i < count; ++i) {
+        if (laws.radius(i) < laws.radius(least)) least = i;
+        if (laws.radius(i) > laws.radius(most)) most = i;
+    }
+    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
+    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
+    const auto damping = [&](std::size_t i, std::size_t j) {
+        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
+        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
+    };
+    const double of_most = damping(most, most);
+    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
+    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
+    const auto first = static_cast<std::int64_t>(most);
+    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
+}
+
 // Solves the contact of two bodies in their plane of approach. Returns false if the contact does not end, or if a
 // member moves too far for its cell.
 template <class Law>

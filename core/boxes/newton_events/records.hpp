@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "../common/contact_record.hpp"
 #include "../common/particle.hpp"
 #include "../common/storage.hpp"
 #include "cluster/cluster.hpp"
