@@ -281,7 +281,7 @@ private:
                                                  const hardlimit_abi::TouchKernels& kernels);
     bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
     void separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
-                       const Vector3& normal, const Vector3& across) const;
+                       const Vector3& normal, const Vector3& tangent) const;
     bool solve_wall(IsolatedContact& l, SeparatedMembers& after);
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
