@@ -34,7 +34,7 @@ inline std::string name_in(const std::vector<char>& letters) { return {letters.b
 
 // What a run is made of, beside the state.
 struct BoxSetting {
-    boxes::steps::Box box{};
+    boxes::Box3 box{};
     Numbers mass, radius;   // [N]
     std::vector<char> law;  // its name
     int alternative = 0;
@@ -145,12 +145,12 @@ EarlyEnd early_end(const Engine& engine) {
 }
 
 // Contacts as begin, end, first, second, impact_speed, separation_speed, overlapped.
-inline nanobind::tuple columns(const std::vector<boxes::ContactRow>& rows) {
+inline nanobind::tuple columns(const std::vector<boxes::ContactRecord>& rows) {
     const std::size_t n = rows.size();
     Numbers begin, end, impact, separation;
     std::vector<std::int64_t> first, second;
     std::vector<std::uint8_t> overlapped;
-    for (const boxes::ContactRow& r : rows) {
+    for (const boxes::ContactRecord& r : rows) {
         begin.push_back(r.begin), end.push_back(r.end);
         first.push_back(r.first), second.push_back(r.second);
         impact.push_back(r.impact_speed), separation.push_back(r.separation_speed);

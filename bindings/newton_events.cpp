@@ -34,7 +34,7 @@ public:
     virtual double cluster_share() const = 0;
     virtual hp::NewtonObservation observe() const = 0;
     virtual double safety_radius_used(int instants) const = 0;
-    virtual std::vector<hp::ContactRow> take_log() = 0;
+    virtual std::vector<hp::ContactRecord> take_log() = 0;
     virtual void save(hp::Writer& writer) const = 0;
 };
 
@@ -59,7 +59,7 @@ public:
     double cluster_share() const override { return run_.cluster_share(); }
     hp::NewtonObservation observe() const override { return run_.observe(); }
     double safety_radius_used(int instants) const override { return run_.safety_radius_used(instants); }
-    std::vector<hp::ContactRow> take_log() override { return run_.take_log(); }
+    std::vector<hp::ContactRecord> take_log() override { return run_.take_log(); }
     void save(hp::Writer& writer) const override { run_.save(writer); }
 
 private:

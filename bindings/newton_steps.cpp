@@ -1,6 +1,6 @@
 // Binding of the engine that takes small steps: arrays in and out, the threads run with the interpreter unlocked.
 #include "boxes/newton_steps/engine.hpp"
-#include "boxes/newton_steps/isolated.hpp"
+#include "boxes/newton_steps/time_step.hpp"
 
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
@@ -49,8 +49,8 @@ public:
     virtual const steps::ContactLog& log() const = 0;
     virtual void state(double* position, double* velocity) const = 0;
     virtual hp::StepsObservables observe() const = 0;
-    virtual std::vector<hp::ContactRow> take_log() = 0;
-    virtual std::vector<hp::ContactRow> open_contacts() const = 0;
+    virtual std::vector<hp::ContactRecord> take_log() = 0;
+    virtual std::vector<hp::ContactRecord> open_contacts() const = 0;
     virtual void save(hp::Writer& writer) = 0;
 };
 
@@ -94,8 +94,8 @@ public:
     const steps::ContactLog& log() const override { return steps_.log(); }
     void state(double* position, double* velocity) const override { steps_.state(position, velocity); }
     hp::StepsObservables observe() const override { return steps_.observe(); }
-    std::vector<hp::ContactRow> take_log() override { return steps_.take_log(); }
-    std::vector<hp::ContactRow> open_contacts() const override { return steps_.open_contacts(); }
+    std::vector<hp::ContactRecord> take_log() override { return steps_.take_log(); }
+    std::vector<hp::ContactRecord> open_contacts() const override { return steps_.open_contacts(); }
     void save(hp::Writer& writer) override { steps_.save(writer); }
 
 private:
@@ -134,7 +134,7 @@ public:
     const Setting& setting() const { return setting_; }
 
 private:
-    static constexpr const char* mark = "NewtonSteps 5";
+    static constexpr const char* mark = "NewtonSteps 6";
     Setting setting_;
     std::unique_ptr<Engine> engine_;
 

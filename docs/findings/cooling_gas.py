@@ -242,9 +242,7 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
             for shift, rule in enumerate(RULES):
                 found = difference(ds, quantity, rule)
                 at = np.s_[:, column, row]
-                _points(
-                    ax, Estimate(*(part[at] for part in found)), ds.sizes["replica"], rule, shift
-                )
+                _points(ax, Estimate(*(part[at] for part in found)), ds.sizes["replica"], rule, shift)
             if row == 0:
                 ax.set_title(rf"$\phi$ = {phi:g}")
             if column == 0:

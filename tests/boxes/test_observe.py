@@ -143,15 +143,16 @@ def test_what_is_no_observation_is_refused(case):
 def test_a_checkpoint_needs_its_function_again(tmp_path):
     with_one, without = tmp_path / "a", tmp_path / "b"
     run("events", grains(), checkpoint=with_one, observe=look)
-    run("constant", grains(), checkpoint=without)
+    run("constant", grains(), checkpoint=without, observe=lambda time, system: {})
     with pytest.raises(
         ValueError, match=r"^observe: missing, must be given again: the run of this checkpoint"
     ):
         hl.resume(with_one)
     with pytest.raises(
-        ValueError, match=r"^observe: got <function look .*must be left out: the run of this ch"
+        ValueError, match=r"^observe: at \S+ s got the names 'at', .* must be those before: none"
     ):
-        hl.resume(without, observe=look)
+        hl.resume(without, until=0.4, observe=look)
+    assert hl.resume(without, until=0.4).observed == {}
     with pytest.raises(ValueError, match=r"^observe: got 1, must be a function of time and system"):
         hl.resume(with_one, observe=1)
 

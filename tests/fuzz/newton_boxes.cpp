@@ -19,7 +19,7 @@ using Draw = fuzz::Draw<fuzz::Bytes>;
 // Speeds and gravity such that all energy together compresses a contact by a part of the smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
-    steps::Box box{};
+    Box3 box{};
     std::vector<double> x, v;  // [3 N]
     PairLaws<Law> laws;
     double energy = 0.0, momentum = 0.0;  // the most there can be [J], [kg m/s]
@@ -160,7 +160,7 @@ private:
                     "momentum is kept");
         check_overlaps(now, scale);
         require(engine_->safety_radius_used(5) <= 1.0, "true paths keep to the space that is left to them");
-        for (const ContactRow& row : engine_->take_log())
+        for (const ContactRecord& row : engine_->take_log())
             require(row.begin >= 0.0 && row.end >= row.begin && row.end <= engine_->time() &&
                         (row.second < 0 || row.first < row.second),
                     "contacts begin and end");
@@ -197,7 +197,7 @@ private:
         const double reach = c_.radius[i] + (j < 0 ? 0.0 : c_.radius[j]);
         if (!(depth > 0.0)) return;
         const double compression = c_.of_depth(i, math::max(j, std::int64_t{-1}), depth);
-        const bool known = std::any_of(now.open.begin(), now.open.end(), [&](const ContactRow& row) {
+        const bool known = std::any_of(now.open.begin(), now.open.end(), [&](const ContactRecord& row) {
             return row.first == i && row.second == j && math::is_nan(row.end);
         });
         if (!known) slack_ += compression;

@@ -39,7 +39,9 @@ enum class SelfEvent : u32 {
     rescan,  // looks for smaller particles anew
     ends,    // its group of bodies in contact ends
 };
-constexpr SelfEvent own_event(int axis, bool high) { return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0)); }
+constexpr SelfEvent own_event(int axis, bool high) {
+    return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0));
+}
 // The user's number of the wall that is met: −1 − 2·axis at 0, −2 − 2·axis at the edge.
 constexpr i64 wall_number(SelfEvent own) { return -1 - static_cast<i64>(own); }
 constexpr int axis_of(SelfEvent own) { return static_cast<int>(own) / 2; }

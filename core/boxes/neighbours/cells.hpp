@@ -274,7 +274,8 @@ private:
             for (int at = -steps_beyond; at < n + steps_beyond; ++at) {
                 const bool inside = at >= 0 && at < n;
                 const int wrapped = ((at % n) + n) % n;
-                steps_.push_back(inside || box.periodic[k] ? static_cast<u32>(wrapped) * stride : no_particle);
+                steps_.push_back(inside || box.periodic[k] ? static_cast<u32>(wrapped) * stride
+                                                           : no_particle);
             }
             stride *= static_cast<u32>(n);
         }

@@ -42,8 +42,8 @@ namespace hardlimit::boxes {
 template <class Law>
 class NewtonEvents {
 public:
-    using Box = steps::Box;
-    using Row = ContactRow;
+    using Box = Box3;
+    using Row = ContactRecord;
 
     // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step
     // of all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,

@@ -107,7 +107,7 @@ struct NewtonObservation {
     double virial;               // ∫ Σ r·F dt over pairs since the start [J s]
     double largest_compression;  // of all contacts so far, over the smaller radius
     std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
-    std::vector<ContactRow> open;  // contacts that last, and ended ones of groups that still last
+    std::vector<ContactRecord> open;  // contacts that last, and ended ones of groups that still last
 };
 
 }  // namespace hardlimit::boxes

@@ -15,6 +15,7 @@ from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import html
+from ..support.formatting import digits
 from . import observables, observe
 from .box import WALL_NUMBERS, Floats, read_only, wall_name
 from .observables import OBSERVABLES, Samples
@@ -491,5 +492,5 @@ class ContactResult(_Result):
 def _table(
     title: str, quantities: list[tuple[str, float]], outcome: str, more: list[tuple[str, str]] | None = None
 ) -> str:
-    rows = [(label, html.number(value)) for label, value in quantities]
+    rows = [(label, digits(value)) for label, value in quantities]
     return html.table(title, ["", ""], [list(row) for row in (*rows, *(more or []), ("outcome", outcome))])

@@ -127,21 +127,17 @@ class Run:
         self._sampled = samples, replace(target, until=until, max_collisions=max_collisions)
 
     def set_observe(self, observe: Any) -> None:
-        """Go on with this function of the user.
+        """Go on with this function of the user, whose names and shapes must stay.
 
         Raises
         ------
         ValueError
-            If it cannot be called, or is given although the run began without one, or the reverse.
+            If it cannot be called, or is missing although values of it are in the samples.
         """
-        found = observing.checked_function(observe)
-        began = self._keeping.observe is not None
-        if began and found is None:
+        found, samples = observing.checked_function(observe), self._sampled[0]
+        returned = samples[-1].observed if samples else self._keeping.observe
+        if found is None and returned:
             raise ValueError("observe: missing, must be given again: the run of this checkpoint has one")
-        if found is not None and not began:
-            raise ValueError(
-                f"observe: got {validation.shown(observe)}, must be left out: the run of this checkpoint has none"
-            )
         self._keeping = self._keeping._replace(observe=found)
 
     # --- the loop -------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from ..support import html, validation
+from ..support.formatting import digits
 from ..support.progress import Report, reporter
 from . import files, starts
 from .box import (
@@ -504,11 +505,11 @@ def described(system: ParticleSystem) -> list[tuple[str, str]]:
     found = [
         ("box [m]", _times(system.box)),
         ("sides", ", ".join(f"{axis} {side}" for axis, side in zip(AXES, system.boundary, strict=False))),
-        ("packing fraction φ", html.number(system.packing_fraction)),
+        ("packing fraction φ", digits(system.packing_fraction)),
         ("radius [m]", _between(system.radius)),
         ("mass [kg]", _between(system.mass)),
-        ("granular temperature [m²/s²]", html.number(system.granular_temperature)),
-        ("kinetic energy [J]", html.number(system.kinetic_energy)),
+        ("granular temperature [m²/s²]", digits(system.granular_temperature)),
+        ("kinetic energy [J]", digits(system.kinetic_energy)),
     ]
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support import html
+from ..support.formatting import digits
 from .models import ADIABATIC, MODELS
 from .result import Result, quantities
 from .scenario import Column
@@ -48,7 +49,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         columns = [quantities(result) for result in self.results]
-        rows = [[row[0][0], *(html.number(value) for _, value in row)] for row in zip(*columns, strict=True)]
+        rows = [[row[0][0], *(digits(value) for _, value in row)] for row in zip(*columns, strict=True)]
         rows.append(["outcome", *(result.outcome.split(":")[0] for result in self.results)])
         head = ["", *(MODELS[result.model].short for result in self.results)]
         return html.table("Newton’s equations and event-driven", head, rows, self.verdict.sentence)
@@ -235,9 +236,9 @@ def _speed(column: Column) -> float:
 
 
 def _both(hard: float, true: float) -> str:
-    """Two different velocities, with enough digits to show the difference."""
-    for digits in range(3, 18):
-        texts = [f"{value:.{digits}g}".replace("-", "−") for value in (hard, true)]
+    """Two velocities with as many digits as needed to tell them apart."""
+    for significant in range(3, 18):
+        texts = [f"{value:.{significant}g}".replace("-", "−") for value in (hard, true)]
         if texts[0] != texts[1]:
             break
     return f"{texts[0]} m/s instead of {texts[1]} m/s"

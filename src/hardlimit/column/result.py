@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..contact import compression
 from ..support import html, validation
+from ..support.formatting import digits
 from .models import MODELS, Model
 from .scenario import Column
 
@@ -90,7 +91,7 @@ class Result:
         return f"<Result of {self.model} ({self.method}): {found}>"
 
     def _repr_html_(self) -> str:
-        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows = [[label, digits(value)] for label, value in quantities(self)]
         rows.append(["outcome", self.outcome])
         model = MODELS[self.model]
         return html.table(f"{model.label}: {self.method}", ["", ""], rows, f"Limits: {model.limits}.")
@@ -434,7 +435,9 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("relative velocity v'r at t_f [m/s]", result.relative_velocity),
             ("separation velocity [m/s]", result.separation_velocity),
             ("effective ε at t_f", result.effective_restitution),
+            ("effective ε at separation", result.effective_restitution_at_separation),
             ("effective ε / ε at t_f", result.restitution_ratio),
+            ("effective ε / ε at separation", result.restitution_ratio_at_separation),
         ]
     found += compression.rows(result.largest_compression)
     for i in reversed(range(len(column.balls))):

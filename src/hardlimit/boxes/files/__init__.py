@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from ...support import saving, validation
+from ...support.formatting import listed
 from . import extended_xyz, gsd_file, lammps_data
 from .frame import Append, Frame
 
@@ -35,7 +36,7 @@ def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
     target = Path(path)
     if target.suffix.lower() not in FORMATS:
         raise ValueError(
-            f"{parameter}: got {validation.shown(str(path))}, must end in {validation.any_of([*FORMATS])}"
+            f"{parameter}: got {validation.shown(str(path))}, must end in {listed([*FORMATS], 'or')}"
         )
     return target, FORMATS[target.suffix.lower()]
 
