@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .boxes.contact_result import ContactResult
 from .boxes.newton import molecular_dynamics
+from .boxes.result import ContactResult
 from .boxes.system import ParticleSystem
 from .column.result import Result
 from .column.scenario import Column
