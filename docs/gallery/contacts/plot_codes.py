@@ -2,11 +2,10 @@ r"""
 What do other codes make of 0.7?
 ================================
 
-The number 0.7 in the input of a particle code, and the restitution that comes out of its force, between two
-grains and at a wall. LAMMPS has a keyword that decides whether the force may attract at the end of a contact;
-YADE halves the mass at a wall. :func:`hardlimit.convert` gives the number with which each of them has 0.7
-(:doc:`/convert`, which also says which of these codes were run and which were compared with their sources
-only).
+The restitution that results from the number 0.7 in the input of a particle code, between two grains and at a
+wall. In LAMMPS a keyword decides whether the force may attract at the end of a contact. YADE halves the mass at
+a wall. :func:`hardlimit.convert` computes the number with which each code gives 0.7. :doc:`/convert` says which
+of these codes were run and which were only compared with their source code.
 """
 
 import matplotlib.pyplot as plt

@@ -1,13 +1,12 @@
 r"""
-May one use the series for viscoelastic spheres?
+Can the series for viscoelastic spheres be used?
 ================================================
 
-The restitution of viscoelastic spheres depends on one number,
-:math:`x = \frac32 A (\rho/m_\mathrm{eff})^{2/5} v^{1/5}`. Published are a power series in :math:`\sqrt x` (Eq.
-B3; Schwager & Pöschel, Phys. Rev. E 78, 051304 (2008)) and Padé forms made of it (Müller & Pöschel, Phys.
-Rev. E 84, 021302 (2011)). Both are compared with the solution of the collision. The series is excellent for
-weak damping and useless beyond :math:`x \approx 0.6`, where more terms make it worse; the Padé form [3/6]
-stays within 7e-4 everywhere.
+The restitution of viscoelastic spheres depends on one number, :math:`x = \frac32 A (\rho/m_\mathrm{eff})^{2/5}
+v^{1/5}`. A power series in :math:`\sqrt x` (Eq. B3; Schwager & Pöschel, Phys. Rev. E 78, 051304 (2008)) and
+Padé forms based on it (Müller & Pöschel, Phys. Rev. E 84, 021302 (2011)) have been published. Both are compared
+here with the exact solution of the collision. The series is excellent for weak damping and useless beyond
+:math:`x \approx 0.6`, where more terms increase the error. The Padé form [3/6] is within 7e-4 everywhere.
 """
 
 import matplotlib.pyplot as plt

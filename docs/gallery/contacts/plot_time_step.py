@@ -3,12 +3,11 @@ How small must the time step be?
 ================================
 
 The error of the restitution over the number of time steps in a contact, for a linear dashpot of
-:math:`\varepsilon = 0.7` with the number that makes each code exact in the limit. LAMMPS, like all the codes
-of the picture before this one, evaluates the damping at the velocities of half a step earlier: the error is
-of first order, and 50 steps in a contact, a common choice, leave half a per cent. The engine ``"steps"`` of
-this package takes the velocities of the same instant, and its error is of second order. Dotted lines have the
-slopes 1 and 2. The largest error over the phases at which a touch may fall between two steps is what counts,
-and what both curves show.
+:math:`\varepsilon = 0.7` with the number that makes each code exact in the limit. LAMMPS, like all codes of the
+previous picture, evaluates the damping with the velocities of half a step earlier. Its error is of first order,
+and 50 steps in a contact, a common choice, give an error of half a per cent. The engine ``"steps"`` of this
+package uses the velocities of the same instant, and its error is of second order. Dotted lines have the slopes
+1 and 2. Both curves show the largest error over all positions of the first touch between two steps.
 """
 
 import matplotlib.pyplot as plt

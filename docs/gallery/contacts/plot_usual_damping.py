@@ -2,12 +2,13 @@ r"""
 Why do I get more restitution than I asked for?
 ===============================================
 
-Most particle codes turn a coefficient of restitution into damping by
-:math:`\zeta = -\ln\varepsilon/\sqrt{\pi^2 + \ln^2\varepsilon}`. That is right for a contact that ends when the
-bodies part, after a phase in which the dashpot pulls them together. If the code cuts this attraction off, the
-contact ends earlier and returns more: 0.7 becomes 0.718, 0.3 becomes 0.397. The exact relation,
+Most particle codes convert a coefficient of restitution into damping by :math:`\zeta =
+-\ln\varepsilon/\sqrt{\pi^2 + \ln^2\varepsilon}`. This is right for a contact that ends when the gap opens,
+after a phase in which the dashpot attracts the bodies. If the code cuts off this attraction, the contact ends
+earlier and the restitution is larger: 0.7 becomes 0.718, and 0.3 becomes 0.397. The exact relation,
 :math:`\varepsilon = \exp[-(\pi - 2\varphi)\tan\varphi]` with :math:`\sin\varphi = \beta/\omega_0` (Schwager &
-Pöschel, Granular Matter 9, 465 (2007)), has a solution for every :math:`\varepsilon`; the laws here use it.
+Pöschel, Granular Matter 9, 465 (2007)), has a solution for every :math:`\varepsilon`. The laws of this package
+use it.
 """
 
 import matplotlib.pyplot as plt

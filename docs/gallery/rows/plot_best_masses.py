@@ -2,10 +2,10 @@ r"""
 Which masses throw the top ball highest?
 ========================================
 
-Four balls, the lowest of 1 kg and the top one of 10 g: which two between them? For collisions the best masses
-are in geometric progression. For balls that touch they are not: heavy ones below, a light one on top, and
-between them balls that hardly differ. On the right both stacks over the gap between neighbours, in units of
-the way :math:`V t_c` that a ball falls during a contact: each set is the better one where it was made for
+Four balls, the lowest of 1 kg and the top one of 10 g: which two are best between them? For collisions the best
+masses are in geometric progression. For touching balls they are not: heavy balls at the bottom, a light one on
+top, and nearly equal balls between them. On the right, both stacks over the gap between neighbours, in units of
+the distance :math:`V t_c` that a ball falls during a contact: each set is better in the range it was made for
 (:doc:`/stacks`). Contacts are linear and elastic.
 """
 

@@ -1,12 +1,12 @@
 """
-May the big ball ignore the small one?
-======================================
+Can the small ball's effect on the big one be neglected?
+========================================================
 
-Appendix A of the paper solves the drop for a lower ball that does not notice the upper one. How good is that?
-The separation velocity by that solution against the one of the full equations, over the ratio of the masses.
-The envelope of the error falls in proportion to :math:`m_2/m_1` (line); the dips are where it changes its
-sign. At the paper's :math:`R_1/R_2 = 10`, dotted, the error is a thousandth of the speed of impact; for a ball
-only ten times as heavy as the other it is a tenth.
+Appendix A of the paper solves the drop for a lower ball that is not affected by the upper one. How good is
+this? The picture compares its separation velocity with that of the full equations, over the mass ratio. The
+envelope of the error is proportional to :math:`m_2/m_1` (line); at the dips the error changes its sign. At the
+paper's :math:`R_1/R_2 = 10`, dotted, the error is a thousandth of the impact speed. For a ball only ten times
+as heavy as the other it is a tenth.
 """
 
 import matplotlib.pyplot as plt

@@ -1,16 +1,17 @@
 r"""
-Which restitution seems to be at work?
-======================================
+What is the effective restitution?
+==================================
 
-Independent collisions part the balls with :math:`v'_r = \varepsilon(1+\varepsilon)V`, where :math:`V` is the
-speed of impact (Sec. II A of the paper). Read backwards, the speed at which they do part gives an effective
-coefficient :math:`\varepsilon_\mathrm{eff}`, and :math:`\varepsilon_\mathrm{eff}/\varepsilon = 1` if collisions
-were independent. For a gap of 0.1 mm it is nowhere above 0.22, and close to zero at some :math:`\varepsilon`.
+After independent collisions the balls separate with :math:`v'_r = \varepsilon(1+\varepsilon)V`, where :math:`V`
+is the impact speed (Sec. II A of the paper). Solved for :math:`\varepsilon`, the actual velocity gives an
+effective coefficient :math:`\varepsilon_\mathrm{eff}`, and :math:`\varepsilon_\mathrm{eff}/\varepsilon = 1` if
+collisions are independent. For a gap of 0.1 mm it is nowhere above 0.22, and close to zero at some
+:math:`\varepsilon`.
 
-The lower panel (Fig. 3 of the paper) shows why. Every coloured interval is one contact of the balls; the
-floor lets go at the black line. Near :math:`\varepsilon = 0.782` and 0.667 the balls leave the floor almost
-together and meet once more, the later the slower they part. From the places of these spikes the density of
-the balls was inferred, which the paper does not print (:doc:`/paper`).
+The lower panel (Fig. 3 of the paper) shows why. Every coloured interval is one contact of the balls. The floor
+contact ends at the black line. Near :math:`\varepsilon = 0.782` and 0.667 the balls leave the floor almost
+together and meet once more; the slower they separate, the later. The positions of these spikes determine the
+density of the balls, which the paper does not give (:doc:`/paper`).
 """
 
 import matplotlib.pyplot as plt

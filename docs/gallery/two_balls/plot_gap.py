@@ -8,10 +8,10 @@ gap is so wide that the large ball has left the floor before the small one arriv
 
 .. math:: \Delta h > V\left(t_{c,01} - \frac{2\beta\varepsilon}{\omega_0^2}\right),
 
-the way that the balls fall towards each other during the floor contact. It is 2.5 mm for these soft balls,
-and goes with :math:`k^{-1/2}`. On the left the balls hit each other several times while the floor still
-pushes; with each contact that is added the rebound goes through another maximum, and the small ball hardly
-comes back to where it began.
+the distance by which the balls approach each other during the floor contact. It is 2.5 mm for these soft balls,
+and is proportional to :math:`k^{-1/2}`. On the left the balls hit each other several times while the floor
+still pushes. With each additional contact the rebound passes through another maximum, and the small ball hardly
+returns to its initial height.
 """
 
 import matplotlib.pyplot as plt

@@ -1,17 +1,17 @@
 r"""
-Where may one use the event-driven model?
+Where can the event-driven model be used?
 =========================================
 
-Separation velocity by Newton's equations minus that by independent collisions, over :math:`\varepsilon` and
-the ratio of the radii, for a gap of 0.1 mm and one stiffness. White is agreement; the darker the blue, the
-slower the balls really part. Along the dotted line the floor contact ends when the balls meet, by the paper's
-criterion
+Separation velocity by Newton's equations minus that by independent collisions, over :math:`\varepsilon` and the
+ratio of the radii, for a gap of 0.1 mm and one stiffness. White means agreement. The darker the blue, the
+slower the balls separate under Newton's equations. Along the dotted line the floor contact ends when the balls
+meet, by the paper's criterion
 
 .. math:: \Delta h = V\left(t_{c,01} - \frac{2\beta\varepsilon}{\omega_0^2}\right).
 
-Below it collisions are independent. Above it, the larger the lower ball, the longer it stays on the floor,
+Below it collisions are independent. Above it, a larger lower ball stays on the floor for longer,
 :math:`t_{c,01} \propto \sqrt{m_1/k}`, and the event-driven model is wrong by metres per second. In the grey
-corner the balls have not parted when the lower one meets the floor again.
+corner the balls have not separated when the lower one meets the floor again.
 """
 
 import numpy as np
