@@ -2,12 +2,12 @@ r"""
 Which law did I measure?
 ========================
 
-A ball of unknown material is dropped three times. A microphone records eleven impacts of each drop to 0.2 ms.
+A ball of unknown material is dropped three times, and a microphone records eleven impacts of each drop to 0.2 ms.
 The durations of two successive flights give :math:`\varepsilon = T'/T` at the speed :math:`gT/2` (Bernstein,
-Am. J. Phys. 45, 41 (1977)). The fit says which law describes the data, gives an interval for its parameter, and
-says whether it can be distinguished from the others. The lower panel shows the deviations in units of their
-errors. The data are computed for viscoelastic spheres, with noise, and the fit recovers this law. :doc:`/fit`
-shows measured data and why they are harder to fit.
+Am. J. Phys. 45, 41 (1977)). The fit selects the law that describes the data, gives an interval for its parameter, and
+says whether the data exclude the other laws; the lower panel shows the deviations in standard errors. The data are
+computed from viscoelastic spheres with noise, and the fit finds this law. :doc:`/fit` treats measured data, which are
+harder.
 """
 
 import numpy as np

@@ -2,11 +2,11 @@
 How often do the balls hit each other?
 ======================================
 
-The number of ball–ball contacts over the coefficient of restitution and the gap, as in the upper map of Fig. 4
-of the paper; the number is written in its region. Independent collisions always give 1. This is right for gaps
-above half a millimetre, but the models agree only from 2.5 mm on: a single contact is necessary for
-independence, but not sufficient. Along the bright ridge the balls leave the floor almost together and touch
-repeatedly. Each of the 48,000 drops is solved piecewise exactly.
+Number of ball–ball contacts over the coefficient of restitution and the gap, as in the upper map of Fig. 4 of the
+paper; each region is labelled with its number. The independent-collisions model always has one contact. This is
+right for gaps above half a millimetre, but the two models agree only above 2.5 mm: one contact is necessary for
+independent collisions, not sufficient. Along the bright ridge the balls leave the floor almost together and touch
+many times. Each of the 48,000 drops is solved separately, piecewise exactly.
 """
 
 import numpy as np

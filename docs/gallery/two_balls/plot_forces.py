@@ -1,12 +1,12 @@
-r"""
+"""
 What happens in the first millisecond?
 ======================================
 
-Fig. 2 of the paper: the forces in both contacts from the first touch of the floor on. While the floor pushes
-the large ball up (:math:`F_{01}`, below), the small one is hit four times (:math:`F_{12}`, above). With
-instantaneous collisions, grey arrows, there is one hit, before the floor has done a tenth of its work. Each
-contact begins with a jump of the force, since the damping of the linear dashpot (Eq. 7) acts at once. It ends
-when the force has fallen to zero, before the bodies have recovered their shape.
+Fig. 2 of the paper: the forces in both contacts after the first touch of the floor. While the floor accelerates the
+large ball upwards (:math:`F_{01}`, below), the small ball is hit four times (:math:`F_{12}`, above). The
+independent-collisions model (grey arrows) has one hit, before the floor has done a tenth of its work. Each contact
+starts with a jump of the force, because the linear dashpot (Eq. 7) depends on the rate. It ends when the force has
+fallen to zero, before the bodies have recovered their shape.
 """
 
 import hardlimit as hl
@@ -17,6 +17,6 @@ newton = hl.newton(column)
 print(newton.contacts.to_dataframe().to_string(float_format="{:.4e}".format))
 
 # %%
-# On the left the forces, on the right the resulting heights.
+# Left: the forces; right: the resulting heights.
 
 plots.drop(newton, hl.independent(column))

@@ -15,10 +15,9 @@ from click.shell_completion import CompletionItem
 
 import hardlimit as hl
 
-from ..boxes import contact_result, theory
 from ..boxes import files as box_files
+from ..boxes import theory
 from ..boxes.newton import NAMES as ENGINES
-from ..boxes.result import quantities
 from ..boxes.system import described
 from ..support import saving
 from ..support.formatting import digits, listed
@@ -288,9 +287,9 @@ def print_report(start: hl.ParticleSystem | None, result: Any, files: list[Path]
 
 def print_newton(out: Any, result: hl.ContactResult) -> None:
     """The numbers of a run under Newton's equations."""
-    rows = [[label, digits(value)] for label, value in contact_result.quantities(result)]
+    rows = [[label, digits(value)] for label, value in result.quantities()]
     title = f"Newton's equations, {law_text(result.law)}"
-    reason = sentence(contact_result.choice(result)) if result.engine_reason else ""
+    reason = sentence(result.choice()) if result.engine_reason else ""
     show(out, title, table(["", result.engine], rows), reason)
 
 
@@ -299,10 +298,10 @@ def print_hard_spheres(out: Any, result: hl.ParticleResult) -> None:
     theories = predictions(result)
     rows = [
         [label, digits(value), *([digits(theories.get(label, math.nan))] if theories else [])]
-        for label, value in quantities(result)
+        for label, value in result.quantities()
     ]
     names = ["", "event-driven", *(["theory"] if theories else [])]
-    show(out, f"Hard spheres, rule {result.settings.words()}", table(names, rows), note(result))
+    show(out, f"Hard spheres, rule {result.settings.report()}", table(names, rows), note(result))
 
 
 def predictions(result: hl.ParticleResult) -> dict[str, float]:
@@ -391,7 +390,7 @@ def save(result: Any, path: Path) -> Path:
     if newton:
         about |= {"engine": result.engine, "engine_reason": result.engine_reason}
     else:
-        about["rule"] = result.settings.words()
+        about["rule"] = result.settings.report()
     groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
     if result.log is not None:
         log = "contacts" if newton else "collisions"

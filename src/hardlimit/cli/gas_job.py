@@ -10,9 +10,10 @@ from typing import Any, Final
 
 import hardlimit as hl
 
+from ..boxes.box import BOUNDARIES
 from ..boxes.files import FORMATS
-from ..boxes.hard_spheres import RULES, expected_duration
-from ..boxes.system import BOUNDARIES
+from ..boxes.hard_spheres import expected_duration
+from ..boxes.rules import RULES
 from ..column import files as columns
 from ..support import toml, validation
 from ..support.formatting import listed
@@ -38,8 +39,6 @@ def _of_beads(name: str) -> str:
 def _of_random(name: str) -> str:
     return default(hl.ParticleSystem.random, name)
 
-
-_RULES = sorted({rule for rules in RULES.values() for rule in rules})
 
 #: The table [random]: the start, and what may be changed of the box of a start from a file.
 START: Final = (
@@ -85,7 +84,7 @@ UNTIL: Final = Entry(
 )
 #: The table [event_driven], which also has the restitution of all collisions.
 RUN: Final = (
-    Entry("rule", f"Collision rule: {' | '.join(_RULES)}.  [default: constant, or law with a contact law]"),
+    Entry("rule", f"Collision rule: {' | '.join(RULES)}.  [default: constant, or law with a contact law]"),
     Entry("contact_duration", "Contact duration of the rule tc [s].", unit="s"),
     UNTIL,
     Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),

@@ -12,14 +12,17 @@ from typing import Any, Final
 import numpy as np
 
 from .. import _core
-from ..boxes import engine_choice, engines
+from ..boxes import engine_choice
+from ..boxes.falling_frame import law_arguments
+from ..boxes.rules import RULES
+from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import validation
 from ..support.progress import Report, reporter
 from . import statistics
-from .replica import NEWTON, RESTITUTION_ERROR, RULES, Plan, digest
+from .replica import NEWTON, RESTITUTION_ERROR, Plan, digest
 from .result import RESOLUTION, Fidelity
 from .starts import Starts, checked_starts
 from .store import Store, facts_of
@@ -141,7 +144,7 @@ def fidelity(
         )
     chosen = _checked_models(models)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
-    spacings = engines.checked_samples(samples)
+    spacings = checked_samples(samples)
     limits = {"lowest_allowed": True, "highest_allowed": True}
     resolved = validation.number("resolution", resolution, LEAST_RESOLUTION, 1.0, **limits)
     solver = validation.one_of("engine", engine, ENGINES)
@@ -190,14 +193,16 @@ def _compute(
     from . import pool  # multiprocessing takes 0.1 s to import
 
     if scheduler is not None:
-        found = pool.on_cluster(starts, plan, wanted, scheduler, tell)
+        found = pool.on_cluster(starts, plan, wanted, scheduler)
     elif workers > 1 and len(wanted) > 1:
         found = pool.processes(starts, plan, wanted, workers, tell)
     else:
         found = pool.here(starts, plan, wanted, tell)
     with closing(found):
-        for replica, arrays in found:
+        for place, (replica, arrays) in enumerate(found, 1):
             kept.add(replica, arrays)
+            if scheduler is not None:
+                tell(place * plan.steps)
     tell(len(wanted) * plan.steps)
 
 
@@ -220,7 +225,7 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
     """ε and t_c [s] of the rules constant and tc: as given, or those of a typical impact."""
     if restitution is None or contact_duration is None:
         mass, radius = float(system.mass.mean()), float(system.radius.mean())
-        typical = _core.make_contact(*engines.choice(law), 0.5 * mass, 0.5 * radius)
+        typical = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius)
         speed = np.array([typical_speed(system)])
     if restitution is None:
         given = law.specified_restitution

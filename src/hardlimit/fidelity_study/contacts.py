@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..boxes.contact_result import ContactResult
-from ..boxes.engines import choice
-from ..boxes.result import ParticleResult
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes.box import Floats
+from ..boxes.falling_frame import law_arguments
+from ..boxes.result import ContactResult, ParticleResult
+from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
 
 Indices = NDArray[np.int64]
@@ -104,4 +104,4 @@ def _by_pair(
     ends = np.cumsum(np.bincount(kind.ravel(), minlength=len(kinds)))
     for (m, r), rows in zip(kinds.tolist(), np.split(order, ends[:-1]), strict=False):
         if len(rows):
-            yield rows, _core.make_contact(*choice(law), m, r)
+            yield rows, _core.make_contact(*law_arguments(law), m, r)

@@ -7,7 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes.box import Floats
+from ..boxes.system import ParticleSystem
 
 #: Pairs closer than this, in units of R_i + R_j, are near contact.
 NEAR: Final = 1.1

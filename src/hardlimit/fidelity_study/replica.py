@@ -11,33 +11,38 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boxes import contact_result, engines, result, time_step
-from ..boxes import contact_run as contact_course
-from ..boxes import run as course
-from ..boxes.contact_run import ContactCourse
-from ..boxes.hard_spheres import start as start_hard_spheres
-from ..boxes.result import Settings
-from ..boxes.run import Course
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes import hard_spheres, newton, time_step
+from ..boxes.box import Floats
+from ..boxes.engines import NewtonSettings
+from ..boxes.observables import OBSERVABLES, Samples
+from ..boxes.result import ContactResult
+from ..boxes.rules import Settings
+from ..boxes.run import Keeping, Run
+from ..boxes.system import ParticleSystem
 from ..contact.contact import Law
 from . import contacts
 from .observables import Observer
 
 NEWTON: Final = "newton"
-RULES: Final = ("constant", "law", "tc", "soft")
 #: Largest error of ε with the engine "steps": a tenth of its default.
 RESTITUTION_ERROR: Final = 1e-4
 
 #: Dissipated energies below this fraction of the initial kinetic energy are rounding errors.
 ROUNDING: Final = 1e-12
 
+
+def _observable(name: str, since: str = ", mean since the start") -> tuple[str, str]:
+    """Unit and meaning of an observable of boxes."""
+    return OBSERVABLES[name].unit, OBSERVABLES[name].meaning + since
+
+
 #: Observables of every sample and model: unit and meaning.
 QUANTITIES: Final = {
-    "granular_temperature": ("m2/s2", "granular temperature Σ m|v − V|²/(d Σ m)"),
+    "granular_temperature": _observable("granular_temperature", ""),
     "cooling": ("1", "√(E(0)/E) − 1, E the energy not yet dissipated: linear in time under Haff’s law"),
     "dissipation_rate": ("W", "energy lost in contacts per time, mean since the start"),
-    "collision_rate": ("1/s", "2·contacts of pairs/(N·time), mean since the start"),
-    "pressure": ("Pa", "from the virial of pairs, mean since the start"),
+    "collision_rate": _observable("collision_rate"),
+    "pressure": _observable("pressure"),
     "pair_correlation": ("1", "g near contact, between 1 and 1.1 sums of radii, overlaps included"),
     "density_variance": ("1", "variance over mean of the number of particles in cells of about 8"),
 }
@@ -96,18 +101,18 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     found = {name: np.full((len(runs), len(times)), math.nan) for name in (*QUANTITIES, "divergence")}
     reached = [0] * len(runs)
     for k, time in enumerate(times):
-        newton: Floats | None = None
+        truth: Floats | None = None
         for i, (run, path) in enumerate(zip(runs, paths, strict=True)):
             sampled()
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
-            places = engines.state(run.system, run.engine)[0]
-            newton = places if i == 0 else newton
+            places = run.engine.state()[0]
+            truth = places if i == 0 else truth
             found["pair_correlation"][i, k] = observer.pair_correlation(places)
             found["density_variance"][i, k] = observer.density_variance(places)
-            if newton is not None:
-                found["divergence"][i, k] = observer.divergence(places, newton)
+            if truth is not None:
+                found["divergence"][i, k] = observer.divergence(places, truth)
     totals = []
     for i, run in enumerate(runs):
         ended = run.result()
@@ -121,39 +126,33 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     }
 
 
-def _start(plan: Plan, model: str, system: ParticleSystem) -> Course | ContactCourse:
+def _start(plan: Plan, model: str, system: ParticleSystem) -> Run:
     """The run of one model, not yet advanced."""
+    keeping = Keeping(plan.samples, log=True)
     if model == NEWTON:
-        target = contact_course.Target(plan.until, plan.until, plan.samples)
         step = None
         if plan.engine == "steps":
             step = time_step.chosen(system, plan.law, RESTITUTION_ERROR, None)
-        return contact_course.start(
-            system, contact_course.Settings(plan.law, plan.engine, 1), step, target, True
-        )
+        return newton.start(plan.engine, system, NewtonSettings(plan.law), plan.until, keeping, step)
     if model in ("constant", "tc"):
         duration = plan.contact_duration if model == "tc" else None
         settings = Settings(model, plan.restitution, None, duration)
     else:
         settings = Settings(model, None, plan.law, None)
-    return start_hard_spheres(
-        system, settings, course.Target(plan.until, None, plan.until, plan.samples), True
-    )
+    return hard_spheres.start(system, settings, hard_spheres.End(plan.until, None), keeping)
 
 
 def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Floats]:
     """Temperature, cooling, and means since the start, of the samples that were reached."""
-    rows = ended.rows[:reached]
-    kind = contact_result if isinstance(ended, contact_result.ContactResult) else result
-    values = kind.series_values(rows, system)
-    lost, passed = values["dissipated_energy"], rows[:, 0] - rows[0, 0]
+    samples = Samples(system, {name: values[:reached] for name, values in ended.samples.items()})
+    lost, passed = samples["dissipated_energy"], samples["time"] - samples["time"][0]
     lost = np.where(np.abs(lost) <= ROUNDING * system.kinetic_energy, 0.0, lost)
     lasted = np.diff(passed)
-    found = {"granular_temperature": values["granular_temperature"], "cooling": _cooling(system, lost)}
+    found = {"granular_temperature": samples["granular_temperature"], "cooling": _cooling(system, lost)}
     with np.errstate(invalid="ignore", divide="ignore"):
         found["dissipation_rate"] = lost / passed
         for name in ("collision_rate", "pressure"):
-            found[name] = np.append(0.0, np.cumsum(values[name][1:] * lasted)) / passed
+            found[name] = np.append(0.0, np.cumsum(OBSERVABLES[name].values(samples)[1:] * lasted)) / passed
     return found
 
 
@@ -171,7 +170,7 @@ def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
 
 def _totals(plan: Plan, system: ParticleSystem, ended: Any) -> dict[str, Any]:
     """Statistics of the contacts, and how the run ended."""
-    if isinstance(ended, contact_result.ContactResult):
+    if isinstance(ended, ContactResult):
         assert ended.n_contacts is not None  # both of our engines count them
         found, count = contacts.of_newton(ended), ended.n_contacts
     else:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import numpy as np
 
 from .. import _core
-from ..boxes.system import Floats
+from ..boxes.box import Floats
 from ..support import html, saving, validation
 from ..support.estimate import Estimate
 from . import report, statistics

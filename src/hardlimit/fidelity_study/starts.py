@@ -9,9 +9,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..boxes.box import Floats
 from ..boxes.engine_choice import check_box
 from ..boxes.hard_spheres import event_driven
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.progress import Report
 

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ..boxes.system import Floats
+from ..boxes.box import Floats
 from ..support.estimate import Estimate
 
 #: Probability that a true difference of zero lies outside its confidence interval.
