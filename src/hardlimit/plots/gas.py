@@ -62,7 +62,7 @@ def gas(run: ParticleResult) -> Figure:
 
 
 def transient(run: ParticleResult) -> float:
-    """Time [s] until which rate and pressure depend on the start; the last sample if they do to the end."""
+    """End of the transient of rate and pressure [s]; the time of the last sample if it lasts longer."""
     time, pairs = run.samples["time"], run.samples["n_pairs"]
     forgotten = 2.0 * pairs >= theory.RELAXED * run.system.n
     return float(time[forgotten][0] if forgotten.any() else time[-1])
