@@ -1,5 +1,5 @@
-// Fuzz target: small boxes under Newton's equations by events, of every kind and under every law: some contacts,
-// then saved, loaded and gone on with.
+// Fuzz target: small boxes under Newton's equations by events, with all boundaries and laws. Each runs for some
+// contacts, is saved and loaded, and continues.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -16,16 +16,16 @@ using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;
 
-// Speeds and gravity such that all energy together compresses a contact by a part of the smallest radius.
+// Speeds and gravity for which the total energy can compress a contact by a given part of the smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
     Box3 box{};
     std::vector<double> x, v;  // [3 N]
     PairLaws<Law> laws;
-    double energy = 0.0, momentum = 0.0;  // the most there can be [J], [kg m/s]
-    double depth = 0.0;                   // to which it compresses the softest contact [m]
+    double energy = 0.0, momentum = 0.0;  // upper bounds [J], [kg m/s]
+    double depth = 0.0;                   // of the softest contact at this energy [m]
     double until = 0.0;                   // [s]
-    double least_restitution = 1.0;       // of an isolated contact at the speed there is
+    double least_restitution = 1.0;       // of an isolated contact at the present speeds
 
     explicit Case(Draw& draw) : fuzz::SmallBox(draw, 3, 4.2001), laws(make_laws(draw)) {
         const double smallest = *std::min_element(radius.begin(), radius.end());
@@ -91,7 +91,7 @@ public:
           engine_(std::make_unique<Engine>(c.box, c.x, c.v, c.laws, true, of(c))),
           start_(engine_->observe()) {}
 
-    // So far, and what must be true there.
+    // Advances, and checks the state.
     void advance(double until) {
         const double before = engine_->time();
         Stop never;
@@ -104,7 +104,7 @@ public:
         engine_->save(writer);
         return writer.finish();
     }
-    // Goes on with both, the one that was saved and the one that was loaded.
+    // Advances both the saved run and the loaded one.
     void compare(const std::vector<char>& bytes, double until) {
         Reader reader(bytes.data(), bytes.size());
         require(reader.whole(), "what was saved is whole");
@@ -121,12 +121,12 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most_events = 50;  // of an advance
+    static constexpr std::uint64_t most_events = 50;  // per call of advance()
     const Case<Law>& c_;
     std::unique_ptr<Engine> engine_;
     Observation start_;
     double dissipated_ = 0.0;
-    double slack_ = 0.0;  // of what overlaps without force: not lost where it is pressed again [J]
+    double slack_ = 0.0;  // of slack pairs: not dissipated where they engage again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
@@ -144,8 +144,8 @@ private:
             for (int k = 0; k < c_.s.dimension; ++k)
                 scale += c_.mass[i] *
                          math::abs(c_.box.gravity[k] * now.position[3 * i + static_cast<std::size_t>(k)]);
-        // Contacts are integrated to about 1e-11 of the energy in a step, and there are tens of steps in each. A
-        // compression is known to the rounding of the places it is the difference of.
+        // The error of a step is about 1e-11 of the energy, and each contact takes tens of steps. A compression has the
+        // rounding error of positions.
         const double farthest = math::max(math::max(c_.box.edge[0], c_.box.edge[1]), c_.box.edge[2]);
         const double of_contact = 5e-10 + 20.0 * math::epsilon * farthest / c_.depth;
         const double balance = 1e-9 + of_contact * static_cast<double>(now.begun);
@@ -166,7 +166,7 @@ private:
                     "contacts begin and end");
     }
 
-    // Nobody is deeper in another one than all energy could press him; who approaches there is in contact.
+    // No overlap is deeper than the total energy allows; an overlapping pair that approaches is in contact.
     void check_overlaps(const Observation& now, double energy) {
         slack_ = 0.0;
         const auto n = static_cast<std::int64_t>(c_.s.n);
@@ -214,7 +214,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::with_some_law(draw, [&]<class Law>() {
         const Case<Law> c(draw);
         if (fault_of(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
-        if (!(c.least_restitution > 1e-3)) return;  // what creeps takes steps without number
+        if (!(c.least_restitution > 1e-3)) return;  // creeping bodies take very many steps
         Run<Law> run(c);
         const double first = draw.between(0.0, c.until);
         run.advance(first);

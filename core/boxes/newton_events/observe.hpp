@@ -6,62 +6,58 @@ namespace hardlimit::boxes {
 
 template <class Law>
 NewtonObservation NewtonEvents<Law>::observe() const {
-    const std::size_t n = particles_.size();
-    NewtonObservation s{std::vector<double>(3 * n),
-                        std::vector<double>(3 * n),
-                        0.0,
-                        0.0,
-                        0.0,
-                        dissipated_,
-                        {},
-                        virial_,
-                        largest_compression_,
-                        0,
-                        begun_,
-                        begun_pairs_,
-                        ended_,
-                        overlapped_,
-                        {}};
-    const auto write = [&](int i, const Vector3& x, const Vector3& v) {
-        const std::size_t at = 3 * std::size_t{pending_[i].original_index};
-        const double m = mass(i);
-        for (std::size_t a = 0; a < 3; ++a) {
-            s.position[at + a] = x[a] + pending_[i].image_flags[a] * box_.edge[a];
-            s.velocity[at + a] = v[a];
-            s.kinetic += 0.5 * m * v[a] * v[a];
-            s.potential -= m * box_.gravity[a] * s.position[at + a];
-            s.momentum[a] += m * v[a];
-        }
-    };
-    for (int i = 0; i < static_cast<int>(n); ++i)
-        if (free(i)) write(i, position(i, now_), velocity(i, now_));
+    NewtonObservation s;
+    s.position.resize(3 * particles_.size());
+    s.velocity.resize(3 * particles_.size());
+    s.dissipated = dissipated_;
+    s.virial = virial_;
+    s.largest_compression = largest_compression_;
+    s.begun = begun_, s.begun_pairs = begun_pairs_, s.ended = ended_, s.overlapped = overlapped_;
+    for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
+        if (free(i)) add_body(s, i, position(i, now_), velocity(i, now_));
     Cluster<Law> c;
-    for (const Group& g : groups_) {
-        if (!g.alive) continue;
-        initial_cluster(g, c);
-        c.run_through(now_ - c.base);
-        const double slack = c.stored(ContactState::slack);
-        s.contact += c.stored(ContactState::closed) + slack;
-        s.dissipated += c.dissipated - slack;
-        s.virial += c.virial;
-        s.largest_compression = math::max(s.largest_compression, c.largest_compression);
-        s.begun += static_cast<std::uint64_t>(c.begun);
-        s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
-        for (std::size_t m = 0; m < g.body.size(); ++m)
-            write(g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
-        for (const EndedContact& e : c.ended) {
-            ++s.ended;
-            s.overlapped += e.overlapped;
-            s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
-        }
-        for (const ContactPair<Law>& q : c.pairs) {
-            if (q.state != ContactState::closed) continue;
-            ++s.in_contact;
-            s.open.push_back(
-                contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
-        }
-    }
+    for (const Group& g : groups_)
+        if (g.alive) add_group(s, g, c);
     return s;
+}
+
+template <class Law>
+void NewtonEvents<Law>::add_body(NewtonObservation& s, int i, const Vector3& x, const Vector3& v) const {
+    const std::size_t at = 3 * std::size_t{pending_[i].original_index};
+    const double m = mass(i);
+    for (std::size_t a = 0; a < 3; ++a) {
+        s.position[at + a] = x[a] + pending_[i].image_flags[a] * box_.edge[a];
+        s.velocity[at + a] = v[a];
+        s.kinetic += 0.5 * m * v[a] * v[a];
+        s.potential -= m * box_.gravity[a] * s.position[at + a];
+        s.momentum[a] += m * v[a];
+    }
+}
+
+// Adds a group, integrated in c up to the current time.
+template <class Law>
+void NewtonEvents<Law>::add_group(NewtonObservation& s, const Group& g, Cluster<Law>& c) const {
+    initial_cluster(g, c);
+    c.run_through(now_ - c.base);
+    const double slack = c.stored(ContactState::slack);
+    s.contact += c.stored(ContactState::closed) + slack;
+    s.dissipated += c.dissipated - slack;
+    s.virial += c.virial;
+    s.largest_compression = math::max(s.largest_compression, c.largest_compression);
+    s.begun += static_cast<std::uint64_t>(c.begun);
+    s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
+    for (std::size_t m = 0; m < g.body.size(); ++m)
+        add_body(s, g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
+    for (const EndedContact& e : c.ended) {
+        ++s.ended;
+        s.overlapped += e.overlapped;
+        s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
+    }
+    for (const ContactPair<Law>& q : c.pairs) {
+        if (q.state != ContactState::closed) continue;
+        ++s.in_contact;
+        s.open.push_back(contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
+    }
 }
 
 template <class Law>
@@ -79,10 +75,10 @@ void NewtonEvents<Law>::log(const Group& g, const ContactPair<Law>& q, const End
 template <class Law>
 typename NewtonEvents<Law>::Row NewtonEvents<Law>::contact_row(const Group& g, const ContactPair<Law>& q,
                                                                const EndedContact& e) const {
-    const auto name = [&](int member) {
+    const auto index = [&](int member) {
         return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].original_index);
     };
-    int first = name(q.first), second = q.second >= 0 ? name(q.second) : wall_number(q);
+    int first = index(q.first), second = q.second >= 0 ? index(q.second) : wall_number(q);
     if (second >= 0 && second < first) std::swap(first, second);
     return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
 }

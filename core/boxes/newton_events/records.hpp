@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "../common/contact_record.hpp"
 #include "../common/particle.hpp"
 #include "../common/storage.hpp"
 #include "cluster/cluster.hpp"
@@ -26,8 +27,8 @@ struct alignas(64) BodyEvents : Pending {
 };
 static_assert(sizeof(BodyEvents) == 64);
 
-// A contact that no third body disturbs. In a large box each cache line is a wait for memory: the first line has what
-// the end of the contact needs, the second what is needed when another body comes near.
+// A contact that no third body disturbs. In a large box each cache line read is a wait for memory: the first line holds
+// what the end of the contact needs, the second what is needed when another body comes near.
 template <class Law>
 struct IsolatedContact {
     int body[2];              // second < 0: a wall
@@ -37,10 +38,9 @@ struct IsolatedContact {
     alignas(64) double span;  // until the surfaces are apart [s]
     double share[2];          // each member's part of the relative displacement: m_other/(m_1 + m_2)
     double safety_radius[2];  // by which a member's path can leave the triangle of stays_clear() [m]
-    Vector3
-        initial_offset;  // at touch, from the outgoing relative path, extrapolated back, to the true path [m]
-    double deviation;    // its length, the largest deviation from the outgoing path [m]
-    double rotation;     // of the line of centres [rad]
+    Vector3 initial_offset;   // at touch: true relative position minus that on the outgoing path [m]
+    double deviation;         // its length, the largest deviation from the outgoing path [m]
+    double rotation;          // of the line of centres [rad]
     Member before[2];
     ContactPair<Law> pair;
     EndedContact contact;
@@ -101,12 +101,12 @@ private:
 
 // State of the whole box at one time.
 struct NewtonObservation {
-    std::vector<double> position, velocity;          // [3 N], along the unfolded paths
-    double kinetic, potential, contact, dissipated;  // [J]
-    double momentum[3];
-    double virial;               // ∫ Σ r·F dt over pairs since the start [J s]
-    double largest_compression;  // of all contacts so far, over the smaller radius
-    std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
+    std::vector<double> position, velocity;  // [3 N], along the unfolded paths
+    double kinetic = 0.0, potential = 0.0, contact = 0.0, dissipated = 0.0;  // [J]
+    double momentum[3] = {};
+    double virial = 0.0;               // ∫ Σ r·F dt over pairs since the start [J s]
+    double largest_compression = 0.0;  // of all contacts so far, over the smaller radius
+    std::uint64_t in_contact = 0, begun = 0, begun_pairs = 0, ended = 0, overlapped = 0;
     std::vector<ContactRecord> open;  // contacts that last, and ended ones of groups that still last
 };
 

@@ -44,7 +44,7 @@ def resume(
     ------
     ValueError
         If the file is no checkpoint, is damaged or of another version, the new end lies before its state, or
-        ``observe`` is missing, or returns names that the run does not have.
+        ``observe`` is missing or returns other names than before.
     OSError
         If a checkpoint cannot be written; names it.
 

@@ -127,16 +127,16 @@ class Run:
         self._sampled = samples, replace(target, until=until, max_collisions=max_collisions)
 
     def set_observe(self, observe: Any) -> None:
-        """Go on with this function of the user.
+        """Go on with this function of the user, whose names and shapes must stay.
 
         Raises
         ------
         ValueError
-            If it cannot be called, or is missing although the run has values of one. A function for a run without
-            values may only return an empty mapping.
+            If it cannot be called, or is missing although values of it are in the samples.
         """
-        found = observing.checked_function(observe)
-        if found is None and self._keeping.observe is not None:
+        found, samples = observing.checked_function(observe), self._sampled[0]
+        returned = samples[-1].observed if samples else self._keeping.observe
+        if found is None and returned:
             raise ValueError("observe: missing, must be given again: the run of this checkpoint has one")
         self._keeping = self._keeping._replace(observe=found)
 

@@ -193,14 +193,16 @@ def _compute(
     from . import pool  # multiprocessing takes 0.1 s to import
 
     if scheduler is not None:
-        found = pool.on_cluster(starts, plan, wanted, scheduler, tell)
+        found = pool.on_cluster(starts, plan, wanted, scheduler)
     elif workers > 1 and len(wanted) > 1:
         found = pool.processes(starts, plan, wanted, workers, tell)
     else:
         found = pool.here(starts, plan, wanted, tell)
     with closing(found):
-        for replica, arrays in found:
+        for place, (replica, arrays) in enumerate(found, 1):
             kept.add(replica, arrays)
+            if scheduler is not None:
+                tell(place * plan.steps)
     tell(len(wanted) * plan.steps)
 
 

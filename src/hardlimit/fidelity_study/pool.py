@@ -129,7 +129,7 @@ def _task(starts: Starts, plan: Plan, replica: int) -> Arrays:
 # --- cluster ------------------------------------------------------------------------------------------------
 
 
-def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any, tell: Tell) -> Found:
+def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any) -> Found:
     """Each replica as a task of dask.distributed; yields them as they finish.
 
     Raises
@@ -146,9 +146,8 @@ def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any
 
         futures = {client.submit(_remote, starts, plan, k, _core.version, pure=False): k for k in wanted}
         try:
-            for place, future in enumerate(as_completed(list(futures), loop=client.loop), 1):
+            for future in as_completed(list(futures), loop=client.loop):
                 yield futures[future], future.result()
-                tell(place * plan.steps)
         finally:
             cluster.cancel(client, list(futures))
 

@@ -47,14 +47,14 @@ def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Fig
     return figure
 
 
-def restitution_obtained(asked: NDArray[np.float64], curves: dict[str, NDArray[np.float64]]) -> Figure:
+def restitution_obtained(requested: NDArray[np.float64], curves: dict[str, NDArray[np.float64]]) -> Figure:
     """Obtained over requested restitution, one curve for each way to choose the damping."""
     with style():
         figure = Figure(figsize=(COLUMN_WIDTH * 1.15, COLUMN_WIDTH * 1.05))
         ax = figure.subplots()
         for (name, obtained), line in zip(curves.items(), ("-", (0, (5, 2)), (0, (1, 1.2))), strict=False):
-            ax.plot(asked, obtained, ls=line, label=name)
-        ax.set_xlabel(r"$\varepsilon$ asked for")
+            ax.plot(requested, obtained, ls=line, label=name)
+        ax.set_xlabel(r"$\varepsilon$ requested")
         ax.set_ylabel(r"$\varepsilon$ obtained")
         ax.set_xlim(0.0, 1.0)
         ax.set_ylim(0.0, 1.02)

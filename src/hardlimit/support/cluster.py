@@ -45,7 +45,7 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
                 raise
             why = str(gone).splitlines()[:1] if isinstance(gone, OSError) else []
             raise RuntimeError(
-                f"scheduler: went away{''.join(f' ({line})' for line in why)}; "
+                f"scheduler: connection lost{''.join(f' ({line})' for line in why)}; "
                 "a store keeps what is finished, repeat the call"
             ) from None
 

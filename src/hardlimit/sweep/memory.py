@@ -1,4 +1,4 @@
-"""The results of a sweep in arrays; what ``store.Store`` is on disk. And whether they fit."""
+"""Results of a sweep in memory, with the interface of ``store.Store``; check of their size."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .computation import Computation, Values, dataset
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Chunks of a store at most: each is a file of every variable.
+#: Largest number of chunks of a store; each is a file for every variable.
 MOST_CHUNKS: Final = 1 << 22
 
 
@@ -26,7 +26,7 @@ class Memory:
         self.values: Values = {}
 
     def missing(self) -> list[int]:
-        """Chunks that are not there yet: all."""
+        """Missing chunks: all."""
         return list(range(len(self.chunks)))
 
     def write(self, chunk: int, values: Values) -> None:
@@ -50,12 +50,12 @@ class Memory:
 
 
 def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> None:
-    """Refuse at once what could not end: results that do not fit in memory, or chunks without number.
+    """Refuse results that do not fit in memory, or too many chunks for a store.
 
     Raises
     ------
     ValueError
-        With the room that the results would take.
+        With the size of the results.
     """
     each = sum(variable.bytes_of_point for variable in computation.results.values())
     points, taken = computation.size, f"{size(computation.size * each)} of results"

@@ -25,7 +25,7 @@ MOST_RANKS: Final = 1_000_000
 
 
 def checked_ranks(ranks: Any) -> int:
-    """How many processes share the box.
+    """The number of processes.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
     ImportError
         If there is no suitable LAMMPS.
     RuntimeError
-        If LAMMPS fails; says what LAMMPS says.
+        If LAMMPS fails; with its error message.
     """
     program = find(ranks)
     with tempfile.TemporaryDirectory(prefix="hardlimit-lammps-", ignore_cleanup_errors=True) as place:
@@ -67,7 +67,7 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
 
 
 def watches_of(job: Job) -> dict[str, Watch]:
-    """What follows each dump of contacts."""
+    """A reader for each dump of contacts."""
     pairs, plan = job.pairs, job.plan
     dumps: dict[str, PairDump | WallDump] = {jobs.PAIRS: PairDump(pairs)}
     if jobs.WALLS in job.streams:

@@ -1,4 +1,4 @@
-"""A slack pair in free flight: the search that serves every law finds the times of the closed form."""
+"""A slack pair in free flight: the search for any law agrees with the closed form."""
 
 import subprocess
 from pathlib import Path
@@ -9,10 +9,10 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.slow
-def test_the_search_finds_what_the_closed_form_gives(tmp_path):
-    """Differences up to 1e-8 are the condition of the problem: two zeros that nearly meet."""
+def test_the_search_agrees_with_the_closed_form(tmp_path):
+    """Differences up to 1e-8 follow from the condition of the problem: two nearly equal zeros."""
     program = tmp_path / "engagement"
-    source = ROOT / "tests" / "boxes" / "engagement.cpp"
+    source = ROOT / "tests" / "contact" / "engagement.cpp"
     flags = ["-std=c++20", "-O2", "-ffp-contract=off", f"-I{ROOT / 'core'}"]
     subprocess.run(["g++", *flags, str(source), "-o", str(program)], check=True)
     compared, worst, only_one = subprocess.run(

@@ -1,5 +1,5 @@
-// For test_newton_events.py: contacts begin, are disturbed and end, in time. Prints how many ended, how many of
-// them together with the one before, how many were disturbed, and how often the queue said otherwise than a sorted set.
+// For test_newton_events.py: the queue of contact ends against a sorted set, while contacts begin, are disturbed and end.
+// Prints the numbers of ended contacts, of simultaneous ends, of disturbed contacts, and of differences.
 #include "boxes/newton_events/contact_end_queue.hpp"
 
 #include <cstdio>
@@ -15,12 +15,12 @@ int main() {
     long ended = 0, simultaneous = 0, disturbed = 0, wrong = 0;
     for (int run = 0; run < 400; ++run) {
         constexpr int bodies = 500;
-        const bool alike = run % 2 != 0, ties = run % 3 != 0;
-        std::vector<double> end(bodies, -1.0);  // of whom is in contact
+        const bool equal = run % 2 != 0, ties = run % 3 != 0;
+        std::vector<double> end(bodies, -1.0);  // of bodies in contact
         std::vector<int> name(bodies);
         for (int i = 0; i < bodies; ++i) name[static_cast<std::size_t>(i)] = (i * 7 + run) % bodies;
         const auto named = [&](int i) { return name[static_cast<std::size_t>(i)]; };
-        const auto stands = [&](const ContactEnd& e) {
+        const auto valid = [&](const ContactEnd& e) {
             return end[static_cast<std::size_t>(e.first)] == e.time && e.group == 2 * e.first;
         };
         ContactEndQueue queue;
@@ -29,7 +29,7 @@ int main() {
         for (int step = 0; step < 1500; ++step) {
             now += ties ? static_cast<double>(engine() % 3) : uniform(engine);
             for (;;) {
-                const ContactEnd* const next = queue.next(stands, named);
+                const ContactEnd* const next = queue.next(valid, named);
                 const bool any = !sorted.empty() && std::get<0>(*sorted.begin()) <= now;
                 if (!any) {
                     wrong += next && next->time <= now;
@@ -50,7 +50,7 @@ int main() {
                 until = -1.0, ++disturbed;
             }
             if (engine() % 8 == 0) continue;
-            until = now + (alike  ? 100.0
+            until = now + (equal  ? 100.0
                            : ties ? static_cast<double>(engine() % 200)
                                   : 200.0 * uniform(engine));
             queue.push(until, body, 2 * body, named);

@@ -1,11 +1,11 @@
-// For test_engagement.py: when a slack pair pushes again in free flight, by the closed form for a law with a
-// relaxation time and by the search for any law, which is shown the same law without it. Prints how many cases were
-// compared, the largest difference relative to the time, and in how many only one of them found a time.
+// For test_engagement.py: when a slack pair engages in free flight, by the closed form for a law with a relaxation time
+// and by the search for any law, given the same law without that time. Prints the number of cases, the largest relative
+// difference of the times, and the number of cases in which only one found a time.
 #include <cmath>
 #include <cstdio>
 #include <random>
 
-#include "column/general/events.hpp"
+#include "contact/events.hpp"
 #include "contact/linear_dashpot.hpp"
 
 namespace {
