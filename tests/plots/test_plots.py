@@ -469,9 +469,10 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
     with style.style(**video.STYLE):
         film = grain_film.Stage(system, 1.0, 320)
-        film.picture(0.0, system, 0)
+        film.picture(grain_film.Snapshot.of(0.0, system), 0)
         before = film.bodies.get_array().copy()
-        film.picture(1.0, system.replace(velocities=slower * system.velocities), 10)
+        cooled = system.replace(velocities=slower * system.velocities)
+        film.picture(grain_film.Snapshot.of(1.0, cooled), 10)
         figure = film.figure
     after = film.bodies.get_array()
     assert film.bodies.norm.vmin == 0.0 and film.bodies.norm.vmax == 2.0
