@@ -300,7 +300,7 @@ class NewtonEvents:
 
     def safety_radius_used(self, instants: int) -> float:
         """
-        The largest part that a body in contact uses, now, of the space that others leave it: at most 1.
+        Largest part of its safety radius that a body in contact uses, at most 1. For tests.
         """
 
     @property
