@@ -17,14 +17,6 @@ using namespace hl::bindings;
 
 namespace {
 
-// A survey under a law that is not named.
-struct Seen {
-    Numbers position, velocity;
-    double kinetic, potential, contact, dissipated, momentum[3], virial, largest_compression;
-    std::uint64_t in_contact, begun, begun_pairs, ended, overlapped;
-    std::vector<hp::ContactRecord> open;
-};
-
 // The engine of any law.
 class Engine {
 public:
@@ -40,8 +32,8 @@ public:
     virtual hl::i64 ended_at_wall() const = 0;
     virtual int largest_cluster() const = 0;
     virtual double cluster_share() const = 0;
-    virtual Seen survey() const = 0;
-    virtual double margin_used(int instants) const = 0;
+    virtual hp::NewtonObservation observe() const = 0;
+    virtual double safety_radius_used(int instants) const = 0;
     virtual std::vector<hp::ContactRecord> take_log() = 0;
     virtual void save(hp::Writer& writer) const = 0;
 };
@@ -65,25 +57,8 @@ public:
     hl::i64 ended_at_wall() const override { return run_.ended_at_wall(); }
     int largest_cluster() const override { return run_.largest_cluster(); }
     double cluster_share() const override { return run_.cluster_share(); }
-    Seen survey() const override {
-        auto s = run_.survey();
-        return {std::move(s.position),
-                std::move(s.velocity),
-                s.kinetic,
-                s.potential,
-                s.contact,
-                s.dissipated,
-                {s.momentum[0], s.momentum[1], s.momentum[2]},
-                s.virial,
-                s.largest_compression,
-                s.in_contact,
-                s.begun,
-                s.begun_pairs,
-                s.ended,
-                s.overlapped,
-                std::move(s.open)};
-    }
-    double margin_used(int instants) const override { return run_.margin_used(instants); }
+    hp::NewtonObservation observe() const override { return run_.observe(); }
+    double safety_radius_used(int instants) const override { return run_.safety_radius_used(instants); }
     std::vector<hp::ContactRecord> take_log() override { return run_.take_log(); }
     void save(hp::Writer& writer) const override { run_.save(writer); }
 
@@ -137,13 +112,13 @@ private:
 };
 
 nb::tuple state(const NewtonEvents& run) {
-    const Seen seen = run.engine().survey();
+    const hp::NewtonObservation seen = run.engine().observe();
     const int d = run.setting().box.dimension;
     return nb::make_tuple(rows(seen.position, d), rows(seen.velocity, d));
 }
 
 nb::dict observe(const NewtonEvents& run) {
-    const Seen seen = run.engine().survey();
+    const hp::NewtonObservation seen = run.engine().observe();
     nb::dict d;
     d["kinetic_energy"] = seen.kinetic;
     d["potential_energy"] = seen.potential;
@@ -184,10 +159,10 @@ void bind_newton_events(nb::module_& m) {
         .def_prop_ro("largest_cluster",
                      [](const NewtonEvents& run) { return run.engine().largest_cluster(); })
         .def(
-            "margin_used",
-            [](const NewtonEvents& run, int instants) { return run.engine().margin_used(instants); },
+            "safety_radius_used",
+            [](const NewtonEvents& run, int instants) { return run.engine().safety_radius_used(instants); },
             "instants"_a,
-            "The largest part that a body in contact uses, now, of the space that others leave it: at most 1.")
+            "Largest part of its safety radius that a body in contact uses, at most 1. For tests.")
         .def_prop_ro("cluster_share", [](const NewtonEvents& run) { return run.engine().cluster_share(); })
         .def_prop_ro("outcome",
                      [](const NewtonEvents& run) {
@@ -202,7 +177,7 @@ void bind_newton_events(nb::module_& m) {
             "Contacts known to be over since the last call: begin, end, first, second, impact_speed, "
             "separation_speed, overlapped.")
         .def(
-            "open_contacts", [](const NewtonEvents& run) { return columns(run.engine().survey().open); },
+            "open_contacts", [](const NewtonEvents& run) { return columns(run.engine().observe().open); },
             "The same of contacts that last, whose end is NaN, and of those whose cluster is still together.")
         .def("save", &NewtonEvents::save)
         .def_static("load", &NewtonEvents::load, "state"_a);

@@ -334,7 +334,8 @@ auto take_log(HardSpheres& h) {
     const std::size_t n = log.time.size();
     return nb::make_tuple(make_array(std::move(log.time), {n}), make_array(std::move(log.first), {n}),
                           make_array(std::move(log.second), {n}),
-                          make_array(std::move(log.impact_speed), {n}));
+                          make_array(std::move(log.impact_speed), {n}),
+                          make_array(std::move(log.separation_speed), {n}));
 }
 
 const char* outcome_name(const HardSpheres& h) {

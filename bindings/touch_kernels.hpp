@@ -1,6 +1,6 @@
 // The kernels of boxes for the processor at hand.
 #pragma once
-#include "boxes/kernels/touch_kernel.hpp"
+#include "boxes/kernels/interface.hpp"
 
 extern const hardlimit_abi::TouchKernels hardlimit_touch_base, hardlimit_touch_avx2, hardlimit_touch_avx512;
 

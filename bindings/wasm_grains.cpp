@@ -7,6 +7,7 @@
 #include "boxes/hard_spheres/check.hpp"
 #include "boxes/hard_spheres/growth.hpp"
 #include "boxes/hard_spheres/make_engine.hpp"
+#include "boxes/kernels/kernel_table.hpp"
 
 #include <algorithm>
 #include <memory>

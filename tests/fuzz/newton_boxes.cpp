@@ -1,5 +1,5 @@
-// Fuzz target: small boxes under Newton's equations by events, of every kind and under every law: some contacts,
-// then saved, loaded and gone on with.
+// Fuzz target: small boxes under Newton's equations by events, with all boundaries and laws. Each runs for some
+// contacts, is saved and loaded, and continues.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -16,16 +16,16 @@ using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;
 
-// Speeds and gravity such that all energy together compresses a contact by a part of the smallest radius.
+// Speeds and gravity for which the total energy can compress a contact by a given part of the smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
     Box3 box{};
     std::vector<double> x, v;  // [3 N]
     PairLaws<Law> laws;
-    double energy = 0.0, momentum = 0.0;  // the most there can be [J], [kg m/s]
-    double depth = 0.0;                   // to which it compresses the softest contact [m]
+    double energy = 0.0, momentum = 0.0;  // upper bounds [J], [kg m/s]
+    double depth = 0.0;                   // of the softest contact at this energy [m]
     double until = 0.0;                   // [s]
-    double least_restitution = 1.0;       // of an isolated contact at the speed there is
+    double least_restitution = 1.0;       // of an isolated contact at the present speeds
 
     explicit Case(Draw& draw) : fuzz::SmallBox(draw, 3, 4.2001), laws(make_laws(draw)) {
         const double smallest = *std::min_element(radius.begin(), radius.end());
@@ -84,14 +84,14 @@ template <class Law>
 class Run {
 public:
     using Engine = NewtonEvents<Law>;
-    using Survey = typename Engine::Survey;
+    using Observation = NewtonObservation;
 
     explicit Run(const Case<Law>& c)
         : c_(c),
           engine_(std::make_unique<Engine>(c.box, c.x, c.v, c.laws, true, of(c))),
-          start_(engine_->survey()) {}
+          start_(engine_->observe()) {}
 
-    // So far, and what must be true there.
+    // Advances, and checks the state.
     void advance(double until) {
         const double before = engine_->time();
         Stop never;
@@ -104,7 +104,7 @@ public:
         engine_->save(writer);
         return writer.finish();
     }
-    // Goes on with both, the one that was saved and the one that was loaded.
+    // Advances both the saved run and the loaded one.
     void compare(const std::vector<char>& bytes, double until) {
         Reader reader(bytes.data(), bytes.size());
         require(reader.whole(), "what was saved is whole");
@@ -113,7 +113,7 @@ public:
         Stop never;
         again.advance(until, most_events, never);
         advance(until);
-        const Survey a = engine_->survey(), b = again.survey();
+        const Observation a = engine_->observe(), b = again.observe();
         require(engine_->time() == again.time() && a.position == b.position && a.velocity == b.velocity,
                 "what was loaded goes on with the same bits");
         require(a.begun == b.begun && a.ended == b.ended && a.dissipated == b.dissipated,
@@ -121,20 +121,20 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most_events = 50;  // of an advance
+    static constexpr std::uint64_t most_events = 50;  // per call of advance()
     const Case<Law>& c_;
     std::unique_ptr<Engine> engine_;
-    Survey start_;
+    Observation start_;
     double dissipated_ = 0.0;
-    double slack_ = 0.0;  // of what overlaps without force: not lost where it is pressed again [J]
+    double slack_ = 0.0;  // of slack pairs: not dissipated where they engage again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
     }
-    static double sum(const Survey& s) { return s.kinetic + s.potential + s.contact + s.dissipated; }
+    static double sum(const Observation& s) { return s.kinetic + s.potential + s.contact + s.dissipated; }
 
     void check() {
-        const Survey now = engine_->survey();
+        const Observation now = engine_->observe();
         for (const auto* numbers : {&now.position, &now.velocity})
             for (const double value : *numbers)
                 require(math::is_finite(value), "finite places and velocities");
@@ -144,8 +144,8 @@ private:
             for (int k = 0; k < c_.s.dimension; ++k)
                 scale += c_.mass[i] *
                          math::abs(c_.box.gravity[k] * now.position[3 * i + static_cast<std::size_t>(k)]);
-        // Contacts are integrated to about 1e-11 of the energy in a step, and there are tens of steps in each. A
-        // compression is known to the rounding of the places it is the difference of.
+        // The error of a step is about 1e-11 of the energy, and each contact takes tens of steps. A compression has the
+        // rounding error of positions.
         const double farthest = math::max(math::max(c_.box.edge[0], c_.box.edge[1]), c_.box.edge[2]);
         const double of_contact = 5e-10 + 20.0 * math::epsilon * farthest / c_.depth;
         const double balance = 1e-9 + of_contact * static_cast<double>(now.begun);
@@ -159,15 +159,15 @@ private:
             require(math::abs(now.momentum[k] - start_.momentum[k]) <= 1e-10 * c_.momentum,
                     "momentum is kept");
         check_overlaps(now, scale);
-        require(engine_->margin_used(5) <= 1.0, "true paths keep to the space that is left to them");
+        require(engine_->safety_radius_used(5) <= 1.0, "true paths keep to the space that is left to them");
         for (const ContactRecord& row : engine_->take_log())
             require(row.begin >= 0.0 && row.end >= row.begin && row.end <= engine_->time() &&
                         (row.second < 0 || row.first < row.second),
                     "contacts begin and end");
     }
 
-    // Nobody is deeper in another one than all energy could press him; who approaches there is in contact.
-    void check_overlaps(const Survey& now, double energy) {
+    // No overlap is deeper than the total energy allows; an overlapping pair that approaches is in contact.
+    void check_overlaps(const Observation& now, double energy) {
         slack_ = 0.0;
         const auto n = static_cast<std::int64_t>(c_.s.n);
         for (std::int64_t i = 0; i < n; ++i) {
@@ -192,7 +192,7 @@ private:
             }
         }
     }
-    void check_overlap(const Survey& now, std::int64_t i, std::int64_t j, double depth, double inwards,
+    void check_overlap(const Observation& now, std::int64_t i, std::int64_t j, double depth, double inwards,
                        double energy) {
         const double reach = c_.radius[i] + (j < 0 ? 0.0 : c_.radius[j]);
         if (!(depth > 0.0)) return;
@@ -214,7 +214,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::with_some_law(draw, [&]<class Law>() {
         const Case<Law> c(draw);
         if (fault_of(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
-        if (!(c.least_restitution > 1e-3)) return;  // what creeps takes steps without number
+        if (!(c.least_restitution > 1e-3)) return;  // creeping bodies take very many steps
         Run<Law> run(c);
         const double first = draw.between(0.0, c.until);
         run.advance(first);

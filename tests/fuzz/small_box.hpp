@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "boxes/hard_spheres/check.hpp"
-#include "boxes/kernels/touch_kernel.hpp"
+#include "boxes/kernels/kernel_table.hpp"
 #include "check.hpp"
 
 namespace hardlimit::fuzz {

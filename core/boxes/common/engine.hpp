@@ -8,7 +8,7 @@
 #include "../../base/stop.hpp"
 #include "../hard_spheres/accumulators.hpp"
 #include "../hard_spheres/rules/rules.hpp"
-#include "../kernels/touch_kernel.hpp"
+#include "../kernels/interface.hpp"
 
 namespace hardlimit::boxes {
 
@@ -30,7 +30,7 @@ struct Setting {
 struct Log {
     std::vector<double> time;  // [s]
     std::vector<i64> first, second;
-    std::vector<double> impact_speed;  // [m/s]
+    std::vector<double> impact_speed, separation_speed;  // [m/s]
 };
 
 struct Observation {

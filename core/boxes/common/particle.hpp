@@ -7,7 +7,7 @@
 namespace hardlimit::boxes {
 
 using u32 = std::uint32_t;
-inline constexpr u32 nobody = 0xffffffffu;
+inline constexpr u32 no_particle = 0xffffffffu;
 
 // One cache line. A particle keeps the state of its last collision: nothing is advanced before the next one.
 template <int d>
@@ -29,7 +29,7 @@ HL_FN double one_more_collision(double count) {
 }
 
 // What a particle does by itself.
-enum class Own : u32 {
+enum class SelfEvent : u32 {
     low_x,
     high_x,
     low_y,
@@ -39,18 +39,20 @@ enum class Own : u32 {
     rescan,  // looks for smaller particles anew
     ends,    // its group of bodies in contact ends
 };
-constexpr Own own_event(int axis, bool high) { return static_cast<Own>(2 * axis + (high ? 1 : 0)); }
+constexpr SelfEvent own_event(int axis, bool high) {
+    return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0));
+}
 // The user's number of the wall that is met: −1 − 2·axis at 0, −2 − 2·axis at the edge.
-constexpr i64 wall_number(Own own) { return -1 - static_cast<i64>(own); }
-constexpr int axis_of(Own own) { return static_cast<int>(own) / 2; }
-constexpr bool is_high(Own own) { return (static_cast<u32>(own) & 1u) != 0; }
+constexpr i64 wall_number(SelfEvent own) { return -1 - static_cast<i64>(own); }
+constexpr int axis_of(SelfEvent own) { return static_cast<int>(own) / 2; }
+constexpr bool is_high(SelfEvent own) { return (static_cast<u32>(own) & 1u) != 0; }
 
 // The earliest collision found and the earliest event of the particle's own. `partner` has collided since if its
 // number of collisions is no longer `partner_count`: then pair_time is only a time before which nothing happens.
 struct Pending {
     double pair_time = math::infinity;  // [s]
     double own_time = math::infinity;   // [s]
-    u32 partner = nobody;
+    u32 partner = no_particle;
     u32 partner_count = 0;
     u32 count = 0;      // collisions so far, unless they are counted beside the place
     u32 cell : 29 = 0;  // that the particle is in

@@ -15,7 +15,7 @@
 
 #include "../common/archive.hpp"
 #include "../common/engine.hpp"
-#include "../kernels/touch_kernel.hpp"
+#include "../kernels/interface.hpp"
 #include "../neighbours/cells.hpp"
 #include "../queue/calendar_queue.hpp"
 #include "../queue/prediction.hpp"
@@ -66,9 +66,9 @@ private:
     // A particle that looks for its next collision, and what it has found.
     struct Look {
         u32 id;
-        u32 except = nobody;  // not to be met where it touches: what the particle has just collided with
+        u32 except = no_particle;  // not to be met where it touches: what the particle has just collided with
         double in = math::infinity;  // [s] from now
-        u32 partner = nobody;
+        u32 partner = no_particle;
     };
 
     Box<d> box_{};
@@ -83,7 +83,7 @@ private:
     Records<u32> names_;                   // the user's number of each
     Records<double> masses_;               // if mixed [kg]
     Cells<d> cells_;
-    Calendar calendar_;
+    CalendarQueue calendar_;
     Tally<d> tally_;
     CollapseWatch watch_;
     Log log_;
@@ -191,15 +191,15 @@ private:
     void sort_along_cells();
 
     auto ahead() const {
-        return LookAhead{calendar_,
-                         cells_,
-                         pending_.data(),
-                         particles_.data(),
-                         [this](u32 id) { return level(id); },
-                         [](u32) {},
-                         [this](u32 id) {
-                             if (mixed) prefetch(&pending_[id]);
-                         }};
+        return Prefetcher{calendar_,
+                          cells_,
+                          pending_.data(),
+                          particles_.data(),
+                          [this](u32 id) { return level(id); },
+                          [](u32) {},
+                          [this](u32 id) {
+                              if (mixed) prefetch(&pending_[id]);
+                          }};
     }
 
     // hard_spheres/events.hpp
@@ -216,7 +216,7 @@ private:
     void keep_bounds(u32 i);
     double restitution(bool within_contact, double speed, PairGeometry pair, double smaller_radius);
     PairGeometry geometry(u32 i, u32 j) const;
-    void note(u32 i, i64 second, double speed, double lost, double waited);
+    void note(u32 i, i64 second, double speed, double separation_speed, double lost, double waited);
     std::pair<i64, i64> named(u32 i, i64 second) const;
     void end_here(Outcome outcome, u32 i, i64 second);
     void give_up(Outcome outcome, u32 i, i64 second, double speed);

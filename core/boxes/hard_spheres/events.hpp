@@ -14,8 +14,8 @@ void HardSpheres<d, motion, mixed>::happen(u32 i) {
             predict(i, last_met(i));
         return;
     }
-    const Own own = static_cast<Own>(e.own);
-    if (own == Own::rescan) return predict(i, last_met(i));
+    const SelfEvent own = static_cast<SelfEvent>(e.own);
+    if (own == SelfEvent::rescan) return predict(i, last_met(i));
     const int axis = axis_of(own), level_i = level(i);
     const Place<d> at = cells_.place(level_i, e.cell);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level_i)];
@@ -32,7 +32,7 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     Pending& e = pending_[i];
     Particle<d>& p = particles_[i];
-    const Own own = static_cast<Own>(e.own);
+    const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1, fine = level(i);
     const Grid<d>& g = cells_.grids()[fine];
     cells_.remove(e.cell, i);
@@ -67,7 +67,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
     Particle<d>& p = particles_[i];
-    const Own own = static_cast<Own>(pending_[i].own);
+    const SelfEvent own = static_cast<SelfEvent>(pending_[i].own);
     const int axis = axis_of(own);
     const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
     advance_to_now(i);
@@ -83,7 +83,7 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
         ++tally_.walls;
     } else if (speed == 0.0) {
         ++tally_.walls;
-        note(i, wall, speed, 0.0, math::infinity);
+        note(i, wall, speed, 0.0, 0.0, math::infinity);
         if (!(away * box_.gravity[axis] > 0.0)) return end_here(Outcome::at_rest, i, wall);
     } else if (soft_) {
         meet_wall_softly(i, axis, away, speed);
@@ -96,11 +96,11 @@ void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
         tally_.kinetic -= lost;
         tally_.momentum[axis] += m * (p.velocity[axis] - before);
         ++tally_.walls;
-        note(i, wall, speed, lost, waited);
+        note(i, wall, speed, e * speed, lost, waited);
     }
     count_collision(i);
     keep_bounds(i);
-    predict(i, nobody);
+    predict(i, no_particle);
 }
 
 template <int d, Motion motion, bool mixed>
@@ -148,7 +148,8 @@ PairGeometry HardSpheres<d, motion, mixed>::geometry(u32 i, u32 j) const {
 
 // The bookkeeping of a collision, before it is counted: i has met another particle or a wall, which is negative.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double lost, double waited) {
+void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double separation_speed,
+                                         double lost, double waited) {
     if (lost != 0.0) tally_.dissipated.add(lost);
     const auto name = [this](u32 id) { return names_[id]; };
     if (keep_log_) {
@@ -157,6 +158,7 @@ void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double
         log_.first.push_back(first);
         log_.second.push_back(last);
         log_.impact_speed.push_back(speed);
+        log_.separation_speed.push_back(separation_speed);
     }
     const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
     const Impact impact{now_, i, second, speed, waited, !rule_.is_tc() && !rule_.elastic_always()};
@@ -183,7 +185,7 @@ void HardSpheres<d, motion, mixed>::end_here(Outcome outcome, u32 i, i64 second)
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::give_up(Outcome outcome, u32 i, i64 second, double speed) {
     ++(second < 0 ? tally_.walls : tally_.pairs);
-    note(i, second, speed, 0.0, math::infinity);
+    note(i, second, speed, math::nan, 0.0, math::infinity);
     end_here(outcome, i, second);
 }
 
@@ -238,7 +240,7 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
             tally_.advance(now_);
             tally_.kinetic -= lost;
         }
-        note(i, j, speed, lost, math::max(waited[0], waited[1]));
+        note(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     }
     for (int k = 0; k < d; ++k) {
         const double impulse = reduced * gain * r[k];

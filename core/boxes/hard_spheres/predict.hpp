@@ -105,8 +105,8 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::keep(const Look& found) {
     Pending& e = pending_[found.id];
     const double time = now_ + found.in;
-    if (found.partner == nobody || time > e.pair_time) return;
-    if (time == e.pair_time && e.partner != nobody && names_[e.partner] < names_[found.partner]) return;
+    if (found.partner == no_particle || time > e.pair_time) return;
+    if (time == e.pair_time && e.partner != no_particle && names_[e.partner] < names_[found.partner]) return;
     e.pair_time = time;
     e.partner = found.partner;
     e.partner_count = collisions(found.partner);
@@ -130,7 +130,7 @@ void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
         search_block(found, level, from, to);
     });
     e.pair_time = math::infinity;
-    e.partner = nobody;
+    e.partner = no_particle;
     if constexpr (mixed)
         if (own > 0) search_finer(found, own);
     keep(found);
@@ -188,7 +188,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i, const Place<d>& at) {
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(own)];
     double in = math::infinity;
-    Own which = Own::low_x;
+    SelfEvent which = SelfEvent::low_x;
     // Without branches: which border is the first, no processor can foresee.
     const auto consider = [&](double time, int axis, bool high) {
         which = time < in ? own_event(axis, high) : which;
@@ -229,7 +229,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i, const Place<d>& at) {
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {
             e.own_time = rescans_[i];
-            e.own = static_cast<u32>(Own::rescan) & 7u;
+            e.own = static_cast<u32>(SelfEvent::rescan) & 7u;
         }
 }
 

@@ -66,7 +66,9 @@ void HardSpheres<d, motion, mixed>::collide_softly(u32 i, u32 j, const double (&
     shift_body(i, -mass(j) / whole, change, shift);
     shift_body(j, mass(i) / whole, change, shift);
     remember(i, j, impact.duration);
-    note(i, j, speed, 0.5 * pair.effective_mass * (before - after), math::infinity);
+    // Angular momentum: at equal distances the tangential speed is the same.
+    const double separation = math::sqrt(math::max(0.0, after - square));
+    note(i, j, speed, separation, 0.5 * pair.effective_mass * (before - after), math::infinity);
     ++tally_.pairs;
 }
 
@@ -88,8 +90,10 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
     tally_.kinetic -= lost;
     tally_.momentum[axis] += m * change[axis];
     shift_body(i, 1.0, change, shift);
-    remember(i, nobody, impact.duration, 1 + static_cast<u32>(own_event(axis, away < 0.0)));
-    note(i, wall, speed, lost - m * pressing * end.normal_shift, math::infinity);
+    remember(i, no_particle, impact.duration, 1 + static_cast<u32>(own_event(axis, away < 0.0)));
+    const double dissipated = lost - m * pressing * end.normal_shift;
+    const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));
+    note(i, wall, speed, separation, dissipated, math::infinity);
 }
 
 // Until either has met something else a pair is not to collide again, though drawn back it may overlap and approach.
@@ -97,11 +101,11 @@ void HardSpheres<d, motion, mixed>::meet_wall_softly(u32 i, int axis, double awa
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::remember(u32 i, u32 j, double duration, u32 wall) {
     bool third = now_ < softs_[i].until;
-    if (j != nobody) third = third || now_ < softs_[j].until;
+    if (j != no_particle) third = third || now_ < softs_[j].until;
     ++soft_contacts_;
     if (third) ++soft_third_body_;
     softs_[i] = {now_ + duration, j, wall};
-    if (j != nobody) softs_[j] = {now_ + duration, i, 0};
+    if (j != no_particle) softs_[j] = {now_ + duration, i, 0};
 }
 
 // From when on a particle may meet this wall: not before its contact with it is over, though the parabola drawn back
@@ -115,9 +119,9 @@ double HardSpheres<d, motion, mixed>::free_of_wall(u32 i, int axis, bool high) c
 // The particle that this one must not meet, or nobody.
 template <int d, Motion motion, bool mixed>
 u32 HardSpheres<d, motion, mixed>::last_met(u32 i) const {
-    if (softs_.empty()) return nobody;
+    if (softs_.empty()) return no_particle;
     const u32 j = softs_[i].partner;
-    return j != nobody && softs_[j].partner == i ? j : nobody;
+    return j != no_particle && softs_[j].partner == i ? j : no_particle;
 }
 
 }  // namespace hardlimit::boxes

@@ -41,7 +41,7 @@ void HardSpheres<d, motion, mixed>::sort_along_cells() {
     std::vector<u32> now_at(n);
     for (u32 i = 0; i < n; ++i) now_at[from[i]] = i;
     const auto follow = [&](u32& partner) {
-        if (partner != nobody) partner = now_at[partner];
+        if (partner != no_particle) partner = now_at[partner];
     };
     for (Pending& e : pending_) follow(e.partner);
     for (SoftContact& s : softs_) follow(s.partner);

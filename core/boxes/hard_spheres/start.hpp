@@ -21,7 +21,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& r
     take(s);
     put_into_cells();
     next_sort_ = collisions_between_sorts * static_cast<i64>(s.n);
-    if (rule.soft) softs_.assign(s.n, {-math::infinity, nobody});
+    if (rule.soft) softs_.assign(s.n, {-math::infinity, no_particle});
     refresh_tally();
     predict_all(stop);
     restart_calendar();
@@ -52,7 +52,7 @@ void HardSpheres<d, motion, mixed>::archive(Archive& a) {
     a(box_), a(choice), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
     a(particles_), a(pending_), a(periods_), a(names_), a(masses_), a(rescans_), a(fastest_);
     a(tally_), a(until_refresh_), a(now_), a(outcome_), a(early_end_);
-    a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed);
+    a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed), a(log_.separation_speed);
     a(softs_), a(soft_contacts_), a(soft_third_body_), a(deepest_);
     watch_.archive(a);
     make_rule(choice);
@@ -121,7 +121,7 @@ void HardSpheres<d, motion, mixed>::put_into_cells() {
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
-    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, nobody);
+    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, no_particle);
 }
 
 template <int d, Motion motion, bool mixed>

@@ -1,4 +1,4 @@
-// The state of a run as bytes and back: it goes on with the same bits.
+// Saving a run as bytes and loading it: a loaded run continues with the same bits.
 #pragma once
 #include "engine.hpp"
 
@@ -7,17 +7,17 @@ namespace hardlimit::boxes {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
-    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_place), archive(c.base),
+    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_coordinate), archive(c.base),
         archive(c.time);
     archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
         archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
 }
 
-// All but the groups; the queues follow from what the bodies and groups hold.
+// Everything except the groups. The queues are rebuilt from bodies and groups.
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
-    archive(paths_), archive(pending_), archive(spare_), archive(log_);
+    archive(particles_), archive(pending_), archive(free_groups_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
     archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
@@ -37,18 +37,18 @@ template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
     archive(g.alive), archive(g.isolated), archive(g.until), archive(g.origin);
     exchange(archive, g.body);
-    exchange(archive, g.offset);
+    exchange(archive, g.image_offset);
     if (!g.alive) return;
-    if (g.isolated) return archive(g.lone);
-    if (!g.cluster) g.cluster = std::make_unique<Ends>();
+    if (g.isolated) return archive(g.isolated_contact);
+    if (!g.cluster) g.cluster = std::make_unique<ClusterStates>();
     for (Cluster<Law>* c : {&g.cluster->before, &g.cluster->after}) exchange(archive, *c);
 }
 
 template <class Law>
 void NewtonEvents<Law>::save(Writer& writer) const {
     NewtonEvents& self =
-        const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
-    writer(widest_margin_);
+        const_cast<NewtonEvents&>(*this);  // exchange() serves reading and writing; a writer only reads
+    writer(largest_safety_radius_);
     self.exchange(writer);
     writer(groups_.size());
     for (Group& g : self.groups_) exchange(writer, g);
@@ -62,13 +62,13 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
       soft_(soft_contacts(laws_, count, kernels)),
       keep_log_(log),
       gravity_(std::to_array(box.gravity)) {
-    note_radii(count);
-    reader(widest_margin_);
+    find_extreme_radii(count);
+    reader(largest_safety_radius_);
     make_cells(count, kernels);
     exchange(reader);
     if (reader.failed()) return;
     std::vector<u32> names;
-    for (const Held& e : pending_) names.push_back(e.name);
+    for (const BodyEvents& e : pending_) names.push_back(e.original_index);
     laws_.reorder(names);
     std::size_t groups = 0;
     reader(groups);
@@ -78,9 +78,10 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
     }
     if (reader.failed()) return;
     put_into_cells();
-    restart_calendar();
+    restart_calendar_queue();
     for (int i = 0; i < static_cast<int>(count); ++i)
-        if (const Held& e = pending_[i]; e.first && !e.clustered) endings_.push(e.end, i, e.group, by_name());
+        if (const BodyEvents& e = pending_[i]; e.first && !e.clustered)
+            contact_ends_.push(e.end, i, e.group, by_original_index());
 }
 
 }  // namespace hardlimit::boxes

@@ -1,15 +1,39 @@
-// A contact that nothing disturbs, in closed form from touch to parting.
+// A contact that no third body disturbs, solved at once from touch to separation.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
-// In the plane of approach. False where there is no such end, or where a member would get too far.
+// Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
+// largest body; a pair that does not fit the table is solved directly.
 template <class Law>
-bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
-    Touching<Law>& q = l.pair;
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                         const hardlimit_abi::TouchKernels& kernels) {
+    std::size_t least = 0, most = 0;
+    for (std::size_t i = 1; i < count; ++i) {
+        if (laws.radius(i) < laws.radius(least)) least = i;
+        if (laws.radius(i) > laws.radius(most)) most = i;
+    }
+    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
+    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
+    const auto damping = [&](std::size_t i, std::size_t j) {
+        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
+        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
+    };
+    const double of_most = damping(most, most);
+    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
+    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
+    const auto first = static_cast<std::int64_t>(most);
+    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
+}
+
+// Solves the contact of two bodies in their plane of approach. Returns false if the contact does not end, or if a
+// member moves too far for its cell.
+template <class Law>
+bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) {
+    ContactPair<Law>& q = l.pair;
     const Member &a = l.before[0], &b = l.before[1];
-    Vector3 normal, v, across;
+    Vector3 normal, v, tangent;
     for (std::size_t k = 0; k < 3; ++k) {
         normal[k] = (b.position[k] - a.position[k]) + q.image[k];
         v[k] = b.velocity[k] - a.velocity[k];
@@ -17,68 +41,73 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
     const double per_distance = 1.0 / math::sqrt(dot(normal, normal)),
                  approach = -dot(normal, v) * per_distance;
     for (double& x : normal) x *= per_distance;
-    for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
-    const double sideways = math::sqrt(dot(across, across));
+    for (std::size_t k = 0; k < 3; ++k) tangent[k] = v[k] + approach * normal[k];
+    const double tangential = math::sqrt(dot(tangent, tangent));
     if (!(approach > 0.0)) return false;
-    const double per_sideways = sideways > 0.0 ? 1.0 / sideways : 0.0, distance = q.reach;
-    for (double& x : across) x *= per_sideways;
-    const Approach touch{q.mass, distance, approach, sideways};
+    const double per_tangential = tangential > 0.0 ? 1.0 / tangential : 0.0, distance = q.contact_distance;
+    for (double& x : tangent) x *= per_tangential;
+    const Approach touch{q.mass, distance, approach, tangential};
     const PlanarContact end = soft_(q.law, touch);
     if (end.outcome != Outcome::ok) return false;
-    const double separation = end.radial_speed, swing = end.tangential_speed;
+    const double separation = end.radial_speed, tangential_after = end.tangential_speed;
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
     q.impact_speed = approach;
     l.compression = end.greatest / math::min(a.radius, b.radius);
-    l.dissipated =
-        0.5 * q.mass * (end.speed_loss * (approach + separation) + (sideways - swing) * (sideways + swing));
-    // r × the equation of motion, integrated over the contact.
+    l.dissipated = 0.5 * q.mass *
+                   (end.speed_loss * (approach + separation) +
+                    (tangential - tangential_after) * (tangential + tangential_after));
+    // Virial from r · (equation of motion), integrated over the contact.
     const double left = distance - end.compression;
-    l.virial = q.mass *
-               ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
-    part_pair(l, after, end, normal, across);
+    l.virial = q.mass * ((separation * left + approach * distance) - end.rate_square -
+                         tangential * distance * end.turn);
+    separate_pair(l, after, end, normal, tangent);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
-    return l.compression < deepest_compression && end.turn < widest_turn &&
-           l.span * (approach + sideways) <= travel_ && share * l.margin <= widest_margin_;
+    return l.compression < deepest_compression && end.turn < largest_rotation &&
+           l.span * (approach + tangential) <= largest_displacement_ &&
+           share * l.deviation <= largest_safety_radius_;
 }
 
-// On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
-// that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
-// touch, divided by the cosine of half of that angle.
+// States when the surfaces are apart, on straight lines from the end of the force. Earlier, at a time s, the relative
+// path deviates from the outgoing one by ∫_s^∞ (t − s) a dt. As the force per mass a rotates with the line of centres,
+// the deviation is at most that at touch, divided by the cosine of half of the rotation.
 template <class Law>
-void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContact& end, const Vector3& normal,
-                                  const Vector3& across) const {
+void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
+                                      const Vector3& normal, const Vector3& tangent) const {
     const Member &a = l.before[0], &b = l.before[1];
-    const double distance = l.pair.reach, r = distance - end.compression;
-    const double out = end.radial_speed, swing = end.tangential_speed;
-    const double left = end.compression * (distance + r), along = r * out;
-    const double square = along * along + (out * out + swing * swing) * left;
-    const double parting = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
-    l.span = end.duration + parting;
+    const double distance = l.pair.contact_distance, r = distance - end.compression;
+    const double radial = end.radial_speed, tangential = end.tangential_speed;
+    const double left = end.compression * (distance + r), along = r * radial;
+    const double square = along * along + (radial * radial + tangential * tangential) * left;
+    const double opening = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
+    l.span = end.duration + opening;
     const auto turn = math::sincos(end.turn);
-    const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
-    const double rn = r * turn.cos + vn * parting, rt = r * turn.sin + vt * parting;
+    const double vn = radial * turn.cos - tangential * turn.sin,
+                 vt = radial * turn.sin + tangential * turn.cos;
+    const double rn = r * turn.cos + vn * opening, rt = r * turn.sin + vt * opening;
     const double per_total = 1.0 / (a.mass + b.mass), of_a = a.mass * per_total, of_b = b.mass * per_total;
     after[0] = a, after[1] = b;
     for (std::size_t k = 0; k < 3; ++k) {
         const double mean = of_a * a.velocity[k] + of_b * b.velocity[k], fall = box_.gravity[k] * l.span;
         const double moved = l.span * (mean + 0.5 * fall);
-        const double place = (rn - distance) * normal[k] + rt * across[k];
-        const double velocity = vn * normal[k] + vt * across[k];
-        after[0].position[k] += moved - of_b * place;
-        after[1].position[k] += moved + of_a * place;
+        const double position = (rn - distance) * normal[k] + rt * tangent[k];
+        const double velocity = vn * normal[k] + vt * tangent[k];
+        after[0].position[k] += moved - of_b * position;
+        after[1].position[k] += moved + of_a * position;
         after[0].velocity[k] = (mean + fall) - of_b * velocity;
         after[1].velocity[k] = (mean + fall) + of_a * velocity;
     }
     const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
-    const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // or less
-    l.turn = end.turn;
-    l.margin = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
-    for (std::size_t k = 0; k < 3; ++k) l.off[k] = -per_cosine * (off_n * normal[k] + off_t * across[k]);
+    const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // a lower bound of the cosine
+    l.rotation = end.turn;
+    l.deviation = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
+    for (std::size_t k = 0; k < 3; ++k)
+        l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
+// The same for a body and a wall.
 template <class Law>
-bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
-    Touching<Law>& q = l.pair;
+bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) {
+    ContactPair<Law>& q = l.pair;
     const auto axis = static_cast<std::size_t>(q.axis);
     const Member& a = l.before[0];
     const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
@@ -96,40 +125,41 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
         to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
         to.velocity[k] += box_.gravity[k] * l.span;
     }
-    to.position[axis] = q.wall + q.side * q.reach;
+    to.position[axis] = q.wall + q.side * q.contact_distance;
     to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;
-    // The force per mass a points one way: what it does to the path is largest at touch, ∫ t a dt.
+    // The force per mass a keeps its direction: the deviation of the path is largest at touch, ∫ t a dt.
     const double out = end.radial_speed - weight * opening;
     const double off = 1.0001 * (l.span * (out + 0.5 * weight * l.span));
-    l.turn = 0.0;
-    l.margin = math::abs(off);
-    l.off = {};
-    l.off[axis] = -q.side * off;
+    l.rotation = 0.0;
+    l.deviation = math::abs(off);
+    l.initial_offset = {};
+    l.initial_offset[axis] = -q.side * off;
     return l.compression < deepest_compression &&
-           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel_ && l.margin <= widest_margin_;
+           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= largest_displacement_ &&
+           l.deviation <= largest_safety_radius_;
 }
 
-// Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
-// margin, on the parabola on which it flies on: seen from a wall, that is nearest at one of its ends or at its vertex.
+// Whether all members stay away from all other walls. A member is enlarged by its safety radius on its outgoing
+// parabola, which is closest to a wall at one of its ends or at its vertex.
 template <class Law>
-bool NewtonEvents<Law>::far_from_walls(const Group& g, const Parted& after) const {
+bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& after) const {
     if (!walled_) return true;
-    const Isolated& l = g.lone;
+    const IsolatedContact& l = g.isolated_contact;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        const double room = radius(g.body[m]) + l.share[m] * l.margin;
+        const double enlarged = radius(g.body[m]) + l.share[m] * l.deviation;
         for (int axis = 0; axis < box_.dimension; ++axis) {
             if (!box_.walled(axis)) continue;
             const auto a = static_cast<std::size_t>(axis);
             const double end = g.origin[a] + after[m].position[a], v = after[m].velocity[a];
-            const double pull = box_.gravity[axis], back = v / pull;  // to the vertex
+            const double pull = box_.gravity[axis], back = v / pull;  // time from the vertex to the end
             const double begin = end - l.span * (v - 0.5 * pull * l.span);
             const double vertex = back > 0.0 && back < l.span ? end - 0.5 * v * back : end;
             const double least = math::min(math::min(begin, end), vertex);
             const double most = math::max(math::max(begin, end), vertex);
-            const double needed = room * (1.0 + rounding_of_touch);
+            const double needed = enlarged * (1.0 + rounding_of_touch);
             const bool own = l.pair.second < 0 && l.pair.axis == axis, at_low = own && l.pair.side > 0.0;
             if (!at_low && !(least > needed)) return false;
             if (!(own && !at_low) && !(box_.edge[axis] - most > needed)) return false;
