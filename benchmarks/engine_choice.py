@@ -14,7 +14,7 @@ from newton_events import RADIUS, law_of, rate_of, start
 from hardlimit import _core
 from hardlimit.boxes import time_step
 from hardlimit.boxes.engine_choice import BY_EVENTS, BY_STEPS
-from hardlimit.boxes.engines import choice, scene
+from hardlimit.boxes.engines import choice, engine_arguments
 
 TOUCHES = (0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 1.0)
 COLLISIONS = 3.0
@@ -31,11 +31,12 @@ def row(n: int, touch: float) -> list[str]:
     rate = rate_of(system)
     law = law_of(system, touch / rate)
     step = time_step.chosen(system, law, None, None)
-    events = _core.NewtonEvents(*scene(system), choice(law))
-    steps = _core.NewtonSteps(*scene(system), choice(law), step)
+    given, laws = engine_arguments(system), {"law": choice(law)}
+    events = _core.make_engine("newton_events", *given, **laws)
+    steps = _core.make_engine("newton_steps", *given, **laws, time_step=step)
     times = [cost(engine, COLLISIONS / rate) for engine in (events, steps)]
     said = BY_EVENTS[0] + BY_EVENTS[1] * touch, BY_STEPS[0] + BY_STEPS[1] / (rate * step)
-    of_each = [1e6 * took / max(events.contacts_reached, 1) for took in times]
+    of_each = [1e6 * took / max(events.n_contacts, 1) for took in times]
     shown = [f"{value:.3g}" for pair in zip(of_each, said, strict=True) for value in pair]
     return [f"{n}", f"{touch:g}", *shown]
 

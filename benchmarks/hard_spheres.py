@@ -32,7 +32,7 @@ from harness import publish, table
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes.engines import scene
+from hardlimit.boxes.engines import engine_arguments
 
 TABLES = ("rates", "kinds", "cooling")
 LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")
@@ -49,10 +49,14 @@ class Ours:
 
     def __init__(self, system: hl.ParticleSystem, rule: str = "constant", restitution: float = 1.0) -> None:
         law = ("viscoelastic", 0, [1e7, 0.3, 1e-5]) if rule in ("law", "soft") else None
-        if law:
-            restitution = math.nan
-        duration = 1e-4 if rule == "tc" else math.nan
-        self.run = _core.HardSpheres(*scene(system), rule, restitution, law, duration, False)
+        self.run = _core.make_engine(
+            "hard_spheres",
+            *engine_arguments(system),
+            law=law,
+            rule=rule,
+            restitution=restitution,
+            rule_parameters=[1e-4] if rule == "tc" else [],
+        )
 
     def warm_up(self) -> Ours:
         self.run.advance(math.inf, 5 * len(self.run.state()[0]))
@@ -60,10 +64,10 @@ class Ours:
 
     def rate(self, seconds: float) -> float:
         """Collisions per second of CPU time, over about so many of them."""
-        rows, begin = self.run.n_rows, time.process_time()
+        rows, begin = self.run.n_contacts, time.process_time()
         while time.process_time() - begin < seconds:
-            self.run.advance(math.inf, self.run.n_rows + 20_000)
-        return (self.run.n_rows - rows) / (time.process_time() - begin)
+            self.run.advance(math.inf, 20_000)
+        return (self.run.n_contacts - rows) / (time.process_time() - begin)
 
 
 def peer_rate(program: str, directory: Path, seconds: float) -> float:
@@ -149,14 +153,14 @@ def cooling(n: int, restitution: float) -> list[str]:
 
     begin, costs = temperature(), []
     while temperature() > 1e-8 * begin:
-        rows, before = run.n_rows, time.process_time()
-        run.advance(math.inf, rows + 10 * n)
-        costs.append((time.process_time() - before) / (run.n_rows - rows))
+        rows, before = run.n_contacts, time.process_time()
+        run.advance(math.inf, 10 * n)
+        costs.append((time.process_time() - before) / (run.n_contacts - rows))
     first, last = np.median(costs[:5]), np.median(costs[-5:])
     return [
         f"{n:g}",
         f"{restitution:g}",
-        f"{run.n_rows / n:.0f}",
+        f"{run.n_contacts / n:.0f}",
         f"{1e6 * first:.2f}",
         f"{last / first:.2f}",
     ]

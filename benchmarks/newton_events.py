@@ -19,7 +19,7 @@ from harness import Method, arguments, interleave, publish, table
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes.engines import choice, scene
+from hardlimit.boxes.engines import choice, engine_arguments
 from hardlimit.boxes.theory import Gas
 
 try:
@@ -38,14 +38,14 @@ WARM, SPAN = 8.0, 1.0  # before, and at every call, in times between two collisi
 class Run:
     """Goes on by the same time at every call."""
 
-    def __init__(self, engine, span: float, contacts: str):
-        self.engine, self.span, self.contacts = engine, span, contacts
+    def __init__(self, engine, span: float):
+        self.engine, self.span = engine, span
 
     def __call__(self) -> None:
         self.engine.advance(self.engine.time + self.span)
 
     def count(self) -> int:
-        return int(getattr(self.engine, self.contacts))
+        return int(self.engine.n_contacts)
 
 
 class Lammps:
@@ -96,10 +96,10 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
     step = duration / STEPS_PER_CONTACT
     span = SPAN / rate
     steps = max(20, min(math.ceil(span / step), 20_000_000 // system.n))
-    events = Run(_core.NewtonEvents(*scene(system), choice(law)), span, "contacts_reached")
-    stepping = Run(_core.NewtonSteps(*scene(system), choice(law), step), steps * step, "n_contacts")
-    nan = math.nan
-    hard = Run(_core.HardSpheres(*scene(system), "constant", RESTITUTION, None, nan, False), span, "n_rows")
+    given, laws = engine_arguments(system), {"law": choice(law)}
+    events = Run(_core.make_engine("newton_events", *given, **laws), span)
+    stepping = Run(_core.make_engine("newton_steps", *given, **laws, time_step=step), steps * step)
+    hard = Run(_core.make_engine("hard_spheres", *given, restitution=RESTITUTION), span)
     methods = [
         Method("events", "", events, 1),
         Method("steps", f"t_c/{STEPS_PER_CONTACT}", stepping, 1),

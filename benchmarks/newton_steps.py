@@ -16,6 +16,7 @@ from peers.newton_lammps import Box
 
 import hardlimit as hl
 from hardlimit import _core
+from hardlimit.boxes.engines import choice, engine_arguments
 from hardlimit.boxes.theory import Gas
 
 RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9
@@ -55,21 +56,13 @@ class Ours:
     def __init__(
         self, system: hl.ParticleSystem, law: hl.LinearDashpot, step: float, threads: int, steps: int
     ):
-        self.engine = _core.NewtonSteps(
-            system.positions,
-            system.velocities,
-            np.ascontiguousarray(system.radius),
-            np.ascontiguousarray(system.mass),
-            system.box.tolist(),
-            [True] * 3,
-            [0.0] * 3,
-            (law.record["name"], law.alternative, list(law.parameters.values())),
-            step,
+        self.engine = _core.make_engine(
+            "newton_steps", *engine_arguments(system), law=choice(law), time_step=step
         )
         self.by, self.threads = steps * step, threads
 
     def __call__(self) -> None:
-        self.engine.advance(self.engine.time + self.by, self.threads)
+        self.engine.advance(self.engine.time + self.by, threads=self.threads)
 
 
 def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
@@ -79,7 +72,7 @@ def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
     steps = max(20, 20_000_000 // system.n)
     one, two = (Ours(system, law, step, threads, steps) for threads in (1, 2))
     one()  # finds its skin
-    skin = one.engine.skin
+    skin = one.engine.statistics()["skin"]
     force = law.between(ball, ball)
     lammps = Box(system, force.stiffness, force.damping, step, skin)
     lammps.run(steps)

@@ -86,7 +86,7 @@ def events_of(name, until):
             system, event_driven.checked_settings(**given), course.Target(until, None, until, 1)
         )
     whole.run(lambda done, total: None)
-    return whole.engine.n_lists if name == "steps" else whole.engine.n_events
+    return whole.engine.statistics()["n_lists" if name == "steps" else "n_events"]
 
 
 @pytest.mark.parametrize("name", ["elastic", "soft", "events", "steps"])

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "../../base/math.hpp"
+#include "box.hpp"
 #include "storage.hpp"
 
 namespace hardlimit::boxes::steps {
@@ -18,17 +19,7 @@ inline double dot(Four a, Four b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * 
 inline double* numbers(Records<Four>& of) { return reinterpret_cast<double*>(of.data()); }
 inline const double* numbers(const Records<Four>& of) { return reinterpret_cast<const double*>(of.data()); }
 
-// Edges from 0 [m], what the sides are, gravity [m/s²]. Two-dimensional boxes have z = 0 everywhere.
-struct Box {
-    int dimension;
-    double edge[3];
-    bool periodic[3];
-    double gravity[3];
-
-    bool wraps(int axis) const { return axis < dimension && periodic[axis]; }
-    bool walled(int axis) const { return axis < dimension && !periodic[axis]; }
-    Four pull() const { return four(gravity[0], gravity[1], gravity[2], 0.0); }
-};
+inline Four pull(const Box& box) { return four(box.gravity[0], box.gravity[1], box.gravity[2], 0.0); }
 
 // Acceleration by contacts. Few bodies are in contact at a time, so nothing is cleared: an entry counts only at the
 // step it was written and, as the one before, at the next.

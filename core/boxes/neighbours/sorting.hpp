@@ -17,7 +17,7 @@ public:
     void find_cells(const Box& box, const Grid& grid, Bodies& bodies, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             for (int axis = 0; axis < box.dimension; ++axis)
-                if (box.periodic[axis]) fold(bodies.place[i], bodies.label[i], axis, box.edge[axis]);
+                if (box.wraps(axis)) fold(bodies.place[i], bodies.label[i], axis, box.edge[axis]);
             cell_[i] = grid.cell_of(bodies.place[i]);
         }
     }

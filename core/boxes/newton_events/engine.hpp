@@ -44,7 +44,7 @@ namespace hardlimit::boxes {
 template <class Law>
 class NewtonEvents {
 public:
-    using Box = steps::Box;
+    using Box = boxes::Box;
     using Row = ContactRow;
 
     // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step
@@ -184,7 +184,7 @@ private:
     };
 
     Box box_;
-    boxes::Box<3> cell_box_{};  // a two-dimensional one is one cell deep
+    Box cell_box_;  // a two-dimensional one is one cell deep
     PairLaws<Law> laws_;        // by place in memory, once it is known
     SoftContacts<Law, true> soft_;
     bool keep_log_;

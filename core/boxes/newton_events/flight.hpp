@@ -62,9 +62,9 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     for (int a = 0; a < 3; ++a) {
         const bool used = a < box_.dimension;
         cell_box_.edge[a] = used ? box_.edge[a] : most;
-        cell_box_.periodic[a] = used && box_.periodic[a];
+        cell_box_.boundary[a] = box_.boundary[a];
         query_.edge[a] = box_.edge[a];
-        query_.per_edge[a] = cell_box_.periodic[a] ? 1.0 / box_.edge[a] : 0.0;
+        query_.per_edge[a] = cell_box_.wraps(a) ? 1.0 / box_.edge[a] : 0.0;
         query_.gravity[a] = box_.gravity[a];
         query_.half_gravity[a] = 0.5 * box_.gravity[a];
     }
@@ -75,7 +75,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     travel_ = math::min(0.25 * smallest_, 0.22 * smallest_edge() - 0.9 * largest_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
-        images_ = images_ || (box_.periodic[a] && g.cells[a] < 4);
+        images_ = images_ || (box_.wraps(a) && g.cells[a] < 4);
         walled_ = walled_ || box_.walled(a);
     }
 }
@@ -327,7 +327,7 @@ void NewtonEvents<Law>::predict_own(int i, const Place<3>& at) {
         if (a == box_.dimension) break;
         const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
-        if (walled_ && !box_.periodic[a]) {
+        if (walled_ && !box_.wraps(a)) {
             if (at[a] == 0) low = is_free ? query_.radius : -math::infinity;
             if (at[a] == g.cells[a] - 1) high = is_free ? box_.edge[a] - query_.radius : math::infinity;
         }
@@ -380,7 +380,7 @@ void NewtonEvents<Law>::happen(int i) {
     if (own == Own::ends) return finish(i);
     const int axis = axis_of(own);
     const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
-    if (!box_.periodic[axis] && cells_.place(level_, e.cell)[axis] == last)
+    if (box_.walled(axis) && cells_.place(level_, e.cell)[axis] == last)
         return meet(i, -1, 2 * axis + (is_high(own) ? 1 : 0));
     leave_cell(i);
 }

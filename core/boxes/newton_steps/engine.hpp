@@ -47,7 +47,7 @@ struct StepsObservables {
 template <class Law>
 class NewtonSteps {
 public:
-    using Box = steps::Box;
+    using Box = boxes::Box;
     using Row = ContactRow;
 
     // position, velocity [3 N], body by body; positions in the box.
@@ -276,7 +276,7 @@ private:
 
     Four velocity_of(std::size_t i) const {
         if (!paused_) return bodies_.motion[i];
-        return bodies_.motion[i] + (bodies_.push[i].at(now_.step) + box_.pull()) * (0.5 * h_);
+        return bodies_.motion[i] + (bodies_.push[i].at(now_.step) + steps::pull(box_)) * (0.5 * h_);
     }
 
     // --- phases ---------------------------------------------------------------------------------------------------
@@ -445,7 +445,7 @@ private:
             if (slab.holds(i)) kick_body(slab, i, step);
         jolt(slab, slab);
         if (slabs() > 1) jolt(slab, previous);
-        const Four fall = box_.pull() * kick_;
+        const Four fall = steps::pull(box_) * kick_;
         if (steps::dot(fall, fall) > 0.0)
             for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies_.motion[i] += fall;
     }
@@ -480,7 +480,7 @@ private:
     }
     void end_steps(std::uint32_t steps, Stop& stop) {
         const bool faster = news_.faster.load(std::memory_order_relaxed);
-        const double fall = math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
+        const double fall = math::sqrt(steps::dot(steps::pull(box_), steps::pull(box_))) * h_;
         for (std::uint32_t ahead = 0; ahead < steps; ++ahead) {
             ++done_, ++taken_;
             const double fastest = faster ? news_.fastest[ahead].load(std::memory_order_relaxed) : 0.0;
@@ -506,7 +506,7 @@ private:
     void begin_course(Stop& stop) {
         constexpr double growth = 1.25, reserve = 4.0, work = 4e6;  // work: of bodies and steps, some 20 ms
         const double most = math::clamp(work / static_cast<double>(bodies_.count()), 1.0, double{most_ahead});
-        const double fall = most * math::sqrt(steps::dot(box_.pull(), box_.pull())) * h_;
+        const double fall = most * math::sqrt(steps::dot(steps::pull(box_), steps::pull(box_))) * h_;
         limit_ = growth * fastest_ + fall;
         const double room = (allowance_ - travelled_) / ((limit_ + fall) * h_) - reserve;
         const double fit = fastest_ > 0.0 && room > 1.0 ? math::min(room, most) : 1.0;

@@ -183,7 +183,7 @@ private:
         const int axis = static_cast<int>(w.wall / 2);
         Four normal{};
         normal[axis] = w.wall % 2 == 0 ? -1.0 : 1.0;
-        const Four a = -bodies_.push[w.body].preceding(now_.step) - box_.pull();
+        const Four a = -bodies_.push[w.body].preceding(now_.step) - pull(box_);
         const std::int32_t number = -1 - static_cast<std::int32_t>(w.wall);
         const Meeting m = {w.body,
                            nobody,

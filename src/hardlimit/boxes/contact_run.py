@@ -24,7 +24,7 @@ from .system import Floats, ParticleSystem
 
 #: In the header of a checkpoint.
 KIND: Final = "molecular_dynamics"
-ENGINES: Final[dict[str, Any]] = {"events": _core.NewtonEvents, "steps": _core.NewtonSteps}
+ENGINES: Final = {"events": "newton_events", "steps": "newton_steps"}
 
 #: Of one run; so many can be counted.
 MOST_STEPS: Final = 2**53
@@ -130,10 +130,7 @@ class ContactCourse:
     def _advance(self, at: float, report: Report) -> None:
         while self.engine.outcome == "ok" and (self.engine.time < at or self.engine.paused):
             begun = clock.monotonic()
-            if self.settings.takes_steps:
-                self.engine.advance(at, self.settings.threads, self._portion)
-            else:
-                self.engine.advance(at, self._portion)
+            self.engine.advance(at, self._portion, self.settings.threads)
             took = clock.monotonic() - begun
             self._portion = engines.pace(self._portion, took)
             if clock.monotonic() - self._saved_at > self.settings.every:
@@ -144,10 +141,10 @@ class ContactCourse:
         """Steps, or contacts, so far and how many there will be; contacts if they go on at the same rate."""
         time, end = self.engine.time, self.target.until
         if self.settings.takes_steps:
-            left = math.ceil((end - time) / self.engine.time_step)
-            report(self.engine.n_steps, self.engine.n_steps + left)
+            left = math.ceil((end - time) / self.engine.statistics()["time_step"])
+            report(self.engine.work, self.engine.work + left)
         else:
-            done = self.engine.contacts_reached
+            done = self.engine.n_contacts
             report(done, max(done, 1, round(done * (end / time)) if time > 0.0 else 0))
             if isinstance(report, Shown):
                 report.note = self._pace.note(self.system, self.settings.law, self.engine, end)
@@ -169,13 +166,13 @@ class ContactCourse:
 
     def _logged(self) -> int:
         """Rows of the log that the engine has made."""
-        return int(self.engine.n_ended if self.settings.takes_steps else self.engine.n_logged)
+        return int(self.engine.n_logged)
 
     def _joined_log(self) -> Log | None:
         """Contacts that have ended, in the order of their ends."""
         if self._log is None:
             return None
-        self._log = [engines.joined([*self._log, self.engine.take_log()])]
+        self._log = [engines.joined([*self._log, tuple(self.engine.take_log().values())])]
         return self._log[0]
 
     def save(self) -> None:
@@ -209,13 +206,13 @@ class ContactCourse:
         """What has come out so far."""
         log = self._joined_log()
         if log is not None:
-            log = engines.joined([log, self.engine.open_contacts()])
+            log = engines.joined([log, tuple(self.engine.open_contacts().values())])
             order = np.argsort(log[0], kind="stable")
             *numbers, overlapped = (part[order] for part in log)
             log = (*numbers, overlapped.astype(bool))
         seen, counts = self.engine.observe(), ("n_contacts", "n_pairs", "n_ended", "n_overlapped")
         special = STEPS if self.settings.takes_steps else CLUSTERS
-        now = engines.present(self.system, self.engine)
+        now, of_engine = engines.present(self.system, self.engine), self.engine.statistics()
         return ContactResult(
             system=now,
             law=self.settings.law,
@@ -228,7 +225,7 @@ class ContactCourse:
             largest_compression=seen["largest_compression"],
             early_end=early_end.of_engine(self.engine, now),
             **{name: seen[name] for name in counts},
-            **{name: getattr(self.engine, name) for name in special},
+            **{name: of_engine[name] for name in special},
         )
 
 
@@ -248,13 +245,15 @@ def start(
             f"time_step: got {time_step:.6g} s, must be >= {validation.at_least(target.until / MOST_STEPS)} s, "
             f"with which {target.until:.6g} s take {MOST_STEPS:.0e} steps"
         )
-    engine = ENGINES[settings.engine](
-        *engines.scene(system),
-        engines.choice(settings.law),
-        *([time_step] if settings.takes_steps else []),
-        log,
+    engine = _core.make_engine(
+        ENGINES[settings.engine],
+        *engines.engine_arguments(system),
+        law=engines.choice(settings.law),
+        time_step=time_step or 0.0,
+        log=log,
     )
-    return ContactCourse(system, settings, engine, target, log=engine.take_log() if log else None)
+    rows = tuple(engine.take_log().values()) if log else None
+    return ContactCourse(system, settings, engine, target, log=rows)
 
 
 def load(path: Any) -> ContactCourse:
@@ -276,7 +275,7 @@ def load(path: Any) -> ContactCourse:
             float(header["every"]),
             header["engine_reason"],
         )
-        engine = ENGINES[settings.engine].load(arrays["engine"].tobytes())
+        engine = _core.load_engine(ENGINES[settings.engine], arrays["engine"].tobytes())
         system = engines.system_in(header, arrays, engine)
         log = engines.log_in(arrays, len(LOG))
         target = Target(**header["target"])

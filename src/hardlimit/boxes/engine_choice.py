@@ -105,9 +105,9 @@ def lasting_contacts(system: ParticleSystem) -> float:
     """Contacts of each particle in the state of the system; in a gas their mean is t_c ν."""
     if system._overlap_share <= 2.0 * ROUNDING:
         return 0.0
-    at_rest = engines.scene(system.replace(velocities=np.zeros_like(system.velocities)))
-    touching = _core.NewtonSteps(*at_rest, ("linear", 0, [1.0, 1.0]), 1.0).observe()["n_in_contact"]
-    return 2.0 * float(touching) / system.n
+    at_rest = engines.engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
+    engine = _core.make_engine("newton_steps", *at_rest, law=("linear", 0, [1.0, 1.0]), time_step=1.0)
+    return 2.0 * float(engine.observe()["n_in_contact"]) / system.n
 
 
 def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Touch:

@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..contact.contact import Law
 from ..contact.laws import LAWS
 from ..support import validation
@@ -95,18 +96,20 @@ def common_fall(system: ParticleSystem) -> Floats:
     return np.where(periodic, system.gravity, 0.0)
 
 
-def scene(
-    system: ParticleSystem,
-) -> tuple[Floats, Floats, Floats, Floats, list[float], list[bool], list[float]]:
-    """A system as the engines take it: without the common fall."""
+def box_of(system: ParticleSystem, gravity: Floats | None = None) -> _core.Box:
+    """The box of a system as the core takes it, with this gravity [m/s²] instead of its own."""
+    g = system.gravity if gravity is None else gravity
+    return _core.Box(system.box.tolist(), list(system.boundary), g.tolist())
+
+
+def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats, Floats, Floats]:
+    """Box, positions, velocities, radius and mass as engines take them: without the common fall."""
     return (
+        box_of(system, system.gravity - common_fall(system)),
         system.positions,
         system.velocities,
         np.ascontiguousarray(system.radius),
         np.ascontiguousarray(system.mass),
-        system.box.tolist(),
-        [side == "periodic" for side in system.boundary],
-        (system.gravity - common_fall(system)).tolist(),
     )
 
 

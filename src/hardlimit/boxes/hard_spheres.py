@@ -174,7 +174,7 @@ def later_end(course: Course, until: Any, max_collisions: Any) -> tuple[float | 
     end = None if until is None else later_time(course, until)
     most = None
     if max_collisions is not None:
-        most = validation.whole("max_collisions", max_collisions, course.engine.n_rows, MOST_COLLISIONS)
+        most = validation.whole("max_collisions", max_collisions, course.engine.n_contacts, MOST_COLLISIONS)
     return end, most
 
 

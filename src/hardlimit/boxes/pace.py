@@ -38,7 +38,7 @@ class Pace:
     def note(self, system: ParticleSystem, law: Law, engine: Any, end: float) -> str:
         """The share of time that particles spent in clusters of late, and how long the whole run would take by steps,
         which a trial from the present state tells."""
-        now = clock.monotonic(), engine.time, engine.time * engine.cluster_share
+        now = clock.monotonic(), engine.time, engine.time * engine.statistics()["cluster_share"]
         if self._seen is None:
             self._seen, self._next = now, now[0]
         lasted, passed, clustered = np.subtract(now, self._seen).tolist()
@@ -46,7 +46,7 @@ class Pace:
             if now[0] >= self._next:
                 self._by_steps = seconds_by_steps(engines.present(system, engine), law, end)
                 self._next, self._wait = now[0] + self._wait, 2.0 * self._wait
-            share = clustered / passed if passed > 0.0 else engine.cluster_share
+            share = clustered / passed if passed > 0.0 else engine.statistics()["cluster_share"]
             left = (end - engine.time) * lasted / passed if passed > 0.0 else math.inf
             self._note = (
                 f"{min(max(share, 0.0), 1.0):.0%} of the time in clusters; the rest takes about {duration(left)}, "
@@ -60,8 +60,10 @@ class Pace:
 def seconds_by_steps(system: ParticleSystem, law: Law, until: float) -> float:
     """What a run of so many seconds takes by steps on one thread [s, wall clock], from a few steps of this system."""
     step = time_step.chosen(system, law, None, None)
-    trial = _core.NewtonSteps(*engines.scene(system), engines.choice(law), step)
+    trial = _core.make_engine(
+        "newton_steps", *engines.engine_arguments(system), law=engines.choice(law), time_step=step
+    )
     begun = clock.monotonic()
-    trial.advance(until, 1, min(max(TRIAL // system.n, FEWEST), MOST))
+    trial.advance(until, min(max(TRIAL // system.n, FEWEST), MOST))
     took = clock.monotonic() - begun
-    return took / max(trial.n_steps, 1) * (until / step)
+    return took / max(trial.work, 1) * (until / step)

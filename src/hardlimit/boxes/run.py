@@ -117,7 +117,7 @@ class Course:
         target = self.target
         if self.engine.outcome != "ok" or self.target.idle > PATIENCE:
             return True
-        if target.max_collisions is not None and self.engine.n_rows >= target.max_collisions:
+        if target.max_collisions is not None and self.engine.n_contacts >= target.max_collisions:
             return True
         return target.until is not None and self.engine.time >= target.until
 
@@ -126,9 +126,9 @@ class Course:
         target = self.target
         stop = at if target.until is None else min(at, target.until)
         while self.engine.time < stop and not self._over():
-            most = self.engine.n_rows + self._portion
+            most = self._portion
             if target.max_collisions is not None:
-                most = min(most, target.max_collisions)
+                most = min(most, target.max_collisions - self.engine.n_contacts)
             begun = clock.monotonic()
             self.engine.advance(stop, most)
             self._keep_log()
@@ -144,7 +144,7 @@ class Course:
 
     def _report(self, report: Report) -> None:
         """Collisions so far, and how many to expect in all if they go on at the same rate."""
-        done, target = self.engine.n_rows, self.target
+        done, target = self.engine.n_contacts, self.target
         expected = math.inf
         if target.until is not None and self.engine.time > 0.0:
             expected = done * (target.until / self.engine.time)
@@ -168,22 +168,21 @@ class Course:
         values = {
             **engines.observed(self.system, self.engine),
             "time": self.engine.time,
-            "n_collisions": self.engine.n_rows,
-            "n_pairs": self.engine.n_pairs,
+            "n_collisions": self.engine.n_contacts,
         }
         return tuple(float(values[name]) for name in COLUMNS)
 
     def _keep_log(self) -> None:
         if self._log is not None:
-            self._log.append(self.engine.take_log())
+            self._log.append(tuple(self.engine.take_log().values()))
 
     def _whole(self) -> bool:
         """Whether no row of the log was lost to an interrupt on its way."""
         kept = 0 if self._log is None else sum(len(part[0]) for part in self._log)
-        if self._log is None or kept == self.engine.n_rows:
+        if self._log is None or kept == self.engine.n_contacts:
             return True
         self._keep_log()
-        return bool(sum(len(part[0]) for part in self._log) == self.engine.n_rows)
+        return bool(sum(len(part[0]) for part in self._log) == self.engine.n_contacts)
 
     def _joined_log(self) -> tuple[NDArray[Any], ...] | None:
         if self._log is None:
@@ -227,21 +226,22 @@ class Course:
     def result(self) -> ParticleResult:
         """What has come out so far."""
         rows = self._sampled[0]
-        if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_rows:
+        if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_contacts:
             rows = [*rows, self._row()]
-        now, largest = self.current(), self.engine.observe()["largest_compression"]
+        now, seen, counts = self.current(), self.engine.observe(), self.engine.statistics()
+        largest = seen["largest_compression"]
         idle = self.target.idle > PATIENCE and self.engine.outcome == "ok"
         return ParticleResult(
             system=now,
             time=self.engine.time,
             settings=self.settings,
             outcome_name="no_contact" if idle else self.engine.outcome,
-            n_collisions=self.engine.n_rows,
-            n_pairs=self.engine.n_pairs,
-            n_walls=self.engine.n_walls,
-            n_elastic_by_tc=self.engine.n_elastic_by_tc,
-            n_soft=self.engine.n_soft,
-            n_soft_third_body=self.engine.n_soft_third_body,
+            n_collisions=self.engine.n_contacts,
+            n_pairs=seen["n_pairs"],
+            n_walls=counts["n_walls"],
+            n_elastic_by_tc=counts["n_elastic_by_tc"],
+            n_soft=counts["n_soft"],
+            n_soft_third_body=counts["n_soft_third_body"],
             largest_compression=None if math.isnan(largest) else largest,
             early_end=early_end.of_engine(self.engine, now),
             rows=np.array(rows),
@@ -252,13 +252,15 @@ class Course:
 def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:
     """The compiled engine with the system in it."""
     law = settings.law
-    return _core.HardSpheres(
-        *engines.scene(system),
-        settings.rule,
-        math.nan if settings.restitution is None else settings.restitution,
-        None if law is None else engines.choice(law),
-        math.nan if settings.contact_duration is None else settings.contact_duration,
-        log,
+    tc = settings.contact_duration
+    return _core.make_engine(
+        "hard_spheres",
+        *engines.engine_arguments(system),
+        law=None if law is None else engines.choice(law),
+        rule=settings.rule,
+        restitution=math.nan if settings.restitution is None else settings.restitution,
+        rule_parameters=[] if tc is None else [tc],
+        log=log,
     )
 
 
@@ -274,7 +276,7 @@ def load(path: Any) -> Course:
     try:
         law = None if header["law"] is None else engines.law_of(header["law"])
         settings = Settings(header["rule"], header["restitution"], law, header["contact_duration"])
-        engine = _core.HardSpheres.load(arrays["engine"].tobytes())
+        engine = _core.load_engine("hard_spheres", arrays["engine"].tobytes())
         system = engines.system_in(header, arrays, engine)
         log = engines.log_in(arrays, 4)
         target = Target(**header["target"])

@@ -120,11 +120,8 @@ def positions(
         If the particles found no room, as a few large ones between walls may not.
     """
     found = _core.grow_packing(
-        len(radius),
-        len(box),
+        _core.Box(box.tolist(), ["periodic" if wraps else "wall" for wraps in periodic]),
         np.ascontiguousarray(radius),
-        box.tolist(),
-        list(periodic),
         chance.seed_of_positions,
         lambda share, collisions: report(int(1000.0 * share), 1000),
     )

@@ -138,12 +138,8 @@ class ParticleSystem:
     def _check_geometry(self, allowed_overlap: float) -> None:
         _check_sizes(self.box, self.boundary, float(self.radius.max()))
         _check_inside(self, allowed_overlap)
-        first, second, gap = _core.deepest_overlap(
-            self.positions,
-            np.ascontiguousarray(self.radius),
-            self.box,
-            [side == "periodic" for side in self.boundary],
-        )
+        bounds = _core.Box(self.box.tolist(), list(self.boundary))
+        first, second, gap = _core.deepest_overlap(bounds, self.positions, np.ascontiguousarray(self.radius))
         apart = float(self.radius[first] + self.radius[second])
         if first >= 0 and -gap > allowed_overlap * apart:
             raise ValueError(
@@ -380,13 +376,13 @@ class ParticleSystem:
     @cached_property
     def _overlap_share(self) -> float:
         """The deepest overlap there is, relative to the sum of the radii or, at a wall, the radius."""
-        periodic = [side == "periodic" for side in self.boundary]
         radius = np.ascontiguousarray(self.radius)
-        first, second, gap = _core.deepest_overlap(self.positions, radius, self.box, periodic)
+        bounds = _core.Box(self.box.tolist(), list(self.boundary))
+        first, second, gap = _core.deepest_overlap(bounds, self.positions, radius)
         deepest = -gap / float(radius[first] + radius[second])
-        for axis, wrapped in enumerate(periodic):
+        for axis, side in enumerate(self.boundary):
             x = self.positions[:, axis]
-            if not wrapped:
+            if side == "wall":
                 inside = np.minimum(x, self.box[axis] - x) / radius
                 deepest = max(deepest, 1.0 - float(inside.min()))
         return math.nextafter(deepest, 1.0) * (1.0 + 1e-12)

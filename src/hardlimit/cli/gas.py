@@ -177,4 +177,4 @@ def frames(
         system = course.current()
         if append is not None:
             append(system.as_frame(time))
-        yield time, system, course.engine.n_rows
+        yield time, system, course.engine.n_contacts
