@@ -26,7 +26,8 @@ struct EngineRecord {
     std::unique_ptr<boxes::Engine> (*load)(const char* data,
                                            std::size_t n);  // nullptr where they are damaged
 };
-// Random positions without overlap, if there was room; report(share of the final radii, collisions) says whether to go on.
+// Random positions without overlap, if there was enough space; report(share of the final radii, collisions) says
+// whether to go on.
 std::optional<std::vector<double>> grow_packing(const boxes::System& s, u64 seed, Stop& stop,
                                                 const std::function<bool(double, u64)>& report);
 
