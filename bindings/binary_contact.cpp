@@ -10,7 +10,7 @@
 #include "arrays.hpp"
 #include "boxes/binary_contact/equivalent_collision.hpp"
 #include "boxes/binary_contact/tabulated_contact.hpp"
-#include "boxes/newton_steps/isolated.hpp"
+#include "boxes/newton_steps/time_step.hpp"
 #include "contact.hpp"
 
 namespace nb = nanobind;

@@ -202,16 +202,16 @@ nb::tuple rule_records() {
 }
 
 // Columns of the log: an instantaneous collision has only its time.
-nb::dict columns(const std::vector<box::ContactRow>& rows, bool lasting) {
+nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
     nb::dict d;
     const auto column = [&](const char* name, const auto& value) {
         using Value = std::decay_t<decltype(value(rows[0]))>;
         std::vector<Value> values;
         values.reserve(rows.size());
-        for (const box::ContactRow& r : rows) values.push_back(value(r));
+        for (const box::ContactRecord& r : rows) values.push_back(value(r));
         d[name] = make_array(std::move(values), {rows.size()});
     };
-    using Row = box::ContactRow;
+    using Row = box::ContactRecord;
     column(lasting ? "begin" : "time", [](const Row& r) { return r.begin; });
     if (lasting) column("end", [](const Row& r) { return r.end; });
     column("first", [](const Row& r) { return hl::i64{r.first}; });

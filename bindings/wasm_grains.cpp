@@ -41,7 +41,7 @@ const hardlimit_abi::TouchKernels kernels = box::touch_kernels<hl::Vector<2>::Re
 struct Run {
     std::vector<double> setting;
     std::unique_ptr<box::Engine> engine;
-    std::vector<box::ContactRow> log;
+    std::vector<box::ContactRecord> log;
     std::vector<double> out;  // what was returned last
 };
 Run& run() {
@@ -200,7 +200,7 @@ int box_take_log() {
 }
 double* box_log() {
     run().out.clear();
-    for (const box::ContactRow& row : run().log)
+    for (const box::ContactRecord& row : run().log)
         run().out.insert(run().out.end(), {row.begin, static_cast<double>(row.first),
                                            static_cast<double>(row.second), row.impact_speed});
     return run().out.data();

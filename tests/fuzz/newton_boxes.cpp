@@ -19,7 +19,7 @@ using Draw = fuzz::Draw<fuzz::Bytes>;
 // Speeds and gravity such that all energy together compresses a contact by a part of the smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
-    steps::Box box{};
+    Box box{};
     std::vector<double> x, v;  // [3 N]
     PairLaws<Law> laws;
     double energy = 0.0, momentum = 0.0;  // the most there can be [J], [kg m/s]
@@ -42,7 +42,7 @@ struct Case : fuzz::SmallBox {
         const double fall = draw.decades(1e-3, 1.0);
         for (int k = 0; k < s.dimension; ++k) {
             box.edge[k] = s.edge[k];
-            box.periodic[k] = s.periodic[k];
+            box.boundary[k] = s.box.boundary[k];
             box.gravity[k] = 0.1 * s.gravity[k] * fall * unit * unit * speed * speed / s.edge[k];
         }
         x.assign(3 * s.n, 0.0), v.assign(3 * s.n, 0.0);
@@ -154,13 +154,13 @@ private:
         dissipated_ = now.dissipated;
         bool free = true;
         for (int k = 0; k < c_.s.dimension; ++k)
-            free = free && c_.box.periodic[k] && c_.box.gravity[k] == 0.0;
+            free = free && c_.box.wraps(k) && c_.box.gravity[k] == 0.0;
         for (int k = 0; free && k < c_.s.dimension; ++k)
             require(math::abs(now.momentum[k] - start_.momentum[k]) <= 1e-10 * c_.momentum,
                     "momentum is kept");
         check_overlaps(now, scale);
         require(engine_->margin_used(5) <= 1.0, "true paths keep to the space that is left to them");
-        for (const ContactRow& row : engine_->take_log())
+        for (const ContactRecord& row : engine_->take_log())
             require(row.begin >= 0.0 && row.end >= row.begin && row.end <= engine_->time() &&
                         (row.second < 0 || row.first < row.second),
                     "contacts begin and end");
@@ -177,14 +177,14 @@ private:
                     const auto a = static_cast<std::size_t>(3 * i + k),
                                b = static_cast<std::size_t>(3 * j + k);
                     double r = now.position[b] - now.position[a];
-                    if (c_.box.periodic[k]) r -= c_.box.edge[k] * math::round_small(r / c_.box.edge[k]);
+                    if (c_.box.wraps(k)) r -= c_.box.edge[k] * math::round_small(r / c_.box.edge[k]);
                     square += r * r;
                     inwards -= r * (now.velocity[b] - now.velocity[a]);
                 }
                 check_overlap(now, i, j, c_.radius[i] + c_.radius[j] - math::sqrt(square), inwards, energy);
             }
             for (int k = 0; k < c_.s.dimension; ++k) {
-                if (c_.box.periodic[k]) continue;
+                if (c_.box.wraps(k)) continue;
                 const auto a = static_cast<std::size_t>(3 * i + k);
                 const double at = now.position[a], speed = now.velocity[a];
                 check_overlap(now, i, -1 - 2 * k, c_.radius[i] - at, -speed, energy);
@@ -197,7 +197,7 @@ private:
         const double reach = c_.radius[i] + (j < 0 ? 0.0 : c_.radius[j]);
         if (!(depth > 0.0)) return;
         const double compression = c_.of_depth(i, math::max(j, std::int64_t{-1}), depth);
-        const bool known = std::any_of(now.open.begin(), now.open.end(), [&](const ContactRow& row) {
+        const bool known = std::any_of(now.open.begin(), now.open.end(), [&](const ContactRecord& row) {
             return row.first == i && row.second == j && math::is_nan(row.end);
         });
         if (!known) slack_ += compression;

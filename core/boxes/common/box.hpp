@@ -1,20 +1,23 @@
 // The box: its edges, what bounds each axis, gravity. Everything that depends on the boundaries is asked here, so that
 // another boundary (a moving wall, sheared images) is another case of these functions.
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "../../base/math.hpp"
 
 namespace hardlimit::boxes {
 
-// A wall, by the number under which logs and results name it: −1 − 2·axis at 0, −2 − 2·axis at the far edge, so that a
-// partner in a contact is a particle (≥ 0) or a wall (< 0). 0: no wall.
+// A wall, by the number under which logs and results name it: −1 − 2·axis at 0, −2 − 2·axis at the far edge. So the
+// second partner of a contact is a particle (≥ 0) or a wall (< 0). 0: no wall.
 struct WallId {
-    i64 number = 0;
+    std::int32_t number = 0;
 
-    static constexpr WallId at(int axis, bool high) { return {-1 - 2 * i64{axis} - (high ? 1 : 0)}; }
+    static constexpr WallId at(int axis, bool high) { return {-1 - 2 * axis - (high ? 1 : 0)}; }
+    // Of the second partner of a contact; no wall where that is a particle.
+    static constexpr WallId of(i64 second) { return {second < 0 ? static_cast<std::int32_t>(second) : 0}; }
     constexpr explicit operator bool() const { return number < 0; }
-    constexpr int axis() const { return static_cast<int>(-1 - number) / 2; }
+    constexpr int axis() const { return (-1 - number) / 2; }
     constexpr bool high() const { return (-1 - number) % 2 != 0; }
     constexpr bool operator==(const WallId&) const = default;
 };
@@ -31,6 +34,11 @@ struct Wall {
 
     constexpr double position(double /*time*/) const { return place; }
     static constexpr double velocity(double /*time*/) { return 0.0; }
+    // Along its axis: the direction into the box, and how far a place in the box is away [m].
+    constexpr double inward() const { return id.high() ? -1.0 : 1.0; }
+    constexpr double distance(double x, double time) const {
+        return id.high() ? position(time) - x : x - position(time);
+    }
 };
 
 // From 0 to L along each axis. A box in two dimensions has one unit cell of zero positions along the third.
@@ -54,6 +62,7 @@ struct Box {
     constexpr Wall wall(int axis, bool high) const {
         return {WallId::at(axis, high), high ? edge[axis] : 0.0};
     }
+    constexpr Wall wall(WallId id) const { return wall(id.axis(), id.high()); }
     std::vector<Wall> walls() const {
         std::vector<Wall> all;
         for (int axis = 0; axis < dimension; ++axis)

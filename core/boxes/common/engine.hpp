@@ -78,9 +78,9 @@ public:
     // n·d values each, in the user's order; positions along continuous paths, not folded into the box.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;
-    virtual bool contacts_last() const = 0;          // or are collisions: what the log holds of them
-    virtual std::vector<ContactRow> take_log() = 0;  // rows since the last call
-    virtual std::vector<ContactRow> open_contacts() const = 0;  // those that are in no log yet
+    virtual bool contacts_last() const = 0;             // or are collisions: what the log holds of them
+    virtual std::vector<ContactRecord> take_log() = 0;  // rows since the last call
+    virtual std::vector<ContactRecord> open_contacts() const = 0;  // those that are in no log yet
     // The largest share that a body uses of the space around it in which others look for it, now and at so many
     // instants to come: at most 1. For tests.
     virtual double safety_used(int /*instants*/) const { return 0.0; }

@@ -1,6 +1,7 @@
 // What an engine of Newton's equations is made of beside the state: box, particles, law. Checkpoints hold it too.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "engine.hpp"
@@ -39,14 +40,11 @@ struct NewtonSetting {
         return {law.alternative, std::vector<double>(p, p + max_parameters), mass, radius};
     }
 
-    // [N d] as [3 N], with zeros where there is no third axis; and back.
-    std::vector<double> in_three(const double* values) const {
-        std::vector<double> three(3 * count(), 0.0);
-        for (std::size_t i = 0; i < count(); ++i) std::copy_n(values + axes() * i, axes(), &three[3 * i]);
+    // The components of particle i, with 0 where there is no third axis.
+    std::array<double, 3> in_three(const double* values, std::size_t i) const {
+        std::array<double, 3> three{};
+        std::copy_n(values + axes() * i, axes(), three.begin());
         return three;
-    }
-    void from_three(const std::vector<double>& three, double* values) const {
-        for (std::size_t i = 0; i < count(); ++i) std::copy_n(&three[3 * i], axes(), values + axes() * i);
     }
 };
 

@@ -56,8 +56,8 @@ public:
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
     bool contacts_last() const override { return false; }
-    std::vector<ContactRow> take_log() override { return std::exchange(log_, {}); }
-    std::vector<ContactRow> open_contacts() const override { return {}; }
+    std::vector<ContactRecord> take_log() override { return std::exchange(log_, {}); }
+    std::vector<ContactRecord> open_contacts() const override { return {}; }
     std::vector<char> save() const override;
     std::size_t bytes() const override;
     int dimension() const override { return d; }
@@ -99,7 +99,7 @@ private:
     Calendar calendar_;
     Accumulators<d> accumulators_;
     CollapseDetector collapse_;
-    std::vector<ContactRow> log_;
+    std::vector<ContactRecord> log_;
     double now_ = 0.0;  // [s]
     i64 events_ = 0;    // since the run was made or loaded: collisions, cell crossings, predictions
     bool paused_ = false;

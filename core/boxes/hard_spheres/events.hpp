@@ -165,11 +165,8 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::end_run(Outcome outcome, u32 i, i64 second) {
     const auto [first, last] = original_pair(i, second);
     outcome_ = outcome;
-    early_end_ = {now_, {first}, {}};
-    if (last < 0)
-        early_end_.wall = {last};
-    else
-        early_end_.particles.push_back(last);
+    early_end_ = {now_, {first}, WallId::of(last)};
+    if (!early_end_.wall) early_end_.particles.push_back(last);
 }
 
 // The same where the collision has no result: it is logged, and the velocities stay.

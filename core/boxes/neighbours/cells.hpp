@@ -50,9 +50,7 @@ public:
 
     // Grids for `n` particles, the finest first.
     Cells() = default;
-    Cells(const Box& box, std::size_t n, double smallest, double largest) {
-        lay(box, n, smallest, largest);
-    }
+    Cells(const Box& box, std::size_t n, double smallest, double largest) { lay(box, n, smallest, largest); }
 
     const std::vector<Grid<d>>& grids() const { return grids_; }
     int levels() const { return static_cast<int>(grids_.size()); }
@@ -246,8 +244,8 @@ private:
     std::vector<u32> free_;          // of the spilled ones
     std::size_t longest_chain_ = 0;  // cells beyond the first
 
-    void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box& box,
-                     const Place<d>& from, const Place<d>& to) const {
+    void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box& box, const Place<d>& from,
+                     const Place<d>& to) const {
         block.rows = 0;
         block.row = block.own_rows;
         const u32* const along_y = steps_.data() + g.steps[1] + steps_beyond;

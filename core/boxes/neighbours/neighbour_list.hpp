@@ -1,9 +1,7 @@
-// Which bodies may touch before the list is made anew: cells, slabs of cells, and the half list of pairs.
+// Neighbour list (Verlet list) of the stepping engine: cells in layers, the half list of pairs, and the walls in reach.
 //
-// Bodies are sorted by cell, layer by layer along the axis with the most cells. Pairs belong to the body of the lower
-// cell, so those of a layer reach into this layer and the next one only. Layers are gathered in slabs. The even
-// slabs share no body among each other, nor do the odd ones: with those of one kind before their neighbours of the
-// other, every body receives its pushes in one order, whatever the number of threads (schedule.hpp).
+// Bodies are sorted by cell, layer by layer along the axis with the most cells. A pair belongs to its body in the lower
+// cell, so the pairs of a layer reach into this layer and the next one only.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -12,42 +10,45 @@
 
 #include "../common/bodies.hpp"
 
-namespace hardlimit::boxes::steps {
+namespace hardlimit::boxes {
 
-// Two bodies that may touch. The second one is moved by the image with this code, 0 … 26.
-struct Pair {
+// Two bodies that may touch, and the periodic image of the second one as a code from 0 to 26.
+struct NeighbourPair {
     std::uint32_t first;
-    std::uint32_t coded;
+    std::uint32_t coded;  // second body and image
 
     static constexpr unsigned bits = 27;  // of the index of a body
-    static Pair of(std::uint32_t i, std::uint32_t j, std::uint32_t image) { return {i, j | image << bits}; }
+    static NeighbourPair of(std::uint32_t i, std::uint32_t j, std::uint32_t image) {
+        return {i, j | image << bits};
+    }
     std::uint32_t second() const { return coded & ((1u << bits) - 1); }
     std::uint32_t image() const { return coded >> bits; }
 };
 inline constexpr std::uint32_t no_image = 13;
 
-// The image of the second body along the unfolded paths, in edges: the same as long as the two stay together.
-inline std::array<std::int32_t, 3> unfolded(Pair p, const Records<Label>& label) {
-    std::array<std::int32_t, 3> turns{};
+// Image of the second body relative to the first along their unfolded paths, in edges. It does not change while the
+// bodies stay neighbours, although either may cross a periodic side.
+inline std::array<std::int32_t, 3> relative_image(NeighbourPair p, const Records<BodyTag>& tag) {
+    std::array<std::int32_t, 3> image{};
     std::uint32_t code = p.image();
     for (std::size_t axis = 0; axis < 3; ++axis, code /= 3)
-        turns[axis] = static_cast<std::int32_t>(code % 3) - 1 - label[p.second()].turns[axis] +
-                      label[p.first].turns[axis];
-    return turns;
+        image[axis] = static_cast<std::int32_t>(code % 3) - 1 - tag[p.second()].image_flags[axis] +
+                      tag[p.first].image_flags[axis];
+    return image;
 }
 
-// A body that may touch a wall, 2·axis at 0 or 2·axis + 1 at the far edge.
-struct AtWall {
+// A body that may touch a wall.
+struct WallNeighbour {
     std::uint32_t body;
-    std::uint32_t wall;
+    WallId wall;
 };
 
-class Grid {
+class CellLayers {
 public:
-    Grid() = default;
-    // Cells at least as wide as `reach`, and not many more than bodies. Many layers are made even in number: slabs are
-    // even in number too, and alike then, so that threads have as much to do.
-    Grid(const Box& box, double reach, std::size_t bodies) : box_(box) {
+    CellLayers() = default;
+    // Cells are at least as wide as `reach`, and at most about twice as many as bodies. A large number of layers is
+    // rounded to an even one: the number of slabs is even too, so slabs then have equal work.
+    CellLayers(const Box& box, double reach, std::size_t bodies) : box_(box) {
         divide(reach, 2.0 * static_cast<double>(bodies) + 64.0);
         for (int a = 0; a < 3; ++a) order_[a] = a;
         std::stable_sort(order_, order_ + 3, [&](int a, int b) { return cells_[a] > cells_[b]; });
@@ -55,20 +56,20 @@ public:
         for (std::uint32_t code = 0; code < 27; ++code) {
             const int step[3] = {static_cast<int>(code % 3) - 1, static_cast<int>(code / 3 % 3) - 1,
                                  static_cast<int>(code / 9) - 1};
-            for (int a = 0; a < 3; ++a) shift_[code][a] = step[a] * box.edge[a];
+            for (int a = 0; a < 3; ++a) shift_[code][a] = box.image_shift(a, step[a]);
         }
     }
 
     std::uint32_t layers() const { return width(0); }
     std::uint32_t cells_in_layer() const { return width(1) * width(2); }
     std::uint32_t cells() const { return layers() * cells_in_layer(); }
-    const Four* shifts() const { return shift_; }
+    const Double4* shifts() const { return shift_; }
 
-    std::uint32_t cell_of(Four place) const {
-        return (along(0, place) * width(1) + along(1, place)) * width(2) + along(2, place);
+    std::uint32_t cell_of(Double4 position) const {
+        return (along(0, position) * width(1) + along(1, position)) * width(2) + along(2, position);
     }
 
-    // Calls visit(cell, cells, image) for runs of neighbouring cells that come after `cell` in the half stencil.
+    // Calls visit(first cell, number of cells, image) for each run of cells in the half stencil after `cell`.
     template <class Visit>
     void after(std::uint32_t cell, const Visit& visit) const {
         const int z = static_cast<int>(cell % width(2)), y = static_cast<int>(cell / width(2) % width(1));
@@ -81,8 +82,8 @@ public:
 private:
     Box box_{};
     int cells_[3] = {1, 1, 1};  // along x, y, z
-    int order_[3] = {0, 1, 2};  // axes, the one with the most cells first
-    Four shift_[27] = {};       // of the images [m]
+    int order_[3] = {0, 1, 2};  // axes by decreasing number of cells
+    Double4 shift_[27] = {};    // of the images [m]
 
     std::uint32_t width(int place) const { return static_cast<std::uint32_t>(cells_[order_[place]]); }
 
@@ -96,14 +97,14 @@ private:
             }
         }
     }
-    std::uint32_t along(int place, Four at) const {
+    std::uint32_t along(int place, Double4 at) const {
         const int axis = order_[place], n = cells_[axis];
         const double cell = at[axis] / box_.edge[axis] * n;
         if (axis >= box_.dimension || !(cell > 0.0)) return 0;
         return static_cast<std::uint32_t>(cell < n ? static_cast<int>(cell) : n - 1);
     }
 
-    // Takes a cell beyond a periodic side to its image; false where there is nothing beyond.
+    // Replaces a cell beyond a periodic side by its image. Returns false beyond a wall.
     bool wrap(int place, int& cell, std::uint32_t& image) const {
         constexpr std::uint32_t unit[3] = {1, 3, 9};
         const int axis = order_[place], n = cells_[axis];
@@ -132,10 +133,11 @@ private:
     }
 };
 
-// Appends the pairs of the bodies first … last − 1 of `cell` that are no further apart than touch and `skin`.
-// start [cells + 1]: the first body of each cell.
-inline void list_pairs(const Grid& grid, const Records<Four>& place, const std::vector<std::uint32_t>& start,
-                       std::uint32_t cell, double skin, std::vector<Pair>& pairs) {
+// Appends the pairs of the bodies of `cell` whose gap is less than `skin` [m]. start [cells + 1]: first body of each
+// cell.
+inline void list_pairs(const CellLayers& grid, const Records<Double4>& position,
+                       const std::vector<std::uint32_t>& start, std::uint32_t cell, double skin,
+                       std::vector<NeighbourPair>& pairs) {
     struct Run {
         std::uint32_t first, last, image;
     };
@@ -144,16 +146,17 @@ inline void list_pairs(const Grid& grid, const Records<Four>& place, const std::
     grid.after(cell, [&](std::uint32_t at, std::uint32_t cells, std::uint32_t image) {
         if (start[at] < start[at + cells]) runs[count++] = {start[at], start[at + cells], image};
     });
-    const double* at = numbers(place);
+    const double* at = as_doubles(position);
     for (std::uint32_t i = start[cell]; i < start[cell + 1]; ++i) {
         const double reach = at[4 * std::size_t{i} + 3] + skin;
         const auto consider = [&](std::uint32_t from, std::uint32_t to, std::uint32_t image) {
-            const Four here = place[i] - grid.shifts()[image];
+            const Double4 here = position[i] - grid.shifts()[image];
             const double hx = here[0], hy = here[1], hz = here[2];
             for (std::uint32_t j = from; j < to; ++j) {
                 const double* there = at + 4 * std::size_t{j};
                 const double x = there[0] - hx, y = there[1] - hy, z = there[2] - hz, far = reach + there[3];
-                if ((x * x + y * y) + z * z < far * far && j != i) pairs.push_back(Pair::of(i, j, image));
+                if ((x * x + y * y) + z * z < far * far && j != i)
+                    pairs.push_back(NeighbourPair::of(i, j, image));
             }
         };
         consider(i + 1, start[cell + 1], no_image);
@@ -161,26 +164,25 @@ inline void list_pairs(const Grid& grid, const Records<Four>& place, const std::
     }
 }
 
-// Appends the walls that each of the bodies first … last − 1 may touch while it moves by less than half the skin.
-inline void list_walls(const Box& box, const Records<Four>& place, std::uint32_t first, std::uint32_t last,
-                       double skin, std::vector<AtWall>& walls) {
+// Appends the walls that the bodies first … last − 1 may touch while they move by less than half the skin.
+inline void list_walls(const Box& box, const Records<Double4>& position, std::uint32_t first,
+                       std::uint32_t last, double skin, double time, std::vector<WallNeighbour>& walls) {
     for (std::uint32_t i = first; i < last; ++i)
         for (int axis = 0; axis < box.dimension; ++axis) {
             if (!box.walled(axis)) continue;
-            const double near = place[i][3] + 0.5 * skin, x = place[i][axis];
-            const auto wall = static_cast<std::uint32_t>(2 * axis);
-            if (x < near) walls.push_back({i, wall});
-            if (box.edge[axis] - x < near) walls.push_back({i, wall + 1});
+            const double near = position[i][3] + 0.5 * skin, x = position[i][axis];
+            for (const bool high : {false, true})
+                if (const Wall wall = box.wall(axis, high); wall.distance(x, time) < near)
+                    walls.push_back({i, wall.id});
         }
 }
 
-// How far to look beyond touch [m]. A wide skin makes the list long, a narrow one makes it soon out of date: per
-// body and step the cost is σ λ + κ 2 v h/σ in units of one look at a pair, with λ pairs in the list per body and
-// metre of skin, v the largest speed, h the step, and κ what a new list costs per body. The least is at σ = √(2 v h
-// κ/λ).
+// The cheapest skin σ [m]. A wide skin makes the list long, a narrow one makes it outdated soon. In units of the cost
+// of one pair, a body costs σ λ + κ 2 v h/σ in a step: λ is the number of its listed pairs per metre of skin, v the
+// largest speed, h the step, κ the cost of a new list per body. The minimum is at σ = √(2 v h κ/λ).
 inline double best_skin(double pairs_per_skin, double largest_speed, double time_step) {
     constexpr double list_cost = 40.0;  // κ, measured at packing fractions of 0.3 and 0.6
     return math::sqrt(2.0 * largest_speed * time_step * list_cost / pairs_per_skin);
 }
 
-}  // namespace hardlimit::boxes::steps
+}  // namespace hardlimit::boxes

@@ -1,4 +1,4 @@
-// Bodies brought into the order of the cells.
+// Counting sort of the bodies by cell.
 #pragma once
 #include <cstdint>
 #include <utility>
@@ -6,22 +6,23 @@
 
 #include "neighbour_list.hpp"
 
-namespace hardlimit::boxes::steps {
+namespace hardlimit::boxes {
 
-class Sorting {
+class CellSort {
 public:
-    explicit Sorting(std::size_t bodies = 0)
-        : cell_(bodies), where_(bodies), place_(bodies), motion_(bodies), label_(bodies) {}
+    explicit CellSort(std::size_t bodies = 0)
+        : cell_(bodies), where_(bodies), position_(bodies), velocity_(bodies), tag_(bodies) {}
 
-    // Folds the bodies first … last − 1 back into the box and finds their cells.
-    void find_cells(const Box& box, const Grid& grid, Bodies& bodies, std::size_t first, std::size_t last) {
+    // Wraps the bodies first … last − 1 into the box and finds their cells.
+    void find_cells(const Box& box, const CellLayers& grid, Bodies& bodies, std::size_t first,
+                    std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             for (int axis = 0; axis < box.dimension; ++axis)
-                if (box.wraps(axis)) fold(bodies.place[i], bodies.label[i], axis, box.edge[axis]);
-            cell_[i] = grid.cell_of(bodies.place[i]);
+                if (box.wraps(axis)) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
+            cell_[i] = grid.cell_of(bodies.position[i]);
         }
     }
-    // Where each body goes: by cell, and in a cell as before. Sets start [cells + 1], the first body of each.
+    // Computes the new index of each body; the sort is stable. Sets start [cells + 1], the first body of each cell.
     void order(std::uint32_t cells, std::vector<std::uint32_t>& start) {
         start.assign(cells + 2, 0);
         for (const std::uint32_t c : cell_) ++start[c + 2];
@@ -32,35 +33,35 @@ public:
     void move(const Bodies& bodies, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const std::uint32_t to = where_[i];
-            place_[to] = bodies.place[i];
-            motion_[to] = bodies.motion[i];
-            label_[to] = bodies.label[i];
+            position_[to] = bodies.position[i];
+            velocity_[to] = bodies.velocity[i];
+            tag_[to] = bodies.tag[i];
         }
     }
     void swap(Bodies& bodies) {
-        bodies.place.swap(place_);
-        bodies.motion.swap(motion_);
-        bodies.label.swap(label_);
+        bodies.position.swap(position_);
+        bodies.velocity.swap(velocity_);
+        bodies.tag.swap(tag_);
     }
     std::uint32_t where(std::uint32_t body) const { return where_[body]; }
 
-    // Once the bodies have moved: the index of the body with this number.
-    void number(const Bodies& bodies, std::size_t first, std::size_t last) {
+    // After the sort: makes where(k) the index of the body with original index k.
+    void index_by_original(const Bodies& bodies, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            where_[bodies.label[i].number] = static_cast<std::uint32_t>(i);
+            where_[bodies.tag[i].original_index] = static_cast<std::uint32_t>(i);
     }
-    // The places at which the list was made share their memory with that of the bodies' next order.
-    Records<Four>& reference() { return place_; }
+    // Positions at which the list was built. They share the memory into which the next sort moves the bodies.
+    Records<Double4>& reference() { return position_; }
 
 private:
     std::vector<std::uint32_t> cell_, where_;  // [N]
-    Records<Four> place_, motion_;
-    Records<Label> label_;
+    Records<Double4> position_, velocity_;
+    Records<BodyTag> tag_;
 
-    static void fold(Four& place, Label& label, int axis, double edge) {
-        if (place[axis] < 0.0) place[axis] += edge, --label.turns[axis];
-        if (place[axis] >= edge) place[axis] -= edge, ++label.turns[axis];
+    static void wrap(Double4& position, BodyTag& tag, int axis, double edge) {
+        if (position[axis] < 0.0) position[axis] += edge, --tag.image_flags[axis];
+        if (position[axis] >= edge) position[axis] -= edge, ++tag.image_flags[axis];
     }
 };
 
-}  // namespace hardlimit::boxes::steps
+}  // namespace hardlimit::boxes

@@ -44,8 +44,7 @@ namespace hardlimit::boxes {
 template <class Law>
 class NewtonEvents {
 public:
-    using Box = boxes::Box;
-    using Row = ContactRow;
+    using Row = ContactRecord;
 
     // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step
     // of all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,

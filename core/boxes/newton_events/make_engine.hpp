@@ -7,14 +7,28 @@
 
 namespace hardlimit::boxes {
 
+// [N d] as [3 N], with zeros where there is no third axis; and back.
+inline std::vector<double> to_three(const NewtonSetting& setting, const double* values) {
+    std::vector<double> three;
+    for (std::size_t i = 0; i < setting.count(); ++i)
+        for (const double x : setting.in_three(values, i)) three.push_back(x);
+    return three;
+}
+inline void from_three(const NewtonSetting& setting, const std::vector<double>& three, double* values) {
+    const std::size_t d = setting.axes();
+    for (std::size_t i = 0; i < setting.count(); ++i) std::copy_n(&three[3 * i], d, values + d * i);
+}
+
 template <class Law>
 class NewtonEventsEngine final : public Engine {
 public:
-    NewtonEventsEngine(const NewtonSetting& setting, const System& s, const hardlimit_abi::TouchKernels& kernels)
+    NewtonEventsEngine(const NewtonSetting& setting, const System& s,
+                       const hardlimit_abi::TouchKernels& kernels)
         : setting_(setting),
-          run_(setting.box, setting.in_three(s.position), setting.in_three(s.velocity), setting.laws<Law>(),
+          run_(setting.box, to_three(setting, s.position), to_three(setting, s.velocity), setting.laws<Law>(),
                setting.log, kernels) {}
-    NewtonEventsEngine(const NewtonSetting& setting, Reader& saved, const hardlimit_abi::TouchKernels& kernels)
+    NewtonEventsEngine(const NewtonSetting& setting, Reader& saved,
+                       const hardlimit_abi::TouchKernels& kernels)
         : setting_(setting),
           run_(setting.box, setting.laws<Law>(), setting.count(), setting.log, kernels, saved) {}
 
@@ -24,7 +38,9 @@ public:
     bool paused() const override { return run_.paused(); }
     double time() const override { return run_.time(); }
     Outcome outcome() const override { return run_.outcome(); }
-    EarlyEnd early_end() const override { return {run_.time(), run_.ended_by(), {run_.ended_at_wall()}}; }
+    EarlyEnd early_end() const override {
+        return {run_.time(), run_.ended_by(), WallId::of(run_.ended_at_wall())};
+    }
     u64 work() const override { return run_.events(); }
     u64 contacts() const override { return run_.contacts_reached(); }
     u64 logged() const override { return run_.contacts_logged(); }
@@ -35,8 +51,8 @@ public:
     }
     void state(double* position, double* velocity) const override {
         const auto seen = run_.survey();
-        setting_.from_three(seen.position, position);
-        setting_.from_three(seen.velocity, velocity);
+        from_three(setting_, seen.position, position);
+        from_three(setting_, seen.velocity, velocity);
     }
     Observation observe() const override {
         const auto seen = run_.survey();
@@ -50,8 +66,8 @@ public:
         return o;
     }
     bool contacts_last() const override { return true; }
-    std::vector<ContactRow> take_log() override { return run_.take_log(); }
-    std::vector<ContactRow> open_contacts() const override { return run_.survey().open; }
+    std::vector<ContactRecord> take_log() override { return run_.take_log(); }
+    std::vector<ContactRecord> open_contacts() const override { return run_.survey().open; }
     double safety_used(int instants) const override { return run_.margin_used(instants); }
     std::vector<char> save() const override {
         Writer writer("newton_events");

@@ -1,337 +1,257 @@
-// The forces of one step: who touches, what pushes whom, and what begins or ends between two steps.
+// Sweep over the pairs and walls of a slab at one step: contacts begin, act on their bodies, and end.
 #pragma once
-#include <algorithm>
 #include <cstdint>
-#include <vector>
 
 #include "../common/pair_laws.hpp"
-#include "../neighbours/neighbour_list.hpp"
-#include "schedule.hpp"
-#include "touches.hpp"
+#include "slab.hpp"
 
 namespace hardlimit::boxes::steps {
 
-// An impulse over the mass, beside the accelerations [m/s].
-struct Jolt {
-    std::uint32_t body;
-    Four change;
-};
-
-// A share of the bodies, and everything that one task writes when it works on their pairs.
-template <class Law>
-struct alignas(64) Slab {
-    std::uint32_t first_body, last_body, first_cell, last_cell;
-    std::vector<Pair> pairs;
-    std::vector<AtWall> walls;
-    std::vector<std::int32_t> touch_of_pair, touch_of_wall;  // place in touches, −1: none
-    std::vector<Touch<Law>> touches;
-    std::vector<std::int32_t> vacant, vacated;  // places in touches: free, and free after this step
-    std::vector<std::uint32_t> pushed_here, pushed_beyond;  // bodies of this slab and of the next
-    std::vector<Jolt> jolts;                                // of both
-    std::vector<Change> changes;
-    double dissipated = 0.0, virial = 0.0;  // [J] since the list was made
-    double farthest = 0.0, fastest = 0.0;   // squares [m²], [m²/s²]
-    double largest_compression = 0.0;       // since the list was made, over the smaller radius
-    std::int32_t deepest[2] = {-1, -1};     // whose it was: as first and second of a Record
-
-    bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
-    void clear_step() { pushed_here.clear(), pushed_beyond.clear(), jolts.clear(); }
-    template <class Archive>
-    void exchange(Archive& archive) {
-        archive(first_body), archive(last_body), archive(first_cell), archive(last_cell);
-        archive(pairs), archive(walls), archive(touch_of_pair), archive(touch_of_wall);
-        archive(touches), archive(vacant), archive(pushed_here), archive(pushed_beyond);
-        archive(dissipated), archive(virial);
-        archive(largest_compression), archive(deepest);
-    }
-};
-
-// Where a slab of one thread reaches into one of another thread: copies of the places there that its pairs need, by
-// the owner. The places themselves stay in the owner's cache.
-struct alignas(apart) Border {
-    bool open = false;
-    std::vector<std::uint32_t> bodies;
-    Records<Four> place;  // of these
-    // [pairs] the second body: among these if marked, or among all.
-    std::vector<std::uint32_t> seen;
-
-    static constexpr std::uint32_t mark = 0x80000000u;
-
-    // `next` owns first … last − 1.
-    void set(const std::vector<Pair>& pairs, std::uint32_t first, std::uint32_t last, const Bodies& of) {
-        std::vector<std::uint32_t> where(last - first);
-        const auto beyond = [&](Pair p) { return p.second() >= first && p.second() < last; };
-        for (const Pair p : pairs)
-            if (beyond(p)) where[p.second() - first] = mark;
-        bodies.clear(), seen.clear();
-        for (std::uint32_t i = first; i < last; ++i) {
-            if (where[i - first] == 0) continue;
-            where[i - first] |= static_cast<std::uint32_t>(bodies.size());
-            bodies.push_back(i);
-        }
-        for (const Pair p : pairs) seen.push_back(beyond(p) ? where[p.second() - first] : p.second());
-        place.resize(bodies.size());
-        update(of);
-        open = true;
-    }
-    void update(const Bodies& of) {
-        for (std::size_t k = 0; k < bodies.size(); ++k) place[k] = of.place[bodies[k]];
-    }
-};
-
-// The instant at which forces are asked for.
+// The step at which forces are evaluated.
 struct Instant {
-    std::uint64_t step;  // counts on for ever, from 2
-    double time;         // [s]
-    double h;            // the step that led here [s]
-    double ahead;        // how far velocities are behind [s]: h/2, at the start 0
-    double weight;       // the share of time that this step stands for in integrals [s]: h, at an end h/2
-    bool closing;        // the velocities are wanted at this instant
+    std::uint64_t step;   // counts from 2 on
+    double time;          // [s]
+    double h;             // length of the step before [s]
+    double velocity_lag;  // velocities are known this much earlier: h/2, at the start 0 [s]
+    double weight;        // of this step in integrals over time: h, at the end of an advance h/2 [s]
+    bool closing;         // the end of an advance: velocities are wanted at this instant
 };
 
 template <class Law>
 class Forces {
 public:
-    Forces(const Box& box, const Grid& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
+    Forces(const Box& box, const CellLayers& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
         : box_(box), grid_(grid), bodies_(bodies), laws_(laws), now_(now) {}
 
-    void of(Slab<Law>& slab, const Border& border) {
+    void sweep(Slab<Law>& slab) {
         slab.clear_step();
-        if (border.open)
-            of_pairs(slab, [here = numbers(bodies_.place), beyond = numbers(border.place),
-                            seen = border.seen.data()](std::size_t k, Pair) {
-                return (seen[k] & Border::mark ? beyond : here) + 4 * std::size_t{seen[k] & ~Border::mark};
-            });
-        else
-            of_pairs(slab, [here = numbers(bodies_.place)](std::size_t, Pair p) {
-                return here + 4 * std::size_t{p.second()};
-            });
-        of_walls(slab);
+        sweep_pairs(slab);
+        sweep_walls(slab);
     }
 
-    // What the half step after an instant with known forces misses of contacts that were new then.
-    static void go_on(Slab<Law>& slab, const Bodies& bodies, double h) {
-        slab.jolts.clear();
-        for (const Touch<Law>& t : slab.touches) {
-            if (t.at_first == nobody) continue;
-            const bool pair = t.at_second != nobody;
+    // Onset correction of contacts that were new at the last step of the advance before: the part that falls into the
+    // half step after it.
+    static void resume(Slab<Law>& slab, const Bodies& bodies, double h) {
+        slab.impulses.clear();
+        for (const Contact<Law>& c : slab.contacts) {
+            if (c.index_first == no_body) continue;
             double impulse = 0.0;
-            if (t.fresh && t.force > 0.0) {
-                const auto force = force_sets_in(t.law, t.onset.rate);
-                impulse = 0.5 * h * t.force + force.missed(t.onset, h) - force.reached(t.onset, t.force);
-                jolt(slab, bodies, t, impulse);
+            if (c.is_new && c.force > 0.0) {
+                const auto force = onset_force(c.law, c.onset.rate);
+                impulse = 0.5 * h * c.force + force.missed_impulse(c.onset, h) -
+                          force.impulse_until_step(c.onset, c.force);
+                add_impulse(slab, bodies, c, impulse);
             }
-            if (pair) slab.virial += (0.5 * h * t.force + impulse) * t.distance;
+            if (c.index_second != no_body) slab.virial += (0.5 * h * c.force + impulse) * c.distance;
         }
     }
 
 private:
     const Box& box_;
-    const Grid& grid_;
+    const CellLayers& grid_;
     Bodies& bodies_;
     const PairLaws<Law>& laws_;
     Instant now_;
 
-    // Two bodies as they are seen from the first: the second, or the wall.
-    struct Meeting {
-        std::uint32_t first, second;  // second: none at a wall
-        std::int32_t number;          // of the second, or the wall's
+    // Motion of the second body, or of the wall, relative to the first.
+    struct RelativeMotion {
+        std::uint32_t first, second;  // indices; second is no_body at a wall
+        std::int32_t number;          // original index of the second, or the number of the wall
         std::uint32_t image;
-        Four normal;
-        double distance, reach;  // reach: at touch [m]
-        Four relative;           // velocity of the second [m/s], `ahead` before now
-        Four acceleration;       // of the second, at the step before [m/s²]
+        Double4 normal;
+        double distance, reach;  // reach: distance at touch [m]
+        Double4 velocity;        // [m/s], known velocity_lag before now
+        Double4 acceleration;    // at the step before [m/s²]
+
         double compression() const { return reach - distance; }
     };
 
-    // place_of(k, p): of the second body of pair k.
-    template <class PlaceOf>
-    void of_pairs(Slab<Law>& slab, const PlaceOf& place_of) {
-        const double* place = numbers(bodies_.place);
-        const Four* shift = grid_.shifts();
+    void sweep_pairs(Slab<Law>& slab) {
+        const double* position = as_doubles(bodies_.position);
+        const Double4* shift = grid_.shifts();
         const std::size_t count = slab.pairs.size();
         for (std::size_t k = 0; k < count; ++k) {
-            const Pair p = slab.pairs[k];
-            const double *a = place + 4 * std::size_t{p.first}, *b = place_of(k, p);
-            const Four& s = shift[p.image()];
+            const NeighbourPair p = slab.pairs[k];
+            const double *a = position + 4 * std::size_t{p.first},
+                         *b = position + 4 * std::size_t{p.second()};
+            const Double4& s = shift[p.image()];
             const double x = b[0] - a[0] + s[0], y = b[1] - a[1] + s[1], z = b[2] - a[2] + s[2];
             const double reach = a[3] + b[3], squared = (x * x + y * y) + z * z;
-            if (squared < reach * reach || slab.touch_of_pair[k] >= 0) [[unlikely]]
-                meet_body(slab, slab.touch_of_pair[k], p, four(x, y, z, 0.0), reach);
+            if (squared < reach * reach || slab.contact_of_pair[k] >= 0) [[unlikely]]
+                pair_contact(slab, slab.contact_of_pair[k], p, Double4{x, y, z, 0.0}, reach);
         }
     }
-    void of_walls(Slab<Law>& slab) {
+    void sweep_walls(Slab<Law>& slab) {
         for (std::size_t k = 0; k < slab.walls.size(); ++k) {
-            const AtWall w = slab.walls[k];
-            const Four place = bodies_.place[w.body];
-            const double x = place[static_cast<int>(w.wall / 2)];
-            const double distance = w.wall % 2 == 0 ? x : box_.edge[w.wall / 2] - x;
-            if (distance < place[3] || slab.touch_of_wall[k] >= 0)
-                meet_wall(slab, slab.touch_of_wall[k], w, distance);
+            const WallNeighbour w = slab.walls[k];
+            const Double4 position = bodies_.position[w.body];
+            const double x = position[w.wall.axis()];
+            const double distance = box_.wall(w.wall).distance(x, now_.time);
+            if (distance < position[3] || slab.contact_of_wall[k] >= 0)
+                wall_contact(slab, slab.contact_of_wall[k], w, distance);
         }
     }
 
-    HL_FN_APART void meet_body(Slab<Law>& slab, std::int32_t& slot, Pair p, Four apart, double reach) {
+    HL_FN_APART void pair_contact(Slab<Law>& slab, std::int32_t& slot, NeighbourPair p, Double4 separation,
+                                  double reach) {
         const std::uint32_t i = p.first, j = p.second();
-        const double distance = math::sqrt(dot(apart, apart));
-        const Four normal = apart * (1.0 / distance), v = bodies_.motion[j] - bodies_.motion[i];
-        const Four a = bodies_.push[j].preceding(now_.step) - bodies_.push[i].preceding(now_.step);
-        const auto number = static_cast<std::int32_t>(bodies_.label[j].number);
-        meet(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, apart);
+        const double distance = math::sqrt(dot(separation, separation));
+        const Double4 normal = separation * (1.0 / distance), v = bodies_.velocity[j] - bodies_.velocity[i];
+        const Double4 a =
+            bodies_.acceleration[j].previous(now_.step) - bodies_.acceleration[i].previous(now_.step);
+        const auto number = static_cast<std::int32_t>(bodies_.tag[j].original_index);
+        update_contact(slab, slot, {i, j, number, p.image(), normal, distance, reach, v, a}, separation);
     }
-    HL_FN_APART void meet_wall(Slab<Law>& slab, std::int32_t& slot, AtWall w, double distance) {
-        const int axis = static_cast<int>(w.wall / 2);
-        Four normal{};
-        normal[axis] = w.wall % 2 == 0 ? -1.0 : 1.0;
-        const Four a = -bodies_.push[w.body].preceding(now_.step) - pull(box_);
-        const std::int32_t number = -1 - static_cast<std::int32_t>(w.wall);
-        const Meeting m = {w.body,
-                           nobody,
-                           number,
-                           no_image,
-                           normal,
-                           distance,
-                           bodies_.place[w.body][3],
-                           -bodies_.motion[w.body],
-                           a};
-        meet(slab, slot, m, normal * distance);
+    HL_FN_APART void wall_contact(Slab<Law>& slab, std::int32_t& slot, WallNeighbour w, double distance) {
+        const std::uint32_t i = w.body;
+        const Wall wall = box_.wall(w.wall);
+        Double4 normal{}, v = -bodies_.velocity[i];
+        normal[w.wall.axis()] = -wall.inward();
+        v[w.wall.axis()] += wall.velocity(now_.time);
+        const Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
+        const double reach = bodies_.position[i][3];
+        update_contact(slab, slot, {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a},
+                       normal * distance);
     }
 
-    void meet(Slab<Law>& slab, std::int32_t& slot, const Meeting& m, Four apart) {
-        const bool fresh = slot < 0 && now_.ahead > 0.0;
+    void update_contact(Slab<Law>& slab, std::int32_t& slot, const RelativeMotion& m, Double4 separation) {
+        const bool is_new = slot < 0 && now_.velocity_lag > 0.0;
         if (slot < 0) {
-            slot = vacancy(slab);
-            slab.touches[static_cast<std::size_t>(slot)] = begin(m, apart);
+            slot = free_slot(slab);
+            slab.contacts[static_cast<std::size_t>(slot)] = begin(m, separation);
         }
-        Touch<Law>& t = slab.touches[static_cast<std::size_t>(slot)];
-        // The others' forces are those of the step before, its own is not known yet.
-        const double own = inverse_mass(m) * now_.ahead, compression = m.compression();
-        const double rate = own * t.force - dot(m.normal, m.relative + m.acceleration * now_.ahead);
-        const Strength p = fresh ? strength_at_onset(t.law, compression, rate, inverse_mass(m), t.onset)
-                                 : strength_of(t.law, compression, rate, own);
-        const double margin = compression - math::max(0.0, t.law.slack(p.rate).depth);
-        if ((p.force > 0.0) != t.closed) {
-            note(slab, slot, t, m, margin, fresh);
-            t.closed = p.force > 0.0;
+        Contact<Law>& c = slab.contacts[static_cast<std::size_t>(slot)];
+        // The forces of other contacts are those of the step before. The force of this one is not known yet.
+        const double own = inverse_mass(m) * now_.velocity_lag, compression = m.compression();
+        const double rate = own * c.force - dot(m.normal, m.velocity + m.acceleration * now_.velocity_lag);
+        const ContactForce f = is_new ? force_at_onset(c.law, compression, rate, inverse_mass(m), c.onset)
+                                      : contact_force(c.law, compression, rate, own);
+        const double excess = compression - math::max(0.0, c.law.slack(f.rate).depth);
+        if ((f.force > 0.0) != c.in_contact) {
+            add_event(slab, slot, c, m, excess, is_new);
+            c.in_contact = f.force > 0.0;
         }
-        if (now_.ahead > 0.0)
-            slab.dissipated += fresh ? dissipated_at_onset(t.law, p, t.onset) : dissipated(t, p, m);
-        t.at_first = m.first, t.at_second = m.second;
-        t.normal = m.normal, t.distance = m.distance;
-        t.margin = margin, t.fresh = fresh, t.compression = compression;
-        static_cast<Strength&>(t) = p;
-        note_depth(slab, t, m);
-        act(slab, t);
+        if (now_.velocity_lag > 0.0)
+            slab.dissipated += is_new ? dissipated_at_onset(c.law, f, c.onset) : dissipated(c, f, m);
+        c.index_first = m.first, c.index_second = m.second;
+        c.normal = m.normal, c.distance = m.distance;
+        c.excess = excess, c.is_new = is_new, c.compression = compression;
+        static_cast<ContactForce&>(c) = f;
+        record_depth(slab, c, m);
+        apply(slab, c);
         if (!(compression > 0.0)) {
-            t.at_first = nobody;
+            c.index_first = no_body;
             slab.vacated.push_back(slot);
             slot = -1;
         }
     }
 
-    double inverse_mass(const Meeting& m) const {  // of the relative motion
-        return bodies_.motion[m.first][3] + (m.second != nobody ? bodies_.motion[m.second][3] : 0.0);
+    double inverse_mass(const RelativeMotion& m) const {
+        return bodies_.velocity[m.first][3] + (m.second != no_body ? bodies_.velocity[m.second][3] : 0.0);
     }
-    // Since the last step; t is as it was then. With the forces of others the rate of that step is known only now, and
-    // what was dissipated until then is put right.
-    double dissipated(Touch<Law>& t, const Strength& p, const Meeting& m) const {
-        Strength before = t;
-        if (!t.fresh) before.rate = -dot(t.normal, m.relative - m.acceleration * now_.ahead);
-        const double late = 0.5 * t.damped * (before.rate - t.rate);
-        if (!(m.compression() > 0.0)) return late + dissipated_at_end(t.law, before, t.compression);
-        t.damped = damped(before, p, now_.h);
-        if (t.fresh) t.damped += missed_damping(t.law, before, t.onset, now_.h);
-        return late + dissipated_between(before, p, now_.h, inverse_mass(m), t.damped);
-    }
-
-    void note_depth(Slab<Law>& slab, const Touch<Law>& t, const Meeting& m) const {
-        const double first = bodies_.place[m.first][3];
-        const double part = t.compression / (m.second == nobody ? first : math::min(first, m.reach - first));
-        if (!(part > slab.largest_compression)) return;
-        slab.largest_compression = part;
-        slab.deepest[0] = t.first, slab.deepest[1] = t.second;
+    // Energy dissipated since the last step [J]; c still holds that step. Its rate is known accurately only now, with
+    // the forces that other contacts had, so the dissipation before that step is corrected.
+    double dissipated(Contact<Law>& c, const ContactForce& now, const RelativeMotion& m) const {
+        ContactForce before = c;
+        if (!c.is_new) before.rate = -dot(c.normal, m.velocity - m.acceleration * now_.velocity_lag);
+        const double correction = 0.5 * c.damped * (before.rate - c.rate);
+        if (!(m.compression() > 0.0)) return correction + dissipated_at_end(c.law, before, c.compression);
+        c.damped = damped(before, now, now_.h);
+        if (c.is_new) c.damped += missed_damping(c.law, before, c.onset, now_.h);
+        return correction + dissipated_between(before, now, now_.h, inverse_mass(m), c.damped);
     }
 
-    static std::int32_t vacancy(Slab<Law>& slab) {
+    void record_depth(Slab<Law>& slab, const Contact<Law>& c, const RelativeMotion& m) const {
+        const double first = bodies_.position[m.first][3];
+        const double smaller = m.second == no_body ? first : math::min(first, m.reach - first);
+        const double relative = c.compression / smaller;
+        if (!(relative > slab.largest_compression)) return;
+        slab.largest_compression = relative;
+        slab.deepest[0] = c.first, slab.deepest[1] = c.second;
+    }
+
+    static std::int32_t free_slot(Slab<Law>& slab) {
         if (slab.vacant.empty()) {
-            slab.touches.emplace_back();
-            return static_cast<std::int32_t>(slab.touches.size()) - 1;
+            slab.contacts.emplace_back();
+            return static_cast<std::int32_t>(slab.contacts.size()) - 1;
         }
         const std::int32_t slot = slab.vacant.back();
         slab.vacant.pop_back();
         return slot;
     }
 
-    // Bodies that overlap for the first time. Between the steps they moved straight; where they began to touch
-    // follows from the compressions at both, the rate there from the curvature of the distance.
-    Touch<Law> begin(const Meeting& m, Four apart) const {
-        Touch<Law> t{};
-        t.first = static_cast<std::int32_t>(bodies_.label[m.first].number);
-        t.second = m.number;
-        t.news = -1;
-        t.law = laws_(t.first, m.second == nobody ? -1 : m.number);
-        if (m.second != nobody) t.turns = unfolded(Pair::of(m.first, m.second, m.image), bodies_.label);
-        t.begin = now_.time;
-        t.impact_speed = -dot(m.normal, m.relative);
-        if (!(now_.ahead > 0.0)) return t;
-        const Four before = apart - m.relative * now_.h;
-        const double was = m.second == nobody ? dot(before, m.normal) : math::sqrt(dot(before, before));
-        const double grown = math::max(was - m.distance, 1e-300);
-        const double share = math::min(1.0, m.compression() / grown);
-        t.onset = {share * now_.h, grown / now_.h};
-        t.begin -= t.onset.since;
-        t.impact_speed = math::max(0.0, rate_at(t.begin, m, grown, 0.0));
-        if (t.impact_speed > 0.0) t.onset.rate = t.impact_speed;
-        return t;
+    // A contact at its first step. Bodies move uniformly between two steps: the time of touch follows from the
+    // compressions at both, the compression rate at touch also from the curvature of the distance.
+    Contact<Law> begin(const RelativeMotion& m, Double4 separation) const {
+        Contact<Law> c{};
+        const bool wall = m.second == no_body;
+        c.first = static_cast<std::int32_t>(bodies_.tag[m.first].original_index);
+        c.second = m.number;
+        c.begin_event = -1;
+        c.law = laws_(c.first, wall ? -1 : m.number);
+        if (!wall) c.image = relative_image(NeighbourPair::of(m.first, m.second, m.image), bodies_.tag);
+        c.begin = now_.time;
+        c.impact_speed = -dot(m.normal, m.velocity);
+        if (!(now_.velocity_lag > 0.0)) return c;
+        const Double4 before = separation - m.velocity * now_.h;
+        const double distance = wall ? dot(before, m.normal) : math::sqrt(dot(before, before));
+        const double growth = math::max(distance - m.distance, 1e-300);
+        const double share = math::min(1.0, m.compression() / growth);
+        c.onset = {share * now_.h, growth / now_.h};
+        c.begin -= c.onset.since;
+        c.impact_speed = math::max(0.0, rate_at(c.begin, m, growth, 0.0));
+        if (c.impact_speed > 0.0) c.onset.rate = c.impact_speed;
+        return c;
     }
 
-    // dξ/dt [m/s] at a time between the last two steps, ξ having grown by `grown`. `own` [N]: the force of this
-    // contact at the step before, which counts no more.
-    double rate_at(double time, const Meeting& m, double grown, double own) const {
-        const bool pair = m.second != nobody;
-        const double along = dot(m.normal, m.relative);
-        const double turning = pair ? (dot(m.relative, m.relative) - along * along) / m.distance : 0.0;
-        const double bend = own * inverse_mass(m) - dot(m.normal, m.acceleration) - turning;
-        return grown / now_.h + bend * (time - (now_.time - 0.5 * now_.h));
+    // dξ/dt [m/s] at a time between the last two steps, between which ξ grew by `growth` [m]. `own` [N] is the force of
+    // this contact at the step before, which no longer acts.
+    double rate_at(double time, const RelativeMotion& m, double growth, double own) const {
+        const double along = dot(m.normal, m.velocity);
+        const double turning =
+            m.second != no_body ? (dot(m.velocity, m.velocity) - along * along) / m.distance : 0.0;
+        const double curvature = own * inverse_mass(m) - dot(m.normal, m.acceleration) - turning;
+        return growth / now_.h + curvature * (time - (now_.time - 0.5 * now_.h));
     }
 
-    // A contact begins or ends. Other than at touch that is where the margin passes through zero.
-    void note(Slab<Law>& slab, std::int32_t slot, Touch<Law>& t, const Meeting& m, double margin,
-              bool fresh) const {
-        const bool begins = !t.closed, known = begins && (fresh || !(now_.ahead > 0.0));
-        const double span = t.margin - margin;
-        const double share = span != 0.0 ? math::clamp(t.margin / span, 0.0, 1.0) : 1.0;
-        const double time = known ? t.begin : now_.time - (1.0 - share) * now_.h;
+    // A contact begins or ends. Unless it begins by touch, that is where its excess compression passes through zero.
+    void add_event(Slab<Law>& slab, std::int32_t slot, Contact<Law>& c, const RelativeMotion& m,
+                   double excess, bool is_new) const {
+        const bool begins = !c.in_contact, known = begins && (is_new || !(now_.velocity_lag > 0.0));
+        const double span = c.excess - excess;
+        const double share = span != 0.0 ? math::clamp(c.excess / span, 0.0, 1.0) : 1.0;
+        const double time = known ? c.begin : now_.time - (1.0 - share) * now_.h;
         const double rate =
-            known ? t.impact_speed : rate_at(time, m, m.compression() - t.compression, t.force);
-        if (begins) t.begin = time, t.impact_speed = rate;
-        const std::int32_t since = begins ? -1 : t.news;
-        if (begins) t.news = static_cast<std::int32_t>(slab.changes.size());
-        slab.changes.push_back({t, now_.step, time, slot, begins, -rate, since});
+            known ? c.impact_speed : rate_at(time, m, m.compression() - c.compression, c.force);
+        if (begins) c.begin = time, c.impact_speed = rate;
+        const std::int32_t begin_event = begins ? -1 : c.begin_event;
+        if (begins) c.begin_event = static_cast<std::int32_t>(slab.events.size());
+        slab.events.push_back({c, now_.step, time, slot, begins, -rate, begin_event});
     }
 
-    void act(Slab<Law>& slab, const Touch<Law>& t) {
+    void apply(Slab<Law>& slab, const Contact<Law>& c) {
         double impulse = 0.0;
-        if (t.fresh && t.force > 0.0) {
-            const auto force = force_sets_in(t.law, t.onset.rate);
-            impulse = now_.closing ? force.reached(t.onset, t.force) - now_.weight * t.force
-                                   : force.missed(t.onset, now_.h);
-            jolt(slab, bodies_, t, impulse);
+        if (c.is_new && c.force > 0.0) {
+            const auto force = onset_force(c.law, c.onset.rate);
+            impulse = now_.closing ? force.impulse_until_step(c.onset, c.force) - now_.weight * c.force
+                                   : force.missed_impulse(c.onset, now_.h);
+            add_impulse(slab, bodies_, c, impulse);
         }
-        if (t.at_second != nobody) slab.virial += (now_.weight * t.force + impulse) * t.distance;
-        if (!(t.force > 0.0)) return;
-        push(slab, t.at_first, t.normal * (-t.force * bodies_.motion[t.at_first][3]));
-        if (t.at_second != nobody)
-            push(slab, t.at_second, t.normal * (t.force * bodies_.motion[t.at_second][3]));
+        if (c.index_second != no_body) slab.virial += (now_.weight * c.force + impulse) * c.distance;
+        if (!(c.force > 0.0)) return;
+        accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
+        if (c.index_second != no_body)
+            accelerate(slab, c.index_second, c.normal * (c.force * bodies_.velocity[c.index_second][3]));
     }
-    void push(Slab<Law>& slab, std::uint32_t body, Four acceleration) {
-        if (bodies_.push[body].add(now_.step, acceleration))
-            (slab.holds(body) ? slab.pushed_here : slab.pushed_beyond).push_back(body);
+    void accelerate(Slab<Law>& slab, std::uint32_t body, Double4 acceleration) {
+        if (bodies_.acceleration[body].add(now_.step, acceleration))
+            (slab.holds(body) ? slab.accelerated : slab.accelerated_next).push_back(body);
     }
-    static void jolt(Slab<Law>& slab, const Bodies& bodies, const Touch<Law>& t, double impulse) {
-        slab.jolts.push_back({t.at_first, t.normal * (-impulse * bodies.motion[t.at_first][3])});
-        if (t.at_second != nobody)
-            slab.jolts.push_back({t.at_second, t.normal * (impulse * bodies.motion[t.at_second][3])});
+    static void add_impulse(Slab<Law>& slab, const Bodies& bodies, const Contact<Law>& c, double impulse) {
+        slab.impulses.push_back({c.index_first, c.normal * (-impulse * bodies.velocity[c.index_first][3])});
+        if (c.index_second != no_body)
+            slab.impulses.push_back(
+                {c.index_second, c.normal * (impulse * bodies.velocity[c.index_second][3])});
     }
 };
 

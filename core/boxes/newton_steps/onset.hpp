@@ -1,21 +1,21 @@
-// How a contact sets in between two steps, to second order.
+// Correction of the impulse of a contact that begins between two steps, to second order.
 //
-// A force that is felt at equal steps h is a trapezoidal sum of the true impulse. From the instant of touch on,
-// F(τ) = Σ_j c_j (V τ)^{j/p} + O(τ), V being the speed of approach, u = (V τ)^{1/p} the law's coordinate and j < p.
-// With the first step in contact at τ = s h, 0 < s <= 1, the sum exceeds the integral by
+// A force evaluated at equal steps h gives a trapezoidal sum of the true impulse. From the instant of touch on, F(τ) =
+// Σ_j c_j (V τ)^{j/p} + O(τ), where V is the approach speed, u = (V τ)^{1/p} the coordinate of the law, and j < p. With
+// the first step in contact at τ = s h, 0 < s <= 1, the sum exceeds the integral by
 //   Σ_j c_j V^{j/p} h^{1 + j/p} ζ(−j/p, s) + O(h²)
-// (the generalised Euler–Maclaurin formula, ζ being Hurwitz' function; I. Navot, J. Math. Phys. 40, 271 (1961)). For a
-// dashpot, which jumps at touch (j = 0, ζ(0, s) = 1/2 − s), this is first order in h, and so is the error of ε it
-// makes. Here its negative is added as an impulse. The c_j of any law come from its own force(s, rate), called
-// with polynomials in u cut off at u^p.
+// (generalised Euler–Maclaurin formula, ζ is Hurwitz' function; I. Navot, J. Math. Phys. 40, 271 (1961)). For a
+// dashpot, whose force jumps at touch (j = 0, ζ(0, s) = 1/2 − s), the excess is of first order in h, and so is the
+// error of ε that it causes. It is therefore subtracted as an impulse. The c_j of any law come from its own force(s,
+// rate), called with polynomials in u truncated at u^p.
 //
-// The end of a contact needs nothing: there the force falls to zero, with a kink only.
+// The end of a contact needs no correction: there the force falls to zero continuously.
 #pragma once
 #include "../../contact/law.hpp"
 
 namespace hardlimit::boxes::steps {
 
-// ζ(−q, a) for 0 <= q < 1 and a > 0, by the Euler–Maclaurin formula; good to 1e-10.
+// ζ(−q, a) for 0 <= q < 1 and a > 0, by the Euler–Maclaurin formula, accurate to 1e-10.
 HL_FN double hurwitz_zeta(double q, double a) {
     constexpr int terms = 8;
     const double z = a + terms, power = math::pow(z, q), w = 1.0 / (z * z);
@@ -26,7 +26,7 @@ HL_FN double hurwitz_zeta(double q, double a) {
     return sum + power * (0.5 - z / (q + 1.0) + tail / z);
 }
 
-// Σ_j c_j u^j, cut off at u^p.
+// Σ_j c_j u^j, truncated at u^p.
 template <int p>
 struct LeadingTerms {
     double c[p];
@@ -57,27 +57,27 @@ HL_FN LeadingTerms<p> operator*(const LeadingTerms<p>& a, const LeadingTerms<p>&
     return product;
 }
 
-// The instant of touch, seen from the first step in contact.
+// Touch, as seen from the first step in contact.
 struct Onset {
     double since;  // time in contact at that step [s]
-    double rate;   // speed of approach [m/s]
+    double rate;   // approach speed [m/s]
 };
 
-// A force that sets in with a contact, by its leading terms [N].
+// Leading terms of a force after touch [N].
 template <int p>
-struct SettingIn {
+struct OnsetForce {
     LeadingTerms<p> terms;
 
-    // What steps of h, the first of which counts in full, miss of the integral.
-    double missed(Onset at, double h) const {
+    // Impulse that equal steps h miss if the first one counts in full [N s].
+    double missed_impulse(Onset at, double h) const {
         double sum = 0.0;
         const double depth = at.rate * h, s = at.since / h;
         for (int j = 0; j < p; ++j)
             if (terms.c[j] != 0.0) sum += terms.c[j] * power(depth, j) * hurwitz_zeta(double(j) / p, s);
         return -sum * h;
     }
-    // The integral from touch to the first step in contact, where the force is `value`.
-    double reached(Onset at, double value) const {
+    // Impulse from touch to the first step in contact, where the force is `value` [N s].
+    double impulse_until_step(Onset at, double value) const {
         double sum = 0.0, rest = value;
         for (int j = 0; j < p; ++j) {
             if (terms.c[j] == 0.0) continue;
@@ -92,22 +92,22 @@ private:
     static double power(double depth, int j) { return j == 0 ? 1.0 : math::pow(depth, double(j) / p); }
 };
 
-// How the force of a law sets in.
+// Leading terms of the force of a law.
 template <class Law>
-SettingIn<Law::onset_power> force_sets_in(const Law& law, double rate) {
+OnsetForce<Law::onset_power> onset_force(const Law& law, double rate) {
     constexpr int p = Law::onset_power;
     LeadingTerms<p> s{}, speed{};
     if constexpr (p > 1) s.c[1] = 1.0;
     speed.c[0] = rate;
     return {law.force(s, speed)};
 }
-// The same of the part that damps.
+// The same of its damping.
 template <class Law>
-SettingIn<Law::onset_power> damping_sets_in(const Law& law, double rate) {
+OnsetForce<Law::onset_power> onset_damping(const Law& law, double rate) {
     constexpr int p = Law::onset_power;
     LeadingTerms<p> s{};
     if constexpr (p > 1) s.c[1] = 1.0;
-    return {force_sets_in(law, rate).terms - law.elastic_force(s)};
+    return {onset_force(law, rate).terms - law.elastic_force(s)};
 }
 
 }  // namespace hardlimit::boxes::steps

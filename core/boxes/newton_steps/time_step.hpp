@@ -1,14 +1,14 @@
-// One isolated contact, stepped as the box steps it, to measure the errors that a time step makes.
+// Errors that a time step makes in one isolated contact, and the longest step within a tolerance.
 #pragma once
-#include "strength.hpp"
+#include "contact_force.hpp"
 
 namespace hardlimit::boxes::steps {
 
-// Of a contact of two free bodies; infinite where it does not end.
+// For a contact of two free bodies; infinite if the contact does not end.
 struct ContactErrors {
     double restitution = 0.0;  // of ε
-    double energy = 0.0;       // of the sum of all, at any step, over the kinetic energy of the impact
-    double position = 0.0;     // after the contact, over the way at the speed of impact in its duration
+    double energy = 0.0;       // of the energy balance at any step, over the kinetic energy of the impact
+    double position = 0.0;     // after the contact, over impact speed × duration
 
     double largest() const { return math::max(restitution, math::max(energy, position)); }
     void include(const ContactErrors& other) {
@@ -18,7 +18,7 @@ struct ContactErrors {
     }
 };
 
-// If the bodies touch `since` before a step.
+// If the bodies touch at the time `since` before a step [s].
 template <class Law>
 ContactErrors contact_errors(const Law& law, double effective_mass, double speed, double h, double since) {
     constexpr int most = 1000000;
@@ -26,9 +26,9 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
     const Onset onset{since, speed};
     ContactErrors found;
     double compression = speed * since;
-    Strength now = strength_at_onset(law, compression, speed, inverse_mass, onset);
+    ContactForce now = force_at_onset(law, compression, speed, inverse_mass, onset);
     double dissipated = dissipated_at_onset(law, now, onset), missed = missed_damping(law, now, onset, h);
-    double rate = speed - (h * now.force + force_sets_in(law, speed).missed(onset, h)) * inverse_mass;
+    double rate = speed - (h * now.force + onset_force(law, speed).missed_impulse(onset, h)) * inverse_mass;
     for (int step = 0;; ++step) {
         const double stored = law.energy(onset_root<Law::onset_power>(math::max(compression, 0.0)));
         const double sum = 0.5 * effective_mass * now.rate * now.rate + stored + dissipated;
@@ -44,8 +44,8 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
             return found;
         }
         compression += rate * h;
-        const Strength before = now;
-        now = strength_of(law, compression, rate, 0.5 * h * inverse_mass);
+        const ContactForce before = now;
+        now = contact_force(law, compression, rate, 0.5 * h * inverse_mass);
         dissipated += compression > 0.0
                           ? dissipated_between(before, now, h, inverse_mass, damped(before, now, h) + missed)
                           : dissipated_at_end(law, before, compression - rate * h);
@@ -54,7 +54,7 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
     }
 }
 
-// The largest errors that a time step makes, over where between two steps the bodies touch.
+// The largest errors over all instants of touch between two steps.
 template <class Law>
 ContactErrors contact_errors(const Law& law, double effective_mass, double speed, double time_step) {
     constexpr int phases = 16;
@@ -64,10 +64,9 @@ ContactErrors contact_errors(const Law& law, double effective_mass, double speed
     return worst;
 }
 
-// The longest time step whose errors are at most `error` [s]. With less than ten steps for a contact, or in a step
-// of which damping takes more than a quarter of the speed, the contacts of a dense packing, in which a body has up
-// to twelve at a time, are no longer stable: that takes h γ/m < 1/3 there. Of n steps under the linear law h γ/m =
-// −2 ln(ε)/n, of others about as much.
+// The longest time step whose errors are at most `error` [s]. A contact gets at least ten steps, and its damping takes
+// at most a quarter of the speed in a step: a dense packing, where a body has up to twelve contacts, is stable only for
+// h γ/m < 1/3. With n steps per contact h γ/m = −2 ln(ε)/n for the linear law, and about as much for others.
 template <class Law>
 double longest_step(const Law& law, double effective_mass, double speed, double error) {
     constexpr double most = 1e6;
@@ -76,7 +75,7 @@ double longest_step(const Law& law, double effective_mass, double speed, double 
     const auto good = [&](double steps) {
         return contact_errors(law, effective_mass, speed, duration / steps).largest() <= error;
     };
-    // An error may happen to vanish at some step: the next finer one is asked as well.
+    // An error may vanish by chance at some step, so a finer one is checked as well.
     double steps = fewest;
     while (steps < most && !(good(steps) && good(1.2 * steps))) steps *= 1.1;
     return duration / steps;

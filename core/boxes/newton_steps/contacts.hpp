@@ -1,0 +1,56 @@
+// Open contacts of the stepping engine, and the events that begin and end them.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <tuple>
+
+#include "../common/bodies.hpp"
+#include "contact_force.hpp"
+
+namespace hardlimit::boxes::steps {
+
+inline constexpr std::uint32_t no_body = 0xffffffffu;
+
+// What the log needs to know of a contact that has begun.
+struct ContactBegin {
+    std::int32_t first, second;                     // original indices; second as in ContactRecord
+    double begin, impact_speed;                     // [s], [m/s]
+    bool overlapped;                                // at its begin a body had another contact
+    std::uint32_t overlaps_first, overlaps_second;  // of the bodies at the begin (ContactLog)
+};
+
+// Two bodies, or a body and a wall, that overlap. They are in contact while their force is repulsive.
+template <class Law>
+struct Contact : ContactBegin, ContactForce {  // the force of the last step
+    Law law;
+    std::array<std::int32_t, 3> image;        // of the second body along the unfolded paths, in edges
+    std::uint32_t index_first, index_second;  // in Bodies; no_body: a free slot (first), a wall (second)
+    Double4 normal;                           // unit vector from the first to the second
+    double distance;                          // of the centres, or to the wall [m]
+    double compression;                       // at the last step [m]
+    double damped;                            // impulse of the damping during the last step [N s]
+    double excess;                            // of the compression over the slack of the law [m]
+    Onset onset;
+    bool is_new;  // the last step was its first
+    bool in_contact;
+    std::int32_t begin_event;  // index of its begin among the events of the slab; −1 once it is in the log
+};
+
+// The begin or the end of a contact between two steps. It is logged after several steps, when the slot of the contact
+// may have been reused.
+struct ContactEvent {
+    ContactBegin contact;
+    std::uint64_t step;  // that detected it
+    double time;         // [s]
+    std::int32_t slot;
+    bool begins;
+    double separation_speed;  // [m/s]
+    std::int32_t
+        begin_event;  // of an end: index of the begin among the events, −1 if it is already in the log
+
+    std::tuple<std::uint64_t, double, std::int32_t, std::int32_t> order() const {
+        return {step, time, contact.first, contact.second};
+    }
+};
+
+}  // namespace hardlimit::boxes::steps

@@ -1,0 +1,202 @@
+// The bodies sorted into cells and slabs, the neighbour list of each slab, and its contacts across rebuilds.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "../common/pair_laws.hpp"
+#include "../neighbours/sorting.hpp"
+#include "slab.hpp"
+
+namespace hardlimit::boxes::steps {
+
+template <class Law>
+class Decomposition {
+public:
+    Bodies bodies;
+    std::vector<Slab<Law>> slabs;
+    CellLayers grid;
+    // Sums over contacts before the list was built [J], [J s].
+    double dissipated = 0.0, virial = 0.0;
+
+    Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
+        for (std::size_t i = 0; i < n; ++i) {
+            const double width = 2.0 * laws.radius(i);
+            widest_ = math::max(widest_, width);
+            smallest_ = math::min(smallest_, width);
+            mean_width_ += width / static_cast<double>(n);
+            double part = math::pi / (box.dimension == 2 ? 4.0 : 6.0);
+            for (int axis = 0; axis < box.dimension; ++axis) part *= width / box.edge[axis];
+            packing_fraction_ += part;
+        }
+    }
+
+    double skin() const { return skin_; }                   // [m]
+    double smallest_diameter() const { return smallest_; }  // [m]
+    std::uint64_t lists_built() const { return lists_; }
+    // At the instants of the steps, over the smaller radius.
+    double largest_compression() const {
+        double largest = largest_compression_;
+        for (const Slab<Law>& s : slabs) largest = math::max(largest, s.largest_compression);
+        return largest;
+    }
+
+    // A rebuild in the order of the calls. What takes a range of bodies or a slab may run on several threads.
+    void begin_rebuild(double fastest, double step) {
+        choose_skin(fastest, step);
+        grid = CellLayers(box_, widest_ + skin_, bodies.count());
+        save_contacts();
+    }
+    void find_cells(std::size_t first, std::size_t last) {
+        sort_.find_cells(box_, grid, bodies, first, last);
+    }
+    void order() { sort_.order(grid.cells(), start_); }
+    void gather(std::size_t first, std::size_t last) { sort_.move(bodies, first, last); }
+    void divide() {
+        sort_.swap(bodies);
+        for (const auto& [body, a] : saved_accelerations_) bodies.acceleration[body].step = 0;
+        for (const auto& [body, a] : saved_accelerations_) bodies.acceleration[sort_.where(body)] = a;
+        saved_accelerations_.clear();
+        divide_into_slabs();
+    }
+    void list(Slab<Law>& slab, double time) {
+        slab.pairs.clear(), slab.walls.clear();
+        for (std::uint32_t cell = slab.first_cell; cell < slab.last_cell; ++cell)
+            list_pairs(grid, bodies.position, start_, cell, skin_, slab.pairs);
+        list_walls(box_, bodies.position, slab.first_body, slab.last_body, skin_, time, slab.walls);
+        slab.contact_of_pair.assign(slab.pairs.size(), -1);
+        slab.contact_of_wall.assign(slab.walls.size(), -1);
+        sort_.index_by_original(bodies, slab.first_body, slab.last_body);
+        std::copy(bodies.position.begin() + slab.first_body, bodies.position.begin() + slab.last_body,
+                  sort_.reference().begin() + slab.first_body);
+    }
+    void restore_contacts() {
+        for (const Contact<Law>& c : saved_contacts_) {
+            const std::uint32_t i = sort_.where(static_cast<std::uint32_t>(c.first));
+            if (c.second < 0) {
+                restore_wall(c, i);
+                continue;
+            }
+            const std::uint32_t j = sort_.where(static_cast<std::uint32_t>(c.second));
+            if (!restore_pair(c, i, j, 1)) restore_pair(c, j, i, -1);
+        }
+        saved_contacts_.clear();
+        ++lists_;
+    }
+
+    // Distances from where the list was built, and speeds.
+    void measure(Slab<Law>& slab) {
+        const Records<Double4>& from = sort_.reference();
+        for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) {
+            const Double4 d = bodies.position[i] - from[i], v = bodies.velocity[i];
+            const double distance = dot(d, d), speed = dot(v, v);
+            slab.farthest = distance <= slab.farthest ? slab.farthest : distance;  // keeps NaN
+            slab.fastest = speed <= slab.fastest ? slab.fastest : speed;
+        }
+    }
+
+    template <class Archive>
+    void exchange(Archive& archive) {
+        archive(bodies.position), archive(bodies.velocity), archive(bodies.tag), archive(bodies.acceleration);
+        archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
+        archive(dissipated), archive(virial), archive(largest_compression_);
+        std::size_t count = slabs.size();
+        archive(count);
+        slabs.resize(count);
+        for (Slab<Law>& s : slabs) s.exchange(archive);
+    }
+
+private:
+    const Box& box_;
+    CellSort sort_;
+    std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
+    double widest_ = 0.0, mean_width_ = 0.0, smallest_ = math::infinity;  // diameters [m]
+    double packing_fraction_ = 0.0;
+    double skin_ = 0.0;
+    std::uint64_t lists_ = 0;
+    double largest_compression_ = 0.0;          // before the list was built
+    std::vector<Contact<Law>> saved_contacts_;  // during a rebuild
+    std::vector<std::pair<std::uint32_t, ContactAcceleration>> saved_accelerations_;
+
+    void choose_skin(double fastest, double step) {
+        const double d = box_.dimension, dilute = 2.0 * d * packing_fraction_ / mean_width_;
+        // First list: as in a fluid, where touch is more likely by the inverse of the free volume.
+        double pairs_per_skin = dilute / math::pow(1.0 - math::min(packing_fraction_, 0.7), d);
+        if (lists_ > 0) {
+            std::size_t listed = 0;
+            for (const Slab<Law>& s : slabs) listed += s.pairs.size();
+            const double pairs = static_cast<double>(listed) / static_cast<double>(bodies.count());
+            pairs_per_skin = math::max(pairs / skin_, dilute);
+        }
+        const double least = math::max(20.0 * fastest * step, 1e-3 * mean_width_);
+        const double best = best_skin(pairs_per_skin, fastest, step);
+        skin_ = math::min(math::max(best, least), 0.3 * mean_width_);
+    }
+    // Contacts outlive the list, and so do the accelerations of the last step.
+    void save_contacts() {
+        largest_compression_ = largest_compression();
+        for (Slab<Law>& s : slabs) {
+            for (const Contact<Law>& c : s.contacts)
+                if (c.index_first != no_body) saved_contacts_.push_back(c);
+            for (const auto* accelerated : {&s.accelerated, &s.accelerated_next})
+                for (const std::uint32_t i : *accelerated)
+                    saved_accelerations_.push_back({i, bodies.acceleration[i]});
+            dissipated += s.dissipated, virial += s.virial;
+        }
+    }
+
+    // Whole layers of cells go to slabs of about equally many bodies. The number of slabs is even, or one: with
+    // periodic sides the last slab reaches into the first.
+    void divide_into_slabs() {
+        const std::uint32_t layers = grid.layers(), in_layer = grid.cells_in_layer();
+        const std::size_t n = bodies.count(), wanted = std::clamp<std::size_t>(n / 256, 2, most_slabs);
+        const auto most = static_cast<std::uint32_t>(std::min<std::size_t>(layers, wanted));
+        const std::uint32_t count = most < 2 ? 1 : most & ~1u;
+        slabs.resize(count);
+        std::uint32_t layer = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            Slab<Law>& s = slabs[k];
+            s.clear(start_[layer * in_layer], layer * in_layer);
+            const std::uint32_t last = layers - (count - 1 - k);
+            for (++layer; layer < last && (k + 1 == count || start_[layer * in_layer] < n * (k + 1) / count);)
+                ++layer;
+            s.last_cell = layer * in_layer, s.last_body = start_[s.last_cell];
+        }
+    }
+
+    Slab<Law>& slab_of(std::uint32_t body) {
+        return *std::find_if(slabs.begin(), slabs.end(),
+                             [&](const Slab<Law>& s) { return body < s.last_body; });
+    }
+    void restore_wall(const Contact<Law>& c, std::uint32_t body) {
+        Slab<Law>& s = slab_of(body);
+        const WallId wall = WallId::of(c.second);
+        for (std::size_t k = 0; k < s.walls.size(); ++k)
+            if (s.walls[k].body == body && s.walls[k].wall == wall) put(s, s.contact_of_wall[k], c);
+    }
+    // Returns whether the pair is listed as (i, j), where j is the second body of the contact if sense = 1, the first
+    // if −1.
+    bool restore_pair(const Contact<Law>& c, std::uint32_t i, std::uint32_t j, int sense) {
+        Slab<Law>& s = slab_of(i);
+        const auto before = [](const NeighbourPair& p, std::uint32_t body) { return p.first < body; };
+        auto p = std::lower_bound(s.pairs.begin(), s.pairs.end(), i, before);
+        for (; p != s.pairs.end() && p->first == i; ++p) {
+            if (p->second() != j) continue;
+            const auto image = relative_image(*p, bodies.tag);
+            bool same = true;
+            for (std::size_t axis = 0; axis < 3; ++axis) same = same && image[axis] == sense * c.image[axis];
+            if (!same) continue;
+            put(s, s.contact_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], c);
+            s.contacts.back().normal *= static_cast<double>(sense);
+            return true;
+        }
+        return false;
+    }
+    static void put(Slab<Law>& s, std::int32_t& slot, const Contact<Law>& c) {
+        slot = static_cast<std::int32_t>(s.contacts.size());
+        s.contacts.push_back(c);
+    }
+};
+
+}  // namespace hardlimit::boxes::steps

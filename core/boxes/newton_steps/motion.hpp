@@ -1,0 +1,43 @@
+// Moves the bodies of a slab: leapfrog kick and drift.
+#pragma once
+#include "slab.hpp"
+
+namespace hardlimit::boxes::steps {
+
+template <class Law>
+void kick_body(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 change) {
+    bodies.velocity[i] += change;
+    slab.fastest = math::max(slab.fastest, dot(bodies.velocity[i], bodies.velocity[i]));
+}
+
+// Velocities advance by `kick` [s] with the accelerations of a step. Contacts accelerate few bodies, gravity all.
+// `previous`: the slab whose pairs reach into this one.
+template <class Law>
+void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box& box, std::uint64_t step,
+          double kick) {
+    for (const std::uint32_t i : slab.accelerated)
+        kick_body(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
+    for (const std::uint32_t i : previous.accelerated_next)
+        if (slab.holds(i)) kick_body(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
+    const auto add_impulses = [&](const Slab<Law>& from) {
+        for (const Impulse& impulse : from.impulses)
+            if (slab.holds(impulse.body)) kick_body(slab, bodies, impulse.body, impulse.velocity_change);
+    };
+    add_impulses(slab);
+    if (&previous != &slab) add_impulses(previous);
+    const Double4 fall = gravity_of(box) * kick;
+    if (dot(fall, fall) > 0.0)
+        for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies.velocity[i] += fall;
+}
+
+// Plain numbers rather than vectors of four, which a compiler for vectors of two passes through memory.
+template <class Law>
+void drift(const Slab<Law>& slab, Bodies& bodies, double h) {
+    const double by[4] = {h, h, h, 0.0};
+    double* position = as_doubles(bodies.position);
+    const double* velocity = as_doubles(bodies.velocity);
+    for (std::size_t i = slab.first_body; i < slab.last_body; ++i)
+        for (std::size_t k = 0; k < 4; ++k) position[4 * i + k] += velocity[4 * i + k] * by[k];
+}
+
+}  // namespace hardlimit::boxes::steps

@@ -1,0 +1,53 @@
+// A slab of bodies: its neighbour list, its contacts, and what a sweep over its pairs writes.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "../neighbours/neighbour_list.hpp"
+#include "contacts.hpp"
+
+namespace hardlimit::boxes::steps {
+
+inline constexpr std::uint32_t most_slabs = 128;
+
+struct Impulse {
+    std::uint32_t body;
+    Double4 velocity_change;  // [m/s]
+};
+
+template <class Law>
+struct alignas(64) Slab {
+    std::uint32_t first_body, last_body, first_cell, last_cell;
+    std::vector<NeighbourPair> pairs;
+    std::vector<WallNeighbour> walls;
+    std::vector<std::int32_t> contact_of_pair, contact_of_wall;  // index in contacts, −1: none
+    std::vector<Contact<Law>> contacts;
+    std::vector<std::int32_t> vacant, vacated;  // slots of contacts that are free, and free after this step
+    std::vector<std::uint32_t> accelerated,
+        accelerated_next;           // bodies in contact, of this slab and of the next one
+    std::vector<Impulse> impulses;  // on bodies of both
+    std::vector<ContactEvent> events;
+    double dissipated = 0.0, virial = 0.0;  // since the list was built [J], [J s]
+    double farthest = 0.0, fastest = 0.0;   // squares [m²], [m²/s²]
+    double largest_compression = 0.0;       // over the smaller radius, since the list was built
+    std::int32_t deepest[2] = {-1, -1};     // that contact: first and second as in ContactBegin
+
+    bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
+    void clear_step() { accelerated.clear(), accelerated_next.clear(), impulses.clear(); }
+    void clear(std::uint32_t of_bodies, std::uint32_t of_cells) {
+        first_body = of_bodies, first_cell = of_cells;
+        contacts.clear(), vacant.clear(), vacated.clear(), events.clear();
+        clear_step();
+        dissipated = virial = farthest = fastest = largest_compression = 0.0;
+    }
+    template <class Archive>
+    void exchange(Archive& archive) {
+        archive(first_body), archive(last_body), archive(first_cell), archive(last_cell);
+        archive(pairs), archive(walls), archive(contact_of_pair), archive(contact_of_wall);
+        archive(contacts), archive(vacant), archive(accelerated), archive(accelerated_next);
+        archive(dissipated), archive(virial);
+        archive(largest_compression), archive(deepest);
+    }
+};
+
+}  // namespace hardlimit::boxes::steps

@@ -1,0 +1,148 @@
+// A batch of steps on all slabs, by several threads.
+#pragma once
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <utility>
+
+#include "../../base/threads.hpp"
+#include "decomposition.hpp"
+#include "forces.hpp"
+#include "motion.hpp"
+#include "rebuild_criterion.hpp"
+
+namespace hardlimit::boxes::steps {
+
+// The equal steps of one advance.
+struct StepPlan {
+    double from = 0.0, until = 0.0, h = 0.0;  // [s]
+    std::uint64_t planned = 0, done = 0;      // steps
+
+    double time_at(std::uint64_t step) const {
+        return step == planned ? until : from + static_cast<double>(step) * h;
+    }
+};
+
+template <class Law>
+class Stepper {
+public:
+    using Member = ThreadTeam::Member;
+    static constexpr std::uint32_t most_steps = RebuildCriterion::most_steps;
+
+    // Written between two phases by one thread, and read by all during a phase.
+    Instant now{};      // of the first step of the batch; between phases of the last one
+    double kick = 0.0;  // by which velocities advance in a step [s]
+    StepPlan plan;
+
+    Stepper(const Box& box, const PairLaws<Law>& laws, Decomposition<Law>& domain,
+            const RebuildCriterion& criterion)
+        : box_(box), laws_(laws), domain_(domain), slabs_(domain.slabs), criterion_(criterion) {}
+
+    Instant instant(std::uint32_t ahead) const {
+        Instant then = now;
+        if (ahead > 0) then.step += ahead, then.time = plan.time_at(plan.done + ahead);
+        return then;
+    }
+    void begin(std::uint64_t steps) {
+        last_step_.store(static_cast<std::uint32_t>(steps) - 1, std::memory_order_relaxed);
+    }
+
+    // Slabs of a thread: first, last. Its first slab is even, since pairs of an even and an odd slab are divided.
+    std::pair<std::uint32_t, std::uint32_t> slabs_of(const Member& me) const {
+        const auto count = static_cast<std::uint32_t>(slabs_.size());
+        if (count == 1) return {0, me.index == 0 ? 1 : 0};
+        const auto [first, last] = me.part_of(count / 2);
+        return {2 * first, 2 * last};
+    }
+
+    // Returns the number of steps taken. The sweep of a slab accelerates bodies of this slab and of the next one, which
+    // move afterwards. Every body must receive its forces in the same order with any number of threads: those of an even
+    // slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it and of the
+    // one before. A thread does this in its own slabs alone, and moves bodies soon after their sweep, while they are in
+    // the cache. It waits for the other threads before its last sweep, which reaches into the slabs of the next thread,
+    // and after it, so that the next thread may move its first slab.
+    std::uint32_t take_steps(Member& me) {
+        const auto [first, last] = slabs_of(me);
+        const bool any = first < last;
+        std::uint32_t step = 0;
+        for (; step <= last_step_.load(std::memory_order_relaxed); ++step) {
+            if (any && step > 0) move(first, step - 1);
+            if (any) sweep(first, step);
+            for (std::uint32_t odd = first + 1; odd + 1 < last; odd += 2) {
+                sweep(odd + 1, step), sweep(odd, step);
+                move(odd, step), move(odd + 1, step);
+            }
+            me.sync();
+            if (any && last - 1 > first) sweep(last - 1, step), move(last - 1, step);
+            me.sync();
+        }
+        if (any) move(first, step - 1);
+        return step;
+    }
+
+    // After all forces on the slab: velocities advance by `kick`, then positions by h, unless the advance ends here.
+    void move(std::uint32_t k, std::uint32_t step, bool drifts) {
+        Slab<Law>& slab = slabs_[k];
+        slab.vacant.insert(slab.vacant.end(), slab.vacated.begin(), slab.vacated.end());
+        slab.vacated.clear();
+        const std::size_t before = (k + slabs_.size() - 1) % slabs_.size();
+        steps::kick(slab, slabs_[before], domain_.bodies, box_, now.step + step, kick);
+        const double fastest = math::sqrt(slab.fastest);
+        slab.fastest = 0.0;
+        if (!drifts) return;
+        if (fastest > criterion_.fastest) {
+            std::atomic<double>& most = fastest_[step];
+            double was = most.load(std::memory_order_relaxed);
+            while (was < fastest && !most.compare_exchange_weak(was, fastest, std::memory_order_relaxed))
+                continue;
+            faster_.store(true, std::memory_order_relaxed);
+            if (fastest > criterion_.limit) end_after(step + 1);
+        }
+        drift(slab, domain_.bodies, plan.h);
+    }
+
+    // After a batch: whether a contact was too deep, and add(speed) for each step with its largest speed if that exceeds
+    // criterion.fastest, else 0.
+    bool too_deep() const { return too_deep_.load(std::memory_order_relaxed); }
+    template <class Add>
+    void take_speeds(std::uint32_t steps, const Add& add) {
+        const bool faster = faster_.load(std::memory_order_relaxed);
+        for (std::uint32_t k = 0; k < steps; ++k)
+            add(faster ? fastest_[k].load(std::memory_order_relaxed) : 0.0);
+        if (!faster) return;
+        for (auto& fastest : fastest_) fastest.store(0.0, std::memory_order_relaxed);
+        faster_.store(false, std::memory_order_relaxed);
+    }
+
+private:
+    const Box& box_;
+    const PairLaws<Law>& laws_;
+    Decomposition<Law>& domain_;
+    std::vector<Slab<Law>>& slabs_;
+    const RebuildCriterion& criterion_;
+
+    // What threads report during a batch. It lies apart from what they only read.
+    alignas(128) std::atomic<std::uint32_t> last_step_{0};  // of the batch
+    std::atomic<bool> too_deep_{false};                     // a contact
+    std::atomic<bool> faster_{false};                       // a body, than criterion.fastest
+    std::array<std::atomic<double>, most_steps>
+        fastest_{};  // in each step, if beyond criterion.fastest [m/s]
+
+    void move(std::uint32_t k, std::uint32_t step) { move(k, step, !now.closing); }
+    void sweep(std::uint32_t k, std::uint32_t step) {
+        Slab<Law>& slab = slabs_[k];
+        Forces<Law>(box_, domain_.grid, domain_.bodies, laws_, instant(step)).sweep(slab);
+        if (slab.largest_compression >= deepest_compression) {
+            too_deep_.store(true, std::memory_order_relaxed);
+            end_after(step + 1);
+        }
+    }
+    // Ends the batch early. Threads may be in the step after the one that asks for it, so that is the last one.
+    void end_after(std::uint32_t step) {
+        std::uint32_t last = last_step_.load(std::memory_order_relaxed);
+        while (last > step && !last_step_.compare_exchange_weak(last, step, std::memory_order_relaxed))
+            continue;
+    }
+};
+
+}  // namespace hardlimit::boxes::steps
