@@ -7,7 +7,7 @@
 
 #include "boxes/common/engine.hpp"
 #include "boxes/hard_spheres/rules/rule.hpp"
-#include "boxes/kernels/touch_kernel.hpp"
+#include "boxes/kernels/interface.hpp"
 
 extern const hardlimit_abi::TouchKernels hardlimit_touch_base, hardlimit_touch_avx2, hardlimit_touch_avx512;
 

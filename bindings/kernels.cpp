@@ -1,7 +1,7 @@
 // The kernels of core/sweep/ and core/boxes/ for one instruction set: compiled once for each, with `hardlimit`
 // renamed and HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
 // CMakeLists.txt). The number of lanes changes the speed, never the result.
-#include "boxes/kernels/touch_kernel.hpp"
+#include "boxes/kernels/kernel_table.hpp"
 #include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
 #include "sweep/viscoelastic_kernel.hpp"

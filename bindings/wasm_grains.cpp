@@ -1,5 +1,5 @@
-// Boxes of hard spheres behind a C interface of plain numbers, for WebAssembly: conversion, nothing else. The page loads
-// this module when it shows a box. The same file compiled natively (web/golden_grains.cpp) gives the values with which
+// Boxes of hard spheres behind a C interface of plain numbers, for WebAssembly: conversion, nothing else. The page
+// loads this module when it shows a box. The same file compiled natively (web/golden_grains.cpp) gives the values with which
 // the WebAssembly build is compared, bit for bit.
 //
 // The caller writes a setting to box_setting(): numbers as in `Field`, then positions (n·d), velocities (n·d), radii
@@ -7,6 +7,7 @@
 #include "boxes/common/system_check.hpp"
 #include "boxes/hard_spheres/growth.hpp"
 #include "boxes/hard_spheres/make_engine.hpp"
+#include "boxes/kernels/kernel_table.hpp"
 
 #include <algorithm>
 #include <memory>

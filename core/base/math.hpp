@@ -40,6 +40,13 @@ HL_FN Mask<R> is_nan(R x) {
 }
 HL_FN bool is_finite(double x) { return x - x == 0.0; }
 
+template <int n>
+HL_FN double power(double x) {
+    double product = 1.0;
+    for (int i = 0; i < n; ++i) product *= x;
+    return product;
+}
+
 // Nearest integer for |x| < 2^51: adding 1.5·2^52 pushes the fraction out of the significand.
 template <class R>
 HL_FN R round_small(R x) {

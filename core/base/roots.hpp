@@ -1,4 +1,5 @@
-// Polynomials: value, slope, and the first zero by steps that provably cannot pass it; the first zeros of a parabola.
+// Polynomials: value, slope, and the first zero by steps that provably cannot pass it; the first zeros of a
+// parabola; zeros of other functions.
 #pragma once
 #include "math.hpp"
 
@@ -133,6 +134,18 @@ double falling_zero(const F& f, double low, double above, double high, double be
         }
     }
     return t;
+}
+
+// s > 0 with f(s) = target for an f that is nearly a power of s: secant steps in the logarithms.
+template <class F>
+double solve_power(const F& f, double target) {
+    double s = 1.0;
+    for (int i = 0; i < 4; ++i) {
+        const double value = f(s);
+        const double exponent = math::log(f(2.0 * s) / value) / math::log(2.0);
+        s *= math::exp(math::log(target / value) / exponent);
+    }
+    return s;
 }
 
 }  // namespace hardlimit::roots

@@ -104,8 +104,8 @@ void lie_still(const Column<Law>& c, Model model, Heights& found) {
         const double own = c.mass[j] * c.gravity;
         above = model == Model::adiabatic ? own : above + own;
         const Law& law = c.contacts[j];
-        depth[j] = newton::power<Law::onset_power>(
-            newton::solve_power([&](double x) { return law.elastic_force(x); }, above));
+        depth[j] = math::power<Law::onset_power>(
+            roots::solve_power([&](double x) { return law.elastic_force(x); }, above));
     }
     double z = 0.0;
     for (std::size_t j = 0; j < depth.size(); ++j) {

@@ -88,4 +88,8 @@ struct LawRecord {
     ContactConstant constants[max_parameters];
 };
 
+// A law with a force linear in compression and rate, which says so by `linear`.
+template <class Law>
+concept LinearLaw = requires { requires Law::linear; };
+
 }  // namespace hardlimit

@@ -298,7 +298,7 @@ class NewtonEvents:
     @property
     def largest_cluster(self) -> int: ...
 
-    def margin_used(self, instants: int) -> float:
+    def safety_radius_used(self, instants: int) -> float:
         """
         The largest part that a body in contact uses, now, of the space that others leave it: at most 1.
         """

@@ -20,16 +20,16 @@ int main() {
         std::vector<int> name(bodies);
         for (int i = 0; i < bodies; ++i) name[static_cast<std::size_t>(i)] = (i * 7 + run) % bodies;
         const auto named = [&](int i) { return name[static_cast<std::size_t>(i)]; };
-        const auto stands = [&](const Ending& e) {
+        const auto stands = [&](const ContactEnd& e) {
             return end[static_cast<std::size_t>(e.first)] == e.time && e.group == 2 * e.first;
         };
-        Endings queue;
+        ContactEndQueue queue;
         std::set<std::tuple<double, int, int>> sorted;
         double now = 0.0, last = -1.0;
         for (int step = 0; step < 1500; ++step) {
             now += ties ? static_cast<double>(engine() % 3) : uniform(engine);
             for (;;) {
-                const Ending* const next = queue.next(stands, named);
+                const ContactEnd* const next = queue.next(stands, named);
                 const bool any = !sorted.empty() && std::get<0>(*sorted.begin()) <= now;
                 if (!any) {
                     wrong += next && next->time <= now;

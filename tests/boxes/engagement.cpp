@@ -18,7 +18,7 @@ struct WithoutRelaxationTime {
 }  // namespace
 
 int main() {
-    using hardlimit::column::newton::time_to_engage;
+    using hardlimit::time_to_engage;
     constexpr double g = 9.81;
     std::mt19937 engine(1);
     std::uniform_real_distribution<double> share(0.0, 1.0);

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <random>
 
-#include "boxes/kernels/cluster_series.hpp"
 #include "contact/registry.hpp"
 
 namespace {
@@ -44,7 +43,7 @@ double departure() {
 
 template <class Law>
 void look(const char* name) {
-    if constexpr (boxes::LinearLaw<Law>) {
+    if constexpr (LinearLaw<Law>) {
         static_assert(Law::onset_power == 1, "a linear force is a polynomial in the compression");
         std::printf("%s %g\n", name, departure<Law>());
     }

@@ -1,7 +1,6 @@
 // Fuzz target: small boxes of hard spheres and disks, of every kind and under every rule, which nothing else runs under
 // sanitizers: a few hundred collisions, then saved, loaded and gone on with.
 #include <algorithm>
-#include <type_traits>
 #include <vector>
 
 #include "boxes/hard_spheres/make_engine.hpp"
@@ -29,22 +28,8 @@ private:
         if (chosen.takes_restitution) return;
         fuzz::with_some_law(draw, [&]<class Law>() {
             const fuzz::Material<Law> material(draw);
-            const LawRecord& record = Law::record;
-            rule.law.law = place_of<Law>();
-            rule.law.alternative = material.alternative;
-            std::copy_n(material.parameters, record.n_common + record.n_in_alternative[material.alternative],
-                        rule.law.parameters);
+            rule.law = fuzz::law_choice<Law>(material);
         });
-    }
-    template <class Wanted>
-    static int place_of() {
-        int place = 0, found = -1;
-#define HL_PLACE(Law)                                        \
-    if (std::is_same_v<Wanted, contact::Law>) found = place; \
-    ++place;
-        HARDLIMIT_LAWS(HL_PLACE)
-#undef HL_PLACE
-        return found;
     }
 };
 

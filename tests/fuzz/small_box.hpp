@@ -2,16 +2,35 @@
 // touch and do not overlap. Often they have no room at all, move as in a mirror, or so slowly that the squares of
 // their speeds are no numbers.
 #pragma once
+#include <algorithm>
+#include <type_traits>
 #include <vector>
 
+#include "boxes/common/law_choice.hpp"
 #include "boxes/common/system_check.hpp"
-#include "boxes/kernels/touch_kernel.hpp"
+#include "boxes/kernels/kernel_table.hpp"
 #include "check.hpp"
 
 namespace hardlimit::fuzz {
 
 template <int lanes>
 constexpr hardlimit_abi::TouchKernels kernels = boxes::touch_kernels<typename Vector<lanes>::Real>("fuzz");
+
+// The law with these parameters, by its place in the registry.
+template <class Law>
+boxes::LawChoice law_choice(const Material<Law>& material) {
+    boxes::LawChoice choice;
+    int place = 0;
+#define HL_PLACE(Other)                                          \
+    if (std::is_same_v<Law, contact::Other>) choice.law = place; \
+    ++place;
+    HARDLIMIT_LAWS(HL_PLACE)
+#undef HL_PLACE
+    choice.alternative = material.alternative;
+    const int n = Law::record.n_common + Law::record.n_in_alternative[material.alternative];
+    std::copy_n(material.parameters, n, choice.parameters);
+    return choice;
+}
 
 struct SmallBox {
     boxes::System s{};

@@ -21,8 +21,8 @@ void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, doub
     const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
     const double asked = math::min(deepest.bound, deepest_compression);
     if (!(energy > law.energy(onset_root<p>(asked * radius)))) return;
-    const double s = column::newton::solve_power([&](double x) { return law.energy(x); }, energy);
-    const double elastic = column::newton::power<p>(s), share = a.tangential_speed / a.normal_speed;
+    const double s = roots::solve_power([&](double x) { return law.energy(x); }, energy);
+    const double elastic = math::power<p>(s), share = a.tangential_speed / a.normal_speed;
     const double bound = elastic / (1.0 + share * share * (elastic / a.distance)) / radius;
     if (!(bound > asked)) return;
     deepest.bound = math::max(deepest.bound, bound);

@@ -21,8 +21,10 @@
 // in the plane of (ξ, ξ̇) stays inside the loop it has drawn, and the line of zero force, which begins at the
 // origin, does not enter there.
 #pragma once
+#include "../../base/dormand_prince.hpp"
 #include "../../base/outcome.hpp"
-#include "../../column/general/motions.hpp"
+#include "../../base/roots.hpp"
+#include "../../contact/law.hpp"
 
 namespace hardlimit::boxes {
 
@@ -87,7 +89,7 @@ struct PlanarMotion {
     PlanarMotion(const Law& of, const Approach& a) : law(&of), approach(a) {
         const double energy = 0.5 * a.effective_mass * a.normal_speed * a.normal_speed;
         const auto stored = [&](double s) { return of.energy(s); };
-        const double elastic = power(column::newton::solve_power(stored, energy));
+        const double elastic = power(roots::solve_power(stored, energy));
         const double share = a.tangential_speed / a.normal_speed;
         length = elastic / (1.0 + share * share * (elastic / a.distance));
         speed = a.normal_speed;
@@ -101,11 +103,11 @@ struct PlanarMotion {
     }
 
     static constexpr double faint_pull = 1e-30;  // in units of V²/L: no weight presses deeper than the impact
-    static double power(double s) { return column::newton::power<p>(s); }
+    static double power(double s) { return math::power<p>(s); }
 
     void operator()(const double* y, double* dy) const {
         const double s = root * y[root_depth], closing = speed * y[rate];
-        const double x = power(y[root_depth]), clock = column::newton::power<p - 1>(y[root_depth]);
+        const double x = power(y[root_depth]), clock = math::power<p - 1>(y[root_depth]);
         const double force = force_unit * law->force(s, closing);
         const double damping = force - force_unit * law->force(s, 0.0);  // exactly zero where none is
         const double inverse = 1.0 / (1.0 - ratio * x), inverse2 = inverse * inverse;
@@ -170,7 +172,7 @@ private:
     void rescale_under_gravity(const Law& of) {
         const double weight = approach.effective_mass * approach.gravity;
         const auto mean_force = [&](double s) { return of.energy(s) / power(s); };
-        length += power(column::newton::solve_power(mean_force, weight));
+        length += power(roots::solve_power(mean_force, weight));
         speed = math::max(speed, math::sqrt(approach.gravity * length));
     }
 };
@@ -318,7 +320,7 @@ private:
 
     // Where a body creeps to rest, the rounding of the forces that balance is no error of the step.
     double rounding_of_rate() const {
-        const double clock = column::newton::power<M::p - 1>(begin_[M::root_depth]);
+        const double clock = math::power<M::p - 1>(begin_[M::root_depth]);
         return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
     }
 
@@ -387,7 +389,7 @@ private:
     // Gravity holds the contact closed: it is compressed anew, or what is left of its motion dies away.
     bool rests() const {
         if (begin_[M::rate] < 0.0 && end_[M::rate] >= 0.0) return true;
-        const double clock = column::newton::power<M::p - 1>(end_[M::root_depth]);
+        const double clock = math::power<M::p - 1>(end_[M::root_depth]);
         return math::abs(end_[M::rate]) <= resting_part &&
                math::abs(slope_[M::rate]) <= resting_part * motion_.gravity * clock;
     }

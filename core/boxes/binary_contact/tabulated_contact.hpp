@@ -199,7 +199,7 @@ private:
     double elastic_depth(double speed2) const {
         const auto stored = [&](double s) { return law_.energy(s); };
         const double energy = 0.5 * own_.energy * speed2;
-        return column::newton::power<p>(column::newton::solve_power(stored, energy)) / distance_;
+        return math::power<p>(roots::solve_power(stored, energy)) / distance_;
     }
     // The first terms of the exponential function, two at a time: a short chain of dependent operations.
     static double near_exp(double g) {
@@ -325,7 +325,7 @@ private:
         const double depth = depth_at(level, at.speed), normal = normal_speed(level, at);
         const double bent = level.bends[row_of(at)];
         const double y = (at.slant.cell + 0.5 * (at.slant.x + 1.0)) / slants;
-        const double t = column::newton::power<p>(y), swing = bent * (1.0 - t) / t;  // λ v_t²/v_n²
+        const double t = math::power<p>(y), swing = bent * (1.0 - t) / t;  // λ v_t²/v_n²
         const Approach a{mass_, distance_, normal, normal * math::sqrt(swing / depth), 0.0};
         return {a, depth / (1.0 + swing), solve(a, at)};
     }

@@ -41,10 +41,10 @@ struct Wall {
     }
 };
 
-// From 0 to L along each axis. A box in two dimensions has one unit cell of zero positions along the third.
+// From 0 to L along each axis.
 struct Box {
     int dimension = 3;
-    double edge[3] = {1.0, 1.0, 1.0};  // L [m]
+    double edge[3] = {};  // L [m]; 0 along an axis that does not exist
     Boundary boundary[3] = {};
     double gravity[3] = {};  // acceleration [m/s²]
 

@@ -1,7 +1,6 @@
 // What an engine of Newton's equations is made of beside the state: box, particles, law. Checkpoints hold it too.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "engine.hpp"
@@ -41,10 +40,9 @@ struct NewtonSetting {
     }
 
     // The components of particle i, with 0 where there is no third axis.
-    std::array<double, 3> in_three(const double* values, std::size_t i) const {
-        std::array<double, 3> three{};
-        std::copy_n(values + axes() * i, axes(), three.begin());
-        return three;
+    void in_three(const double* values, std::size_t i, double (&three)[3]) const {
+        three[2] = 0.0;
+        std::copy_n(values + axes() * i, axes(), three);
     }
 };
 

@@ -8,7 +8,7 @@
 namespace hardlimit::boxes {
 
 using u32 = std::uint32_t;
-inline constexpr u32 nobody = 0xffffffffu;
+inline constexpr u32 no_particle = 0xffffffffu;
 
 // One cache line. A particle keeps the state of its last collision: nothing is advanced before the next one.
 template <int d>
@@ -30,7 +30,7 @@ HL_FN double one_more_collision(double count) {
 }
 
 // An event that a particle has by itself.
-enum class Own : u32 {
+enum class SelfEvent : u32 {
     low_x,
     high_x,
     low_y,
@@ -40,17 +40,19 @@ enum class Own : u32 {
     rescan,  // looks for smaller particles again
     ends,    // its group of bodies in contact ends
 };
-constexpr Own own_event(int axis, bool high) { return static_cast<Own>(2 * axis + (high ? 1 : 0)); }
-constexpr int axis_of(Own own) { return static_cast<int>(own) / 2; }
-constexpr bool is_high(Own own) { return (static_cast<u32>(own) & 1u) != 0; }
-constexpr WallId wall_at(Own own) { return WallId::at(axis_of(own), is_high(own)); }
+constexpr SelfEvent self_event(int axis, bool high) {
+    return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0));
+}
+constexpr int axis_of(SelfEvent own) { return static_cast<int>(own) / 2; }
+constexpr bool is_high(SelfEvent own) { return (static_cast<u32>(own) & 1u) != 0; }
+constexpr WallId wall_at(SelfEvent own) { return WallId::at(axis_of(own), is_high(own)); }
 
 // The earliest collision found and the earliest event of the particle's own. The collision is stale if the partner has
 // collided since, which its number of collisions tells: then pair_time is a lower bound of the next collision.
 struct Pending {
     double pair_time = math::infinity;  // [s]
     double own_time = math::infinity;   // [s]
-    u32 partner = nobody;
+    u32 partner = no_particle;
     u32 partner_count = 0;  // collisions of the partner at the time of the prediction
     u32 count = 0;          // collisions of the particle, unless they are counted in its `radius`
     u32 cell : 29 = 0;      // that the particle is in

@@ -15,7 +15,7 @@
 
 #include "../common/archive.hpp"
 #include "../common/engine.hpp"
-#include "../kernels/touch_kernel.hpp"
+#include "../kernels/interface.hpp"
 #include "../neighbours/cells.hpp"
 #include "../queue/calendar_queue.hpp"
 #include "../queue/prediction.hpp"
@@ -71,14 +71,14 @@ private:
     // The search for the next collision of a particle, and what it has found so far.
     struct NextCollision {
         u32 id;
-        u32 except = nobody;         // the particle it has just collided with, ignored where they touch
+        u32 except = no_particle;    // the particle it has just collided with, ignored where they touch
         double in = math::infinity;  // [s] from now
-        u32 partner = nobody;
+        u32 partner = no_particle;
     };
     // The last contact of a particle under a rule whose contacts take time.
     struct LastContact {
         double until;      // [s]
-        u32 partner;       // nobody: a wall, or none yet
+        u32 partner;       // no_particle: a wall, or none yet
         WallId wall = {};  // the wall met, if any
     };
 
@@ -96,7 +96,7 @@ private:
     Records<u32> original_index_;  // the user's number of each particle
     Records<double> masses_;       // if mixed [kg]
     Cells<d> cells_;
-    Calendar calendar_;
+    CalendarQueue calendar_;
     Accumulators<d> accumulators_;
     CollapseDetector collapse_;
     std::vector<ContactRecord> log_;
@@ -158,15 +158,15 @@ private:
                               });
     }
     auto ahead() const {
-        return LookAhead{calendar_,
-                         cells_,
-                         pending_.data(),
-                         particles_.data(),
-                         [this](u32 id) { return level(id); },
-                         [](u32) {},
-                         [this](u32 id) {
-                             if (mixed) prefetch(&pending_[id]);
-                         }};
+        return Prefetcher{calendar_,
+                          cells_,
+                          pending_.data(),
+                          particles_.data(),
+                          [this](u32 id) { return level(id); },
+                          [](u32) {},
+                          [this](u32 id) {
+                              if (mixed) prefetch(&pending_[id]);
+                          }};
     }
 
     // start.hpp

@@ -14,8 +14,8 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
             predict(i, excluded_partner(i));
         return;
     }
-    const Own own = static_cast<Own>(e.own);
-    if (own == Own::rescan) return predict(i, excluded_partner(i));
+    const SelfEvent own = static_cast<SelfEvent>(e.own);
+    if (own == SelfEvent::rescan) return predict(i, excluded_partner(i));
     const int axis = axis_of(own), level_i = level(i);
     const Place<d> at = cells_.place(level_i, e.cell);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level_i)];
@@ -32,7 +32,7 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     Pending& e = pending_[i];
     Particle<d>& p = particles_[i];
-    const Own own = static_cast<Own>(e.own);
+    const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1, fine = level(i);
     const Grid<d>& g = cells_.grids()[fine];
     cells_.remove(e.cell, i);
@@ -67,7 +67,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
     Particle<d>& p = particles_[i];
-    const Own own = static_cast<Own>(pending_[i].own);
+    const SelfEvent own = static_cast<SelfEvent>(pending_[i].own);
     const int axis = axis_of(own);
     const Wall wall = box_.wall(axis, is_high(own));
     const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
@@ -102,7 +102,7 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
     }
     count_collision(i);
     after_collision(i);
-    predict(i, nobody);
+    predict(i, no_particle);
 }
 
 // From i to the image of j that i touches.

@@ -109,8 +109,8 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::store(const NextCollision& next) {
     Pending& e = pending_[next.id];
     const double time = now_ + next.in;
-    if (next.partner == nobody || time > e.pair_time) return;
-    if (time == e.pair_time && e.partner != nobody &&
+    if (next.partner == no_particle || time > e.pair_time) return;
+    if (time == e.pair_time && e.partner != no_particle &&
         original_index_[e.partner] < original_index_[next.partner])
         return;
     e.pair_time = time;
@@ -135,7 +135,7 @@ void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
         predict_in_block(next, level, from, to);
     });
     e.pair_time = math::infinity;
-    e.partner = nobody;
+    e.partner = no_particle;
     if constexpr (mixed)
         if (own > 0) predict_finer(next, own);
     store(next);
@@ -194,10 +194,10 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(own)];
     double in = math::infinity;
-    Own which = Own::low_x;
+    SelfEvent which = SelfEvent::low_x;
     // Without branches, which the processor could not predict.
     const auto consider = [&](double time, int axis, bool high) {
-        which = time < in ? own_event(axis, high) : which;
+        which = time < in ? self_event(axis, high) : which;
         in = math::min(in, time);
     };
     HL_UNROLL
@@ -236,7 +236,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     if constexpr (mixed)
         if (own > 0 && rescans_[i] < e.own_time) {
             e.own_time = rescans_[i];
-            e.own = static_cast<u32>(Own::rescan) & 7u;
+            e.own = static_cast<u32>(SelfEvent::rescan) & 7u;
         }
 }
 

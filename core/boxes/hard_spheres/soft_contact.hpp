@@ -89,7 +89,7 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
     accumulators_.kinetic -= lost;
     accumulators_.momentum[axis] += m * change[axis];
     displace(i, 1.0, change, shift);
-    remember_contact(i, nobody, found.duration, wall.id);
+    remember_contact(i, no_particle, found.duration, wall.id);
     record(i, wall.id.number, speed, lost - m * pressing * end.normal_shift, math::infinity);
 }
 
@@ -99,11 +99,11 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::remember_contact(u32 i, u32 j, double duration, WallId wall) {
     bool third = now_ < last_contacts_[i].until;
-    if (j != nobody) third = third || now_ < last_contacts_[j].until;
+    if (j != no_particle) third = third || now_ < last_contacts_[j].until;
     ++soft_contacts_;
     if (third) ++soft_third_body_;
     last_contacts_[i] = {now_ + duration, j, wall};
-    if (j != nobody) last_contacts_[j] = {now_ + duration, i, {}};
+    if (j != no_particle) last_contacts_[j] = {now_ + duration, i, {}};
 }
 
 // When a particle may meet this wall at the earliest: not before its contact with it is over, though the parabola of
@@ -115,12 +115,12 @@ double HardSpheres<d, motion, mixed>::wall_blocked_until(u32 i, WallId wall) con
     return met ? math::max(now_, last_contacts_[i].until) : now_;
 }
 
-// The particle that this one must not meet, or nobody.
+// The particle that this one must not meet, or no_particle.
 template <int d, Motion motion, bool mixed>
 u32 HardSpheres<d, motion, mixed>::excluded_partner(u32 i) const {
-    if (last_contacts_.empty()) return nobody;
+    if (last_contacts_.empty()) return no_particle;
     const u32 j = last_contacts_[i].partner;
-    return j != nobody && last_contacts_[j].partner == i ? j : nobody;
+    return j != no_particle && last_contacts_[j].partner == i ? j : no_particle;
 }
 
 }  // namespace hardlimit::boxes

@@ -17,7 +17,7 @@ HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& ru
     sort_in(s);
     fill_cells();
     next_sort_ = collisions_between_sorts * s.n;
-    if (takes_time_) last_contacts_.assign(s.n, {-math::infinity, nobody});
+    if (takes_time_) last_contacts_.assign(s.n, {-math::infinity, no_particle});
     refresh_accumulators();
     predict_all(stop);
     rebuild_queue();
@@ -114,7 +114,7 @@ void HardSpheres<d, motion, mixed>::fill_cells() {
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
-    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, nobody);
+    for (u32 i = 0; i < size32() && !stop(); ++i) predict_unscheduled(i, no_particle);
 }
 
 template <int d, Motion motion, bool mixed>
@@ -160,7 +160,7 @@ void HardSpheres<d, motion, mixed>::sort_along_cells() {
     std::vector<u32> now_at(n);
     for (u32 i = 0; i < n; ++i) now_at[from[i]] = i;
     const auto follow = [&](u32& partner) {
-        if (partner != nobody) partner = now_at[partner];
+        if (partner != no_particle) partner = now_at[partner];
     };
     for (Pending& e : pending_) follow(e.partner);
     for (LastContact& c : last_contacts_) follow(c.partner);

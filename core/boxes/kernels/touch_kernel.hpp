@@ -19,75 +19,12 @@
 #include <cstring>
 
 #include "../common/particle.hpp"
-#include "cluster_series.hpp"
-#include "polynomial_cell.hpp"
-
-namespace hardlimit_abi {
-
-// The particle that looks, now, and where.
-struct TouchQuery {
-    double now;             // [s]
-    double position[3];     // [m]
-    double velocity[3];     // [m/s]
-    double radius, others;  // touches at this distance and `others` radii of the other [m]
-    double space, span;     // where `reach` is asked for: not less than `radius`, for so long [m, s]
-    double shift[3];        // of all neighbours [m]
-    double edge[3];         // L [m]
-    double per_edge[3];     // 1/L where the nearest image is meant, else 0
-    double half_gravity[3], gravity[3];  // g/2 and g [m/s²]
-    double share, rate;  // of the radii now, and its growth [1/s]: 1 and 0 but for growing radii
-};
-
-// A block of cells: rows along the first axis, which are whole, or in two parts where the block reaches across a border
-// of the box. A cell is of four words: up to three ids, the others nobody's, then their number, or where there are more
-// four more than the index in `spilled` of the cell that holds the rest. Sixteen words can be read from any cell.
-struct CellBlock {
-    const void *cells, *spilled;
-    const unsigned* row;           // the first cell of each row
-    unsigned rows, parts;          // how many
-    unsigned begin[2], length[2];  // of the parts, in a row
-    unsigned own_rows[9];          // room for `row`
-};
-
-// What of a number of particles is touched first. `several`: more than one is touched at this time.
-struct Touched {
-    double time;  // from now [s]; infinity: nothing is
-    double next;  // until another one is, where `reach` is asked for and there are not several
-    unsigned id;
-    unsigned several;
-    std::size_t n;  // particles examined
-};
-
-// Examines n particles with these ids, or all in a block, whose ids are then written. The times at which each is
-// touched, from now, infinity where it is not, are written too. The lists of ids and of times have room for sixteen
-// more.
-// `particles` is an array of cache lines.
-using TouchListed = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
-                                double* times, std::size_t n);
-using TouchNear = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
-                              double* times, const CellBlock& block);
-
-struct TouchKernels {
-    const char* name;
-    // By dimension − 2 and motion. near: of places as they are; across: of nearest images.
-    struct Of {
-        TouchListed listed;
-        TouchNear near, across;
-    } of[2][3];
-    Of reach[2];  // in three dimensions, by motion: straight or falling
-    SeriesKernels series;
-    void (*read_cell)(const void* cell, const double* x, double* values);  // of contacts that are tabled
-};
-
-}  // namespace hardlimit_abi
+#include "interface.hpp"
 
 namespace hardlimit::boxes {
 
 // Which image of a particle is meant.
 enum class Image { as_it_is, nearest, shifted };
-
-// Part of the square of the distance up to which overlap is rounding.
-inline constexpr double rounding_of_touch = 4e-9;
 
 // `lone`: the only group. Where it often holds nobody who is touched, it pays to ask; of several groups no processor
 // can foresee which do, and a wrong guess costs more than the root and the quotient.
@@ -172,7 +109,7 @@ HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second
                                            const double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double time = least_lane<Real>(least);
-    hardlimit_abi::Touched touched{time, time, boxes::nobody, 0, n};
+    hardlimit_abi::Touched touched{time, time, boxes::no_particle, 0, n};
     if (!(time < math::infinity)) return touched;
     if constexpr (reach) touched.next = least_lane<Real>(select<Real>(least == time, second, least));
     for (std::size_t begin = 0; begin < n; begin += 64) {
@@ -181,7 +118,7 @@ HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second
         for (std::size_t k = begin; k < end; k += lanes)
             same |= static_cast<u64>(lane_bits(load_lanes<Real>(times + k) == time)) << (k - begin);
         if (same == 0) continue;
-        touched.several |= touched.id != boxes::nobody || (same & (same - 1)) != 0;
+        touched.several |= touched.id != boxes::no_particle || (same & (same - 1)) != 0;
         touched.id = ids[begin + static_cast<std::size_t>(first_bit(same))];
     }
     return touched;
@@ -251,7 +188,7 @@ std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) 
             HL_ROLL
             for (unsigned r = 0; r < block.rows; ++r) {
                 const Sixteen all(column + words_of_cell * std::size_t{block.row[r]});
-                const unsigned chosen = all.unlike(nobody) & held;
+                const unsigned chosen = all.unlike(no_particle) & held;
                 any = any | all;
                 all.store(to, chosen);
                 to += bit_count(chosen);
@@ -268,27 +205,6 @@ hardlimit_abi::Touched touch_near(const hardlimit_abi::TouchQuery& q, const void
                                   unsigned* ids, double* times, const hardlimit_abi::CellBlock& block) {
     return touch_listed<Real, d, motion, image, reach>(q, particles, self, ids, times,
                                                        collect_block(block, ids));
-}
-
-template <class Real, int d, Motion motion, bool reach = false>
-constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
-    return {&touch_listed<Real, d, motion, Image::shifted, reach>,
-            &touch_near<Real, d, motion, Image::as_it_is, reach>,
-            &touch_near<Real, d, motion, Image::nearest, reach>};
-}
-
-// `newton`: with what boxes of hard spheres do not need.
-template <class Real, bool newton = true>
-constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
-    return {name,
-            {{touch_kernels_of<Real, 2, Motion::straight>(), touch_kernels_of<Real, 2, Motion::falling>(),
-              touch_kernels_of<Real, 2, Motion::growing>()},
-             {touch_kernels_of<Real, 3, Motion::straight>(), touch_kernels_of<Real, 3, Motion::falling>(),
-              touch_kernels_of<Real, 3, Motion::growing>()}},
-            {touch_kernels_of<Real, 3, Motion::straight, true>(),
-             touch_kernels_of<Real, 3, Motion::falling, true>()},
-            newton ? series::kernels() : hardlimit_abi::SeriesKernels{},
-            newton ? &read_wide_cell : nullptr};
 }
 
 }  // namespace hardlimit::boxes

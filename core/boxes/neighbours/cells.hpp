@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <vector>
 
-#include "../common/box.hpp"
+#include "../common/particle.hpp"
 #include "../common/storage.hpp"
-#include "../kernels/touch_kernel.hpp"
+#include "../kernels/interface.hpp"
 
 namespace hardlimit::boxes {
 
-// Up to three ids, the others nobody's, then their number; or, where there are more, four more than the index of the
+// Up to three ids, the unused ones no_particle, then their number; or, where there are more, four plus the index of the
 // cell that holds the rest.
 struct Cell {
     u32 id[3];
@@ -101,7 +101,7 @@ public:
         const u32 more = new_cell();
         if (at >= 0) c = &spilled_[static_cast<std::size_t>(at)];
         c->tail = linked + more;
-        spilled_[more] = {{id, nobody, nobody}, 1};
+        spilled_[more] = {{id, no_particle, no_particle}, 1};
         longest_chain_ = std::max(longest_chain_, links);
     }
     void remove(u32 cell, u32 id) {
@@ -117,14 +117,14 @@ public:
             c = &spilled_[c->tail - linked];
         }
         *found = c->id[--c->tail];
-        c->id[c->tail] = nobody;
+        c->id[c->tail] = no_particle;
         if (c->tail == 0 && before) {
             free_.push_back(before->tail - linked);
             before->tail = inline_ids;
         }
     }
     void clear() {
-        std::fill(cells_.begin(), cells_.end(), Cell{{nobody, nobody, nobody}, 0});
+        std::fill(cells_.begin(), cells_.end(), Cell{{no_particle, no_particle, no_particle}, 0});
         spilled_.clear();
         free_.clear();
     }
@@ -251,19 +251,19 @@ private:
         const u32* const along_y = steps_.data() + g.steps[1] + steps_beyond;
         const auto add_rows = [&](u32 plane) {
             for (int y = from[1]; y <= to[1]; ++y)
-                if (along_y[y] != nobody) block.own_rows[block.rows++] = plane + along_y[y];
+                if (along_y[y] != no_particle) block.own_rows[block.rows++] = plane + along_y[y];
         };
         if constexpr (d == 2) {
             add_rows(0);
         } else {
             const u32* const along_z = steps_.data() + g.steps[2] + steps_beyond;
             for (int z = from[2]; z <= to[2]; ++z)
-                if (along_z[z] != nobody) add_rows(along_z[z]);
+                if (along_z[z] != no_particle) add_rows(along_z[z]);
         }
         cut(block, from[0], to[0], g.cells[0], box.wraps(0));
     }
-    // Where the cells along an axis lie, counted from the first: what is beyond a border is found on the other side,
-    // or nobody's at a wall.
+    // Offsets of the cells along an axis from the first: beyond a periodic border those of the other side, beyond a
+    // wall no_particle.
     void lay_steps(Grid<d>& g, const Box& box) {
         u32 stride = 1;
         for (int k = 0; k < d; ++k) {
@@ -272,7 +272,7 @@ private:
             for (int at = -steps_beyond; at < n + steps_beyond; ++at) {
                 const bool inside = at >= 0 && at < n;
                 const int wrapped = ((at % n) + n) % n;
-                steps_.push_back(inside || box.wraps(k) ? static_cast<u32>(wrapped) * stride : nobody);
+                steps_.push_back(inside || box.wraps(k) ? static_cast<u32>(wrapped) * stride : no_particle);
             }
             stride *= static_cast<u32>(n);
         }

@@ -7,7 +7,7 @@ namespace hardlimit::boxes {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
-    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_place), archive(c.base),
+    archive(c.members), archive(c.pairs), archive(c.gravity), archive(c.largest_coordinate), archive(c.base),
         archive(c.time);
     archive(c.dissipated), archive(c.virial), archive(c.begun), archive(c.begun_pairs), archive(c.ended),
         archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
@@ -17,10 +17,11 @@ void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
-    archive(paths_), archive(pending_), archive(spare_), archive(log_);
+    archive(particles_), archive(pending_), archive(spare_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
-    archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
+    archive(largest_cluster_), archive(integration_), archive(begun_before_), archive(paused_),
+        archive(outcome_);
     archive(ended_by_), archive(ended_at_wall_), archive(largest_compression_);
 }
 
@@ -37,38 +38,41 @@ template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
     archive(g.alive), archive(g.isolated), archive(g.until), archive(g.origin);
     exchange(archive, g.body);
-    exchange(archive, g.offset);
+    exchange(archive, g.image_offset);
     if (!g.alive) return;
-    if (g.isolated) return archive(g.lone);
-    if (!g.cluster) g.cluster = std::make_unique<Ends>();
+    if (g.isolated) return archive(g.isolated_contact);
+    if (!g.cluster) g.cluster = std::make_unique<ClusterStates>();
     for (Cluster<Law>* c : {&g.cluster->before, &g.cluster->after}) exchange(archive, *c);
 }
 
 template <class Law>
-void NewtonEvents<Law>::save(Writer& writer) const {
+std::vector<char> NewtonEvents<Law>::save() const {
     NewtonEvents& self =
         const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
-    writer(widest_margin_);
+    Writer writer("newton_events");
+    self.setting_.exchange(writer);
+    writer(largest_safety_radius_);
     self.exchange(writer);
     writer(groups_.size());
     for (Group& g : self.groups_) exchange(writer, g);
+    return writer.finish();
 }
 
 template <class Law>
-NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
-                                const hardlimit_abi::TouchKernels& kernels, Reader& reader)
-    : box_(box),
-      laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, count, kernels)),
-      keep_log_(log),
-      gravity_(std::to_array(box.gravity)) {
-    note_radii(count);
-    reader(widest_margin_);
+NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, Reader& reader,
+                                const hardlimit_abi::TouchKernels& kernels)
+    : setting_(setting),
+      laws_(setting_.laws<Law>()),
+      soft_(soft_contacts(laws_, setting_.count(), kernels)),
+      gravity_(std::to_array(box_.gravity)) {
+    const std::size_t count = setting_.count();
+    find_extreme_radii(count);
+    reader(largest_safety_radius_);
     make_cells(count, kernels);
     exchange(reader);
     if (reader.failed()) return;
     std::vector<u32> names;
-    for (const Held& e : pending_) names.push_back(e.name);
+    for (const BodyEvents& e : pending_) names.push_back(e.original_index);
     laws_.reorder(names);
     std::size_t groups = 0;
     reader(groups);
@@ -78,9 +82,10 @@ NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t 
     }
     if (reader.failed()) return;
     put_into_cells();
-    restart_calendar();
+    restart_calendar_queue();
     for (int i = 0; i < static_cast<int>(count); ++i)
-        if (const Held& e = pending_[i]; e.first && !e.clustered) endings_.push(e.end, i, e.group, by_name());
+        if (const BodyEvents& e = pending_[i]; e.first && !e.clustered)
+            contact_ends_.push(e.end, i, e.group, by_original_index());
 }
 
 }  // namespace hardlimit::boxes

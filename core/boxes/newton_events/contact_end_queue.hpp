@@ -9,13 +9,13 @@
 namespace hardlimit::boxes {
 
 // The end of an undisturbed contact: of a group, by its first member.
-struct Ending {
+struct ContactEnd {
     double time;  // [s]
     int first, group;
 };
 
 // Contacts that last equally long end in the order in which they began: they wait in line. Others wait in a heap.
-class Endings {
+class ContactEndQueue {
 public:
     // Name: what orders simultaneous ones, by their first members. Written number by number where it stays: a copy in
     // one piece would have to wait for the numbers.
@@ -26,15 +26,15 @@ public:
             begin_ = 0;
         }
         const bool in_line = begin_ == line_.size() || later({time, first, group}, line_.back(), name);
-        std::vector<Ending>& to = in_line ? line_ : heap_;
+        std::vector<ContactEnd>& to = in_line ? line_ : heap_;
         to.emplace_back();
-        Ending& ending = to.back();
+        ContactEnd& ending = to.back();
         ending.time = time, ending.first = first, ending.group = group;
         if (!in_line) std::push_heap(heap_.begin(), heap_.end(), by(name));
     }
     // The first one that still stands, or nullptr. It stays until pop().
     template <class Stands, class Name>
-    const Ending* next(const Stands& stands, const Name& name) {
+    const ContactEnd* next(const Stands& stands, const Name& name) {
         while (begin_ < line_.size() && !stands(line_[begin_])) ++begin_;
         while (!heap_.empty() && !stands(heap_.front())) pop_heap(name);
         const bool line = begin_ < line_.size();
@@ -60,7 +60,7 @@ public:
     }
 
 private:
-    std::vector<Ending> line_, heap_;
+    std::vector<ContactEnd> line_, heap_;
     std::size_t begin_ = 0;  // of those in line
     bool from_heap_ = false;
 
@@ -71,12 +71,12 @@ private:
     }
 
     template <class Name>
-    static bool later(const Ending& a, const Ending& b, const Name& name) {
+    static bool later(const ContactEnd& a, const ContactEnd& b, const Name& name) {
         return a.time != b.time ? a.time > b.time : name(a.first) > name(b.first);
     }
     template <class Name>
     static auto by(const Name& name) {
-        return [&name](const Ending& a, const Ending& b) { return later(a, b, name); };
+        return [&name](const ContactEnd& a, const ContactEnd& b) { return later(a, b, name); };
     }
 };
 

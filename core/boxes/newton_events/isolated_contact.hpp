@@ -1,4 +1,4 @@
-// A contact that nothing disturbs, in closed form from touch to parting.
+// A contact that no third body disturbs, solved at once from touch to separation.
 #pragma once
 #include "engine.hpp"
 
@@ -6,8 +6,8 @@ namespace hardlimit::boxes {
 
 // In the plane of approach. False where there is no such end, or where a member would get too far.
 template <class Law>
-bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
-    Touching<Law>& q = l.pair;
+bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) {
+    ContactPair<Law>& q = l.pair;
     const Member &a = l.before[0], &b = l.before[1];
     Vector3 normal, v, across;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -20,7 +20,7 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
     for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
     const double sideways = math::sqrt(dot(across, across));
     if (!(approach > 0.0)) return false;
-    const double per_sideways = sideways > 0.0 ? 1.0 / sideways : 0.0, distance = q.reach;
+    const double per_sideways = sideways > 0.0 ? 1.0 / sideways : 0.0, distance = q.contact_distance;
     for (double& x : across) x *= per_sideways;
     const Approach touch{q.mass, distance, approach, sideways};
     const PlanarContact end = soft_(q.law, touch);
@@ -35,20 +35,21 @@ bool NewtonEvents<Law>::solve_pair(Isolated& l, Parted& after) {
     const double left = distance - end.compression;
     l.virial = q.mass *
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
-    part_pair(l, after, end, normal, across);
+    separate_pair(l, after, end, normal, across);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
     return l.compression < deepest_compression && end.turn < widest_turn &&
-           l.span * (approach + sideways) <= travel_ && share * l.margin <= widest_margin_;
+           l.span * (approach + sideways) <= largest_displacement_ &&
+           share * l.deviation <= largest_safety_radius_;
 }
 
 // On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
 // that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
 // touch, divided by the cosine of half of that angle.
 template <class Law>
-void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContact& end, const Vector3& normal,
-                                  const Vector3& across) const {
+void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
+                                      const Vector3& normal, const Vector3& across) const {
     const Member &a = l.before[0], &b = l.before[1];
-    const double distance = l.pair.reach, r = distance - end.compression;
+    const double distance = l.pair.contact_distance, r = distance - end.compression;
     const double out = end.radial_speed, swing = end.tangential_speed;
     const double left = end.compression * (distance + r), along = r * out;
     const double square = along * along + (out * out + swing * swing) * left;
@@ -71,14 +72,15 @@ void NewtonEvents<Law>::part_pair(Isolated& l, Parted& after, const PlanarContac
     }
     const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
     const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // or less
-    l.turn = end.turn;
-    l.margin = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
-    for (std::size_t k = 0; k < 3; ++k) l.off[k] = -per_cosine * (off_n * normal[k] + off_t * across[k]);
+    l.rotation = end.turn;
+    l.deviation = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
+    for (std::size_t k = 0; k < 3; ++k)
+        l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * across[k]);
 }
 
 template <class Law>
-bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
-    Touching<Law>& q = l.pair;
+bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) {
+    ContactPair<Law>& q = l.pair;
     const auto axis = static_cast<std::size_t>(q.axis);
     const Member& a = l.before[0];
     const double approach = -q.side * a.velocity[axis], weight = -q.side * box_.gravity[axis];
@@ -96,7 +98,7 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
         to.position[k] += l.span * (a.velocity[k] + 0.5 * box_.gravity[k] * l.span);
         to.velocity[k] += box_.gravity[k] * l.span;
     }
-    to.position[axis] = q.wall + q.side * q.reach;
+    to.position[axis] = q.wall + q.side * q.contact_distance;
     to.velocity[axis] = q.side * (end.radial_speed - weight * opening);
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
@@ -104,22 +106,23 @@ bool NewtonEvents<Law>::solve_wall(Isolated& l, Parted& after) {
     // The force per mass a points one way: what it does to the path is largest at touch, ∫ t a dt.
     const double out = end.radial_speed - weight * opening;
     const double off = 1.0001 * (l.span * (out + 0.5 * weight * l.span));
-    l.turn = 0.0;
-    l.margin = math::abs(off);
-    l.off = {};
-    l.off[axis] = -q.side * off;
+    l.rotation = 0.0;
+    l.deviation = math::abs(off);
+    l.initial_offset = {};
+    l.initial_offset[axis] = -q.side * off;
     return l.compression < deepest_compression &&
-           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= travel_ && l.margin <= widest_margin_;
+           l.span * math::sqrt(dot(a.velocity, a.velocity)) <= largest_displacement_ &&
+           l.deviation <= largest_safety_radius_;
 }
 
 // Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
 // margin, on the parabola on which it flies on: seen from a wall, that is nearest at one of its ends or at its vertex.
 template <class Law>
-bool NewtonEvents<Law>::far_from_walls(const Group& g, const Parted& after) const {
+bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& after) const {
     if (!walled_) return true;
-    const Isolated& l = g.lone;
+    const IsolatedContact& l = g.isolated_contact;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        const double room = radius(g.body[m]) + l.share[m] * l.margin;
+        const double room = radius(g.body[m]) + l.share[m] * l.deviation;
         for (int axis = 0; axis < box_.dimension; ++axis) {
             if (!box_.walled(axis)) continue;
             const auto a = static_cast<std::size_t>(axis);
@@ -130,9 +133,11 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const Parted& after) cons
             const double least = math::min(math::min(begin, end), vertex);
             const double most = math::max(math::max(begin, end), vertex);
             const double needed = room * (1.0 + rounding_of_touch);
-            const bool own = l.pair.second < 0 && l.pair.axis == axis, at_low = own && l.pair.side > 0.0;
-            if (!at_low && !(least > needed)) return false;
-            if (!(own && !at_low) && !(box_.edge[axis] - most > needed)) return false;
+            for (const bool high : {false, true}) {
+                const Wall wall = box_.wall(axis, high);
+                if (l.pair.second < 0 && l.pair.wall_id == wall.id) continue;
+                if (!(wall.distance(high ? most : least, now_) > needed)) return false;
+            }
         }
     }
     return true;

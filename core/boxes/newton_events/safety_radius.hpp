@@ -1,22 +1,117 @@
-// Whether the space that busy bodies claim holds their true paths: for tests.
+// Safety radii of bodies in contact: how far a true path can leave the path that others know.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
+// Makes the members busy. Returns whether the cells are wide enough for their margins.
 template <class Law>
-double NewtonEvents<Law>::margin_used(int instants) const {
+bool NewtonEvents<Law>::set_safety_radii(int index) {
+    const Group& g = group(index);
+    const Cluster<Law>&before = g.cluster->before, &after = g.cluster->after;
+    bool fits = true;
+    for (std::size_t m = 0; m < g.body.size(); ++m) {
+        make_busy(index, m, before.members[m], after.members[m], after.time, 0.0);
+        if (!(after.time > 0.0)) continue;
+        const double margin = deviation_from_path(g, m);
+        set_radius(g.body[m], margin);
+        fits = fits && margin <= largest_safety_radius_;
+    }
+    return fits;
+}
+
+// The most by which a member leaves its parabola. Where it is not known by how much more than at the ends of a step,
+// its distance from there is close to a cubic, which rises above its ends by no more than a quarter of the step times
+// the larger slope.
+template <class Law>
+double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) const {
+    const std::size_t n = g.body.size();
+    const Vector3& x0 = g.cluster->before.members[m].position;
+    const double (&chord)[3] = particles_[g.body[m]].velocity;
+    const Trajectory& trajectory = g.cluster->after.trajectory;
+    double margin = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
+    for (std::size_t k = 0; k < trajectory.time.size(); ++k) {
+        const double t = trajectory.time[k];
+        const double *x = &trajectory.state[6 * n * k + 3 * m], *v = x + 3 * n;
+        double off = 0.0, rate = 0.0;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double gt = box_.gravity[a] * t;
+            const double e = x[a] - (x0[a] + t * (chord[a] + 0.5 * gt));
+            const double d = v[a] - (chord[a] + gt);
+            off += e * e;
+            rate += d * d;
+        }
+        off = math::sqrt(off);
+        rate = math::sqrt(rate);
+        const bool known = !trajectory.chord_deviation.empty();
+        const double chord_deviation = known ? trajectory.chord_deviation[n * k + m]
+                                             : 0.3 * (t - last_time) * math::max(rate, last_rate);
+        margin = math::max(margin, math::max(off, last) + chord_deviation);
+        last = off;
+        last_rate = rate;
+        last_time = t;
+    }
+    return 1.01 * margin;
+}
+
+// Until its group ends, a member is a larger body on the parabola between its two ends.
+template <class Law>
+void NewtonEvents<Law>::make_busy(int index, std::size_t m, const Member& before, const Member& after,
+                                  double span, double margin) {
+    const int i = group(index).body[m];
+    join_group(i, index, m, span);
+    set_radius(i, margin);
+    if (!(span > 0.0)) return;
+    for (std::size_t a = 0; a < 3; ++a)
+        particles_[i].velocity[a] =
+            (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
+}
+
+// Of what happens to the relative path, what happens to a member's own.
+template <class Law>
+void NewtonEvents<Law>::set_safety_radii(IsolatedContact& l) const {
+    const Member(&b)[2] = l.before;
+    for (std::size_t m = 0; m < 2; ++m) {
+        l.share[m] = l.body[1] < 0 ? 1.0 : b[1 - m].mass / (b[0].mass + b[1].mass);
+        l.safety_radius[m] = l.share[m] * l.deviation * l.rotation;
+    }
+}
+
+// Until its contact ends, a member is a larger body on the path on which it flies on.
+template <class Law>
+void NewtonEvents<Law>::follow_outgoing_path(int index, std::size_t m, const Member& after) {
+    const IsolatedContact& l = group(index).isolated_contact;
+    const int i = l.body[m];
+    join_group(i, index, m, l.span);
+    set_radius(i, l.share[m] * l.deviation);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double v = after.velocity[a] - l.span * box_.gravity[a];
+        const double x = after.position[a] - l.span * (v + 0.5 * l.span * box_.gravity[a]);
+        particles_[i].velocity[a] = v;
+        particles_[i].position[a] += x - l.before[m].position[a];
+    }
+}
+
+// More than overlap must be to count as such.
+template <class Law>
+void NewtonEvents<Law>::set_radius(int i, double margin) {
+    particles_[i].radius = (radius(i) + margin) * (1.0 + rounding_of_touch);
+}
+
+template <class Law>
+double NewtonEvents<Law>::safety_used(int instants) const {
     double most = 0.0;
     Cluster<Law> c;
     for (const Group& g : groups_) {
         if (!g.alive) continue;
-        start(g, c);
+        initial_cluster(g, c);
         const double span = pending_[g.body[0]].end - c.base;
         for (int k = 0; k <= instants; ++k) {
             const double time = span * k / instants;
             c.run_through(time);
             for (std::size_t m = 0; m < g.body.size(); ++m)
-                most = math::max(most, margin_used(g, m, place(g, m, c.members[m].position), c.base + time));
+                most = math::max(most, safety_radius_used(g, m, body_position(g, m, c.members[m].position),
+                                                          c.base + time));
         }
     }
     return most;
@@ -25,18 +120,19 @@ double NewtonEvents<Law>::margin_used(int instants) const {
 // That of a member at a place where it is at this time. In an undisturbed contact what it may need shrinks, and leads
 // one way: a point that flies along at its true place must not be told to pass.
 template <class Law>
-double NewtonEvents<Law>::margin_used(const Group& g, std::size_t m, const Vector3& place,
-                                      double time) const {
+double NewtonEvents<Law>::safety_radius_used(const Group& g, std::size_t m, const Vector3& place,
+                                             double time) const {
     const int i = g.body[m];
     const Vector3 path = position(i, time);
     const double rounding = 1e-10 * radius(i);  // and what a table of contacts is off
     Vector3 off;
     for (std::size_t a = 0; a < 3; ++a) off[a] = place[a] - path[a];
     const double far = math::sqrt(dot(off, off));
-    if (!g.isolated) return far / (paths_[i].radius - radius(i) + rounding);
-    if (passes({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;
-    const double left = math::max(pending_[i].end - time, 0.0) / g.lone.span;
-    return far / (g.lone.share[pending_[i].first ? 0 : 1] * g.lone.margin * left + rounding);
+    if (!g.isolated) return far / (particles_[i].radius - radius(i) + rounding);
+    if (stays_clear({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;
+    const double left = math::max(pending_[i].end - time, 0.0) / g.isolated_contact.span;
+    return far / (g.isolated_contact.share[pending_[i].first ? 0 : 1] * g.isolated_contact.deviation * left +
+                  rounding);
 }
 
 }  // namespace hardlimit::boxes

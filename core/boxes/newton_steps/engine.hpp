@@ -30,8 +30,9 @@ class NewtonSteps final : public Engine {
 public:
     NewtonSteps(const NewtonSetting& setting, const System& s) : NewtonSteps(setting) {
         for (std::size_t i = 0; i < s.n; ++i) {
-            const std::array<double, 3> x = setting_.in_three(s.position, i),
-                                        v = setting_.in_three(s.velocity, i);
+            double x[3], v[3];
+            setting_.in_three(s.position, i, x);
+            setting_.in_three(s.velocity, i, v);
             bodies_.position.push_back(Double4{x[0], x[1], x[2], laws_.radius(i)});
             bodies_.velocity.push_back(Double4{v[0], v[1], v[2], 1.0 / laws_.mass(i)});
             bodies_.tag.push_back({static_cast<std::uint32_t>(i), {0, 0, 0}});

@@ -56,8 +56,8 @@ public:
     }
 
     // Returns the number of steps taken. The sweep of a slab accelerates bodies of this slab and of the next one, which
-    // move afterwards. Every body must receive its forces in the same order with any number of threads: those of an even
-    // slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it and of the
+    // move afterwards. Every body must receive its forces in the same order with any number of threads: those of an
+    // even slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it and of the
     // one before. A thread does this in its own slabs alone, and moves bodies soon after their sweep, while they are in
     // the cache. It waits for the other threads before its last sweep, which reaches into the slabs of the next thread,
     // and after it, so that the next thread may move its first slab.

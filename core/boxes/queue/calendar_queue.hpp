@@ -21,7 +21,7 @@ struct Due {
 
 inline constexpr u32 most_in_caches = 20'000;  // particles; of fewer, all lies in the caches of a core
 
-class Calendar {
+class CalendarQueue {
 public:
     // Takes up the events of n particles. Key: time of the next event of an id; Name: what orders simultaneous events.
     template <class Key, class Name>
@@ -106,7 +106,7 @@ private:
 
     Records<u32> buckets_;
     Records<Chunk> chunks_;
-    u32 free_ = nobody;
+    u32 free_ = no_particle;
     Records<u32> far_;
     std::vector<Due> front_;  // of the bin whose time it is, latest first
     u64 current_ = 0, year_end_ = 0, mask_ = 0, held_ = 0, taken_ = 0;
@@ -125,7 +125,7 @@ private:
         buckets_.assign(buckets, none);
         mask_ = buckets - 1;
         chunks_.clear();
-        free_ = nobody;
+        free_ = no_particle;
         far_.clear();
         front_.clear();
         current_ = held_ = taken_ = 0;
@@ -175,7 +175,7 @@ private:
         ++held_;
     }
     u32 new_chunk() {
-        if (free_ == nobody) {
+        if (free_ == no_particle) {
             make_room(chunks_);
             chunks_.push_back({});
             return static_cast<u32>(chunks_.size() - 1);

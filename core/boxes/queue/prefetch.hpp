@@ -10,8 +10,8 @@ namespace hardlimit::boxes {
 // level(id): the grid of a body's cell. more(id): fetches what else is read of a body that has an event; beside(id):
 // and of its neighbours, besides where they are.
 template <int d, class Held, class Level, class More, class Beside>
-struct LookAhead {
-    const Calendar& calendar;
+struct Prefetcher {
+    const CalendarQueue& calendar;
     const Cells<d>& cells;
     const Held* pending;  // records of Pending, and what may be held beside it
     const Particle<d>* bodies;
@@ -37,8 +37,8 @@ struct LookAhead {
 private:
     // Where a body will look at its next event.
     static typename Cells<d>::Surroundings surroundings(const Pending& e) {
-        const Own own = static_cast<Own>(e.own);
-        if (e.pair_time <= e.own_time || own == Own::rescan || own == Own::ends) return {};
+        const SelfEvent own = static_cast<SelfEvent>(e.own);
+        if (e.pair_time <= e.own_time || own == SelfEvent::rescan || own == SelfEvent::ends) return {};
         return Cells<d>::Surroundings::beyond(axis_of(own), is_high(own));
     }
     // The cells there, the body, and the one it meets.
@@ -63,7 +63,7 @@ private:
     }
 };
 template <int d, class Held, class Level, class More, class Beside>
-LookAhead(const Calendar&, const Cells<d>&, const Held*, const Particle<d>*, Level, More, Beside)
-    -> LookAhead<d, Held, Level, More, Beside>;
+Prefetcher(const CalendarQueue&, const Cells<d>&, const Held*, const Particle<d>*, Level, More, Beside)
+    -> Prefetcher<d, Held, Level, More, Beside>;
 
 }  // namespace hardlimit::boxes

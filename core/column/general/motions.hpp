@@ -4,24 +4,12 @@
 //   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
 // The law is asked for nothing but the interface in contact/law.hpp.
 //
-// Order. A force like ξ^{3/2} has a singular derivative at touch, where every method loses its order. While a
-// contact is closed its coordinate is therefore s = ξ^{1/p} (p = Law::onset_power), in which the force is a
-// polynomial, and time runs as dt = g dτ:
-//   ds_j/dτ = rate_j g/(p s_j^{p−1}),   1/g² = 1 + Σ_j (s_j/ℓ_j)^{2−2p}   over the closed contacts,
-// so that g/s_j^{p−1} is bounded and smooth. Written relative to the smallest s it needs no division by zero,
-// and g has the sign of that s: the solution continues smoothly through s = 0, where the end of an elastic
-// contact is a simple zero like any other. (1/g linear in 1/s has a pole where two contacts end at one
-// instant.) A contact that is pressed only indirectly (rate = 0 at touch) has ξ ~ t^{7/2} or so: there ξ is
-// the better coordinate, and the choice is made anew before each step; it costs nothing, since a one-step
-// method has no memory. p = 1: ξ, g = 1.
+// Order. While a contact is closed its coordinate is s, and time is scaled (contact/smooth_time.hpp). A contact that is
+// pressed only indirectly (rate = 0 at touch) has ξ ~ t^{7/2} or so: there ξ is the better coordinate. The coordinate
+// is chosen anew before each step, which costs nothing, since a one-step method has no memory.
 //
-// Events of pair j, each with the function that falls to zero there (d = depth of the law's slack at this rate):
-//   open → closed      gap                     slack → open      ξ
-//   closed → slack     s − max(d, 0)^{1/p}     slack → closed    −(ξ − d)      (a new contact)
-// That of closed → slack is ξ − d written as a simple zero also for d → 0, where that has a multiple one. A slack
-// pair overlaps without force. After an event the state is put exactly on the surface, and the
-// function that vanishes there counts again once it has become positive; a value below zero while it rises is
-// rounding.
+// Events of a pair: contact/events.hpp. After an event the state is put exactly on the zero of its function, which
+// counts again once it has become positive; a value below zero while it rises is rounding.
 //
 // Touching pairs, gap exactly 0, at release or later. The rate decides: > 0 is a contact now, < 0 is an opening pair
 // without contact, whatever acts beside it. At rate = 0 the acceleration decides. All forces are repulsive and
@@ -54,6 +42,8 @@
 
 #include "../../base/dormand_prince.hpp"
 #include "../../base/radau.hpp"
+#include "../../base/roots.hpp"
+#include "../../contact/smooth_time.hpp"
 #include "../energies.hpp"
 #include "../sequence.hpp"
 #include "../state.hpp"
@@ -63,24 +53,6 @@ namespace hardlimit::column {
 namespace newton {
 
 enum class Pair : unsigned char { open, pressed, slack, closed };
-
-template <int p>
-double power(double x) {
-    double product = 1.0;
-    for (int i = 0; i < p; ++i) product *= x;
-    return product;
-}
-// s > 0 with f(s) = target for an f that is nearly a power of s: secant steps in the logarithms.
-template <class F>
-double solve_power(const F& f, double target) {
-    double s = 1.0;
-    for (int i = 0; i < 4; ++i) {
-        const double value = f(s);
-        const double exponent = math::log(f(2.0 * s) / value) / math::log(2.0);
-        s *= math::exp(math::log(target / value) / exponent);
-    }
-    return s;
-}
 
 template <class Law>
 double pair_mass(const Column<Law>& c, int j) {
@@ -103,8 +75,8 @@ struct Scales {
         for (int j = c.floor ? 0 : 1; j < c.balls; ++j) {
             const Law& law = c.contacts[j];
             const double target = 0.5 * pair_mass(c, j) * speed * speed;
-            s[j] = solve_power([&](double x) { return law.energy(x); }, target);
-            depth[j] = power<Law::onset_power>(s[j]);
+            s[j] = roots::solve_power([&](double x) { return law.energy(x); }, target);
+            depth[j] = math::power<Law::onset_power>(s[j]);
             time = math::min(time, depth[j] / speed);
         }
         if (!c.floor) depth[0] = speed * time;
@@ -145,31 +117,18 @@ struct Motion {
         const double* v = y + balls();
         return (j == 0 ? 0.0 : v[j - 1]) - v[j];
     }
-    double gap(int j, const double* y) const { return rooted[j] ? -power<p>(y[j]) : y[j]; }
+    double gap(int j, const double* y) const { return rooted[j] ? -math::power<p>(y[j]) : y[j]; }
     double s(int j, const double* y) const { return rooted[j] ? y[j] : onset_root<p>(-y[j]); }
 
-    // Returns g and leaves g (ℓ_j/s_j)^{p−1} in factor[j], which is at most 1.
+    // γ; leaves γ (ℓ_j/s_j)^{p−1} in factor[j].
     double clock_rate(const double* y) const {
         if constexpr (p == 1) return 1.0;
-        int least = -1;
-        for (int j = 0; j < balls(); ++j) {
-            if (!rooted[j]) continue;
-            factor[j] = power<p - 1>(y[j] / scales.s[j]);
-            if (least < 0 || math::abs(factor[j]) < math::abs(factor[least])) least = j;
-        }
-        if (least < 0) return 1.0;
-        const double smallest = factor[least];
-        double square = smallest * smallest;
-        for (int j = 0; j < balls(); ++j) {
-            if (!rooted[j]) continue;
-            factor[j] = j == least ? 1.0 : smallest / factor[j];
-            square += factor[j] * factor[j];
-        }
-        const double norm = math::sqrt(square);
-        for (int j = 0; j < balls(); ++j) {
-            if (rooted[j]) factor[j] /= norm;  // one that is left over would become subnormal, which is slow
-        }
-        return smallest / norm;
+        const auto for_rooted = [this](const auto& f) {
+            for (int j = 0; j < balls(); ++j)
+                if (rooted[j]) f(j);
+        };
+        for_rooted([&](int j) { factor[j] = math::power<p - 1>(y[j] / scales.s[j]); });
+        return smooth_time_rate(for_rooted, factor.data());
     }
 
     void operator()(const double* y, double* dy) const {
@@ -185,7 +144,7 @@ struct Motion {
             const double at = s(j, y);
             force[j] = law.force(at, closing);
             dissipation += (force[j] - law.elastic_force(at)) * closing;
-            if (rooted[j]) dy[j] = closing / p * factor[j] / power<p - 1>(scales.s[j]);
+            if (rooted[j]) dy[j] = closing / p * factor[j] / math::power<p - 1>(scales.s[j]);
         }
         for (int i = 0; i < n; ++i) {
             dy[n + i] = g * ((force[i] - force[i + 1]) / column->mass[i] - column->gravity);
@@ -267,7 +226,7 @@ struct Motion {
 
     void choose_coordinate(int j, double* y, bool use_root) {
         if (use_root == static_cast<bool>(rooted[j])) return;
-        y[j] = use_root ? onset_root<p>(-y[j]) : -power<p>(y[j]);
+        y[j] = use_root ? onset_root<p>(-y[j]) : -math::power<p>(y[j]);
         rooted[j] = use_root;
     }
 

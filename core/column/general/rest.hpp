@@ -16,8 +16,8 @@ struct Equilibrium {
         for (int j = c.balls - 1; j >= 0; --j) {
             const Law& law = c.contacts[j];
             weight[j] = above += c.mass[j] * c.gravity;
-            const double s = solve_power([&](double x) { return law.elastic_force(x); }, above);
-            depth[j] = power<p>(s);
+            const double s = roots::solve_power([&](double x) { return law.elastic_force(x); }, above);
+            depth[j] = math::power<p>(s);
             stored[j] = law.energy(s);
             rounding += 1e-13 * above * depth[j];
             barrier = math::min(barrier, release_energy(law, j, pair_mass(c, j)));
@@ -53,7 +53,7 @@ struct Equilibrium {
     }
 
     double excess(const Law& law, int j, double s) const {
-        return (law.energy(s) - stored[j]) - weight[j] * (power<Law::onset_power>(s) - depth[j]);
+        return (law.energy(s) - stored[j]) - weight[j] * (math::power<Law::onset_power>(s) - depth[j]);
     }
 
     // Energy above the equilibrium [J]; all contacts are closed.

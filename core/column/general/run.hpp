@@ -246,7 +246,7 @@ private:
         if (stopped) return;
         if (motion.choose_coordinates(y.data())) h = math::min(h, 0.25 * motion.scales.time);
         motion(y.data(), step.k.data());
-        if (at_surface() || rests()) return;
+        if (event_at_start() || rests()) return;
         const double taken = h;
         if (!(motion.implicit ? implicit_step() : explicit_step())) return;
         motion(step.end.data(), step.k_end.data());
@@ -387,12 +387,12 @@ private:
 
     // ---- events -------------------------------------------------------------------------------------------
 
-    // A surface reached before this step begins, without being the one just left.
-    bool at_surface() {
+    // Applies an event whose function is not positive before the step begins, unless the pair was just placed there.
+    bool event_at_start() {
         for (int j = 0; j < column.balls; ++j) {
             for (const Event kind : step.events_of(j)) {
                 if (kind == Event::none || step.fresh[j]) continue;
-                if (step.surface(j, kind, y.data(), step.k.data()).value > 0.0) continue;
+                if (step.function(j, kind, y.data(), step.k.data()).value > 0.0) continue;
                 if (kind == Event::begins && !(motion.rate(j, y.data()) > 0.0)) {
                     y[j] = 0.0;  // touches without closing
                     step.fresh[j] = 1;
@@ -412,6 +412,7 @@ private:
         step.fresh[j] = 1;
         switch (what) {
             case Event::none:
+            case Event::deepens:
                 break;
             case Event::begins:
                 y[j] = 0.0;

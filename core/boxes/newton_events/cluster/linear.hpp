@@ -8,41 +8,41 @@
 namespace hardlimit::boxes {
 
 template <class Law>
-void Cluster<Law>::follow(double until) {
-    for (Touching<Law>& q : pairs)
-        if (q.touch == Touch::closed) scale(q);
-    if (on_surface()) return;
+void Cluster<Law>::series_step(double until) {
+    for (ContactPair<Law>& q : pairs)
+        if (q.state == ContactState::closed) set_scales(q);
+    if (event_at_start([this](int q, Event kind) { return event_value(pairs[q], kind); })) return;
     const double unit = series_unit();
-    expand(unit);
-    const double rest = (until - y_[clock()]) / unit, step = longest_step();
+    expand_series(unit);
+    const double rest = (until - y_[time_index()]) / unit, step = longest_step();
     step_ = math::min(step, 1.0);
-    Found found{math::min(step, rest)};
+    StepEvent found{math::min(step, rest)};
     const bool last = rest <= step;
-    for (const series::Followed& f : followed_) find_end(f, found);
-    if (followed_.size() < pairs.size()) find_begins(found);
-    for (const series::Followed& f : followed_) note_depths(f, found.at);
-    move(found.at, unit);
-    if (last && found.what == Event::none) y_[clock()] = until;
-    time = y_[clock()];
+    for (const series::Contact& f : contacts_) predict_end(f, found);
+    if (contacts_.size() < pairs.size()) predict_begins(found);
+    for (const series::Contact& f : contacts_) record_compressions(f, found.at);
+    advance_series(found.at, unit);
+    if (last && found.what == Event::none) y_[time_index()] = until;
+    time = y_[time_index()];
     open_pairs(found);
     for (std::size_t q = 0; q < pairs.size(); ++q)
         if (pairs[q].fresh && (found.what == Event::none || found.which != static_cast<int>(q)))
             pairs[q].fresh = lies_on_surface(pairs[q]);
-    keep();
+    record_state();
     if (found.what != Event::none) apply(found.what, found.which);
 }
 
 template <class Law>
 double Cluster<Law>::series_unit() const {
     double square = 0.0;
-    for (const Touching<Law>& q : pairs)
-        if (q.touch == Touch::closed) square = math::max(square, q.law.elastic_force(1.0) / q.mass);
+    for (const ContactPair<Law>& q : pairs)
+        if (q.state == ContactState::closed) square = math::max(square, q.law.elastic_force(1.0) / q.mass);
     return 1.0 / math::sqrt(square);
 }
 
 // What falls to zero at an event, by the state now.
 template <class Law>
-double Cluster<Law>::height(const Touching<Law>& q, Event kind) const {
+double Cluster<Law>::event_value(const ContactPair<Law>& q, Event kind) const {
     const Geometry g = geometry(q, y_.data());
     if (kind == Event::begins) return -g.depth;
     if (kind == Event::opens) return g.depth;
@@ -52,66 +52,61 @@ double Cluster<Law>::height(const Touching<Law>& q, Event kind) const {
 }
 
 template <class Law>
-bool Cluster<Law>::lies_on_surface(const Touching<Law>& q) const {
+bool Cluster<Law>::lies_on_surface(const ContactPair<Law>& q) const {
     for (const Event kind : events_of(q))
-        if (kind != Event::none && !(height(q, kind) > 0.0)) return true;
+        if (kind != Event::none && !(event_value(q, kind) > 0.0)) return true;
     return false;
-}
-
-template <class Law>
-bool Cluster<Law>::on_surface() {
-    return at_surface([this](int q, Event kind) { return height(pairs[q], kind); });
 }
 
 // The series of all members, and of all pairs that overlap.
 template <class Law>
-void Cluster<Law>::expand(double unit) {
-    paths_.resize(members.size());
+void Cluster<Law>::expand_series(double unit) {
+    series_.resize(members.size());
     travel_.resize(members.size());
     for (int i = 0; i < count(); ++i) {
         const double *x = &y_[3 * i], *v = &y_[3 * (count() + i)];
-        paths_[i][0] = series::Four{x[0], x[1], x[2], 0.0};
-        paths_[i][1] = series::Four{v[0], v[1], v[2], 0.0} * unit;
+        series_[i][0] = series::Four{x[0], x[1], x[2], 0.0};
+        series_[i][1] = series::Four{v[0], v[1], v[2], 0.0} * unit;
     }
-    followed_.clear();
+    contacts_.clear();
     for (std::size_t q = 0; q < pairs.size(); ++q)
-        if (pairs[q].touch != Touch::open) take_up(static_cast<int>(q), unit);
-    put_in_order();
-    kernels->expand(paths_.data(), count(), followed_.data(), static_cast<int>(followed_.size()),
-                    pull().data(), unit);
+        if (pairs[q].state != ContactState::open) add_contact(static_cast<int>(q), unit);
+    order_bodies();
+    kernels->expand(series_.data(), count(), contacts_.data(), static_cast<int>(contacts_.size()),
+                    gravity4().data(), unit);
 }
 
 // The bodies in contact, then those that fly.
 template <class Law>
-void Cluster<Law>::put_in_order() {
-    order_.clear();
-    ordered_.assign(members.size(), 0);
+void Cluster<Law>::order_bodies() {
+    body_order_.clear();
+    is_ordered_.assign(members.size(), 0);
     const auto add = [&](int body) {
-        if (!std::exchange(ordered_[body], 1)) order_.push_back(body);
+        if (!std::exchange(is_ordered_[body], 1)) body_order_.push_back(body);
     };
-    for (const series::Followed& f : followed_) {
+    for (const series::Contact& f : contacts_) {
         add(f.first);
         if (f.second >= 0) add(f.second);
     }
-    pushed_ = static_cast<int>(order_.size());
-    if (pushed_ == count()) return;
+    in_contact_ = static_cast<int>(body_order_.size());
+    if (in_contact_ == count()) return;
     for (int i = 0; i < count(); ++i) add(i);
 }
 
 template <class Law>
-void Cluster<Law>::take_up(int index, double unit) {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
-    followed_.emplace_back();
-    series::Followed& f = followed_.back();
+void Cluster<Law>::add_contact(int index, double unit) {
+    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
+    contacts_.emplace_back();
+    series::Contact& f = contacts_.back();
     f.pair = index;
     f.first = q.first;
     f.second = q.second;
     f.axis = q.axis;
-    f.closed = q.touch == Touch::closed;
+    f.closed = q.state == ContactState::closed;
     f.side = q.side;
     f.wall = q.wall;
     f.image = series::Four{q.image[0], q.image[1], q.image[2], 0.0};
-    f.reach = f.bodies.touch = q.reach;
+    f.contact_distance = f.bodies.contact_distance = q.contact_distance;
     f.spring = f.bodies.spring = q.law.elastic_force(1.0);
     f.damper = f.bodies.damper = q.law.force(0.0, 1.0) / unit;
     f.per_mass[0] = 1.0 / members[q.first].mass;
@@ -123,32 +118,32 @@ template <class Law>
 double Cluster<Law>::longest_step() const {
     static_assert(series::order == 16);
     double depth = math::infinity, far = 0.0;
-    for (const Touching<Law>& q : pairs)
-        if (q.touch == Touch::closed) depth = math::min(depth, q.depth_unit);
-    for (const series::Path& x : paths_) far = math::max(far, series::largest(x[0]));
+    for (const ContactPair<Law>& q : pairs)
+        if (q.state == ContactState::closed) depth = math::min(depth, q.depth_unit);
+    for (const series::Path& x : series_) far = math::max(far, series::largest(x[0]));
     const double allowed = math::max(0.1 * tolerance * depth, math::epsilon * far);
-    const double most = kernels->last_terms(paths_.data(), order_.data(), pushed_);
+    const double most = kernels->last_terms(series_.data(), body_order_.data(), in_contact_);
     return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
 }
 
 // The end of a contact, or the begin of another one. A pair that overlaps without force does nothing until
 // then: the instant at which it opens is none of interest.
 template <class Law>
-void Cluster<Law>::find_end(const series::Followed& f, Found& found) const {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-    if (q.touch == Touch::closed) {
-        consider(f.pair, Event::ends, f.push(), f.spring, found);
-        return find_depth(f, found);
+void Cluster<Law>::predict_end(const series::Contact& f, StepEvent& found) const {
+    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+    if (q.state == ContactState::closed) {
+        consider(f.pair, Event::ends, f.force_series(), f.spring, found);
+        return predict_deepest(f, found);
     }
-    series::Terms force = f.push();
+    series::Terms force = f.force_series();
     for (double& x : force.of) x = -x;
     consider(f.pair, Event::engages, force, f.spring, found);
 }
 
 // Where the largest compression of the law is reached.
 template <class Law>
-void Cluster<Law>::find_depth(const series::Followed& f, Found& found) const {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+void Cluster<Law>::predict_deepest(const series::Contact& f, StepEvent& found) const {
+    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
     if (!q.may_be_too_deep) return;
     series::Terms left = f.second < 0 ? f.depth : f.bodies.distance;
     if (f.second < 0)
@@ -159,11 +154,11 @@ void Cluster<Law>::find_depth(const series::Followed& f, Found& found) const {
 
 // The greatest compression of a pair up to a place in the step: where its rate falls through zero, by Newton's method.
 template <class Law>
-void Cluster<Law>::note_depths(const series::Followed& f, double at) {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+void Cluster<Law>::record_compressions(const series::Contact& f, double at) {
+    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
     if (!f.closed || !q.may_be_deepest) return;
     const series::Terms& shape = f.second < 0 ? f.depth : f.bodies.distance;
-    const double sign = f.second < 0 ? 1.0 : -1.0, whole = f.second < 0 ? 0.0 : f.reach;
+    const double sign = f.second < 0 ? 1.0 : -1.0, whole = f.second < 0 ? 0.0 : f.contact_distance;
     struct Depth {
         double value, rate, bend;
     };
@@ -177,12 +172,12 @@ void Cluster<Law>::note_depths(const series::Followed& f, double at) {
         return Depth{whole + sign * value, sign * rate, sign * bend};
     };
     const Depth first = depth(0.0), last = depth(at);
-    note_depth(q, math::max(first.value, last.value));
+    record_compression(q, math::max(first.value, last.value));
     if (!(first.rate > 0.0 && last.rate < 0.0)) return;
     double t = at * (first.rate / (first.rate - last.rate));
     for (int i = 0; i < 8; ++i) {
         const Depth here = depth(t);
-        note_depth(q, here.value);
+        record_compression(q, here.value);
         const double next = math::clamp(t - here.rate / here.bend, 0.0, at);
         if (!(math::abs(next - t) > 1e-7 * at)) break;
         t = next;
@@ -191,47 +186,49 @@ void Cluster<Law>::note_depths(const series::Followed& f, double at) {
 
 // Whether a pair that has overlapped is apart after the step. Where it would push again it may be apart as well.
 template <class Law>
-void Cluster<Law>::open_pairs(Found& found) {
-    for (const series::Followed& f : followed_) {
-        Touching<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
-        if (q.touch != Touch::slack || geometry(q, y_.data()).depth > 0.0) continue;
-        q.touch = Touch::open;
+void Cluster<Law>::open_pairs(StepEvent& found) {
+    for (const series::Contact& f : contacts_) {
+        ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
+        if (q.state != ContactState::slack || geometry(q, y_.data()).depth > 0.0) continue;
+        q.state = ContactState::open;
         q.fresh = false;
         if (found.which == f.pair) found.what = Event::none;
     }
 }
 
 template <class Law>
-void Cluster<Law>::find_begins(Found& found) {
-    kernels->travel(paths_.data(), order_.data(), pushed_, count(), found.at, travel_.data());
+void Cluster<Law>::predict_begins(StepEvent& found) {
+    kernels->travel(series_.data(), body_order_.data(), in_contact_, count(), found.at, travel_.data());
     for (std::size_t q = 0; q < pairs.size(); ++q)
-        if (pairs[q].touch == Touch::open) find_begin(static_cast<int>(q), found);
+        if (pairs[q].state == ContactState::open) predict_begin(static_cast<int>(q), found);
 }
 
 template <class Law>
-void Cluster<Law>::find_begin(int index, Found& found) {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
+void Cluster<Law>::predict_begin(int index, StepEvent& found) {
+    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     const Geometry g = geometry(q, y_.data());
     const double both = travel_[q.first] + (q.second < 0 ? 0.0 : travel_[q.second]);
     if (-g.depth > both) return;
     series::Terms gap;
     if (q.second < 0) {
-        for (std::size_t n = 0; n < series::length; ++n) gap[n] = q.side * paths_[q.first][n][q.axis];
+        for (std::size_t n = 0; n < series::length; ++n) gap[n] = q.side * series_[q.first][n][q.axis];
         gap[0] = -g.depth;
     } else {
-        kernels->square(&paths_[q.first], &paths_[q.second], q.image.data(), gap.of);
-        gap[0] = -g.depth * (g.distance + q.reach);
+        kernels->square(&series_[q.first], &series_[q.second], q.image.data(), gap.of);
+        gap[0] = -g.depth * (g.distance + q.contact_distance);
     }
-    consider(index, Event::begins, gap, q.second < 0 ? 1.0 : q.reach, found);
+    consider(index, Event::begins, gap, q.second < 0 ? 1.0 : q.contact_distance, found);
 }
 
 // `unit`: of f, by the sum of the radii.
 template <class Law>
-void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit, Found& found) const {
-    const Touching<Law>& q = pairs[static_cast<std::size_t>(index)];
+void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit,
+                            StepEvent& found) const {
+    const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
     // What is put on a surface is off it by the rounding of places, in a large box or far from a large group's origin.
-    double far = math::max(math::max(q.reach, largest_place), series::largest(paths_[q.first][0]));
-    if (q.second >= 0) far = math::max(far, series::largest(paths_[q.second][0]));
+    double far =
+        math::max(math::max(q.contact_distance, largest_coordinate), series::largest(series_[q.first][0]));
+    if (q.second >= 0) far = math::max(far, series::largest(series_[q.second][0]));
     const double rounding = 4.0 * math::epsilon * far * unit;
     double zero =
         q.fresh ? kernels->next_zero(f.of, found.at, step_, rounding) : kernels->first_zero(f.of, found.at);
@@ -242,18 +239,20 @@ void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, doubl
 
 // To a place in the step.
 template <class Law>
-void Cluster<Law>::move(double at, double unit) {
-    double* bulge = nullptr;
+void Cluster<Law>::advance_series(double at, double unit) {
+    double* chord_deviation = nullptr;
     if (record) {
-        trace.bulge.resize(trace.bulge.size() + members.size());
-        bulge = trace.bulge.data() + (trace.bulge.size() - members.size());
+        trajectory.chord_deviation.resize(trajectory.chord_deviation.size() + members.size());
+        chord_deviation =
+            trajectory.chord_deviation.data() + (trajectory.chord_deviation.size() - members.size());
     }
-    double sums[2] = {y_[loss()], y_[work()]};
-    kernels->move(paths_.data(), order_.data(), pushed_, count(), followed_.data(),
-                  static_cast<int>(followed_.size()), at, unit, pull().data(), y_.data(), sums, bulge);
-    y_[loss()] = sums[0];
-    y_[work()] = sums[1];
-    y_[clock()] += at * unit;
+    double sums[2] = {y_[loss_index()], y_[work_index()]};
+    kernels->move(series_.data(), body_order_.data(), in_contact_, count(), contacts_.data(),
+                  static_cast<int>(contacts_.size()), at, unit, gravity4().data(), y_.data(), sums,
+                  chord_deviation);
+    y_[loss_index()] = sums[0];
+    y_[work_index()] = sums[1];
+    y_[time_index()] += at * unit;
 }
 
 }  // namespace hardlimit::boxes

@@ -1,0 +1,30 @@
+// The table of all vector kernels of boxes for one instruction set.
+#pragma once
+#include "polynomial_cell.hpp"
+#include "power_series.hpp"
+#include "touch_kernel.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Real, int d, Motion motion, bool reach = false>
+constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
+    return {&touch_listed<Real, d, motion, Image::shifted, reach>,
+            &touch_near<Real, d, motion, Image::as_it_is, reach>,
+            &touch_near<Real, d, motion, Image::nearest, reach>};
+}
+
+// `newton`: with what boxes of hard spheres do not need.
+template <class Real, bool newton = true>
+constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
+    return {name,
+            {{touch_kernels_of<Real, 2, Motion::straight>(), touch_kernels_of<Real, 2, Motion::falling>(),
+              touch_kernels_of<Real, 2, Motion::growing>()},
+             {touch_kernels_of<Real, 3, Motion::straight>(), touch_kernels_of<Real, 3, Motion::falling>(),
+              touch_kernels_of<Real, 3, Motion::growing>()}},
+            {touch_kernels_of<Real, 3, Motion::straight, true>(),
+             touch_kernels_of<Real, 3, Motion::falling, true>()},
+            newton ? series::kernels() : hardlimit_abi::SeriesKernels{},
+            newton ? &read_wide_cell : nullptr};
+}
+
+}  // namespace hardlimit::boxes

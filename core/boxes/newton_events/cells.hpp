@@ -1,0 +1,171 @@
+// Cells of the event-driven engine: set-up from the start, neighbours of a body, crossing a border.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Law>
+void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+        largest_radius_ = math::max(largest_radius_, laws_.radius(i));
+        smallest_radius_ = math::min(smallest_radius_, laws_.radius(i));
+    }
+}
+
+// Several times as far as bodies of the speeds at the start compress each other; the wider the cells, the more bodies
+// there are to look at. Bodies that fall grow faster.
+template <class Law>
+double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
+    const double most = 0.1 * largest_radius_;
+    if (dot(gravity_, gravity_) > 0.0) return most;
+    double square = 0.0;
+    std::size_t at = 0;
+    const std::size_t n = setting_.count();
+    for (std::size_t k = 0; k < n * setting_.axes(); ++k) square += velocity[k] * velocity[k];
+    for (std::size_t i = 0; i < n; ++i)
+        if (laws_.radius(i) == largest_radius_) at = i;
+    const double speed = math::sqrt(square / static_cast<double>(n));
+    if (!(speed > 0.0)) return most;
+    const auto body = static_cast<std::int64_t>(at);
+    const double duration = laws_(body, body).duration(speed, 0.5 * laws_.mass(at));
+    return math::clamp(2.0 * speed * duration, 0.005 * largest_radius_, most);
+}
+
+template <class Law>
+double NewtonEvents<Law>::smallest_edge() const {
+    double least = math::infinity;
+    for (int axis = 0; axis < box_.dimension; ++axis)
+        if (box_.wraps(axis)) least = math::min(least, box_.edge[axis]);
+    return least;
+}
+
+// All bodies lie in one grid. While it is in contact, a body's place on the path on which it will fly on may lie
+// outside of its cell by the margin.
+template <class Law>
+void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
+    series_ = &kernels.series;
+    touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
+    const double most = 2.001 * (largest_radius_ + 2.0 * largest_safety_radius_);
+    query_.others = 1.0;
+    for (int a = 0; a < 3; ++a) {
+        const bool used = a < box_.dimension;
+        cell_box_.edge[a] = used ? box_.edge[a] : most;
+        cell_box_.boundary[a] = box_.boundary[a];
+        query_.edge[a] = box_.edge[a];
+        query_.per_edge[a] = cell_box_.wraps(a) ? 1.0 / box_.edge[a] : 0.0;
+        query_.gravity[a] = box_.gravity[a];
+        query_.half_gravity[a] = 0.5 * box_.gravity[a];
+    }
+    cells_ = Cells<3>(cell_box_, n, most, most);
+    level_ = cells_.level_for(most);
+    prefetches_ = n > most_in_caches;
+    // In a small box no second image of a body may come near.
+    largest_displacement_ =
+        math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
+    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    for (int a = 0; a < box_.dimension; ++a) {
+        several_images_ = several_images_ || (box_.wraps(a) && g.cells[a] < 4);
+        walled_ = walled_ || box_.walled(a);
+    }
+}
+
+// In the order of the cells: neighbours in space are neighbours in memory.
+template <class Law>
+void NewtonEvents<Law>::sort_in(const System& s) {
+    const auto n = static_cast<u32>(s.n);
+    std::vector<u32> cell(n), order(n);
+    for (u32 i = 0; i < n; ++i) {
+        double x[3];
+        setting_.in_three(s.position, i, x);
+        cell[i] = cells_.number(level_, cells_.place_of(level_, x));
+        order[i] = i;
+    }
+    std::stable_sort(order.begin(), order.end(), [&](u32 a, u32 b) { return cell[a] < cell[b]; });
+    particles_.resize(n);
+    pending_.resize(n);
+    laws_.reorder(order);
+    for (u32 i = 0; i < n; ++i) {
+        const u32 from = order[i];
+        Particle<3>& p = particles_[i];
+        setting_.in_three(s.position, from, p.position);
+        setting_.in_three(s.velocity, from, p.velocity);
+        p.time = 0.0;
+        p.radius = radius(static_cast<int>(i));
+        pending_[i].original_index = from;
+        pending_[i].cell = cell[from] & (most_cells - 1);
+    }
+    put_into_cells();
+}
+
+template <class Law>
+void NewtonEvents<Law>::put_into_cells() {
+    cells_.clear();
+    for (u32 i = 0; i < size32(); ++i) cells_.insert(pending_[i].cell, i);
+}
+
+template <class Law>
+void NewtonEvents<Law>::restart_calendar_queue() {
+    calendar_queue_.rebuild(
+        size32(), [this](u32 id) { return pending_[id].time(); },
+        [this](u32 id) { return pending_[id].original_index; });
+}
+
+template <class Law>
+void NewtonEvents<Law>::reserve_candidates() const {
+    if (times_.size() >= cells_.room()) return;
+    times_.resize(cells_.room());
+    candidates_.resize(cells_.room());
+}
+
+// Written number by number: a copy in larger pieces would have to wait for the numbers.
+template <class Law>
+typename NewtonEvents<Law>::Block NewtonEvents<Law>::around(const Place<3>& at) const {
+    const int deep = box_.dimension == 3 ? 1 : 0;
+    return {{at[0] - 1, at[1] - 1, at[2] - deep}, {at[0] + 1, at[1] + 1, at[2] + deep}};
+}
+
+// f(j, r) for the images of bodies in the cells around body i's: r leads from i to j, now.
+template <class Law>
+template <class F>
+void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
+    reserve_candidates();
+    const Block near = around(cells_.place(level_, pending_[i].cell));
+    const Vector3 x = position(i, now_);
+    cells_.for_block(cell_box_, level_, near.from, near.to, [&](u32 cell, const double (&shift)[3]) {
+        const std::size_t n = cells_.collect(cell, candidates_, 0);
+        for (std::size_t k = 0; k < n; ++k) {
+            const int j = static_cast<int>(candidates_[k]);
+            if (j == i) continue;
+            Vector3 r = position(j, now_);
+            for (std::size_t a = 0; a < 3; ++a) r[a] = (r[a] + shift[a]) - x[a];
+            f(j, r);
+        }
+    });
+}
+
+// Looks into the cells that have become neighbours.
+template <class Law>
+void NewtonEvents<Law>::leave_cell(int i) {
+    Pending& e = pending_[i];
+    const SelfEvent own = static_cast<SelfEvent>(e.own);
+    const int axis = axis_of(own), step = is_high(own) ? 1 : -1;
+    const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
+    Place<3> at = cells_.place(level_, e.cell);
+    cells_.remove(e.cell, static_cast<u32>(i));
+    at[axis] += step;
+    if (at[axis] < 0 || at[axis] == g.cells[axis]) {
+        at[axis] -= step * g.cells[axis];
+        particles_[i].position[axis] -= box_.image_shift(axis, step);
+        pending_[i].image_flags[static_cast<std::size_t>(axis)] += step;
+    }
+    e.cell = cells_.number(level_, at) & (most_cells - 1);
+    cells_.insert(e.cell, static_cast<u32>(i));
+    Block beyond = around(at);
+    beyond.from[axis] = beyond.to[axis] = at[axis] + step;
+    set_query(i);
+    predict_collisions(i, beyond);
+    predict_self_event(i, at);
+    schedule(i);
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,229 @@
+// Integration of a cluster's equations of motion: one step of order 8.
+#pragma once
+#include "cluster.hpp"
+
+namespace hardlimit::boxes {
+
+// γ; leaves γ (ℓ/s)^{p−1} of each rooted contact in factor_.
+template <class Law>
+double Cluster<Law>::clock_rate(const double* y) const {
+    if constexpr (p == 1) return 1.0;
+    const auto for_rooted = [this](const auto& f) {
+        for (const int q : rooted_) f(q);
+    };
+    for_rooted([&](int q) { factor_[q] = math::power<p - 1>(y[slot_[q]] / pairs[q].s_unit); });
+    return smooth_time_rate(for_rooted, factor_.data());
+}
+
+template <class Law>
+void Cluster<Law>::derivative(const double* y, double* dy) const {
+    const int n = count();
+    const double gamma = clock_rate(y);
+    for (int i = 0; i < 3 * n; ++i) dy[i] = gamma * y[3 * n + i];
+    for (int i = 3 * n; i < 6 * n; i += 3)
+        for (std::size_t a = 0; a < 3; ++a) dy[static_cast<std::size_t>(i) + a] = gravity[a];
+    double loss_rate = 0.0, pressing = 0.0;
+    for (std::size_t q = 0; q < pairs.size(); ++q) {
+        const ContactPair<Law>& pair = pairs[q];
+        if (pair.state != ContactState::closed) continue;
+        const Geometry g = geometry(pair, y);
+        const double s = depth_root(static_cast<int>(q), g, y);
+        const double force = pair.law.force(s, g.rate);
+        loss_rate += (force - pair.law.elastic_force(s)) * g.rate;
+        if (pair.second >= 0) pressing += force * g.distance;
+        for (int a = 0; a < 3; ++a) {
+            const double along = force * g.normal[static_cast<std::size_t>(a)];
+            dy[3 * (n + pair.first) + a] -= along / members[pair.first].mass;
+            if (pair.second >= 0) dy[3 * (n + pair.second) + a] += along / members[pair.second].mass;
+        }
+        if (pair.rooted) dy[slot_[q]] = g.rate / p * factor_[q] / math::power<p - 1>(pair.s_unit);
+    }
+    if constexpr (p > 1)
+        for (int i = 3 * n; i < 6 * n; ++i) dy[i] *= gamma;
+    dy[time_index()] = gamma;
+    dy[loss_index()] = gamma * loss_rate;
+    dy[work_index()] = gamma * pressing;
+}
+
+// s where the contact is compressed or being compressed in earnest, the positions elsewhere; but s stays where the
+// compression is lost in the rounding of the positions. One that has hardly begun and hardly moves would stop the
+// clock for all.
+template <class Law>
+void Cluster<Law>::choose_coordinates() {
+    if constexpr (p == 1) return;
+    bool changed = false, at_zero = false;
+    const double unit = time_unit();
+    std::vector<int> chosen;
+    for (std::size_t q = 0; q < pairs.size(); ++q) {
+        ContactPair<Law>& pair = pairs[q];
+        bool use = false;
+        if (pair.state == ContactState::closed) {
+            const Geometry g = geometry(pair, y_.data());
+            const double sigma = depth_root(static_cast<int>(q), g, y_.data()) / pair.s_unit;
+            const bool earnest = sigma > 0.1 || math::abs(g.rate) > sigma * speed_unit_;
+            const bool lost = pair.rooted && g.depth < resolved_depth * pair.contact_distance;
+            const bool still = sigma < 0.01 && !(math::abs(g.rate) * unit > rounding(pair));
+            use = (earnest || lost) && !still && !(sigma <= 0.0 && at_zero);
+            at_zero = at_zero || (use && sigma <= 0.0);
+        }
+        if (use) chosen.push_back(static_cast<int>(q));
+        changed = changed || use != pair.rooted;
+    }
+    if (changed) rearrange(chosen);
+}
+
+template <class Law>
+void Cluster<Law>::rearrange(const std::vector<int>& chosen) {
+    Scratch<double> y;
+    y.assign(y_.begin(), y_.begin() + first_root_index());
+    for (const int q : chosen) y.push_back(depth_root(q, geometry(pairs[q], y_.data()), y_.data()));
+    for (ContactPair<Law>& q : pairs) q.rooted = false;
+    rooted_.assign(chosen.begin(), chosen.end());
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        pairs[chosen[i]].rooted = true;
+        slot_[chosen[i]] = first_root_index() + static_cast<int>(i);
+    }
+    y_.swap(y);
+    known_ = false;
+    resize();
+    h_ = math::min(h_, 0.25 * time_unit());
+}
+
+template <class Law>
+void Cluster<Law>::integration_step(double until) {
+    for (ContactPair<Law>& q : pairs)
+        if (q.state == ContactState::closed) set_scales(q);
+    choose_coordinates();
+    if (!(h_ > 0.0)) h_ = 0.25 * time_unit();
+    if (!known_) derivative(y_.data(), k_.data());
+    known_ = true;
+    if (event_at_start([this](int q, Event kind) { return event_at(q, kind, y_.data(), k_.data()).value; }))
+        return;
+    const int n = dimension();
+    double length = h_;
+    bool last = false;
+    if constexpr (p == 1) {
+        last = length >= until - y_[time_index()];
+        if (last) length = until - y_[time_index()];
+    }
+    advance(length, end_.data());
+    set_tolerance(length);
+    const double error = DormandPrince::error(stages_.data(), length, n, tolerance_.data());
+    const double growth = DormandPrince::growth(error);
+    if (!(error <= 1.0)) {
+        h_ = length * growth;
+        if (h_ < 1e-20 * time_unit()) unresolved = true;
+        return;
+    }
+    if (!last || growth < 1.0) h_ = length * growth;
+    derivative(end_.data(), k_end_.data());
+    if (end_[time_index()] > until) {
+        length = shorten_to_time(until, length);
+        last = true;
+    }
+    Event what = Event::none;
+    int which = 0;
+    for (std::size_t q = 0; q < pairs.size(); ++q)
+        for (const Event kind : events_of(pairs[q]))
+            if (kind != Event::none && crosses(static_cast<int>(q), kind, length)) {
+                what = kind;
+                which = static_cast<int>(q);
+                last = false;
+            }
+    if (ends_within_rounding()) return;
+    if (what != Event::none && end_[time_index()] > until) {  // beyond touch time had run back from there
+        length = shorten_to_time(until, length);
+        last = true;
+        what = Event::none;
+    }
+    for (std::size_t q = 0; q < pairs.size(); ++q)
+        if (pairs[q].fresh && (what == Event::none || which != static_cast<int>(q)))
+            pairs[q].fresh = still_fresh(static_cast<int>(q));
+    record_compressions(length);
+    y_.swap(end_);
+    k_.swap(k_end_);
+    if (last) y_[time_index()] = until;
+    time = y_[time_index()];
+    record_state();
+    if (what != Event::none) apply(what, which);
+}
+
+// The greatest compressions in the step from y_ to end_. Where the rate falls through zero, one more step leads
+// near the zero, and a parabola to the greatest compression.
+template <class Law>
+void Cluster<Law>::record_compressions(double length) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const ContactPair<Law>& q = pairs[i];
+        if (q.state != ContactState::closed || !q.may_be_deepest) continue;
+        const Geometry a = geometry(q, y_.data()), b = geometry(q, end_.data());
+        record_compression(q, math::max(a.depth, b.depth));
+        if (!(a.rate > 0.0 && b.rate < 0.0)) continue;
+        probe(length * (a.rate / (a.rate - b.rate)));
+        const Geometry near = geometry(q, trial_.data());
+        const double slope = acceleration(q, near, trial_.data(), k_trial_.data());
+        const double beyond = k_trial_[time_index()] * near.rate * near.rate / (-2.0 * slope);
+        record_compression(q, near.depth + (slope < 0.0 ? beyond : 0.0));
+    }
+}
+
+// A contact that has begun within rounding of touch and parts is over: with s < 0, γ would be too, and time would
+// run backwards.
+template <class Law>
+bool Cluster<Law>::ends_within_rounding() {
+    if (!(end_[time_index()] < y_[time_index()])) return false;
+    for (const int q : rooted_)
+        if (end_[slot_[q]] < 0.0) {
+            apply(Event::ends, q);
+            return true;
+        }
+    return false;
+}
+
+// Shortens the step so that it ends at the time `until`; the state there is left in end_.
+template <class Law>
+double Cluster<Law>::shorten_to_time(double until, double length) {
+    double low = 0.0, high = length,
+           at = length * (until - y_[time_index()]) / (end_[time_index()] - y_[time_index()]);
+    for (int i = 0; i < 80; ++i) {
+        probe(at);
+        const double excess = trial_[time_index()] - until;
+        (excess > 0.0 ? high : low) = at;
+        const double next = at - excess / k_trial_[time_index()], previous = at;
+        at = next > low && next < high ? next : 0.5 * (low + high);
+        if (math::abs(at - previous) <= 4.0 * math::epsilon * length) break;
+    }
+    probe(at);
+    end_.swap(trial_);
+    k_end_.swap(k_trial_);
+    return at;
+}
+
+template <class Law>
+void Cluster<Law>::set_tolerance(double length) {
+    const int n = count();
+    double depth = math::infinity, force = 0.0;
+    for (std::size_t q = 0; q < pairs.size(); ++q) {
+        if (pairs[q].state != ContactState::closed) continue;
+        depth = math::min(depth, pairs[q].depth_unit);
+        const Geometry g = geometry(pairs[q], y_.data());
+        force = math::max(
+            force, math::abs(pairs[q].law.force(depth_root(static_cast<int>(q), g, y_.data()), g.rate)));
+    }
+    for (int i = 0; i < n; ++i) {
+        // Rounding of the forces is no error of the step, and a shorter step would not lessen its rate.
+        const double rounding = 0.25 * math::epsilon * length * force / members[i].mass;
+        const double fastest = speed_unit_ * math::sqrt(lightest_ / members[i].mass);  // with all energy
+        for (int a = 0; a < 3; ++a) {
+            tolerance_[3 * i + a] =
+                math::max(tolerance * depth, 4.0 * math::epsilon * math::abs(y_[3 * i + a]));
+            tolerance_[3 * (n + i) + a] = math::max(tolerance * fastest, rounding);
+        }
+    }
+    tolerance_[time_index()] = tolerance * time_unit();
+    tolerance_[loss_index()] = tolerance * math::max(energy_unit(), math::abs(y_[loss_index()] - dissipated));
+    tolerance_[work_index()] = math::infinity;
+    for (const int q : rooted_)
+        tolerance_[slot_[q]] = tolerance * (math::abs(y_[slot_[q]]) + pairs[q].s_unit);
+}
+
+}  // namespace hardlimit::boxes

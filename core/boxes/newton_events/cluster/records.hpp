@@ -1,0 +1,66 @@
+// Records of a cluster: its members, their contacts, contacts that have ended, and the trajectory.
+#pragma once
+#include <vector>
+
+#include "../../common/box.hpp"
+#include "../../common/triangle.hpp"
+
+namespace hardlimit::boxes {
+
+struct Member {
+    double mass, radius;  // [kg], [m]
+    Vector3 position;     // from an origin near the cluster [m]
+    Vector3 velocity;     // [m/s]
+};
+
+enum class ContactState : unsigned char {
+    open,    // the surfaces are apart
+    slack,   // overlap without force
+    closed,  // overlap with a force
+};
+
+// Two members that may touch, or a member and a wall.
+template <class Law>
+struct ContactPair {
+    int first, second;        // second < 0: a wall
+    Vector3 image;            // shift to the nearest periodic image, added to x_second − x_first
+    WallId wall_id;           // if it is one
+    int axis;                 // of the wall's normal
+    double side;              // +1 for a wall at the low end of the axis, −1 at the high end
+    double wall;              // coordinate of the wall along the axis, from the cluster's origin
+    double contact_distance;  // R_first + R_second; at a wall R_first [m]
+    double mass;              // effective mass [kg]
+    Law law;
+    ContactState state = ContactState::open;
+    bool fresh = false;       // was just placed on the zero of an event function
+    bool rooted = false;      // s is integrated
+    bool overlapped = false;  // shared a body with another contact while it lasted
+    bool scaled = false;      // the scales below are set
+    bool may_be_too_deep = false, may_be_deepest = false;  // the cluster's energy suffices
+    double s = 0.0;                                        // if rooted
+    double s_unit = 0.0, depth_unit = 0.0;                 // at the cluster's energy
+    double begin = 0.0, impact_speed = 0.0;                // of the closed contact
+};
+
+struct EndedContact {
+    int pair;
+    double begin, end;
+    double impact_speed, separation_speed;
+    bool overlapped;
+};
+
+// States of the members after each step.
+struct Trajectory {
+    std::vector<double> time;
+    std::vector<double> state;  // for each time positions, then velocities
+    // [members] largest distance of the path from its chord since the last time; empty where unknown.
+    std::vector<double> chord_deviation;
+
+    void clear() {
+        time.clear();
+        state.clear();
+        chord_deviation.clear();
+    }
+};
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,245 @@
+// Set-up of a cluster: members, pairs that may touch, the time for which it is integrated.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+// Integrates the set from now on and makes its members busy.
+template <class Law>
+void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
+    Group& g = group(index);
+    open_group(g, set.bodies);
+    make_pairs(g, set.pairs);
+    const Cluster<Law>& before = g.cluster->before;
+    Cluster<Law>& after = g.cluster->after;
+    double horizon = horizon_of(g);
+    const double left = set.until - now_;
+    if (left > 1e-6 * horizon) horizon = math::min(horizon, left);
+    g.until = now_ + horizon;
+    for (;;) {
+        after = before;
+        after.record = true;
+        Stop never;
+        after.run(horizon, never,
+                  set.bodies.size() < large_group ? steps_of_small_group : steps_of_large_group);
+        if (set_safety_radii(index) || after.time == 0.0 || after.unresolved) break;
+        horizon = 0.5 * after.time;
+    }
+    after.trajectory.clear();
+}
+
+// Whether contacts last: groups are integrated on and on while none begins.
+template <class Law>
+bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
+    const std::size_t members = c.members.size();
+    const bool small = members < large_group;
+    if (small && c.steps() < steps_of_small_group) return false;
+    const auto bodies = static_cast<double>(particles_.size());
+    const double most = most_integration * (small ? math::max(bodies, fewest_bodies) : bodies);
+    integration_ =
+        math::max(integration_ - most_integration * static_cast<double>(begun_ - begun_before_), 0.0);
+    begun_before_ = begun_;
+    integration_ += static_cast<double>(members) * static_cast<double>(c.steps());
+    return integration_ > most;
+}
+
+// The members as they are now, without pairs.
+template <class Law>
+void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const {
+    g.alive = true;
+    g.isolated = false;
+    g.body.assign(set);
+    std::copy_n(particles_[set[0]].position, 3, g.origin.begin());
+    g.image_offset.resize(set.size());
+    if (!g.cluster) g.cluster = std::make_unique<ClusterStates>();
+    Cluster<Law>& c = g.cluster->before;
+    c.clear();
+    c.base = now_;
+    c.gravity = gravity_;
+    c.largest_coordinate = *std::ranges::max_element(box_.edge);
+    c.largest_compression = largest_compression_;
+    c.kernels = series_;
+    for (std::size_t m = 0; m < set.size(); ++m) set_member(g, m, c.members.emplace_back());
+}
+
+// A member as it is now, by the image that is near the group's origin; notes which one that is. Written where it stays:
+// what is copied in larger pieces than it was written in has to wait until it is in the cache.
+template <class Law>
+void NewtonEvents<Law>::set_member(Group& g, std::size_t m, Member& member) const {
+    const int i = g.body[m];
+    const Particle<3>& p = particles_[i];
+    member.mass = mass(i);
+    member.radius = radius(i);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double x = p.position[a] - g.origin[a];
+        const double turn = image_of(x, static_cast<int>(a));
+        member.position[a] = x - turn * box_.edge[a];
+        member.velocity[a] = p.velocity[a];
+        g.image_offset[m][a] = pending_[i].image_flags[a] + turn;
+    }
+}
+
+// The pairs that can touch while the group lasts.
+template <class Law>
+void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& live) const {
+    Cluster<Law>& c = g.cluster->before;
+    const std::size_t n = g.body.size();
+    std::vector<std::size_t> first(n + 1);  // pair of a member
+    for (std::size_t i = 0; i < n; ++i) {
+        first[i] = c.pairs.size();
+        for (std::size_t j = i + 1; j < n; ++j) {
+            if (!may_touch(c.members[i], c.members[j])) continue;
+            ContactPair<Law> q;
+            set_pair(g, static_cast<int>(i), static_cast<int>(j), c.members[i], c.members[j], q);
+            if (c.gap(q) < 2.0 * largest_displacement_) c.pairs.push_back(q);
+        }
+        for (int axis = 0; axis < box_.dimension; ++axis)
+            for (const bool high : {false, true})
+                if (box_.walled(axis) && near_wall(g.body[i], box_.wall(axis, high)))
+                    c.pairs.push_back(wall_pair(g, static_cast<int>(i), box_.wall(axis, high)));
+    }
+    first[n] = c.pairs.size();
+    const MemberIndex member(g.body);
+    for (ActivePair& l : live) {
+        const auto a = static_cast<int>(member(l.first)),
+                   b = l.second < 0 ? -1 : static_cast<int>(member(l.second));
+        const auto of = static_cast<std::size_t>(b < 0 ? a : std::min(a, b));
+        for (std::size_t k = first[of]; k < first[of + 1]; ++k) {
+            ContactPair<Law>& q = c.pairs[k];
+            const bool same = (q.first == a && q.second == b) || (q.first == b && q.second == a);
+            const bool same_wall = b >= 0 || l.pair.wall_id == q.wall_id;
+            if (same && same_wall) carry_over(q, l.pair, c);
+        }
+    }
+}
+
+// Whether two members are so near that their gap may count: for most of a large group this is all that is asked.
+template <class Law>
+bool NewtonEvents<Law>::may_touch(const Member& a, const Member& b) const {
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        const double x = b.position[s] - a.position[s], r = x - image_of(x, k) * box_.edge[s];
+        square += r * r;
+    }
+    const double near = 1.001 * (a.radius + b.radius + 2.0 * largest_displacement_);
+    return square < near * near;
+}
+
+template <class Law>
+void NewtonEvents<Law>::carry_over(ContactPair<Law>& q, ContactPair<Law>& old, const Cluster<Law>& c) const {
+    q.state = old.state;
+    q.fresh = old.fresh;
+    q.rooted = old.rooted;
+    q.s = old.s;
+    q.begin = old.begin;
+    q.overlapped = old.overlapped;
+    if (math::is_nan(old.impact_speed)) old.impact_speed = c.rate(q);
+    q.impact_speed = old.impact_speed;
+}
+
+template <class Law>
+double NewtonEvents<Law>::image_of(double x, int axis) const {
+    return math::round_small(x * query_.per_edge[axis]);
+}
+
+template <class Law>
+void NewtonEvents<Law>::set_pair(const Group& g, int i, int j, const Member& a, const Member& b,
+                                 ContactPair<Law>& q) const {
+    q = {};
+    q.first = i;
+    q.second = j;
+    for (int k = 0; k < 3; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        q.image[s] = -image_of(b.position[s] - a.position[s], k) * box_.edge[s];
+    }
+    q.contact_distance = a.radius + b.radius;
+    q.mass = effective(a.mass, b.mass);
+    laws_.put(g.body[static_cast<std::size_t>(i)], g.body[static_cast<std::size_t>(j)], q.law);
+}
+
+template <class Law>
+bool NewtonEvents<Law>::near_wall(int i, const Wall& wall) const {
+    return wall_distance(i, wall) < radius(i) + largest_displacement_;
+}
+
+// Of a body's centre, at the begin of its path [m].
+template <class Law>
+double NewtonEvents<Law>::wall_distance(int i, const Wall& wall) const {
+    return wall.distance(particles_[i].position[wall.id.axis()], now_);
+}
+
+template <class Law>
+ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall& wall) const {
+    const int body = g.body[static_cast<std::size_t>(i)];
+    ContactPair<Law> q{};
+    q.first = i;
+    q.second = -1;
+    q.wall_id = wall.id;
+    q.axis = wall.id.axis();
+    q.side = wall.inward();
+    q.wall = wall.position(now_) - g.origin[static_cast<std::size_t>(q.axis)];
+    q.contact_distance = radius(body);
+    q.mass = mass(body);
+    q.law = law(body, -1);
+    return q;
+}
+
+// Until contacts like those that last are over, if the members do not get far before. What overlaps without force is
+// soon apart; a slow body that it is not apart from would get far in thousands of contacts only.
+template <class Law>
+double NewtonEvents<Law>::horizon_of(const Group& g) const {
+    const Cluster<Law>& c = g.cluster->before;
+    constexpr double contacts = 1.5, contacts_without_force = 100.0;
+    const double speed = c.speed();
+    double closed = 0.0, slack = 0.0;
+    for (const ContactPair<Law>& q : c.pairs) {
+        if (q.state == ContactState::open) continue;
+        double& longest = q.state == ContactState::closed ? closed : slack;
+        longest = math::max(longest, q.law.duration(math::max(q.impact_speed, 1e-3 * speed), q.mass));
+    }
+    const double farthest =
+        math::min(time_to_cover(largest_displacement_, speed, c.near_a_wall()), time_to_a_wall(g, speed));
+    const double longest = closed > 0.0 ? contacts * closed : contacts_without_force * slack;
+    return longest > 0.0 ? math::min(longest, farthest) : farthest;
+}
+
+// For how long a member can't get farther, by its speed and, where that counts, its weight.
+template <class Law>
+double NewtonEvents<Law>::time_to_cover(double distance, double speed, bool falls) const {
+    const double pull = falls ? math::sqrt(dot(gravity_, gravity_)) : 0.0;
+    return 2.0 * distance / (speed + math::sqrt(speed * speed + 2.0 * distance * pull));
+}
+
+// For how long no member can get to a wall that is none of the group's: they may all fly there together.
+template <class Law>
+double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
+    double gap = math::infinity;
+    for (const int i : g.body)
+        for (int axis = 0; axis < box_.dimension; ++axis)
+            for (const bool high : {false, true})
+                if (const Wall wall = box_.wall(axis, high); box_.walled(axis) && !near_wall(i, wall))
+                    gap = math::min(gap, wall_distance(i, wall) - radius(i));
+    if (gap == math::infinity) return gap;
+    const Vector3 drift = g.cluster->before.mean_velocity();
+    return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);
+}
+
+// The group at its begin, ready to be integrated, into c.
+template <class Law>
+void NewtonEvents<Law>::initial_cluster(const Group& g, Cluster<Law>& c) const {
+    if (!g.isolated) {
+        c = g.cluster->before;
+        return;
+    }
+    c.clear();
+    c.base = g.isolated_contact.contact.begin;
+    c.gravity = gravity_;
+    c.largest_coordinate = *std::ranges::max_element(box_.edge);
+    c.largest_compression = largest_compression_;
+    c.kernels = series_;
+    for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.isolated_contact.before[m]);
+    c.pairs.push_back(g.isolated_contact.pair);
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,110 @@
+// Membership of bodies in groups: entering, leaving, and ending a group.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Law>
+int NewtonEvents<Law>::new_group() {
+    if (spare_.empty()) {
+        groups_.emplace_back();
+        return static_cast<int>(groups_.size()) - 1;
+    }
+    const int index = spare_.back();
+    spare_.pop_back();
+    return index;
+}
+
+template <class Law>
+void NewtonEvents<Law>::join_group(int i, int index, std::size_t m, double span) {
+    BodyEvents& e = pending_[i];
+    e.group = index;
+    e.end = now_ + span;
+    e.first = m == 0;
+    e.clustered = !group(index).isolated;
+}
+
+template <class Law>
+void NewtonEvents<Law>::set_free(int i) {
+    BodyEvents& e = pending_[i];
+    e.group = -1;
+    e.end = math::infinity;
+    e.first = e.clustered = false;
+    particles_[i].radius = radius(i);
+}
+
+// A member is on its own again, at its true place.
+template <class Law>
+void NewtonEvents<Law>::restart_body(const Group& g, std::size_t m, const Member& at) {
+    const int i = g.body[m];
+    Particle<3>& p = particles_[i];
+    const Vector3 x = body_position(g, m, at.position);
+    std::copy_n(x.data(), 3, p.position);
+    std::copy_n(at.velocity.data(), 3, p.velocity);
+    p.time = now_;
+    set_free(i);
+    ++pending_[i].count;
+}
+
+// A member's place in the frame of its body's cell.
+template <class Law>
+Vector3 NewtonEvents<Law>::body_position(const Group& g, std::size_t m, Vector3 x) const {
+    const std::array<int, 3>& image_flags = pending_[g.body[m]].image_flags;
+    for (std::size_t a = 0; a < 3; ++a)
+        x[a] += g.origin[a] + (g.image_offset[m][a] - image_flags[a]) * box_.edge[a];
+    return x;
+}
+
+// Ends a group now: its members are on their own again, at their true places.
+template <class Law>
+void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<ActivePair>& live) {
+    Group& g = group(index);
+    if (!g.cluster) g.cluster = std::make_unique<ClusterStates>();
+    if (!at_end) {
+        initial_cluster(g, g.cluster->after);
+        g.cluster->after.run_through(now_ - g.cluster->after.base);
+        if (g.cluster->after.unresolved) end_run(Outcome::unresolved, {g.body.begin(), g.body.end()});
+    }
+    const Cluster<Law>& c = g.cluster->after;
+    dissipated_ += c.dissipated;
+    virial_ += c.virial;
+    largest_compression_ = math::max(largest_compression_, c.largest_compression);
+    begun_ += static_cast<std::uint64_t>(c.begun);
+    begun_pairs_ += static_cast<std::uint64_t>(c.begun_pairs);
+    if (!g.isolated) clustered_ += (now_ - c.base) * static_cast<double>(g.body.size());
+    for (const EndedContact& e : c.ended) log(g, c.pairs[static_cast<std::size_t>(e.pair)], e);
+    for (std::size_t m = 0; m < g.body.size(); ++m) restart_body(g, m, c.members[m]);
+    for (const ContactPair<Law>& q : c.pairs) {
+        if (q.state == ContactState::open) continue;
+        const int second = q.second < 0 ? -1 : g.body[static_cast<std::size_t>(q.second)];
+        live.push_back({g.body[static_cast<std::size_t>(q.first)], second, q});
+    }
+    discard_group(index);
+}
+
+// Undoes build: the members are free bodies at their places now.
+template <class Law>
+void NewtonEvents<Law>::undo_group(int index) {
+    Group& g = group(index);
+    for (std::size_t m = 0; m < g.body.size(); ++m) {
+        const int i = g.body[m];
+        const Member& before = g.isolated ? g.isolated_contact.before[m] : g.cluster->before.members[m];
+        const Vector3 x = body_position(g, m, before.position);
+        set_free(i);
+        std::copy_n(x.data(), 3, particles_[i].position);
+        std::copy_n(before.velocity.data(), 3, particles_[i].velocity);
+    }
+    discard_group(index);
+}
+
+// The next group to be is this one again, soon.
+template <class Law>
+void NewtonEvents<Law>::discard_group(int index) {
+    Group& g = group(index);
+    g.alive = false;
+    spare_.push_back(index);
+    if (!prefetches_) return;
+    for (std::size_t k = 0; k < sizeof g; k += 64) prefetch(reinterpret_cast<const char*>(&g) + k);
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,98 @@
+// State, observables and log rows of the event-driven engine.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+template <class Law>
+NewtonSnapshot NewtonEvents<Law>::snapshot() const {
+    const std::size_t n = particles_.size(), d = setting_.axes();
+    NewtonSnapshot s{{}, std::vector<double>(n * d), std::vector<double>(n * d), {}};
+    Observation& o = s.sums;
+    o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
+    o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
+    const auto write = [&](int i, const Vector3& x, const Vector3& v) {
+        const std::size_t at = d * std::size_t{pending_[i].original_index};
+        const double m = mass(i);
+        for (std::size_t a = 0; a < d; ++a) {
+            const int axis = static_cast<int>(a);
+            s.position[at + a] = x[a] + box_.image_shift(axis, pending_[i].image_flags[a]);
+            s.velocity[at + a] = v[a];
+            o.kinetic_energy += 0.5 * m * v[a] * v[a];
+            o.potential_energy -= m * box_.gravity[a] * s.position[at + a];
+            o.momentum[a] += m * v[a];
+        }
+    };
+    for (int i = 0; i < static_cast<int>(n); ++i)
+        if (free(i)) write(i, position(i, now_), velocity(i, now_));
+    Cluster<Law> c;
+    for (const Group& g : groups_) {
+        if (!g.alive) continue;
+        initial_cluster(g, c);
+        c.run_through(now_ - c.base);
+        const double slack = c.stored(ContactState::slack);
+        o.contact_energy += c.stored(ContactState::closed) + slack;
+        o.dissipated_energy += c.dissipated - slack;
+        o.virial += c.virial;
+        o.largest_compression = math::max(o.largest_compression, c.largest_compression);
+        o.begun += static_cast<u64>(c.begun);
+        o.pairs += static_cast<u64>(c.begun_pairs);
+        for (std::size_t m = 0; m < g.body.size(); ++m)
+            write(g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
+        for (const EndedContact& e : c.ended) {
+            ++o.ended;
+            o.overlapped += e.overlapped;
+            s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
+        }
+        for (const ContactPair<Law>& q : c.pairs) {
+            if (q.state != ContactState::closed) continue;
+            ++o.in_contact;
+            s.open.push_back(
+                contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
+        }
+    }
+    return s;
+}
+
+template <class Law>
+void NewtonEvents<Law>::state(double* position, double* velocity) const {
+    const NewtonSnapshot now = snapshot();
+    std::ranges::copy(now.position, position);
+    std::ranges::copy(now.velocity, velocity);
+}
+
+// cluster_share: part of all time that bodies have spent in groups of several contacts.
+template <class Law>
+std::vector<Statistic> NewtonEvents<Law>::statistics() const {
+    const double time = now_ * static_cast<double>(size());
+    return {{"n_events", static_cast<double>(events_)},
+            {"largest_cluster", static_cast<double>(largest_cluster_)},
+            {"cluster_share", now_ > 0.0 ? clustered_ / time : 0.0}};
+}
+
+template <class Law>
+std::size_t NewtonEvents<Law>::bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return sizeof *this + of(particles_) + of(pending_) + of(groups_) + of(candidates_) + of(times_) +
+           cells_.bytes() + calendar_queue_.bytes();
+}
+
+template <class Law>
+void NewtonEvents<Law>::log(const Group& g, const ContactPair<Law>& q, const EndedContact& e) {
+    ++ended_;
+    overlapped_ += e.overlapped;
+    if (setting_.log) log_.push_back(contact_row(g, q, e));
+}
+
+template <class Law>
+ContactRecord NewtonEvents<Law>::contact_row(const Group& g, const ContactPair<Law>& q,
+                                             const EndedContact& e) const {
+    const auto name = [&](int member) {
+        return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].original_index);
+    };
+    int first = name(q.first), second = q.second >= 0 ? name(q.second) : q.wall_id.number;
+    if (second >= 0 && second < first) std::swap(first, second);
+    return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
+}
+
+}  // namespace hardlimit::boxes

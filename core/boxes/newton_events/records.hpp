@@ -1,0 +1,110 @@
+// Records of the event-driven engine for Newton's equations: bodies, their contacts and groups.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "../common/engine.hpp"
+#include "../common/particle.hpp"
+#include "../common/storage.hpp"
+#include "cluster/cluster.hpp"
+
+namespace hardlimit::boxes {
+
+// Event bookkeeping of one body (64 bytes); its path is in `Particle`. `count`: changes of the path so far.
+struct alignas(64) BodyEvents : Pending {
+    double end = math::infinity;       // of its group [s]
+    int group = -1;                    // −1: none
+    std::array<int, 3> image_flags{};  // periods by which the unfolded path has moved along each axis
+    u32 original_index = 0;
+    bool first = false;      // first member of its group; the end of a cluster is its self event
+    bool clustered = false;  // member of a cluster: its path ends with the group
+    std::uint16_t unused = 0;
+};
+static_assert(sizeof(BodyEvents) == 64);
+
+// A contact that no third body disturbs. In a large box each cache line is a wait for memory: the first line has what
+// the end of the contact needs, the second what is needed when another body comes near.
+template <class Law>
+struct IsolatedContact {
+    int body[2];              // second < 0: a wall
+    double dissipated;        // [J]
+    double virial;            // [J s]
+    double compression;       // largest, over the smaller radius
+    alignas(64) double span;  // until the surfaces are apart [s]
+    double share[2];          // each member's part of the relative displacement: m_other/(m_1 + m_2)
+    double safety_radius[2];  // by which a member's path can leave the triangle of stays_clear() [m]
+    Vector3
+        initial_offset;  // at touch, from the outgoing relative path, extrapolated back, to the true path [m]
+    double deviation;    // its length, the largest deviation from the outgoing path [m]
+    double rotation;     // of the line of centres [rad]
+    Member before[2];
+    ContactPair<Law> pair;
+    EndedContact contact;
+};
+
+template <class Law>
+struct ClusterStates {
+    Cluster<Law> before, after;
+};
+
+// Bodies in contact that are solved together: one isolated contact or a cluster.
+template <class Law>
+struct ContactGroup {
+    IsolatedContact<Law> isolated_contact{};  // if isolated
+    bool alive = false, isolated = false;
+    double until = 0.0;  // latest end of a large cluster [s]
+    Vector3 origin{};
+    Few<int, 2> body;
+    Few<Vector3, 2> image_offset;  // [members] periods between the member's position and its unfolded path
+    std::unique_ptr<ClusterStates<Law>> cluster;  // if not isolated
+};
+
+// A closed or slack pair, by its bodies.
+template <class Law>
+struct ActivePair {
+    int first, second;
+    ContactPair<Law> pair;
+};
+
+// Bodies that are to form a group, their active pairs, and the latest end of the group.
+template <class Law>
+struct ClusterSeed {
+    std::vector<int> bodies;
+    std::vector<ActivePair<Law>> pairs;
+    double until = math::infinity;  // [s]
+};
+
+// Index of a body among the members of a group.
+class MemberIndex {
+public:
+    explicit MemberIndex(std::span<const int> bodies) : bodies_(bodies) {
+        if (bodies.size() < few) return;
+        for (std::size_t m = 0; m < bodies.size(); ++m) sorted_.emplace_back(bodies[m], m);
+        std::sort(sorted_.begin(), sorted_.end());
+    }
+    std::size_t operator()(int body) const {
+        if (sorted_.empty())
+            return static_cast<std::size_t>(std::find(bodies_.begin(), bodies_.end(), body) -
+                                            bodies_.begin());
+        return std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{body, std::size_t{0}})->second;
+    }
+
+private:
+    static constexpr std::size_t few = 16;
+    std::span<const int> bodies_;
+    std::vector<std::pair<int, std::size_t>> sorted_;
+};
+
+// State of the whole box at one time.
+struct NewtonSnapshot {
+    Observation sums;
+    std::vector<double> position, velocity;  // [N d], along the unfolded paths
+    std::vector<ContactRecord> open;         // contacts that last, and ended ones of groups that still last
+};
+
+}  // namespace hardlimit::boxes
