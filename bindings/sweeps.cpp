@@ -142,8 +142,7 @@ void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int thr
             return raised;
         };
         const int wanted = static_cast<int>(std::min<hl::u64>(static_cast<hl::u64>(threads), batches));
-        hl::ThreadTeam().run(
-            wanted, open.period, [&](hl::ThreadTeam::Member& me) { work(job, size, me.stop); }, watch);
+        hl::ThreadPool().run(wanted, open.period, [&](hl::Stop& stop) { work(job, size, stop); }, watch);
     }
     if (raised) throw nb::python_error();
 }

@@ -49,24 +49,6 @@ print(np.array_equal(ds.t_end, few.t_end), np.array_equal(ds.n_contacts, few.n_c
     assert (done.returncode, done.stdout) == (0, "True True\n"), done.stderr
 
 
-@pytest.fixture(scope="module")
-def team(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("threads") / "threads"
-    flags = ["-std=c++20", "-O2", "-pthread", f"-I{ROOT / 'core'}"]
-    subprocess.run(["g++", *flags, str(ROOT / "tests" / "base" / "threads.cpp"), "-o", str(made)], check=True)
-    return made
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("threads", [1, 2, 3, 5])
-def test_threads_go_through_phases_together_and_end_when_one_fails(team: Path, threads: int) -> None:
-    def ask(word: str) -> str:
-        return subprocess.check_output([team, word, str(threads)], text=True, timeout=120)
-
-    assert ask("phases") == "3000 0\n"
-    assert ask("failure") == f"{threads} 1\n"
-
-
 SOLVES = {
     "exact": "hl.newton(elastic, until=1e5)",
     "adiabatic": "hl.adiabatic(elastic, until=1e5)",

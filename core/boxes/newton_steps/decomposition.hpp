@@ -85,7 +85,11 @@ public:
         ++lists_;
     }
 
-    // Distances from where the list was built, and speeds.
+    // How far bodies have moved since the list was built [m], and how fast they are [m/s].
+    struct Measurement {
+        double farthest = 0.0, fastest = 0.0;
+        bool finite = true;
+    };
     void measure(Slab<Law>& slab) {
         const Records<Double4>& from = sort_.reference();
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) {
@@ -94,6 +98,28 @@ public:
             slab.farthest = distance <= slab.farthest ? slab.farthest : distance;  // keeps NaN
             slab.fastest = speed <= slab.fastest ? slab.fastest : speed;
         }
+    }
+    Measurement take_measurement() {
+        Measurement m;
+        for (Slab<Law>& s : slabs) {
+            m.finite = m.finite && s.farthest < math::infinity && s.fastest < math::infinity;
+            m.farthest = math::max(m.farthest, math::sqrt(s.farthest));
+            m.fastest = math::max(m.fastest, math::sqrt(s.fastest));
+            s.farthest = s.fastest = 0.0;
+        }
+        return m;
+    }
+    // Original index of the fastest body, or of one whose state is not finite.
+    i64 fastest_body() const {
+        const auto square = [this](std::size_t i) {
+            const double speed = dot(bodies.velocity[i], bodies.velocity[i]);
+            const double distance = dot(bodies.position[i], bodies.position[i]);
+            return distance < math::infinity && speed < math::infinity ? speed : math::infinity;
+        };
+        std::size_t fastest = 0;
+        for (std::size_t i = 1; i < bodies.count(); ++i)
+            if (square(i) > square(fastest)) fastest = i;
+        return bodies.tag[fastest].original_index;
     }
 
     template <class Archive>

@@ -21,7 +21,9 @@
 #include "../common/archive.hpp"
 #include "../common/newton_setting.hpp"
 #include "contact_log.hpp"
+#include "observables.hpp"
 #include "stepper.hpp"
+#include "thread_team.hpp"
 
 namespace hardlimit::boxes {
 
@@ -85,33 +87,13 @@ public:
             const Double4 v = velocity_of(i);
             const std::size_t to = std::size_t{bodies_.tag[i].original_index} * static_cast<std::size_t>(d);
             for (int axis = 0; axis < d; ++axis) {
-                position[to + static_cast<std::size_t>(axis)] = unfolded(i, axis);
+                position[to + static_cast<std::size_t>(axis)] = steps::unfolded(box_, bodies_, i, axis);
                 velocity[to + static_cast<std::size_t>(axis)] = v[axis];
             }
         }
     }
-
     Observation observe() const override {
-        Observation o;
-        for (std::size_t i = 0; i < bodies_.count(); ++i) {
-            const Double4 v = velocity_of(i);
-            const double mass = 1.0 / bodies_.velocity[i][3];
-            o.kinetic_energy += 0.5 * mass * dot(v, v);
-            for (int axis = 0; axis < box_.dimension; ++axis) {
-                o.potential_energy -= mass * box_.gravity[axis] * unfolded(i, axis);
-                o.momentum[axis] += mass * v[axis];
-            }
-        }
-        o.dissipated_energy = domain_.dissipated, o.virial = domain_.virial;
-        for (const Slab& s : slabs_) {
-            o.dissipated_energy += s.dissipated, o.virial += s.virial;
-            for (const Contact& c : s.contacts) {
-                if (c.index_first == steps::no_body) continue;
-                o.contact_energy += c.law.energy(onset_root<Law::onset_power>(c.compression));
-                o.in_contact += c.in_contact;
-            }
-        }
-        o.largest_compression = domain_.largest_compression();
+        Observation o = steps::observe(box_, domain_, [this](std::size_t i) { return velocity_of(i); });
         o.begun = log_.begun(), o.pairs = log_.pairs(), o.ended = log_.ended();
         o.overlapped = log_.overlapped();
         return o;
@@ -153,9 +135,9 @@ public:
 private:
     using Slab = steps::Slab<Law>;
     using Contact = steps::Contact<Law>;
-    using Member = ThreadTeam::Member;
-    // What the threads do next.
-    enum class Phase { resume, measure, rebuild, batch, over };
+    // Of the work that threads share. A step is swept inside the partitions and then at their borders, and after a
+    // batch the first slab of each partition moves.
+    enum class Phase { resume, move, measure, cells, gather, list, inside, border, last_move, over };
 
     NewtonSetting setting_;
     const Box& box_ = setting_.box;
@@ -168,7 +150,7 @@ private:
     steps::StepPlan& plan_ = stepper_.plan;
     steps::Instant& now_ = stepper_.now;
 
-    Phase phase_ = Phase::rebuild;
+    Phase phase_ = Phase::cells;
     double time_ = 0.0;
     std::uint64_t taken_ = 0;  // steps since the start
     std::uint64_t quota_ = 0;  // steps until the run pauses
@@ -196,7 +178,9 @@ private:
     template <class Watch>
     void run(int threads, std::chrono::milliseconds period, const Watch& watch) {
         try {
-            ThreadTeam().run(threads, period, [this](Member& me) { work(me); }, watch);
+            steps::ThreadTeam team(static_cast<std::uint32_t>(threads));
+            Work work{*this, team.partitions()};
+            ThreadPool().run(threads, period, [&](Stop& stop) { team.work(stop, work); }, watch);
         } catch (...) {  // some work was left half done, for example for want of memory
             if (phase_ != Phase::over) outcome_ = Outcome::unresolved;
             throw;
@@ -208,57 +192,83 @@ private:
         return bodies_.velocity[i] +
                (bodies_.acceleration[i].at(now_.step) + gravity_of(box_)) * (0.5 * plan_.h);
     }
-    double unfolded(std::size_t i, int axis) const {
-        return bodies_.position[i][axis] + box_.image_shift(axis, bodies_.tag[i].image_flags[axis]);
-    }
     double pull() const { return math::sqrt(dot(gravity_of(box_), gravity_of(box_))); }
 
-    // --- phases, each of which all threads do together ------------------------------------------------------------
+    // --- phases ---------------------------------------------------------------------------------------------------
 
-    void work(Member& me) {
-        while (phase_ != Phase::over) {
-            if (phase_ == Phase::resume) resume(me);
-            if (phase_ == Phase::measure) measure(me);
-            if (phase_ == Phase::rebuild) rebuild(me);
-            if (phase_ == Phase::batch) take_batch(me);
+    struct Work {
+        NewtonSteps& of;
+        std::uint32_t partitions;
+
+        void perform(std::uint32_t k) { of.perform(k, partitions); }
+        bool next(Stop& stop) { return of.next(stop), of.phase_ != Phase::over; }
+    };
+
+    void perform(std::uint32_t k, std::uint32_t partitions) {
+        const auto p = steps::Partition::of(slabs_.size(), k, partitions);
+        const auto for_slabs = [&](const auto& action) {
+            for (std::uint32_t slab = p.first; slab < p.last; ++slab) action(slab);
+        };
+        const std::size_t n = bodies_.count(), first = n * k / partitions, last = n * (k + 1) / partitions;
+        switch (phase_) {
+            case Phase::resume:
+                return for_slabs(
+                    [&](std::uint32_t slab) { steps::Forces<Law>::resume(slabs_[slab], bodies_, plan_.h); });
+            case Phase::move:
+                return for_slabs([&](std::uint32_t slab) { stepper_.move(slab, 0, true); });
+            case Phase::measure:
+                return for_slabs([&](std::uint32_t slab) { domain_.measure(slabs_[slab]); });
+            case Phase::cells:
+                return domain_.find_cells(first, last);
+            case Phase::gather:
+                return domain_.gather(first, last);
+            case Phase::list:
+                return for_slabs([&](std::uint32_t slab) { domain_.list(slabs_[slab], time_); });
+            case Phase::inside:
+                return stepper_.step_inside(p);
+            case Phase::border:
+                return stepper_.step_at_border(p);
+            case Phase::last_move:
+                return stepper_.end_steps(p);
+            case Phase::over:
+                return;
         }
     }
 
-    template <class Action>
-    void for_slabs(const Member& me, const Action& action) {
-        const auto [first, last] = stepper_.slabs_of(me);
-        for (std::uint32_t k = first; k < last; ++k) action(k);
-    }
-
-    void resume(Member& me) {
-        for_slabs(me, [this](std::uint32_t k) { steps::Forces<Law>::resume(slabs_[k], bodies_, plan_.h); });
-        me.sync([&] { stepper_.kick = 0.5 * plan_.h; });
-        for_slabs(me, [this](std::uint32_t k) { stepper_.move(k, 0, true); });
-        me.sync([&] { end_steps(1, me.stop); });
-    }
-
-    void measure(Member& me) {
-        for_slabs(me, [this](std::uint32_t k) { domain_.measure(slabs_[k]); });
-        me.sync([&] { end_measure(me.stop); });
-    }
-
-    void rebuild(Member& me) {
-        const auto [first, last] = me.part_of(bodies_.count());
-        domain_.find_cells(first, last);
-        me.sync([&] { domain_.order(); });
-        domain_.gather(first, last);
-        me.sync([&] { domain_.divide(); });
-        for_slabs(me, [this](std::uint32_t k) { domain_.list(slabs_[k], time_); });
-        me.sync([&] {
-            domain_.restore_contacts();
-            criterion_.list_built(domain_.skin());
-            begin_batch(me.stop);
-        });
-    }
-
-    void take_batch(Member& me) {
-        const std::uint32_t steps = stepper_.take_steps(me);
-        me.sync([&] { end_batch(steps, me.stop); });
+    // Ends a phase and begins the next one.
+    void next(Stop& stop) {
+        switch (phase_) {
+            case Phase::resume:
+                stepper_.kick = 0.5 * plan_.h;
+                phase_ = Phase::move;
+                return;
+            case Phase::move:
+                return end_steps(1, stop);
+            case Phase::measure:
+                return end_measure(stop);
+            case Phase::cells:
+                domain_.order();
+                phase_ = Phase::gather;
+                return;
+            case Phase::gather:
+                domain_.divide();
+                phase_ = Phase::list;
+                return;
+            case Phase::list:
+                domain_.restore_contacts();
+                criterion_.list_built(domain_.skin());
+                return begin_batch(stop);
+            case Phase::inside:
+                phase_ = Phase::border;
+                return;
+            case Phase::border:
+                phase_ = stepper_.next_step() ? Phase::inside : Phase::last_move;
+                return;
+            case Phase::last_move:
+                return end_batch(stepper_.steps_taken(), stop);
+            case Phase::over:
+                return;
+        }
     }
 
     // --- between two phases, by one thread ------------------------------------------------------------------------
@@ -272,7 +282,7 @@ private:
         const bool first = now_.step == 0;
         const bool closing = first || plan_.done == plan_.planned || outcome_ != Outcome::ok;
         paused_ = !closing && !paused_ && (quota_ == 0 || stop.now());
-        phase_ = paused_ ? Phase::over : Phase::batch;
+        phase_ = paused_ ? Phase::over : Phase::inside;
         if (paused_) return;
         const double weight = closing ? 0.5 : 1.0, h = first ? 0.0 : plan_.h;
         now_ = {first ? 2 : now_.step + 1, time_, h, 0.5 * h, weight * h, closing};
@@ -304,19 +314,12 @@ private:
     }
 
     void end_measure(Stop& stop) {
-        double farthest = 0.0, fastest = 0.0;
-        bool finite = true;
-        for (Slab& s : slabs_) {
-            finite = finite && s.farthest < math::infinity && s.fastest < math::infinity;
-            farthest = math::max(farthest, math::sqrt(s.farthest));
-            fastest = math::max(fastest, math::sqrt(s.fastest));
-            s.farthest = s.fastest = 0.0;
-        }
+        const auto [farthest, fastest, finite] = domain_.take_measurement();
         const bool missed = criterion_.measured(farthest, fastest, plan_.h, domain_.skin());
         // Bodies that move further in a step could pass through each other.
         if (missed || !(finite && fastest * plan_.h < 0.25 * domain_.smallest_diameter())) {
             outcome_ = Outcome::unresolved;
-            ended_by_ = {fastest_body()};
+            ended_by_ = {domain_.fastest_body()};
             begin_steps(stop);
         } else if (criterion_.allowance > 0.05 * domain_.skin()) {
             begin_batch(stop);
@@ -325,22 +328,10 @@ private:
         }
     }
     void begin_rebuild() {
-        phase_ = Phase::rebuild;
+        phase_ = Phase::cells;
         domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? plan_.h : setting_.time_step);
     }
 
-    // Original index of the fastest body, or of one whose state is not finite.
-    i64 fastest_body() const {
-        const auto square = [this](std::size_t i) {
-            const double speed = dot(bodies_.velocity[i], bodies_.velocity[i]);
-            const double distance = dot(bodies_.position[i], bodies_.position[i]);
-            return distance < math::infinity && speed < math::infinity ? speed : math::infinity;
-        };
-        std::size_t fastest = 0;
-        for (std::size_t i = 1; i < bodies_.count(); ++i)
-            if (square(i) > square(fastest)) fastest = i;
-        return bodies_.tag[fastest].original_index;
-    }
     // The run ends since a contact has reached the largest compression of its law.
     void end_too_deep() {
         const auto deepest = std::ranges::max_element(slabs_, {}, &Slab::largest_compression);

@@ -1,11 +1,10 @@
-// A batch of steps on all slabs, by several threads.
+// A batch of steps on all slabs, in phases that several threads share.
 #pragma once
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <utility>
 
-#include "../../base/threads.hpp"
 #include "decomposition.hpp"
 #include "forces.hpp"
 #include "motion.hpp"
@@ -23,10 +22,23 @@ struct StepPlan {
     }
 };
 
+// Slabs first … last − 1. The first one is even.
+struct Partition {
+    std::uint32_t first, last;
+
+    // Number k of so many: pairs of an even and an odd slab are divided.
+    static Partition of(std::size_t slabs, std::uint32_t k, std::uint32_t count) {
+        if (slabs == 1) return {0, k == 0 ? 1u : 0u};
+        const auto at = [&](std::uint32_t i) {
+            return static_cast<std::uint32_t>(2 * (slabs / 2 * i / count));
+        };
+        return {at(k), at(k + 1)};
+    }
+};
+
 template <class Law>
 class Stepper {
 public:
-    using Member = ThreadTeam::Member;
     static constexpr std::uint32_t most_steps = RebuildCriterion::most_steps;
 
     // Written between two phases by one thread, and read by all during a phase.
@@ -44,41 +56,38 @@ public:
         return then;
     }
     void begin(std::uint64_t steps) {
+        step_ = 0;
         last_step_.store(static_cast<std::uint32_t>(steps) - 1, std::memory_order_relaxed);
     }
 
-    // Slabs of a thread: first, last. Its first slab is even, since pairs of an even and an odd slab are divided.
-    std::pair<std::uint32_t, std::uint32_t> slabs_of(const Member& me) const {
-        const auto count = static_cast<std::uint32_t>(slabs_.size());
-        if (count == 1) return {0, me.index == 0 ? 1 : 0};
-        const auto [first, last] = me.part_of(count / 2);
-        return {2 * first, 2 * last};
-    }
-
-    // Returns the number of steps taken. The sweep of a slab accelerates bodies of this slab and of the next one, which
-    // move afterwards. Every body must receive its forces in the same order with any number of threads: those of an
-    // even slab first. So an odd slab is swept after both its neighbours, and a slab moves after the sweeps of it and of the
-    // one before. A thread does this in its own slabs alone, and moves bodies soon after their sweep, while they are in
-    // the cache. It waits for the other threads before its last sweep, which reaches into the slabs of the next thread,
-    // and after it, so that the next thread may move its first slab.
-    std::uint32_t take_steps(Member& me) {
-        const auto [first, last] = slabs_of(me);
-        const bool any = first < last;
-        std::uint32_t step = 0;
-        for (; step <= last_step_.load(std::memory_order_relaxed); ++step) {
-            if (any && step > 0) move(first, step - 1);
-            if (any) sweep(first, step);
-            for (std::uint32_t odd = first + 1; odd + 1 < last; odd += 2) {
-                sweep(odd + 1, step), sweep(odd, step);
-                move(odd, step), move(odd + 1, step);
-            }
-            me.sync();
-            if (any && last - 1 > first) sweep(last - 1, step), move(last - 1, step);
-            me.sync();
+    // A step has two phases, of one task per partition of the slabs, and a last one follows the batch. The sweep of a
+    // slab accelerates bodies of this slab and of the next one, which move afterwards. Every body must receive its
+    // forces in the same order with any number of partitions: those of an even slab first. So an odd slab is swept
+    // after both its neighbours, and a slab moves after the sweeps of it and of the one before. Inside a partition a
+    // slab moves soon after its sweep, while it is in the cache.
+    void step_inside(Partition p) {
+        if (p.first == p.last) return;
+        if (step_ > 0) move(p.first, step_ - 1);
+        sweep(p.first);
+        for (std::uint32_t odd = p.first + 1; odd + 1 < p.last; odd += 2) {
+            sweep(odd + 1), sweep(odd);
+            move(odd, step_), move(odd + 1, step_);
         }
-        if (any) move(first, step - 1);
-        return step;
     }
+    // The last slab reaches into the first slab of the next partition, which moves in the next phase.
+    void step_at_border(Partition p) {
+        if (p.last - p.first > 1) sweep(p.last - 1), move(p.last - 1, step_);
+    }
+    void end_steps(Partition p) {
+        if (p.first < p.last) move(p.first, step_);
+    }
+    // Returns whether another step of the batch follows.
+    bool next_step() {
+        if (step_ >= last_step_.load(std::memory_order_relaxed)) return false;
+        ++step_;
+        return true;
+    }
+    std::uint32_t steps_taken() const { return step_ + 1; }
 
     // After all forces on the slab: velocities advance by `kick`, then positions by h, unless the advance ends here.
     void move(std::uint32_t k, std::uint32_t step, bool drifts) {
@@ -101,8 +110,8 @@ public:
         drift(slab, domain_.bodies, plan.h);
     }
 
-    // After a batch: whether a contact was too deep, and add(speed) for each step with its largest speed if that exceeds
-    // criterion.fastest, else 0.
+    // After a batch: whether a contact was too deep, and add(speed) for each step with its largest speed if that
+    // exceeds criterion.fastest, else 0.
     bool too_deep() const { return too_deep_.load(std::memory_order_relaxed); }
     template <class Add>
     void take_speeds(std::uint32_t steps, const Add& add) {
@@ -120,6 +129,7 @@ private:
     Decomposition<Law>& domain_;
     std::vector<Slab<Law>>& slabs_;
     const RebuildCriterion& criterion_;
+    std::uint32_t step_ = 0;  // of the batch
 
     // What threads report during a batch. It lies apart from what they only read.
     alignas(128) std::atomic<std::uint32_t> last_step_{0};  // of the batch
@@ -129,15 +139,15 @@ private:
         fastest_{};  // in each step, if beyond criterion.fastest [m/s]
 
     void move(std::uint32_t k, std::uint32_t step) { move(k, step, !now.closing); }
-    void sweep(std::uint32_t k, std::uint32_t step) {
+    void sweep(std::uint32_t k) {
         Slab<Law>& slab = slabs_[k];
-        Forces<Law>(box_, domain_.grid, domain_.bodies, laws_, instant(step)).sweep(slab);
+        Forces<Law>(box_, domain_.grid, domain_.bodies, laws_, instant(step_)).sweep(slab);
         if (slab.largest_compression >= deepest_compression) {
             too_deep_.store(true, std::memory_order_relaxed);
-            end_after(step + 1);
+            end_after(step_ + 1);
         }
     }
-    // Ends the batch early. Threads may be in the step after the one that asks for it, so that is the last one.
+    // Ends the batch early. The first slabs of the partitions move in the step after, so that one is the last.
     void end_after(std::uint32_t step) {
         std::uint32_t last = last_step_.load(std::memory_order_relaxed);
         while (last > step && !last_step_.compare_exchange_weak(last, step, std::memory_order_relaxed))

@@ -1,0 +1,25 @@
+"""Threads of the stepping engine: every task once in its phase, though threads come late or not at all."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def program(tmp_path_factory):
+    made = tmp_path_factory.mktemp("thread_team") / "thread_team"
+    flags = ["-std=c++20", "-O2", "-pthread", f"-I{ROOT / 'core'}"]
+    source = ROOT / "tests" / "boxes" / "thread_team.cpp"
+    subprocess.run(["g++", *flags, str(source), "-o", str(made)], check=True)
+    return made
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("threads", "partitions"), [(1, 1), (1, 4), (2, 2), (2, 5), (4, 4), (5, 3)])
+def test_every_task_is_done_once_though_threads_are_missing_or_late(program, threads, partitions):
+    done = subprocess.check_output([program, str(threads), str(partitions)], text=True, timeout=120)
+    tasks, wrong = map(int, done.split())
+    assert tasks == 3000 * partitions and wrong == 0
