@@ -42,8 +42,8 @@ int main() {
         q.now = normal(engine);
         q.others = 1.0;
         q.radius = 0.5 + uniform(engine);
-        q.space = i % 3 == 0 ? q.radius : q.radius * (1.0 + std::pow(10.0, -4.0 * uniform(engine)));
-        q.span = i % 3 == 0 ? 0.0 : std::pow(10.0, 1.0 - 4.0 * uniform(engine));
+        q.enlarged_radius = i % 3 == 0 ? q.radius : q.radius * (1.0 + std::pow(10.0, -4.0 * uniform(engine)));
+        q.enlarged_span = i % 3 == 0 ? 0.0 : std::pow(10.0, 1.0 - 4.0 * uniform(engine));
         for (int k = 0; k < 3; ++k) {
             q.position[k] = normal(engine), q.velocity[k] = normal(engine);
             q.shift[k] = shifted ? normal(engine) : 0.0;
@@ -58,7 +58,7 @@ int main() {
             // At now, seen from the particle: anywhere, at exact touch of the one or the other size, or close to it.
             double r[3], v[3], length = 0.0;
             for (int k = 0; k < 3; ++k) r[k] = normal(engine), v[k] = normal(engine), length += r[k] * r[k];
-            const double touch = p.radius + (engine() % 2 ? q.radius : q.space);
+            const double touch = p.radius + (engine() % 2 ? q.radius : q.enlarged_radius);
             const double part = std::pow(10.0, -6.0 * uniform(engine));
             const double distance = j % 4 == 0 ? touch : touch * (1.0 + (j % 4 == 1 ? 3.0 : part));
             const double s = q.now - p.time;
@@ -80,7 +80,7 @@ int main() {
         }
         for (std::size_t j = 0; j < all.size(); ++j) {
             const Particle<3>& p = all[j];
-            const double s = q.now - p.time, space = q.space + p.radius, touch = q.radius + p.radius;
+            const double s = q.now - p.time, space = q.enlarged_radius + p.radius, touch = q.radius + p.radius;
             double r[3], v[3];
             for (int k = 0; k < 3; ++k) {
                 r[k] =
@@ -91,7 +91,7 @@ int main() {
             const auto excess = [&](double t) {
                 double square = 0.0;
                 for (int k = 0; k < 3; ++k) square += (r[k] + t * v[k]) * (r[k] + t * v[k]);
-                return 1.0 - std::sqrt(square) / (t <= q.span ? space : touch);
+                return 1.0 - std::sqrt(square) / (t <= q.enlarged_span ? space : touch);
             };
             const double time = found[j];
             least = std::fmin(least, time);
@@ -100,8 +100,8 @@ int main() {
                 continue;
             }
             ++asked;
-            in_space += time <= q.span && q.span > 0.0;
-            later += time > q.span && time < INFINITY;
+            in_space += time <= q.enlarged_span && q.enlarged_span > 0.0;
+            later += time > q.enlarged_span && time < INFINITY;
             if (time > 0.0 && time < INFINITY) wrong = std::fmax(wrong, std::fabs(excess(time)));
             if (time == 0.0) wrong = std::fmax(wrong, -excess(0.0));
             const double horizon = time < INFINITY ? time : 20.0;

@@ -1,62 +1,61 @@
-// Interface of the vector kernels of boxes, in plain numbers: they are compiled once for each instruction set.
+// Interface of the vector kernels of boxes, in plain numbers. The kernels are compiled once for each instruction set.
 #pragma once
 #include <cstddef>
 
 namespace hardlimit_abi {
 
-// The particle that looks, now, and where.
+// The particle whose collisions are predicted: its present state, and the box.
 struct TouchQuery {
     double now;             // [s]
     double position[3];     // [m]
     double velocity[3];     // [m/s]
-    double radius, others;  // touches at this distance and `others` radii of the other [m]
-    double space, span;     // where `reach` is asked for: not less than `radius`, for so long [m, s]
-    double shift[3];        // of all neighbours [m]
-    double edge[3];         // L [m]
-    double per_edge[3];     // 1/L where the nearest image is meant, else 0
+    double radius, others;  // the pair touches at the distance radius + others · (radius of the other) [m]
+    double enlarged_radius,
+        enlarged_span;   // if `enlarged`: a larger radius that holds for the time `span` [m, s]
+    double shift[3];     // added to the positions of all neighbours [m]
+    double edge[3];      // L [m]
+    double per_edge[3];  // 1/L for nearest images, otherwise 0
     double half_gravity[3], gravity[3];  // g/2 and g [m/s²]
-    double share, rate;  // of the radii now, and its growth [1/s]: 1 and 0 but for growing radii
+    double share, rate;  // factor of the radii at present, and its rate [1/s]: 1 and 0 without growth
 };
 
-// A block of cells: rows along the first axis, which are whole, or in two parts where the block reaches across a border
-// of the box. A cell is of four words: up to three ids, the others nobody's, then their number, or where there are more
-// four more than the index in `spilled` of the cell that holds the rest. Sixteen words can be read from any cell.
+// A block of cells: rows along the first axis, in two parts where the block crosses a border of the box. A cell has
+// four words: up to three ids, padded with no_particle, then their number; if there are more ids, the number is 4 + the
+// index in `spilled` of the cell with the rest. Sixteen words can be read from any cell.
 struct CellBlock {
     const void *cells, *spilled;
-    const unsigned* row;           // the first cell of each row
-    unsigned rows, parts;          // how many
-    unsigned begin[2], length[2];  // of the parts, in a row
-    unsigned own_rows[9];          // room for `row`
+    const unsigned* row;           // first cell of each row
+    unsigned rows, parts;          // numbers of them
+    unsigned begin[2], length[2];  // of each part within a row
+    unsigned own_rows[9];          // storage for `row`
 };
 
-// What of a number of particles is touched first. `several`: more than one is touched at this time.
+// The first touch among several particles. `several`: more than one pair touches at this time.
 struct Touched {
-    double time;  // from now [s]; infinity: nothing is
-    double next;  // until another one is, where `reach` is asked for and there are not several
+    double time;  // from now [s]; infinity: none
+    double next;  // time of the next touch, if `enlarged` and not `several`
     unsigned id;
     unsigned several;
-    std::size_t n;  // particles examined
+    std::size_t n;  // number of particles examined
 };
 
-// Examines n particles with these ids, or all in a block, whose ids are then written. The times at which each is
-// touched, from now, infinity where it is not, are written too. The lists of ids and of times have room for sixteen
-// more.
-// `particles` is an array of cache lines.
+// Predicts touches with n particles of these ids, or with all in a block, whose ids are written. Writes the time until
+// each one is touched, infinity if never. Both lists have room for sixteen more entries. `particles`: array of cache
+// lines.
 using TouchListed = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
                                 double* times, std::size_t n);
 using TouchNear = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
                               double* times, const CellBlock& block);
 
-// What takes the time of a step, compiled once for each instruction set. `paths` [bodies] and `contacts` [n] are
-// arrays of series::Path and series::Followed; order [bodies]: the bodies, the first `pushed` of them those in the
-// contacts, while the others fly; gravity [4]; bulge [bodies] or none; state: places, then velocities [bodies, 3];
-// sums: what is lost, and ∫ Σ r·F dt.
+// Kernels of power_series.hpp. `paths` [bodies] and `contacts` [n] are arrays of series::Path and series::Contact;
+// body_order [bodies]: the `in_contact` bodies in contact, then the others; gravity [4]; chord_deviation [bodies] or
+// null; state: positions, then velocities [bodies, 3]; sums: dissipated energy and ∫ Σ r·F dt.
 struct SeriesKernels {
     void (*expand)(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit);
     double (*last_terms)(const void* paths, const int* body_order, int in_contact);
     void (*travel)(const void* paths, const int* body_order, int in_contact, int bodies, double at,
                    double* out);
-    // Of the distance of two paths; image [3].
+    // Series of the squared distance of two paths; image [3].
     void (*square)(const void* first, const void* second, const double* image, double* out);
     double (*first_zero)(const double* series, double end);
     double (*next_zero)(const double* series, double end, double step, double rounding);
@@ -67,21 +66,21 @@ struct SeriesKernels {
 
 struct TouchKernels {
     const char* name;
-    // By dimension − 2 and motion. near: of places as they are; across: of nearest images.
+    // By dimension − 2 and motion. near: positions as they are; across: nearest images.
     struct Of {
         TouchListed listed;
         TouchNear near, across;
     } of[2][3];
-    Of reach[2];  // in three dimensions, by motion: straight or falling
+    Of enlarged[2];  // in three dimensions, by motion: straight or falling
     SeriesKernels series;
-    void (*read_cell)(const void* cell, const double* x, double* values);  // of contacts that are tabled
+    void (*read_cell)(const void* cell, const double* x, double* values);  // of tabulated contacts
 };
 
 }  // namespace hardlimit_abi
 
 namespace hardlimit::boxes {
 
-// Part of the square of the distance up to which overlap is rounding.
+// Overlap up to which it is rounding, as a part of the squared distance.
 inline constexpr double rounding_of_touch = 4e-9;
 
 }  // namespace hardlimit::boxes

@@ -1,4 +1,4 @@
-// The table of all vector kernels of boxes for one instruction set.
+// Table of all vector kernels of boxes for one instruction set.
 #pragma once
 #include "polynomial_cell.hpp"
 #include "power_series.hpp"
@@ -6,14 +6,14 @@
 
 namespace hardlimit::boxes {
 
-template <class Real, int d, Motion motion, bool reach = false>
+template <class Real, int d, Motion motion, bool enlarged = false>
 constexpr hardlimit_abi::TouchKernels::Of touch_kernels_of() {
-    return {&touch_listed<Real, d, motion, Image::shifted, reach>,
-            &touch_near<Real, d, motion, Image::as_it_is, reach>,
-            &touch_near<Real, d, motion, Image::nearest, reach>};
+    return {&touch_listed<Real, d, motion, Image::shifted, enlarged>,
+            &touch_near<Real, d, motion, Image::as_it_is, enlarged>,
+            &touch_near<Real, d, motion, Image::nearest, enlarged>};
 }
 
-// `newton`: with what boxes of hard spheres do not need.
+// `newton`: includes the kernels that only Newton's equations need.
 template <class Real, bool newton = true>
 constexpr hardlimit_abi::TouchKernels touch_kernels(const char* name) {
     return {name,

@@ -1,16 +1,15 @@
-// Polynomials of several functions at once over a box, through as few points as they have terms.
+// Polynomials that interpolate several functions at once over a box, from as many points as they have terms.
 //
-// The points are those of a grid of Leja points (each as far as possible from those before it, by the product of the
-// distances; drawn together a little, because not every function has a value on the edge) with indices that add up
-// to at most
-// `degree`. On such a set the divided differences along one direction after the other give Newton's form of the one
-// polynomial of this total degree through all values.
+// The points form a grid of Leja points with indices that add up to at most `degree`. (Each Leja point is as far as
+// possible from those before it, by the product of the distances. Here they are scaled down slightly, because not every
+// function has a value on the edge.) Divided differences along one direction after the other give Newton's form of the
+// unique polynomial of this total degree through all values.
 #pragma once
 #include "../../base/math.hpp"
 
 namespace hardlimit::boxes {
 
-// Four or eight functions of `dims` variables x in [−1, 1] as polynomials of total degree `degree`.
+// Four or eight functions of `dims` variables x in [−1, 1], as polynomials of total degree `degree`.
 template <int dims, int degree, int width = 4>
 class PolynomialCell {
     static_assert((dims == 2 || dims == 3) && degree <= 10);
@@ -20,11 +19,11 @@ public:
     static constexpr int grid = dims == 2 ? side * side : side * side * side;
     using Values = typename Vector<functions>::Real;
 
-    // Of the grid, the first variable running fastest: whether point i is among those asked for, and where it is.
+    // Whether point i of the grid is used, and its coordinates. The first variable runs fastest.
     static bool wanted(int i) { return index_sum(i) <= degree; }
     static double coordinate(int i, int dim) { return leja[digit(i, dim)]; }
 
-    // From the values [grid] at the wanted points; they are used up.
+    // Interpolates the values [grid] at the used points, and overwrites them.
     static PolynomialCell through(Values* values) {
         for (int d = 0; d < dims; ++d) for_each_line(values, d, divided_differences);
         for (int d = 0; d < dims; ++d) for_each_line(values, d, powers);
@@ -48,7 +47,7 @@ private:
     static constexpr double leja[11] = {0.0,     0.98,     -0.98,   0.56546, -0.64582, 0.82222,
                                         -0.8526, -0.29988, 0.31556, 0.92414, -0.93394};
     static constexpr int count = dims == 2 ? side * (side + 1) / 2 : side * (side + 1) * (side + 2) / 6;
-    alignas(sizeof(Values)) Values terms_[count];  // on any processor: its copies are read by kernels
+    alignas(sizeof(Values)) Values terms_[count];  // aligned the same on any processor, as kernels read it
 
     static int digit(int i, int dim) {
         for (int d = 0; d < dim; ++d) i /= side;
@@ -60,7 +59,7 @@ private:
         return sum;
     }
 
-    // Changes the values along each line of wanted points in one direction: change(line, top), top the last index.
+    // Applies change(line, top) to the values along each line of used points in one direction; top: the last index.
     template <class Change>
     static void for_each_line(Values* values, int dim, const Change& change) {
         int stride = 1;
@@ -79,7 +78,7 @@ private:
             for (int k = top; k >= j; --k) line[k] = (line[k] - line[k - 1]) / (leja[k] - leja[k - j]);
         }
     }
-    // From Newton's form to powers of x.
+    // Converts Newton's form to powers of x.
     static void powers(Values* line, int top) {
         for (int k = top - 1; k >= 0; --k) {
             for (int j = k; j < top; ++j) line[j] -= leja[k] * line[j + 1];
@@ -93,7 +92,7 @@ private:
         for (int i = top - 1; i >= 0; --i) sum = sum * x + a[i];
         return sum;
     }
-    // Σ x_1^i x_0^j over i + j <= top, the terms of one i after each other. Moves `term` behind them.
+    // Σ x_1^i x_0^j over i + j <= top, stored by i. Advances `term` past these terms.
     template <int top>
     static Values plane(const Values*& term, const double* x) {
         Values row[top + 1];
@@ -108,7 +107,7 @@ private:
             rows<top, i + 1>(term, x, row);
         }
     }
-    // The factors of x_2^i.
+    // Coefficients of x_2^i.
     template <int i>
     static void planes(const Values*& term, const double* x, Values* part) {
         if constexpr (i <= degree) {
@@ -118,7 +117,7 @@ private:
     }
 };
 
-// Those with eight functions are also read by kernels, compiled once for each instruction set.
+// Cells of eight functions are also evaluated by kernels, compiled once for each instruction set.
 using WideCell = PolynomialCell<2, 8, 8>;
 inline void read_wide_cell(const void* cell, const double* x, double* values) {
     store_lanes(values, (*static_cast<const WideCell*>(cell))(x));

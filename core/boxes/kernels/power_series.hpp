@@ -1,12 +1,12 @@
-// The motion of bodies under linear contacts as power series in time.
+// Motion of bodies under linear contacts as power series in time.
 //
-// While no contact begins or ends, F = k ξ + γ dξ/dt keeps the motion analytic, and its Taylor series follows from
-// itself, order by order. With r the vector from the first body of a pair to the second, d = |r|, l the sum of their
-// radii, and q = k l − γ dd/dt,
+// While no contact begins or ends, the motion under F = k ξ + γ dξ/dt is analytic, and its Taylor series follows order
+// by order. With r the vector from the first body of a pair to the second, d = |r|, l the contact distance, and q = k l
+// − γ dd/dt,
 //   d² = r·r,   F = q − k d,   w = q/d,   m_1 a_1 = −(w − k) r,   m_2 a_2 = (w − k) r.
-// Each product of two series is a sum for each order; a root and a quotient solve such a sum for its last term. A step
-// is a good part of a contact, and all that has to be known within it, or where in it a contact begins or ends, is a
-// polynomial. Time counts in units in which the fastest contact oscillates with frequency 1.
+// A product of two series is a sum for each order; for a root and a quotient such a sum is solved for its last term. A
+// step covers a good part of a contact, and every event function within it is a polynomial. The unit of time makes the
+// angular frequency of the fastest contact 1.
 #pragma once
 #include <cstddef>
 
@@ -30,7 +30,7 @@ State state(const Path& x, double t) {
     return s;
 }
 
-// The most by which a path can leave the line between two of its places up to t, all being under the same gravity.
+// Upper bound of the distance of a path from its chord up to t, apart from common gravity.
 inline double chord_deviation(const Path& x, double t, const Four& gravity) {
     Four bend{};
     for (int k = order; k >= 2; --k) {
@@ -41,7 +41,7 @@ inline double chord_deviation(const Path& x, double t, const Four& gravity) {
     return 0.125 * t * t * math::sqrt(bend[0] * bend[0] + bend[1] * bend[1] + bend[2] * bend[2]);
 }
 
-// How far a body can get up to t.
+// Upper bound of the distance covered up to t.
 template <int top = order>
 double travel(const Path& x, double t) {
     Four sum{};
@@ -57,18 +57,17 @@ inline double largest(const Four& x) {
 
 inline double sum_of(const Four& x) { return (x[0] + x[1]) + x[2]; }
 
-// Two bodies. The terms are found in turn: those of the distance up to n + 1 before those of the force of order n. The
-// order is known to the compiler, which makes one line of operations of each sum. The distance stands behind the three
-// coordinates of r, so that one sum of products serves r·r and d², another one w r and w d; what has to wait for the
-// last terms comes last in both.
+// Series of two bodies. The distance is expanded up to order n + 1 before the force of order n. The order is a template
+// parameter, so that each sum becomes straight-line code. The distance is stored behind the three coordinates of r: one
+// sum of products then gives r·r and d², another one w r and w d. What depends on the last terms comes last in both.
 struct PairSeries {
     Path between;                             // r, d
     Terms distance;                           // d
     Terms weight, force;                      // w, F
-    double spring, damper, contact_distance;  // k, γ and l, time counting in its unit
-    double per_distance, pressing;            // 1/d and F/d at the begin
+    double spring, damper, contact_distance;  // k, γ and l, in the unit of time
+    double per_distance, force_per_distance;  // 1/d and F/d at the begin
 
-    // r and d of order n: r·r = d². The fourth place of `r` is zero.
+    // r and d of order n: r·r = d². The fourth component of `r` is zero.
     template <int n>
     void expand_distance(Four r) {
         if constexpr (n == 0) {
@@ -85,15 +84,15 @@ struct PairSeries {
         r[3] = distance[n];
         between[n] = r;
     }
-    // F of order n; returns q.
+    // F of order n; returns q of order n.
     template <int n>
     double expand_force() {
         const double damping = damper * (n + 1) * distance[n + 1];
         force[n] = spring * (n == 0 ? contact_distance - distance[0] : -distance[n]) - damping;
         return (n == 0 ? spring * contact_distance : 0.0) - damping;
     }
-    // (w − k) r of order n: what pushes the bodies apart. Its first factor is F/d, which is no difference of large
-    // numbers.
+    // (w − k) r of order n, the force that separates the bodies. Its first factor is computed as F/d, without a
+    // difference of large numbers.
     template <int n>
     Four relative_acceleration() {
         Four along{};
@@ -101,19 +100,19 @@ struct PairSeries {
         for (std::size_t j = 1; j < n; ++j) along += weight[j] * between[n - j];
         const double q = expand_force<n>();
         if constexpr (n == 0) {
-            pressing = force[0] * per_distance;
+            force_per_distance = force[0] * per_distance;
             weight[0] = q * per_distance;
         } else {
             weight[n] = ((q - along[3]) - weight[0] * distance[n]) * per_distance;
             along += weight[n] * between[0];
         }
-        along += pressing * between[n];
+        along += force_per_distance * between[n];
         along[3] = 0.0;
         return along;
     }
 };
 
-// The square of the distance of two bodies.
+// Series of the squared distance of two bodies.
 template <int n = 0>
 void square_from(const Path& between, double* out) {
     if constexpr (n < length) {
@@ -134,8 +133,8 @@ inline void square(const void* first, const void* second, const double* image, d
     square_from(between, out);
 }
 
-// ∫ (dd/dt)² dt and ∫ F d dt, F = k (l − d) − γ dd/dt, from 0 to t: by Gauss's rule, whose error over a step, in which
-// the square goes through less than half a period, is far below rounding.
+// ∫ (dd/dt)² dt and ∫ F d dt with F = k (l − d) − γ dd/dt, from 0 to t, by Gauss's rule. Within a step the integrand
+// oscillates through less than half a period, and the error is far below rounding.
 struct Integrals {
     double square, product;
 };
@@ -159,23 +158,23 @@ inline Integrals integrals(const Terms& d, double t, double spring, double dampe
     return {t * sum.square, t * sum.product};
 }
 
-// A pair of bodies, or of a body and a wall, that overlap.
+// An overlapping pair of bodies, or of a body and a wall.
 struct Contact {
-    int pair;           // its number
+    int pair;           // index in the cluster
     int first, second;  // second < 0: a wall
     int axis;           // of the wall's normal
-    bool closed;        // pushes
-    double side, wall;  // as in Touching
+    bool closed;        // exerts a force
+    double side, wall;  // as in ContactPair
     double contact_distance;
     alignas(sizeof(Four)) Four image;
-    double spring, damper;  // time counting in the unit of the series
+    double spring, damper;  // in the unit of time
     double per_mass[2];
     PairSeries bodies;
     Terms depth, force;  // at a wall
 
     const Terms& force_series() const { return second < 0 ? force : bodies.force; }
 
-    Contact() {}  // leaves its terms to those who find them
+    Contact() {}  // leaves the terms uninitialized
 };
 static_assert(alignof(Path) == 32 && alignof(Contact) == 32);
 
@@ -200,7 +199,8 @@ void expand_force(Contact& f) {
         f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
 }
 
-// Adds to the terms of order n + 2 what a pair does. `share`: of an acceleration of order n, in them.
+// Adds the acceleration of a pair, of order n, to the terms of order n + 2 of its bodies. `share`: factor of the
+// acceleration.
 template <int n>
 void add_accelerations(Path* paths, Contact& f, double share) {
     expand_distance<n + 1>(paths, f);
@@ -215,7 +215,7 @@ void add_accelerations(Path* paths, Contact& f, double share) {
     paths[f.second][n + 2] += (share * f.per_mass[1]) * relative_acceleration;
 }
 
-// The terms from order n + 2 on.
+// Expands all terms from order n + 2 on.
 template <int n>
 void expand_from(Path* paths, Contact* contacts, int count, double unit) {
     if constexpr (n + 2 > order) {
@@ -230,7 +230,7 @@ void expand_from(Path* paths, Contact* contacts, int count, double unit) {
     }
 }
 
-// From places and velocities, the first two terms, the series of all bodies and contacts.
+// Expands the series of all bodies and contacts from positions and velocities, the first two terms.
 inline void expand(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit) {
     Path* const path = static_cast<Path*>(paths);
     Contact* const first = static_cast<Contact*>(contacts);
@@ -247,7 +247,7 @@ inline void expand(void* paths, int bodies, void* contacts, int n, const double*
     expand_from<0>(path, first, n, unit);
 }
 
-// The largest coordinate of the last two terms of the bodies in contact.
+// Largest coordinate of the last two terms of the bodies in contact.
 inline double last_terms(const void* paths, const int* body_order, int in_contact) {
     Four most{};
     for (int i = 0; i < in_contact; ++i) {
@@ -267,7 +267,7 @@ inline void travels(const void* paths, const int* body_order, int in_contact, in
     }
 }
 
-// To a place in the step.
+// Advances the state to a point in the step.
 inline void move(const void* paths, const int* body_order, int in_contact, int bodies, const void* contacts,
                  int n, double at, double unit, const double* gravity, double* places, double* sums,
                  double* chord_deviations) {

@@ -1,19 +1,19 @@
-// When a particle touches each of its neighbours: the one loop of the engine that runs in vector lanes, eight, four
-// or two neighbours at once. A neighbour's record is eight doubles, so that as many records as there are lanes are
-// turned into columns by shuffles alone. A lane never depends on the others: the same bits for any number of lanes.
+// When a particle touches each of its neighbours: the engines' loop in vector lanes, eight, four or two neighbours at a
+// time. A neighbour's record has eight doubles, so that shuffles turn the records of all lanes into columns. Lanes are
+// independent: the bits do not depend on the number of lanes.
 //
-// Two particles are apart by r, move apart at the rate v, and touch at the distance σ, which grows at the rate s (0 but
-// for growing radii). With a = v² − s², b = r·v − σ s, c = r² − σ²:
-//   |r + v τ| = σ + s τ   ⇔   a τ² + 2 b τ + c = 0,
-// whose first root is c/(−b + √(b² − a c)) where b < 0, a form that neither cancels nor leads into the past. Where c
-// ≤ 0, by rounding or because positions are drawn back, a pair that approaches collides now (Bannerman, Strobl,
-// Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). Where radii grow faster than the pair parts, b ≥ 0 and a <
-// 0, the root is (b + √(b² − a c))/(−a).
+// A pair at r with relative velocity v touches at the distance σ, which grows at the rate s (0 without growing radii).
+// With a = v² − s², b = r·v − σ s, c = r² − σ²:
+//   |r + v τ| = σ + s τ   ⇔   a τ² + 2 b τ + c = 0.
+// For b < 0 the first root is c/(−b + √(b² − a c)), a form that neither cancels nor gives a time in the past. If c ≤ 0,
+// by rounding or after an equivalent collision, a pair that approaches collides now (Bannerman, Strobl,
+// Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). If radii grow faster than the pair separates, b ≥ 0 and a <
+// 0, and the root is (b + √(b² − a c))/(−a).
 //
-// Where a radius stands for the space that a particle may need (`reach`), two may have come too near without
-// approaching: then c < 0 by more than rounding means now, whatever b is. The particle that looks may need more space
-// for a while: who comes into that before its end, which c + 2 b τ <= 0 at the end shows to be possible, since a τ² is
-// not negative, is touched then; who does not, is touched at the usual distance.
+// With `enlarged`, radii include safety radii, and two particles may be too close without approaching: then c < 0 by more
+// than rounding means now, for any b. The particle itself may have a larger radius for a limited time. A neighbour
+// touches that radius before its end only if c + 2 b τ <= 0 at the end, as a τ² >= 0; otherwise it touches the usual
+// radius.
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -23,13 +23,13 @@
 
 namespace hardlimit::boxes {
 
-// Which image of a particle is meant.
+// Which image of a neighbour counts.
 enum class Image { as_it_is, nearest, shifted };
 
-// `lone`: the only group. Where it often holds nobody who is touched, it pays to ask; of several groups no processor
-// can foresee which do, and a wrong guess costs more than the root and the quotient.
-template <class Real, int d, Motion motion, Image image, bool reach>
-HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p, bool lone) {
+// `only_group`: there is one group of lanes. Then it pays to branch if no lane touches; with several groups such a
+// branch is unpredictable, and a wrong prediction costs more than the root and the quotient.
+template <class Real, int d, Motion motion, Image image, bool enlarged>
+HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p, bool only_group) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
     HL_UNROLL
@@ -68,28 +68,28 @@ HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real
         const Mask<Real> will = (b < 0.0) & (discriminant > 0.0);
         Mask<Real> soon{};
         Real space{}, excess{};
-        if constexpr (reach) {
-            space = q.space + q.others * p.of[2 * d + 1];
+        if constexpr (enlarged) {
+            space = q.enlarged_radius + q.others * p.of[2 * d + 1];
             excess = square - space * space;
-            // The particle itself, which is where it is, does not count.
-            soon = (excess + 2.0 * q.span * math::min<Real>(b, Real{}) <= 0.0) & (square > 0.0);
+            // The particle itself, at zero distance, does not count.
+            soon = (excess + 2.0 * q.enlarged_span * math::min<Real>(b, Real{}) <= 0.0) & (square > 0.0);
         }
-        if (lone && !any(will | soon)) return never;
+        if (only_group && !any(will | soon)) return never;
         const Real time =
             math::max<Real>(c, Real{}) / (math::sqrt<Real>(math::max<Real>(discriminant, Real{})) - b);
         const Real usual = select<Real>(will, time, never);
-        if constexpr (!reach) return usual;
+        if constexpr (!enlarged) return usual;
         if (!any(soon)) return usual;
         const Mask<Real> now = soon & (excess < -rounding_of_touch * (space * space));
         const Real under = b * b - a * excess;
         const Real sooner =
             math::max<Real>(excess, Real{}) / (math::sqrt<Real>(math::max<Real>(under, Real{})) - b);
-        const Mask<Real> before = soon & (b < 0.0) & (under > 0.0) & (sooner <= q.span);
+        const Mask<Real> before = soon & (b < 0.0) & (under > 0.0) & (sooner <= q.enlarged_span);
         return select<Real>(now, Real{}, select<Real>(before, sooner, usual));
     }
 }
 
-// The least of all lanes.
+// Minimum over all lanes.
 template <class Real>
 HL_FN double least_lane(const Real& x) {
     if constexpr (Lanes<Real>::count == 2) {
@@ -103,15 +103,15 @@ HL_FN double least_lane(const Real& x) {
     }
 }
 
-// Which of the times are the least, found in the lanes of `least`; those of `second` are the least but for these.
-template <class Real, bool reach>
+// The first touch, from the minimum of each lane and its second smallest time.
+template <class Real, bool enlarged>
 HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second, const unsigned* ids,
                                            const double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double time = least_lane<Real>(least);
     hardlimit_abi::Touched touched{time, time, boxes::no_particle, 0, n};
     if (!(time < math::infinity)) return touched;
-    if constexpr (reach) touched.next = least_lane<Real>(select<Real>(least == time, second, least));
+    if constexpr (enlarged) touched.next = least_lane<Real>(select<Real>(least == time, second, least));
     for (std::size_t begin = 0; begin < n; begin += 64) {
         const std::size_t end = begin + 64 < n ? begin + 64 : n;
         u64 same = 0;
@@ -124,12 +124,12 @@ HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second
     return touched;
 }
 
-template <class Real, int d, Motion motion, Image image, bool reach>
+template <class Real, int d, Motion motion, Image image, bool enlarged>
 hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
                                     unsigned* ids, double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double* const lines = static_cast<const double*>(particles);
-    // What is left of the last group of lanes is the particle itself, which it never touches.
+    // Fills the last group of lanes with the particle itself, which it never touches.
     for (std::size_t k = 0; k + 1 < lanes; ++k) ids[n + k] = self;
     Real least = broadcast<Real>(math::infinity), second = least;
     for (std::size_t k = 0; k < n; k += lanes) {
@@ -137,17 +137,17 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
         HL_UNROLL
         for (std::size_t lane = 0; lane < lanes; ++lane) row[lane] = lines + 8 * std::size_t{ids[k + lane]};
         const Real time =
-            touch_times_of<Real, d, motion, image, reach>(q, load_columns<Real>(row), n <= lanes);
+            touch_times_of<Real, d, motion, image, enlarged>(q, load_columns<Real>(row), n <= lanes);
         store_lanes(times + k, time);
-        if constexpr (reach) second = math::min<Real>(second, math::max<Real>(least, time));
+        if constexpr (enlarged) second = math::min<Real>(second, math::max<Real>(least, time));
         least = math::min<Real>(least, time);
     }
-    return touched_first<Real, reach>(least, second, ids, times, n);
+    return touched_first<Real, enlarged>(least, second, ids, times, n);
 }
 
 constexpr unsigned words_of_cell = 4, inline_ids = 3;
 
-// Appends the ids of a cell to a list; its new end.
+// Appends the ids of a cell to a list; returns the new end.
 inline unsigned* collect_cell(const unsigned* cell, const unsigned* spilled, unsigned* to) {
     for (;;) {
         std::memcpy(to, cell, words_of_cell * sizeof *cell);
@@ -158,7 +158,7 @@ inline unsigned* collect_cell(const unsigned* cell, const unsigned* spilled, uns
     }
 }
 
-// All ids in a block; their number.
+// Collects all ids in a block; returns their number.
 inline std::size_t collect_cells(const hardlimit_abi::CellBlock& block, unsigned* ids) {
     const unsigned* const spilled = static_cast<const unsigned*>(block.spilled);
     unsigned* to = ids;
@@ -173,7 +173,7 @@ inline std::size_t collect_cells(const hardlimit_abi::CellBlock& block, unsigned
     return static_cast<std::size_t>(to - ids);
 }
 
-// The same, a row of up to three cells at once where a processor sifts words.
+// The same, a row of up to three cells at a time on processors that can compress vectors of words.
 template <class Sixteen = Words>
 std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) {
     if constexpr (!sifts_words) {
@@ -193,18 +193,18 @@ std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) 
                 all.store(to, chosen);
                 to += bit_count(chosen);
             }
-            // Where a cell holds more than fit in it, its number is above three.
+            // A cell with further ids elsewhere has a number above three.
             if ((any.above(inline_ids) & (0x8888u & here)) != 0) return collect_cells(block, ids);
         }
         return static_cast<std::size_t>(to - ids);
     }
 }
 
-template <class Real, int d, Motion motion, Image image, bool reach>
+template <class Real, int d, Motion motion, Image image, bool enlarged>
 hardlimit_abi::Touched touch_near(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
                                   unsigned* ids, double* times, const hardlimit_abi::CellBlock& block) {
-    return touch_listed<Real, d, motion, image, reach>(q, particles, self, ids, times,
-                                                       collect_block(block, ids));
+    return touch_listed<Real, d, motion, image, enlarged>(q, particles, self, ids, times,
+                                                          collect_block(block, ids));
 }
 
 }  // namespace hardlimit::boxes

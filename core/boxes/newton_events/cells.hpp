@@ -1,4 +1,4 @@
-// Cells of the event-driven engine: set-up from the start, neighbours of a body, crossing a border.
+// Cells of the event-driven engine: set-up, neighbours of a body, crossing into another cell.
 #pragma once
 #include "engine.hpp"
 
@@ -12,8 +12,8 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
     }
 }
 
-// Several times as far as bodies of the speeds at the start compress each other; the wider the cells, the more bodies
-// there are to look at. Bodies that fall grow faster.
+// A multiple of the compression of contacts at the initial speeds; wider cells hold more candidates to examine. Under
+// gravity speeds grow: the largest value.
 template <class Law>
 double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     const double most = 0.1 * largest_radius_;
@@ -39,12 +39,12 @@ double NewtonEvents<Law>::smallest_edge() const {
     return least;
 }
 
-// All bodies lie in one grid. While it is in contact, a body's place on the path on which it will fly on may lie
-// outside of its cell by the margin.
+// All bodies lie in one grid. During an isolated contact, a body's position on its outgoing path may lie outside of its
+// cell by the safety radius.
 template <class Law>
 void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels) {
     series_ = &kernels.series;
-    touch_ = kernels.reach[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
+    touch_ = kernels.enlarged[dot(gravity_, gravity_) > 0.0 ? 1 : 0];
     const double most = 2.001 * (largest_radius_ + 2.0 * largest_safety_radius_);
     query_.others = 1.0;
     for (int a = 0; a < 3; ++a) {
@@ -59,7 +59,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
     prefetches_ = n > most_in_caches;
-    // In a small box no second image of a body may come near.
+    // No second image of a body may come near in a small box.
     largest_displacement_ =
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
@@ -69,7 +69,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     }
 }
 
-// In the order of the cells: neighbours in space are neighbours in memory.
+// Sorted by cells: neighbours in space are neighbours in memory.
 template <class Law>
 void NewtonEvents<Law>::sort_in(const System& s) {
     const auto n = static_cast<u32>(s.n);
@@ -105,9 +105,7 @@ void NewtonEvents<Law>::put_into_cells() {
 
 template <class Law>
 void NewtonEvents<Law>::restart_calendar_queue() {
-    calendar_queue_.rebuild(
-        size32(), [this](u32 id) { return pending_[id].time(); },
-        [this](u32 id) { return pending_[id].original_index; });
+    calendar_queue_.rebuild(size32(), [this](u32 id) { return pending_[id].time(); }, by_original_index());
 }
 
 template <class Law>
@@ -117,14 +115,14 @@ void NewtonEvents<Law>::reserve_candidates() const {
     candidates_.resize(cells_.room());
 }
 
-// Written number by number: a copy in larger pieces would have to wait for the numbers.
+// Assigned number by number: reading a larger piece would wait for the stores.
 template <class Law>
 typename NewtonEvents<Law>::Block NewtonEvents<Law>::around(const Place<3>& at) const {
     const int deep = box_.dimension == 3 ? 1 : 0;
     return {{at[0] - 1, at[1] - 1, at[2] - deep}, {at[0] + 1, at[1] + 1, at[2] + deep}};
 }
 
-// f(j, r) for the images of bodies in the cells around body i's: r leads from i to j, now.
+// f(j, r) for all images of bodies in the cells around body i; r leads from i to j at the current time.
 template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
@@ -143,7 +141,7 @@ void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
     });
 }
 
-// Looks into the cells that have become neighbours.
+// Moves the body into the next cell and predicts collisions in the cells that become neighbours.
 template <class Law>
 void NewtonEvents<Law>::leave_cell(int i) {
     Pending& e = pending_[i];

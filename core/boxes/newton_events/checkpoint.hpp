@@ -1,4 +1,4 @@
-// The state of a run as bytes and back: it goes on with the same bits.
+// Saving a run as bytes and loading it: a loaded run continues with the same bits.
 #pragma once
 #include "engine.hpp"
 
@@ -13,14 +13,14 @@ void NewtonEvents<Law>::exchange(Archive& archive, Cluster<Law>& c) {
         archive(c.unresolved), archive(c.too_deep), archive(c.largest_compression);
 }
 
-// All but the groups; the queues follow from what the bodies and groups hold.
+// Everything except the groups. The queues are rebuilt from bodies and groups.
 template <class Law>
 template <class Archive>
 void NewtonEvents<Law>::exchange(Archive& archive) {
-    archive(particles_), archive(pending_), archive(spare_), archive(log_);
+    archive(particles_), archive(pending_), archive(free_groups_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
-    archive(largest_cluster_), archive(integration_), archive(begun_before_), archive(paused_),
+    archive(largest_cluster_), archive(integration_steps_), archive(begun_before_), archive(paused_),
         archive(outcome_);
     archive(ended_by_), archive(ended_at_wall_), archive(largest_compression_);
 }
@@ -48,7 +48,7 @@ void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
 template <class Law>
 std::vector<char> NewtonEvents<Law>::save() const {
     NewtonEvents& self =
-        const_cast<NewtonEvents&>(*this);  // exchange reads and writes with one list; a writer reads
+        const_cast<NewtonEvents&>(*this);  // exchange() serves reading and writing; a writer only reads
     Writer writer("newton_events");
     self.setting_.exchange(writer);
     writer(largest_safety_radius_);

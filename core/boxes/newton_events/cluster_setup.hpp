@@ -4,7 +4,8 @@
 
 namespace hardlimit::boxes {
 
-// Integrates the set from now on and makes its members busy.
+// Integrates a cluster of these bodies from the current time, and makes its members busy. The time is halved until the
+// cells are wide enough for the safety radii.
 template <class Law>
 void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
     Group& g = group(index);
@@ -21,29 +22,40 @@ void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
         after.record = true;
         Stop never;
         after.run(horizon, never,
-                  set.bodies.size() < large_group ? steps_of_small_group : steps_of_large_group);
+                  set.bodies.size() < large_cluster ? steps_of_small_cluster : steps_of_large_cluster);
         if (set_safety_radii(index) || after.time == 0.0 || after.unresolved) break;
         horizon = 0.5 * after.time;
     }
     after.trajectory.clear();
 }
 
-// Whether contacts last: groups are integrated on and on while none begins.
+// Whether contacts last: clusters are integrated again and again without a new contact.
 template <class Law>
 bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     const std::size_t members = c.members.size();
-    const bool small = members < large_group;
-    if (small && c.steps() < steps_of_small_group) return false;
+    const bool small = members < large_cluster;
+    if (small && c.steps() < steps_of_small_cluster) return false;
     const auto bodies = static_cast<double>(particles_.size());
-    const double most = most_integration * (small ? math::max(bodies, fewest_bodies) : bodies);
-    integration_ =
-        math::max(integration_ - most_integration * static_cast<double>(begun_ - begun_before_), 0.0);
+    const double most = most_integration_steps * (small ? math::max(bodies, fewest_bodies) : bodies);
+    integration_steps_ =
+        math::max(integration_steps_ - most_integration_steps * static_cast<double>(begun_ - begun_before_), 0.0);
     begun_before_ = begun_;
-    integration_ += static_cast<double>(members) * static_cast<double>(c.steps());
-    return integration_ > most;
+    integration_steps_ += static_cast<double>(members) * static_cast<double>(c.steps());
+    return integration_steps_ > most;
 }
 
-// The members as they are now, without pairs.
+// Clears a cluster, and sets what does not depend on its members.
+template <class Law>
+void NewtonEvents<Law>::reset_cluster(Cluster<Law>& c, double base) const {
+    c.clear();
+    c.base = base;
+    c.gravity = gravity_;
+    c.largest_coordinate = *std::ranges::max_element(box_.edge);
+    c.largest_compression = largest_compression_;
+    c.kernels = series_;
+}
+
+// A cluster of these bodies at the current time, without pairs.
 template <class Law>
 void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const {
     g.alive = true;
@@ -53,17 +65,12 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     g.image_offset.resize(set.size());
     if (!g.cluster) g.cluster = std::make_unique<ClusterStates>();
     Cluster<Law>& c = g.cluster->before;
-    c.clear();
-    c.base = now_;
-    c.gravity = gravity_;
-    c.largest_coordinate = *std::ranges::max_element(box_.edge);
-    c.largest_compression = largest_compression_;
-    c.kernels = series_;
+    reset_cluster(c, now_);
     for (std::size_t m = 0; m < set.size(); ++m) set_member(g, m, c.members.emplace_back());
 }
 
-// A member as it is now, by the image that is near the group's origin; notes which one that is. Written where it stays:
-// what is copied in larger pieces than it was written in has to wait until it is in the cache.
+// Sets a member from its body, by the image nearest to the group's origin, and stores which image that is. Assigned
+// number by number: reading a larger piece would wait for the stores.
 template <class Law>
 void NewtonEvents<Law>::set_member(Group& g, std::size_t m, Member& member) const {
     const int i = g.body[m];
@@ -72,19 +79,19 @@ void NewtonEvents<Law>::set_member(Group& g, std::size_t m, Member& member) cons
     member.radius = radius(i);
     for (std::size_t a = 0; a < 3; ++a) {
         const double x = p.position[a] - g.origin[a];
-        const double turn = image_of(x, static_cast<int>(a));
-        member.position[a] = x - turn * box_.edge[a];
+        const double period = nearest_period(x, static_cast<int>(a));
+        member.position[a] = x - period * box_.edge[a];
         member.velocity[a] = p.velocity[a];
-        g.image_offset[m][a] = pending_[i].image_flags[a] + turn;
+        g.image_offset[m][a] = pending_[i].image_flags[a] + period;
     }
 }
 
-// The pairs that can touch while the group lasts.
+// Adds the pairs that may touch while the cluster lasts, and carries over the state of active pairs.
 template <class Law>
-void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& live) const {
+void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& active) const {
     Cluster<Law>& c = g.cluster->before;
     const std::size_t n = g.body.size();
-    std::vector<std::size_t> first(n + 1);  // pair of a member
+    std::vector<std::size_t> first(n + 1);  // [members] its first pair
     for (std::size_t i = 0; i < n; ++i) {
         first[i] = c.pairs.size();
         for (std::size_t j = i + 1; j < n; ++j) {
@@ -100,7 +107,7 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& live) cons
     }
     first[n] = c.pairs.size();
     const MemberIndex member(g.body);
-    for (ActivePair& l : live) {
+    for (ActivePair& l : active) {
         const auto a = static_cast<int>(member(l.first)),
                    b = l.second < 0 ? -1 : static_cast<int>(member(l.second));
         const auto of = static_cast<std::size_t>(b < 0 ? a : std::min(a, b));
@@ -113,13 +120,13 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& live) cons
     }
 }
 
-// Whether two members are so near that their gap may count: for most of a large group this is all that is asked.
+// Whether two members may be close enough to form a pair: a cheap test that most pairs of a large cluster fail.
 template <class Law>
 bool NewtonEvents<Law>::may_touch(const Member& a, const Member& b) const {
     double square = 0.0;
     for (int k = 0; k < 3; ++k) {
         const auto s = static_cast<std::size_t>(k);
-        const double x = b.position[s] - a.position[s], r = x - image_of(x, k) * box_.edge[s];
+        const double x = b.position[s] - a.position[s], r = x - nearest_period(x, k) * box_.edge[s];
         square += r * r;
     }
     const double near = 1.001 * (a.radius + b.radius + 2.0 * largest_displacement_);
@@ -138,8 +145,9 @@ void NewtonEvents<Law>::carry_over(ContactPair<Law>& q, ContactPair<Law>& old, c
     q.impact_speed = old.impact_speed;
 }
 
+// Number of periods by which the nearest image of x is shifted.
 template <class Law>
-double NewtonEvents<Law>::image_of(double x, int axis) const {
+double NewtonEvents<Law>::nearest_period(double x, int axis) const {
     return math::round_small(x * query_.per_edge[axis]);
 }
 
@@ -151,7 +159,7 @@ void NewtonEvents<Law>::set_pair(const Group& g, int i, int j, const Member& a, 
     q.second = j;
     for (int k = 0; k < 3; ++k) {
         const auto s = static_cast<std::size_t>(k);
-        q.image[s] = -image_of(b.position[s] - a.position[s], k) * box_.edge[s];
+        q.image[s] = -nearest_period(b.position[s] - a.position[s], k) * box_.edge[s];
     }
     q.contact_distance = a.radius + b.radius;
     q.mass = effective(a.mass, b.mass);
@@ -163,7 +171,7 @@ bool NewtonEvents<Law>::near_wall(int i, const Wall& wall) const {
     return wall_distance(i, wall) < radius(i) + largest_displacement_;
 }
 
-// Of a body's centre, at the begin of its path [m].
+// Distance of a body's centre from a wall, at the begin of its path [m].
 template <class Law>
 double NewtonEvents<Law>::wall_distance(int i, const Wall& wall) const {
     return wall.distance(particles_[i].position[wall.id.axis()], now_);
@@ -185,8 +193,9 @@ ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall&
     return q;
 }
 
-// Until contacts like those that last are over, if the members do not get far before. What overlaps without force is
-// soon apart; a slow body that it is not apart from would get far in thousands of contacts only.
+// Time for which a cluster is integrated: until contacts like the present ones are over, but no longer than members
+// take to cover a given distance. Slack pairs open soon; a slow body in slack contact would travel far only within
+// thousands of contacts.
 template <class Law>
 double NewtonEvents<Law>::horizon_of(const Group& g) const {
     const Cluster<Law>& c = g.cluster->before;
@@ -204,14 +213,15 @@ double NewtonEvents<Law>::horizon_of(const Group& g) const {
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }
 
-// For how long a member can't get farther, by its speed and, where that counts, its weight.
+// Lower bound of the time in which a member covers a distance, from its speed and, near walls, its weight.
 template <class Law>
 double NewtonEvents<Law>::time_to_cover(double distance, double speed, bool falls) const {
     const double pull = falls ? math::sqrt(dot(gravity_, gravity_)) : 0.0;
     return 2.0 * distance / (speed + math::sqrt(speed * speed + 2.0 * distance * pull));
 }
 
-// For how long no member can get to a wall that is none of the group's: they may all fly there together.
+// Lower bound of the time in which a member reaches a wall that forms no pair of the cluster. Common motion of all
+// members counts as well.
 template <class Law>
 double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
     double gap = math::infinity;
@@ -225,19 +235,14 @@ double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
     return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);
 }
 
-// The group at its begin, ready to be integrated, into c.
+// Sets c to the group's state at its begin.
 template <class Law>
 void NewtonEvents<Law>::initial_cluster(const Group& g, Cluster<Law>& c) const {
     if (!g.isolated) {
         c = g.cluster->before;
         return;
     }
-    c.clear();
-    c.base = g.isolated_contact.contact.begin;
-    c.gravity = gravity_;
-    c.largest_coordinate = *std::ranges::max_element(box_.edge);
-    c.largest_compression = largest_compression_;
-    c.kernels = series_;
+    reset_cluster(c, g.isolated_contact.contact.begin);
     for (std::size_t m = 0; m < g.body.size(); ++m) c.members.push_back(g.isolated_contact.before[m]);
     c.pairs.push_back(g.isolated_contact.pair);
 }

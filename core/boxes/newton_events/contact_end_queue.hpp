@@ -1,4 +1,4 @@
-// Which contact ends next, of those that nothing has disturbed so far.
+// Queue of the ends of isolated contacts.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -8,49 +8,50 @@
 
 namespace hardlimit::boxes {
 
-// The end of an undisturbed contact: of a group, by its first member.
+// End of the contact of a group; `first` is its first member.
 struct ContactEnd {
     double time;  // [s]
     int first, group;
 };
 
-// Contacts that last equally long end in the order in which they began: they wait in line. Others wait in a heap.
+// Contacts of equal duration end in the order in which they begin: their ends wait in a line. All others wait in a
+// heap.
 class ContactEndQueue {
 public:
-    // Name: what orders simultaneous ones, by their first members. Written number by number where it stays: a copy in
-    // one piece would have to wait for the numbers.
-    template <class Name>
-    void push(double time, int first, int group, const Name& name) {
+    // TieBreak: orders simultaneous ends by the first member. Assigned number by number: a copied record would wait for
+    // the stores.
+    template <class TieBreak>
+    void push(double time, int first, int group, const TieBreak& tie_break) {
         if (begin_ > line_.size() / 2) {
             line_.erase(line_.begin(), line_.begin() + static_cast<std::ptrdiff_t>(begin_));
             begin_ = 0;
         }
-        const bool in_line = begin_ == line_.size() || later({time, first, group}, line_.back(), name);
+        const bool in_line = begin_ == line_.size() || later({time, first, group}, line_.back(), tie_break);
         std::vector<ContactEnd>& to = in_line ? line_ : heap_;
         to.emplace_back();
         ContactEnd& ending = to.back();
         ending.time = time, ending.first = first, ending.group = group;
-        if (!in_line) std::push_heap(heap_.begin(), heap_.end(), by(name));
+        if (!in_line) std::push_heap(heap_.begin(), heap_.end(), by(tie_break));
     }
-    // The first one that still stands, or nullptr. It stays until pop().
-    template <class Stands, class Name>
-    const ContactEnd* next(const Stands& stands, const Name& name) {
-        while (begin_ < line_.size() && !stands(line_[begin_])) ++begin_;
-        while (!heap_.empty() && !stands(heap_.front())) pop_heap(name);
+    // The first valid end, or nullptr. It stays until pop().
+    template <class Valid, class TieBreak>
+    const ContactEnd* next(const Valid& valid, const TieBreak& tie_break) {
+        while (begin_ < line_.size() && !valid(line_[begin_])) ++begin_;
+        while (!heap_.empty() && !valid(heap_.front())) pop_heap(tie_break);
         const bool line = begin_ < line_.size();
         if (!line && heap_.empty()) return nullptr;
-        from_heap_ = !line || (!heap_.empty() && later(line_[begin_], heap_.front(), name));
+        from_heap_ = !line || (!heap_.empty() && later(line_[begin_], heap_.front(), tie_break));
         return from_heap_ ? &heap_.front() : &line_[begin_];
     }
-    // The one that next() gave.
-    template <class Name>
-    void pop(const Name& name) {
+    // Removes the end that next() returned.
+    template <class TieBreak>
+    void pop(const TieBreak& tie_break) {
         if (from_heap_)
-            pop_heap(name);
+            pop_heap(tie_break);
         else
             ++begin_;
     }
-    // Of those to come: far(ending) where it is some way off, near(ending) nearer.
+    // For prefetching: calls far(end) for ends some way ahead, near(end) for closer ones.
     template <class Far, class Near>
     void ahead(const Far& far, const Near& near) const {
         if (begin_ + 8 < line_.size()) far(line_[begin_ + 8]);
@@ -61,22 +62,22 @@ public:
 
 private:
     std::vector<ContactEnd> line_, heap_;
-    std::size_t begin_ = 0;  // of those in line
+    std::size_t begin_ = 0;  // of the line
     bool from_heap_ = false;
 
-    template <class Name>
-    void pop_heap(const Name& name) {
-        std::pop_heap(heap_.begin(), heap_.end(), by(name));
+    template <class TieBreak>
+    void pop_heap(const TieBreak& tie_break) {
+        std::pop_heap(heap_.begin(), heap_.end(), by(tie_break));
         heap_.pop_back();
     }
 
-    template <class Name>
-    static bool later(const ContactEnd& a, const ContactEnd& b, const Name& name) {
-        return a.time != b.time ? a.time > b.time : name(a.first) > name(b.first);
+    template <class TieBreak>
+    static bool later(const ContactEnd& a, const ContactEnd& b, const TieBreak& tie_break) {
+        return a.time != b.time ? a.time > b.time : tie_break(a.first) > tie_break(b.first);
     }
-    template <class Name>
-    static auto by(const Name& name) {
-        return [&name](const ContactEnd& a, const ContactEnd& b) { return later(a, b, name); };
+    template <class TieBreak>
+    static auto by(const TieBreak& tie_break) {
+        return [&tie_break](const ContactEnd& a, const ContactEnd& b) { return later(a, b, tie_break); };
     }
 };
 

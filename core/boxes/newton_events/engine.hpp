@@ -1,20 +1,23 @@
-// Newton's equations for a box of spheres or disks, from event to event.
+// Newton's equations for a box of spheres or disks, solved event by event.
 //
-// Between contacts bodies fly on parabolas, known exactly. Bodies in contact form groups, solved from their `begin`
-// to an `end` at which their contacts are over, or for a while: a contact that nothing disturbs in the plane of its
-// approach (planar_contact.hpp), contacts that share a body by integration (cluster.hpp). Until its end the members of
-// a group are busy. To the others, each of them is a body on a parabola, larger by the `margin`, the most by which its
-// true path leaves that parabola. As long as no other body comes so near, nothing can act on the group and its end
-// stands. When one does (a conflict), the group is integrated again, up to now, and goes on together with that body.
-// So no contact is missed, and nothing is done that a later event could change.
+// Between contacts the bodies fly on parabolas, known exactly. Bodies in contact form a group, which is solved ahead
+// from its begin to its end. A contact that no third body disturbs is solved at once in the plane of its approach
+// (isolated_contact.hpp). Contacts that share a body form a cluster, which is integrated (cluster/) until its contacts
+// are over, or for a limited time.
 //
-// The parabola of a member of a cluster leads from one end of its path to the other, and what is to be met beyond is
-// found at the end. That of a body in an undisturbed contact is the one on which it flies on, followed backwards from
-// the end: whom it meets then is found at once, and its end changes nothing but its size.
+// Until its group ends, a member is busy. For all other bodies it is a larger body on a parabola: its radius grows by a
+// safety radius, the largest distance between its true path and that parabola. As long as no other body touches this
+// larger body, nothing can act on the group, and its solution holds. If one does (a conflict), the group is integrated
+// again up to the present, and continues together with that body. So no contact is missed, and the solution never
+// contains anything that a later event could change.
 //
-// Bodies are held, found and scheduled like hard spheres (hard_spheres/): a record, two pending events and a cell
-// each, in the order of the cells. The end of a cluster is an event of its first member's own. Undisturbed contacts
-// end in a queue of their own, which is short, and their members' events stand.
+// The parabola of a cluster's member connects both ends of its path; collisions beyond the end are predicted at the
+// end. The parabola of a body in an isolated contact is its outgoing path, extrapolated back from the end: collisions
+// after the contact are predicted at its begin, and the end changes only the body's radius.
+//
+// Bodies are stored and scheduled like hard spheres (hard_spheres/): a record, two pending events and a cell for each,
+// in the order of the cells. The end of a cluster is a self event of its first member. Isolated contacts end in a short
+// queue of their own, and the pending events of their members stay valid.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -40,25 +43,26 @@ namespace hardlimit::boxes {
 template <class Law>
 class NewtonEvents final : public Engine {
 public:
-    // For a contact's time the integration of a group takes the square of its members: each of its contacts ends a step
-    // of all. From so many members on it ends after so many steps, for whoever comes near makes it begin anew,
-    static constexpr std::size_t large_group = 50;
-    static constexpr long steps_of_large_group = 64;
-    // and a small one after so many, which only those take that come to rest: a run can be stopped between groups.
-    static constexpr long steps_of_small_group = 10'000;
-    // The steps of their members are counted. Where they are so many for each body and each contact that has begun,
-    // contacts last, and small steps are cheaper; small groups may take as many as those of so many bodies.
-    static constexpr double most_integration = 1e4, fewest_bodies = 1e3;
-    // A group that others join goes on as if it had formed just then, up to so many members. A larger one ends when it
-    // was to, and falls apart into what hangs together: else bodies that have parted long ago stay, more of them join
-    // than leave, and in a large gas such a group grows without end.
-    static constexpr std::size_t most_lasting = 8;
-    // By which the line of centres turns in a contact that is solved as a whole [rad].
-    static constexpr double widest_turn = 1.0;
-    // Part of the sum of the radii up to which overlap at the start is rounding.
+    // The cost of integrating a cluster for the duration of a contact grows with the square of its members, because
+    // each contact that ends also ends a step of all of them. A large cluster is integrated for few steps, since any
+    // body that comes near restarts the integration.
+    static constexpr std::size_t large_cluster = 50;
+    static constexpr long steps_of_large_cluster = 64;
+    // Only clusters that come to rest need as many steps. The limit lets a run be stopped between clusters.
+    static constexpr long steps_of_small_cluster = 10'000;
+    // Limit of the integration steps, summed over members, per body of the box and contact begun: beyond it contacts
+    // last, and time stepping is cheaper. Small clusters may use the steps of `fewest_bodies` bodies.
+    static constexpr double most_integration_steps = 1e4, fewest_bodies = 1e3;
+    // Members up to which a cluster that another body joins is integrated for a full horizon again. A larger one ends
+    // when it was to end before, and splits into connected parts. Otherwise bodies that separated long ago stay
+    // members, and in a large gas a cluster would grow without bound.
+    static constexpr std::size_t largest_renewed_cluster = 8;
+    // Largest rotation of the line of centres in a contact that is solved as isolated [rad].
+    static constexpr double largest_rotation = 1.0;
+    // Overlap at the start, over the sum of the radii, up to which it is rounding.
     static constexpr double touching_depth = 1e-9;
 
-    // Bodies that overlap are in contact from the start if their force is repulsive.
+    // Bodies that overlap start in contact if their force is repulsive.
     NewtonEvents(const NewtonSetting& setting, const System& s, const hardlimit_abi::TouchKernels& kernels);
     // Continues a saved run.
     NewtonEvents(const NewtonSetting& setting, Reader& reader, const hardlimit_abi::TouchKernels& kernels);
@@ -70,12 +74,12 @@ public:
     Outcome outcome() const override { return outcome_; }
     EarlyEnd early_end() const override { return {now_, ended_by_, ended_at_wall_}; }
     u64 work() const override { return events_; }
-    // But for those that began, or ended, in a group that still lasts.
+    // Except those that begin or end within a group that still lasts.
     u64 contacts() const override { return begun_; }
     u64 logged() const override { return ended_; }
     std::vector<Statistic> statistics() const override;
 
-    // Groups are integrated in a copy.
+    // Const: groups are integrated in a copy.
     void state(double* position, double* velocity) const override;
     Observation observe() const override { return snapshot().sums; }
     bool contacts_last() const override { return true; }
@@ -96,7 +100,7 @@ private:
     using ActivePair = boxes::ActivePair<Law>;
     using ClusterSeed = boxes::ClusterSeed<Law>;
     struct RelativeMotion {
-        Vector3 place, velocity;
+        Vector3 position, velocity;
     };
     struct Block {
         Place<3> from, to;
@@ -104,42 +108,40 @@ private:
 
     NewtonSetting setting_;
     const Box& box_ = setting_.box;
-    Box cell_box_;        // a two-dimensional one is one cell deep
-    PairLaws<Law> laws_;  // by place in memory, once it is known
+    Box cell_box_;        // one cell deep in two dimensions
+    PairLaws<Law> laws_;  // by index in memory
     SoftContacts<Law, true> soft_;
-    // By place in memory. A path is a parabola that starts at its `time`, in the frame of the cell; its radius is that
-    // of the space a busy body needs.
+    // By index in memory. A path is a parabola that starts at `time`, in the frame of the cell; the radius includes the
+    // safety radius.
     Records<Particle<3>> particles_;
     Records<BodyEvents> pending_;
     Records<Group> groups_;
-    std::vector<int> spare_;
-    std::vector<ClusterSeed>
-        remnants_;  // whose contacts go on after their group has ended; empty between events
+    std::vector<int> free_groups_;
+    std::vector<ClusterSeed> parts_;  // of ended clusters, whose contacts last; empty between events
     Cells<3> cells_;
     int level_ = 0;
     CalendarQueue calendar_queue_;
-    ContactEndQueue contact_ends_;  // of undisturbed contacts
+    ContactEndQueue contact_ends_;  // of isolated contacts
     hardlimit_abi::TouchKernels::Of touch_{};
     const hardlimit_abi::SeriesKernels* series_ = nullptr;
-    hardlimit_abi::TouchQuery query_{};  // what is the same in all, once for all
-    double kernel_exact_after_ =
-        0.0;  // after that the kernel's times for free bodies are those of meeting() [s]
+    hardlimit_abi::TouchQuery query_{};  // constant parts are set once
+    double kernel_exact_after_ = 0.0;    // from then on the kernel's times for free bodies are exact [s]
     mutable Scratch<u32> candidates_;
-    mutable Scratch<double> times_;  // until they are touched [s]
+    mutable Scratch<double> times_;  // until touch [s]
     Vector3 gravity_;
     double largest_radius_ = 0.0, smallest_radius_ = math::infinity;
-    double largest_safety_radius_ = 0.0;  // that cells are wide enough for [m]
-    double largest_displacement_ = 0.0;   // how far a member may go while its group lasts [m]
-    bool several_images_ = false;         // several of a body may be near
-    bool walled_ = false;                 // there are walls
-    bool prefetches_ = false;             // all that is held is too large for the caches
+    double largest_safety_radius_ = 0.0;  // for which the cells are wide enough [m]
+    double largest_displacement_ = 0.0;   // of a member while its group lasts [m]
+    bool several_images_ = false;         // whether several images of a body may be near
+    bool walled_ = false;                 // whether there are walls
+    bool prefetches_ = false;             // whether the data exceed the caches
     double now_ = 0.0, virial_ = 0.0, clustered_ = 0.0;
-    double dissipated_ = 0.0;  // and what slack pairs still hold [J]
+    double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
-    double largest_compression_ = 0.0;  // but for groups still together
-    double integration_ = 0.0;          // that counts [steps of a body]
-    std::uint64_t begun_before_ = 0;    // contacts, when it was counted last
+    double largest_compression_ = 0.0;  // without groups that still last
+    double integration_steps_ = 0.0;    // that counts towards the limit [steps of a body]
+    std::uint64_t begun_before_ = 0;    // contacts at the last update of integration_steps_
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<i64> ended_by_;
@@ -206,8 +208,8 @@ private:
     void set_query(int i);
     void predict_collisions(int i, const Block& in);
     void take_candidates(int i, const hardlimit_abi::Touched& touched);
-    void take_candidate(int i, u32 id, double grown);
-    double collision_time(int i, int j, double grown) const;
+    void take_candidate(int i, u32 id, double enlarged_time);
+    double collision_time(int i, int j, double enlarged_time) const;
     RelativeMotion relative_motion(int j) const;
     bool stays_clear(const RelativeMotion& between, int i, int member, double from,
                      double other_radius) const;
@@ -221,20 +223,21 @@ private:
     void resolve_conflict(int i, int j);
     void end_cluster(int i);
     void end_isolated_contact(int index);
-    void form_remnants();
-    void split_cluster(const std::vector<int>& bodies, const std::vector<ActivePair>& live);
-    bool try_isolated_contact(int i, int j, WallId wall, int& intruder);
+    void form_parts();
+    void split_cluster(const std::vector<int>& bodies, const std::vector<ActivePair>& active);
+    void open_isolated_contact(Group& g, int i, int j, WallId wall) const;
+    bool try_isolated_contact(int i, int j, WallId wall, int& third_body);
     void form_group(ClusterSeed& set);
     void absorb(int i, ClusterSeed& set);
     void absorb_touching(std::size_t last, ClusterSeed& set);
-    void find_intruders(int i, int index, std::vector<int>& near) const;
+    void find_third_bodies(int i, int index, std::vector<int>& near) const;
     void schedule_group(int index);
     bool ends_too_deep(int index);
 
     // membership.hpp
     int new_group();
     void discard_group(int index);
-    void dissolve_group(int index, bool at_end, std::vector<ActivePair>& live);
+    void dissolve_group(int index, bool at_end, std::vector<ActivePair>& active);
     void undo_group(int index);
     void join_group(int i, int index, std::size_t m, double span);
     void set_free(int i);
@@ -244,12 +247,13 @@ private:
     // cluster_setup.hpp
     void build_cluster(int index, ClusterSeed& set);
     bool takes_too_long(const Cluster<Law>& c);
+    void reset_cluster(Cluster<Law>& c, double base) const;
     void open_group(Group& g, const std::vector<int>& set) const;
     void set_member(Group& g, std::size_t m, Member& member) const;
-    void make_pairs(Group& g, std::vector<ActivePair>& live) const;
+    void make_pairs(Group& g, std::vector<ActivePair>& active) const;
     bool may_touch(const Member& a, const Member& b) const;
     void carry_over(ContactPair<Law>& q, ContactPair<Law>& old, const Cluster<Law>& c) const;
-    double image_of(double x, int axis) const;
+    double nearest_period(double x, int axis) const;
     void set_pair(const Group& g, int i, int j, const Member& a, const Member& b, ContactPair<Law>& q) const;
     bool near_wall(int i, const Wall& wall) const;
     double wall_distance(int i, const Wall& wall) const;
@@ -262,12 +266,11 @@ private:
     // safety_radius.hpp
     bool set_safety_radii(int index);
     double deviation_from_path(const Group& g, std::size_t m) const;
-    void make_busy(int index, std::size_t m, const Member& before, const Member& after, double span,
-                   double margin);
+    void make_busy(int index, std::size_t m, const Member& before, const Member& after, double span);
     void set_safety_radii(IsolatedContact& l) const;
     void follow_outgoing_path(int index, std::size_t m, const Member& after);
     void set_radius(int i, double safety_radius);
-    double safety_radius_used(const Group& g, std::size_t m, const Vector3& place, double time) const;
+    double safety_radius_used(const Group& g, std::size_t m, const Vector3& at, double time) const;
 
     // isolated_contact.hpp
     bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
@@ -277,6 +280,8 @@ private:
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
     // observe.hpp
+    void add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const;
+    void add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const;
     void log(const Group& g, const ContactPair<Law>& q, const EndedContact& e);
     NewtonSnapshot snapshot() const;
     ContactRecord contact_row(const Group& g, const ContactPair<Law>& q, const EndedContact& e) const;
@@ -309,8 +314,8 @@ NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, const System& s,
     restart_calendar_queue();
 }
 
-// Fitted to a pair of the first bodies. Whether the damping differs from pair to pair shows between the smallest and
-// the largest body; any other pair that does not fit is solved by itself.
+// Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
+// largest body; a pair that does not fit the table is solved directly.
 template <class Law>
 SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
                                                          const hardlimit_abi::TouchKernels& kernels) {
@@ -401,7 +406,7 @@ void NewtonEvents<Law>::process_event(int i) {
     leave_cell(i);
 }
 
-// The run is over, at these bodies.
+// Ends the run at these bodies.
 template <class Law>
 void NewtonEvents<Law>::end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall) {
     if (outcome_ != Outcome::ok) return;

@@ -22,7 +22,7 @@ Vector3 NewtonEvents<Law>::velocity(int i, double t) const {
     return v;
 }
 
-// The body's parabola starts here.
+// Starts a new parabola at the current time.
 template <class Law>
 void NewtonEvents<Law>::restart_path(int i) {
     if (!free(i)) return;
@@ -39,7 +39,7 @@ void NewtonEvents<Law>::restart_path(int i) {
 template <class Law>
 void NewtonEvents<Law>::schedule(int i) {
     const u32 id = static_cast<u32>(i);
-    calendar_queue_.push(id, pending_[i].time(), [this](u32 id) { return pending_[id].original_index; });
+    calendar_queue_.push(id, pending_[i].time(), by_original_index());
 }
 
 template <class Law>
@@ -48,7 +48,7 @@ void NewtonEvents<Law>::reschedule(int i) {
     schedule(i);
 }
 
-// All events of a body anew.
+// Predicts all events of body i.
 template <class Law>
 void NewtonEvents<Law>::predict_events(int i) {
     Pending& e = pending_[i];
@@ -60,7 +60,7 @@ void NewtonEvents<Law>::predict_events(int i) {
     predict_self_event(i, at);
 }
 
-// The same without a partner that would be found first and does not count: who is nowhere is not touched.
+// The same without collisions with one other body: a body whose time is NaN is never touched.
 template <class Law>
 void NewtonEvents<Law>::predict_events_without(int i, int other) {
     if (i == other) return predict_events(i);
@@ -69,7 +69,7 @@ void NewtonEvents<Law>::predict_events_without(int i, int other) {
     particles_[other].time = time;
 }
 
-// The body that is to be met by the others. After an undisturbed contact it is of its own size again.
+// Makes body i the one whose collisions the kernel predicts. After an isolated contact it has its own radius again.
 template <class Law>
 void NewtonEvents<Law>::set_query(int i) {
     const Particle<3>& p = particles_[i];
@@ -78,9 +78,10 @@ void NewtonEvents<Law>::set_query(int i) {
     const bool shrinks = e.group >= 0 && !e.clustered;
     query_.now = now_;
     query_.radius = shrinks ? radius(i) : p.radius;
-    query_.space = p.radius;
-    query_.span = shrinks ? e.end - now_ : 0.0;
-    kernel_exact_after_ = shrinks ? now_ + query_.span : (e.clustered ? math::infinity : -math::infinity);
+    query_.enlarged_radius = p.radius;
+    query_.enlarged_span = shrinks ? e.end - now_ : 0.0;
+    kernel_exact_after_ =
+        shrinks ? now_ + query_.enlarged_span : (e.clustered ? math::infinity : -math::infinity);
     for (int a = 0; a < 3; ++a) {
         query_.position[a] = p.position[a] + s * (p.velocity[a] + 0.5 * s * box_.gravity[a]);
         query_.velocity[a] = p.velocity[a] + s * box_.gravity[a];
@@ -106,8 +107,8 @@ void NewtonEvents<Law>::predict_collisions(int i, const Block& in) {
     take_candidates(i, touch(query_, particles_.data(), self, candidates_.data(), times_.data(), block));
 }
 
-// What is touched first among the candidates. The kernel's times are lower bounds for whoever is busy. Simultaneous
-// ones are told apart by the user's numbers.
+// Takes the earliest collision among the candidates. The kernel's times are lower bounds if a body is busy.
+// Simultaneous collisions are ordered by original index.
 template <class Law>
 void NewtonEvents<Law>::take_candidates(int i, const hardlimit_abi::Touched& touched) {
     const Pending& e = pending_[i];
@@ -122,12 +123,12 @@ void NewtonEvents<Law>::take_candidates(int i, const hardlimit_abi::Touched& tou
     }
 }
 
-// Takes another body as the next partner, if it is met first. `grown`: see meeting().
+// Makes body `id` the next partner of body i if they collide earlier. `enlarged_time`: see collision_time().
 template <class Law>
-void NewtonEvents<Law>::take_candidate(int i, u32 id, double grown) {
+void NewtonEvents<Law>::take_candidate(int i, u32 id, double enlarged_time) {
     Pending& e = pending_[i];
-    const bool known = pending_[id].group < 0 && grown > kernel_exact_after_;
-    const double time = known ? grown : collision_time(i, static_cast<int>(id), grown);
+    const bool known = pending_[id].group < 0 && enlarged_time > kernel_exact_after_;
+    const double time = known ? enlarged_time : collision_time(i, static_cast<int>(id), enlarged_time);
     if (time > e.pair_time || time == math::infinity) return;
     if (time == e.pair_time && e.partner != no_particle &&
         pending_[e.partner].original_index < pending_[id].original_index)
@@ -137,19 +138,19 @@ void NewtonEvents<Law>::take_candidate(int i, u32 id, double grown) {
     e.partner_count = pending_[id].count;
 }
 
-// When the body that looks, i, meets body j, one of them busy at least; they would at `grown` if neither ever shrank to
-// its own size. Beyond the end of a cluster nothing is known of its members: what they meet then, they are told then.
-// Members of one group do not meet here.
+// When bodies i and j collide, at least one of them busy; `enlarged_time` is the time at which they would if both kept their
+// safety radius. Nothing is known of a cluster's members beyond its end: their collisions are predicted then. Members
+// of one group do not collide here.
 template <class Law>
-double NewtonEvents<Law>::collision_time(int i, int j, double grown) const {
+double NewtonEvents<Law>::collision_time(int i, int j, double enlarged_time) const {
     if (pending_[i].group == pending_[j].group) return math::infinity;
     const bool i_first = free(j) || (!free(i) && pending_[i].end < pending_[j].end);
     const int first = i_first ? i : j, last = i_first ? j : i;
-    if (grown < pending_[first].end) {
+    if (enlarged_time < pending_[first].end) {
         const RelativeMotion r = relative_motion(j);
         const bool apart = stays_clear(r, i, first, now_, particles_[last].radius) ||
                            stays_clear(r, i, last, now_, particles_[first].radius);
-        if (!apart) return grown;
+        if (!apart) return enlarged_time;
     }
     if (clustered(first)) return math::infinity;
     if (!free(last)) {
@@ -162,14 +163,14 @@ double NewtonEvents<Law>::collision_time(int i, int j, double grown) const {
     return time_at_distance(j, radius(i) + radius(j));
 }
 
-// From the body that looks to body j, now.
+// From body i, of which collisions are predicted, to body j at the current time.
 template <class Law>
 typename NewtonEvents<Law>::RelativeMotion NewtonEvents<Law>::relative_motion(int j) const {
     const Vector3 x = position(j, now_), v = velocity(j, now_);
     RelativeMotion between;
     for (std::size_t k = 0; k < 3; ++k) {
         const double r = x[k] - query_.position[k];
-        between.place[k] =
+        between.position[k] =
             r +
             (several_images_ ? query_.shift[k] : -query_.edge[k] * math::round_small(r * query_.per_edge[k]));
         between.velocity[k] = v[k] - query_.velocity[k];
@@ -177,11 +178,11 @@ typename NewtonEvents<Law>::RelativeMotion NewtonEvents<Law>::relative_motion(in
     return between;
 }
 
-// Whether a member of an undisturbed contact, body i or j, is out of reach of the other one from then until its group
-// ends. How far its true path is off the one on which it flies on, b(s) ≤ ∫_s^∞ (t − s) |a| dt, is convex in s and zero
-// at the end, so that it is at most a share (T − s)/T of what it is at touch; and it leads away from the partner, up to
-// the angle by which the line of centres turns. So the true places, seen from the other body, lie in a triangle: its
-// corners are the two ends of that path, and the true place at its begin.
+// Whether `member`, body i or j in an isolated contact, stays out of reach of the other body from the time `from` until
+// its group ends. The distance of its true path from its outgoing path is at most b(s) = ∫_s^∞ (t − s) |a| dt, which is
+// convex in s and zero at the end, so that b ≤ b(touch) (T − s)/T. The true path deviates away from the partner, within
+// the angle by which the line of centres rotates. Seen from the other body, the true positions therefore lie in a
+// triangle: its corners are both ends of the outgoing path and the true position at `from`.
 template <class Law>
 bool NewtonEvents<Law>::stays_clear(const RelativeMotion& between, int i, int member, double from,
                                     double other_radius) const {
@@ -193,7 +194,7 @@ bool NewtonEvents<Law>::stays_clear(const RelativeMotion& between, int i, int me
     const double off = (m == 0 ? -share : share) * math::clamp(left / l.span, 0.0, 1.0);
     Vector3 begin, away, along;
     for (std::size_t k = 0; k < 3; ++k) {
-        begin[k] = sign * (between.place[k] + (from - now_) * between.velocity[k]);
+        begin[k] = sign * (between.position[k] + (from - now_) * between.velocity[k]);
         along[k] = sign * left * between.velocity[k];
         away[k] = -off * l.initial_offset[k];
     }
@@ -201,18 +202,19 @@ bool NewtonEvents<Law>::stays_clear(const RelativeMotion& between, int i, int me
     return square_to_triangle(begin, away, along) > reach * reach * (1.0 + rounding_of_touch);
 }
 
-// When the paths of the body that looks and of body j come so near to each other.
+// When the paths of body i, of which collisions are predicted, and of body j come within this distance.
 template <class Law>
-double NewtonEvents<Law>::time_at_distance(int j, double reach) const {
+double NewtonEvents<Law>::time_at_distance(int j, double distance) const {
     const RelativeMotion between = relative_motion(j);
-    const double a = dot(between.velocity, between.velocity), b = dot(between.place, between.velocity);
-    const double c = dot(between.place, between.place) - reach * reach, discriminant = b * b - a * c;
+    const double a = dot(between.velocity, between.velocity), b = dot(between.position, between.velocity);
+    const double c = dot(between.position, between.position) - distance * distance,
+                 discriminant = b * b - a * c;
     if (!(b < 0.0 && discriminant > 0.0)) return math::infinity;
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
-// Where the path of the body that looks leaves its cell, which is at this place, or where a free body meets a wall, or
-// the end of a cluster of its first member. Which border is the first, no processor can foresee: few branches.
+// The self event of body i: it leaves its cell `at`, or meets a wall if it is free, or its cluster ends if it is the
+// first member. Which border comes first is unpredictable for a processor: few branches.
 template <class Law>
 void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     BodyEvents& e = pending_[i];
@@ -221,7 +223,8 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     double in = math::infinity;
     SelfEvent which = SelfEvent::low_x;
     const auto consider = [&](double time, int axis, bool up) {
-        const auto sooner = 0u - static_cast<u32>(time < in);  // a mask: gcc would make a branch of a choice
+        const auto sooner =
+            0u - static_cast<u32>(time < in);  // a mask, since gcc would turn ?: into a branch
         which = static_cast<SelfEvent>((static_cast<u32>(self_event(axis, up)) & sooner) |
                                        (static_cast<u32>(which) & ~sooner));
         in = math::min(in, time);

@@ -4,13 +4,12 @@
 
 namespace hardlimit::boxes {
 
-// Whoever overlaps at the start, by more than rounding makes of touching, is in contact from then on if the bodies push
-// each other.
+// Particles that overlap initially by more than rounding error start in contact if their force is repulsive.
 template <class Law>
 void NewtonEvents<Law>::begin_contacts() {
     std::vector<int> bodies;
     std::vector<char> known(particles_.size(), 0);
-    std::vector<ActivePair> live;
+    std::vector<ActivePair> active;
     const auto overlap = [&](int i, int j, WallId wall, double depth, double rate) {
         if (!(depth > touching_depth * (j < 0 ? radius(i) : radius(i) + radius(j)))) return;
         ActivePair pair = active_pair(i, j, wall);
@@ -21,7 +20,7 @@ void NewtonEvents<Law>::begin_contacts() {
         } else {
             dissipated_ += law(i, j).energy(onset_root<Law::onset_power>(depth));
         }
-        live.push_back(pair);
+        active.push_back(pair);
         for (const int k : {i, j})
             if (k >= 0 && !std::exchange(known[static_cast<std::size_t>(k)], 1)) bodies.push_back(k);
     };
@@ -43,38 +42,38 @@ void NewtonEvents<Law>::begin_contacts() {
             }
         }
     }
-    split_cluster(bodies, live);
-    form_remnants();
+    split_cluster(bodies, active);
+    form_parts();
 }
 
-// Bodies i and j touch; j < 0: body i touches the wall.
+// A contact begins between bodies i and j, or for j < 0 between body i and a wall.
 template <class Law>
 void NewtonEvents<Law>::begin_contact(int i, int j, WallId wall) {
     restart_path(i);
     if (j >= 0) restart_path(j);
     ++begun_;
     begun_pairs_ += j >= 0;
-    int intruder = -1;
-    if (try_isolated_contact(i, j, wall, intruder)) return;
+    int third_body = -1;
+    if (try_isolated_contact(i, j, wall, third_body)) return;
     ClusterSeed set{{i}, {active_pair(i, j, wall)}};
     set.pairs[0].pair.state = ContactState::closed;
     set.pairs[0].pair.fresh = true;
     if (j >= 0) set.bodies.push_back(j);
-    if (intruder >= 0) absorb(intruder, set);
+    if (third_body >= 0) absorb(third_body, set);
     form_group(set);
 }
 
-// A pair that overlaps from now on.
+// A pair that starts to overlap at the current time.
 template <class Law>
 ActivePair<Law> NewtonEvents<Law>::active_pair(int i, int j, WallId wall) const {
-    ActivePair live{};
-    live.first = i;
-    live.second = j;
-    live.pair.state = ContactState::slack;
-    live.pair.wall_id = wall;
-    live.pair.begin = now_;
-    live.pair.impact_speed = math::nan;
-    return live;
+    ActivePair active{};
+    active.first = i;
+    active.second = j;
+    active.pair.state = ContactState::slack;
+    active.pair.wall_id = wall;
+    active.pair.begin = now_;
+    active.pair.impact_speed = math::nan;
+    return active;
 }
 
 template <class Law>
@@ -92,15 +91,15 @@ void NewtonEvents<Law>::end_cluster(int first) {
     ClusterSeed set{{g.body.begin(), g.body.end()}, {}, g.until};
     const std::vector<int>& bodies = set.bodies;
     dissolve_group(index, true, set.pairs);
-    if (bodies.size() >= large_group && now_ < set.until && !set.pairs.empty()) return form_group(set);
+    if (bodies.size() >= large_cluster && now_ < set.until && !set.pairs.empty()) return form_group(set);
     split_cluster(bodies, set.pairs);
-    form_remnants();
+    form_parts();
     for (const int i : bodies)
         if (free(i)) reschedule(i);
 }
 
-// The members are of their own size again. Their paths go on, and what they meet is known; but not which wall, nor,
-// in a small box, which image of each other.
+// The members get their own radius back. Their paths continue and the collisions predicted for them stay valid. Not
+// predicted were walls and, in a small box, further images of the partner.
 template <class Law>
 void NewtonEvents<Law>::end_isolated_contact(int index) {
     const IsolatedContact& l = group(index).isolated_contact;
@@ -126,17 +125,17 @@ void NewtonEvents<Law>::end_isolated_contact(int index) {
 }
 
 template <class Law>
-void NewtonEvents<Law>::form_remnants() {
-    while (!remnants_.empty()) {
-        ClusterSeed next = std::move(remnants_.back());
-        remnants_.pop_back();
+void NewtonEvents<Law>::form_parts() {
+    while (!parts_.empty()) {
+        ClusterSeed next = std::move(parts_.back());
+        parts_.pop_back();
         form_group(next);
     }
 }
 
-// Bodies joined by contacts that go on become a remnant each.
+// Splits bodies into parts connected by active pairs. Bodies without one are left free.
 template <class Law>
-void NewtonEvents<Law>::split_cluster(const std::vector<int>& bodies, const std::vector<ActivePair>& live) {
+void NewtonEvents<Law>::split_cluster(const std::vector<int>& bodies, const std::vector<ActivePair>& active) {
     const MemberIndex member(bodies);
     std::vector<std::size_t> above(bodies.size());
     for (std::size_t m = 0; m < bodies.size(); ++m) above[m] = m;
@@ -145,27 +144,24 @@ void NewtonEvents<Law>::split_cluster(const std::vector<int>& bodies, const std:
         while (above[m] != m) m = above[m] = above[above[m]];
         return m;
     };
-    for (const ActivePair& pair : live)
+    for (const ActivePair& pair : active)
         if (pair.second >= 0) above[root(pair.second)] = root(pair.first);
     constexpr std::size_t none = ~std::size_t{0};
-    std::vector<std::size_t> remnant(bodies.size(), none);
-    for (const ActivePair& pair : live) remnant[root(pair.first)] = 0;
-    for (std::size_t& at : remnant) {
+    std::vector<std::size_t> part_of(bodies.size(), none);
+    for (const ActivePair& pair : active) part_of[root(pair.first)] = 0;
+    for (std::size_t& at : part_of) {
         if (at == none) continue;
-        at = remnants_.size();
-        remnants_.emplace_back();
+        at = parts_.size();
+        parts_.emplace_back();
     }
-    for (const ActivePair& pair : live) remnants_[remnant[root(pair.first)]].pairs.push_back(pair);
+    for (const ActivePair& pair : active) parts_[part_of[root(pair.first)]].pairs.push_back(pair);
     for (const int body : bodies)
-        if (const std::size_t at = remnant[root(body)]; at != none) remnants_[at].bodies.push_back(body);
+        if (const std::size_t at = part_of[root(body)]; at != none) parts_[at].bodies.push_back(body);
 }
 
-// A contact that nothing disturbs, as far as is known now, is solved as a whole. Otherwise nothing changes, and
-// `intruder` is a body that has come too near, if that is why.
+// Group of a new contact at the current time, not solved yet.
 template <class Law>
-bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& intruder) {
-    const int index = new_group();
-    Group& g = group(index);
+void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, WallId wall) const {
     g.alive = g.isolated = true;
     const std::size_t members = j >= 0 ? 2 : 1;
     g.body.resize(members);
@@ -174,7 +170,6 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& int
     std::copy_n(particles_[i].position, 3, g.origin.begin());
     g.image_offset.resize(members);
     IsolatedContact& l = g.isolated_contact;
-    SeparatedMembers after;
     l.body[0] = i, l.body[1] = j;
     for (std::size_t m = 0; m < members; ++m) set_member(g, m, l.before[m]);
     if (j >= 0)
@@ -184,6 +179,18 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& int
     l.pair.state = ContactState::closed;
     l.pair.fresh = true;
     l.pair.begin = now_;
+}
+
+// Solves a new contact as isolated if, as far as is known now, no third body disturbs it. Otherwise nothing changes;
+// `third_body` is a body that has come too near, if that is the reason.
+template <class Law>
+bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& third_body) {
+    const int index = new_group();
+    Group& g = group(index);
+    open_isolated_contact(g, i, j, wall);
+    IsolatedContact& l = g.isolated_contact;
+    SeparatedMembers after;
+    const std::size_t members = g.body.size();
     const bool solved = j >= 0 ? solve_pair(l, after) : solve_wall(l, after);
     if (solved) set_safety_radii(l);
     if (!solved || !far_from_walls(g, after)) {
@@ -194,7 +201,7 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& int
     for (const int k : g.body) {
         predict_events_without(k, members == 1 ? k : g.body[k == i ? 1 : 0]);
         if (pending_[k].pair_time > now_) continue;
-        intruder = static_cast<int>(pending_[k].partner);
+        third_body = static_cast<int>(pending_[k].partner);
         undo_group(index);
         return false;
     }
@@ -203,7 +210,7 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& int
     return true;
 }
 
-// The set becomes a group, with all bodies that are so near that they may touch one of it.
+// Makes a group of the bodies in the set and of all others that may touch one of them.
 template <class Law>
 void NewtonEvents<Law>::form_group(ClusterSeed& set) {
     for (;;) {
@@ -216,41 +223,42 @@ void NewtonEvents<Law>::form_group(ClusterSeed& set) {
         if (after.time > 0.0 && outcome_ == Outcome::ok)
             for (const int i : set.bodies) {
                 predict_events(i);
-                if (!(pending_[i].pair_time > now_)) find_intruders(i, index, near);
+                if (!(pending_[i].pair_time > now_)) find_third_bodies(i, index, near);
             }
         if (near.empty()) return schedule_group(index);
         undo_group(index);
         const std::size_t before = set.bodies.size();
         for (const int k : near) absorb(k, set);
-        if (set.bodies.size() > most_lasting) absorb_touching(before, set);
+        if (set.bodies.size() > largest_renewed_cluster) absorb_touching(before, set);
     }
 }
 
-// A body becomes part of the set, with all of its group and whatever it is still in contact with.
+// Adds a body to the set, with its whole group and with all bodies it is still in contact with.
 template <class Law>
 void NewtonEvents<Law>::absorb(int i, ClusterSeed& set) {
     if (std::find(set.bodies.begin(), set.bodies.end(), i) != set.bodies.end()) return;
     if (!free(i)) {
         const int index = pending_[i].group;
         const auto& bodies = group(index).body;
-        if (bodies.size() > most_lasting) set.until = math::min(set.until, group(index).until);
+        if (bodies.size() > largest_renewed_cluster) set.until = math::min(set.until, group(index).until);
         dissolve_group(index, false, set.pairs);
         set.bodies.insert(set.bodies.end(), bodies.begin(), bodies.end());
         return;
     }
-    for (ClusterSeed& r : remnants_) {
+    for (ClusterSeed& r : parts_) {
         if (std::find(r.bodies.begin(), r.bodies.end(), i) == r.bodies.end()) continue;
         set.bodies.insert(set.bodies.end(), r.bodies.begin(), r.bodies.end());
         set.pairs.insert(set.pairs.end(), r.pairs.begin(), r.pairs.end());
-        std::swap(r, remnants_.back());
-        remnants_.pop_back();
+        std::swap(r, parts_.back());
+        parts_.pop_back();
         return;
     }
     restart_path(i);
     set.bodies.push_back(i);
 }
 
-// Whoever touches the last of the set would be found at the next attempt, one after the other along a chain.
+// Adds all bodies that touch those of the set from `last` on. One attempt per body along a chain of contacts would find
+// them too, but slowly.
 template <class Law>
 void NewtonEvents<Law>::absorb_touching(std::size_t last, ClusterSeed& set) {
     std::vector<int> near;
@@ -261,26 +269,26 @@ void NewtonEvents<Law>::absorb_touching(std::size_t last, ClusterSeed& set) {
             const double reach = (particles_[i].radius + particles_[j].radius) * (1.0 + rounding_of_touch);
             if (dot(r, r) < reach * reach) near.push_back(j);
         });
-        std::sort(near.begin(), near.end());  // a saved run has lost the order within a cell
+        std::sort(near.begin(), near.end());  // the order within a cell is not saved
         for (const int k : near) absorb(k, set);
     }
 }
 
 template <class Law>
-void NewtonEvents<Law>::find_intruders(int i, int index, std::vector<int>& near) const {
+void NewtonEvents<Law>::find_third_bodies(int i, int index, std::vector<int>& near) const {
     for_neighbours(i, [&](int j, const Vector3& r) {
         const double reach = particles_[i].radius + particles_[j].radius;
         if (pending_[j].group != index && dot(r, r) < reach * reach &&
             std::find(near.begin(), near.end(), j) == near.end())
             near.push_back(j);
     });
-    std::sort(near.begin(), near.end());  // a saved run has lost the order within a cell
+    std::sort(near.begin(), near.end());  // the order within a cell is not saved
 }
 
 template <class Law>
 void NewtonEvents<Law>::schedule_group(int index) {
     const auto& set = group(index).body;
-    if (group(index).cluster->after.time == 0.0) {  // nothing is closed any more
+    if (group(index).cluster->after.time == 0.0) {  // no pair is closed
         std::vector<ActivePair> none;
         dissolve_group(index, true, none);
         for (const int i : set) reschedule(i);
@@ -290,7 +298,7 @@ void NewtonEvents<Law>::schedule_group(int index) {
     for (const int i : set) schedule(i);
 }
 
-// Whether a contact of the group has now reached the largest compression of its law. The group stays as it is.
+// Ends the run if a contact of the group has reached the largest compression of its law. The group stays as it is.
 template <class Law>
 bool NewtonEvents<Law>::ends_too_deep(int index) {
     const Group& g = group(index);

@@ -4,7 +4,8 @@
 
 namespace hardlimit::boxes {
 
-// In the plane of approach. False where there is no such end, or where a member would get too far.
+// Solves the contact of two bodies in their plane of approach. Returns false if the contact does not end, or if a
+// member moves too far for its cell.
 template <class Law>
 bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) {
     ContactPair<Law>& q = l.pair;
@@ -31,20 +32,20 @@ bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) 
     l.compression = end.greatest / math::min(a.radius, b.radius);
     l.dissipated =
         0.5 * q.mass * (end.speed_loss * (approach + separation) + (sideways - swing) * (sideways + swing));
-    // r × the equation of motion, integrated over the contact.
+    // Virial from r · (equation of motion), integrated over the contact.
     const double left = distance - end.compression;
     l.virial = q.mass *
                ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
     separate_pair(l, after, end, normal, across);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
-    return l.compression < deepest_compression && end.turn < widest_turn &&
+    return l.compression < deepest_compression && end.turn < largest_rotation &&
            l.span * (approach + sideways) <= largest_displacement_ &&
            share * l.deviation <= largest_safety_radius_;
 }
 
-// On straight lines from the end of the force until the bodies are apart. At a time s the relative path is off the one
-// that goes on by ∫_s^∞ (t − s) a dt, where the force per mass a turns with the line of centres: by no more than at
-// touch, divided by the cosine of half of that angle.
+// States when the surfaces are apart, on straight lines from the end of the force. Earlier, at a time s, the relative
+// path deviates from the outgoing one by ∫_s^∞ (t − s) a dt. As the force per mass a rotates with the line of centres,
+// the deviation is at most that at touch, divided by the cosine of half of the rotation.
 template <class Law>
 void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
                                       const Vector3& normal, const Vector3& across) const {
@@ -71,7 +72,7 @@ void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& afte
         after[1].velocity[k] = (mean + fall) + of_a * velocity;
     }
     const double off_n = rn - l.span * vn - distance, off_t = rt - l.span * vt;
-    const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // or less
+    const double per_cosine = 1.0001 / (1.0 - 0.125 * end.turn * end.turn);  // a lower bound of the cosine
     l.rotation = end.turn;
     l.deviation = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
     for (std::size_t k = 0; k < 3; ++k)
@@ -103,7 +104,7 @@ bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) 
     l.dissipated = q.mass * (0.5 * end.speed_loss * (approach + end.radial_speed) + weight * end.compression);
     l.contact = {0, now_, now_ + end.duration, approach, end.radial_speed, false};
     q.impact_speed = approach;
-    // The force per mass a points one way: what it does to the path is largest at touch, ∫ t a dt.
+    // The force per mass a keeps its direction: the deviation of the path is largest at touch, ∫ t a dt.
     const double out = end.radial_speed - weight * opening;
     const double off = 1.0001 * (l.span * (out + 0.5 * weight * l.span));
     l.rotation = 0.0;
@@ -115,8 +116,8 @@ bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) 
            l.deviation <= largest_safety_radius_;
 }
 
-// Whether the members stay away from all walls but that of the contact. As for other bodies, a member is larger by its
-// margin, on the parabola on which it flies on: seen from a wall, that is nearest at one of its ends or at its vertex.
+// Whether all members stay away from all other walls. A member is enlarged by its safety radius on its outgoing
+// parabola, which is closest to a wall at one of its ends or at its vertex.
 template <class Law>
 bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& after) const {
     if (!walled_) return true;
@@ -127,7 +128,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
             if (!box_.walled(axis)) continue;
             const auto a = static_cast<std::size_t>(axis);
             const double end = g.origin[a] + after[m].position[a], v = after[m].velocity[a];
-            const double pull = box_.gravity[axis], back = v / pull;  // to the vertex
+            const double pull = box_.gravity[axis], back = v / pull;  // time from the vertex to the end
             const double begin = end - l.span * (v - 0.5 * pull * l.span);
             const double vertex = back > 0.0 && back < l.span ? end - 0.5 * v * back : end;
             const double least = math::min(math::min(begin, end), vertex);

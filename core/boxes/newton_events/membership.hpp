@@ -6,12 +6,12 @@ namespace hardlimit::boxes {
 
 template <class Law>
 int NewtonEvents<Law>::new_group() {
-    if (spare_.empty()) {
+    if (free_groups_.empty()) {
         groups_.emplace_back();
         return static_cast<int>(groups_.size()) - 1;
     }
-    const int index = spare_.back();
-    spare_.pop_back();
+    const int index = free_groups_.back();
+    free_groups_.pop_back();
     return index;
 }
 
@@ -33,7 +33,7 @@ void NewtonEvents<Law>::set_free(int i) {
     particles_[i].radius = radius(i);
 }
 
-// A member is on its own again, at its true place.
+// Frees a member at its true position and velocity.
 template <class Law>
 void NewtonEvents<Law>::restart_body(const Group& g, std::size_t m, const Member& at) {
     const int i = g.body[m];
@@ -46,7 +46,7 @@ void NewtonEvents<Law>::restart_body(const Group& g, std::size_t m, const Member
     ++pending_[i].count;
 }
 
-// A member's place in the frame of its body's cell.
+// Position of a member in the frame of its body's cell.
 template <class Law>
 Vector3 NewtonEvents<Law>::body_position(const Group& g, std::size_t m, Vector3 x) const {
     const std::array<int, 3>& image_flags = pending_[g.body[m]].image_flags;
@@ -55,9 +55,9 @@ Vector3 NewtonEvents<Law>::body_position(const Group& g, std::size_t m, Vector3 
     return x;
 }
 
-// Ends a group now: its members are on their own again, at their true places.
+// Ends a group at the current time: all members become free bodies, and `active` receives the pairs still active.
 template <class Law>
-void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<ActivePair>& live) {
+void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<ActivePair>& active) {
     Group& g = group(index);
     if (!g.cluster) g.cluster = std::make_unique<ClusterStates>();
     if (!at_end) {
@@ -77,12 +77,12 @@ void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<Activ
     for (const ContactPair<Law>& q : c.pairs) {
         if (q.state == ContactState::open) continue;
         const int second = q.second < 0 ? -1 : g.body[static_cast<std::size_t>(q.second)];
-        live.push_back({g.body[static_cast<std::size_t>(q.first)], second, q});
+        active.push_back({g.body[static_cast<std::size_t>(q.first)], second, q});
     }
     discard_group(index);
 }
 
-// Undoes build: the members are free bodies at their places now.
+// Reverts build_cluster() and try_isolated_contact(): the members are free bodies at their present positions.
 template <class Law>
 void NewtonEvents<Law>::undo_group(int index) {
     Group& g = group(index);
@@ -97,12 +97,12 @@ void NewtonEvents<Law>::undo_group(int index) {
     discard_group(index);
 }
 
-// The next group to be is this one again, soon.
+// Frees the record of a group. The next group will soon reuse it.
 template <class Law>
 void NewtonEvents<Law>::discard_group(int index) {
     Group& g = group(index);
     g.alive = false;
-    spare_.push_back(index);
+    free_groups_.push_back(index);
     if (!prefetches_) return;
     for (std::size_t k = 0; k < sizeof g; k += 64) prefetch(reinterpret_cast<const char*>(&g) + k);
 }

@@ -6,52 +6,58 @@ namespace hardlimit::boxes {
 
 template <class Law>
 NewtonSnapshot NewtonEvents<Law>::snapshot() const {
-    const std::size_t n = particles_.size(), d = setting_.axes();
-    NewtonSnapshot s{{}, std::vector<double>(n * d), std::vector<double>(n * d), {}};
+    NewtonSnapshot s;
+    s.position.resize(setting_.axes() * particles_.size());
+    s.velocity.resize(s.position.size());
     Observation& o = s.sums;
     o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
     o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
-    const auto write = [&](int i, const Vector3& x, const Vector3& v) {
-        const std::size_t at = d * std::size_t{pending_[i].original_index};
-        const double m = mass(i);
-        for (std::size_t a = 0; a < d; ++a) {
-            const int axis = static_cast<int>(a);
-            s.position[at + a] = x[a] + box_.image_shift(axis, pending_[i].image_flags[a]);
-            s.velocity[at + a] = v[a];
-            o.kinetic_energy += 0.5 * m * v[a] * v[a];
-            o.potential_energy -= m * box_.gravity[a] * s.position[at + a];
-            o.momentum[a] += m * v[a];
-        }
-    };
-    for (int i = 0; i < static_cast<int>(n); ++i)
-        if (free(i)) write(i, position(i, now_), velocity(i, now_));
+    for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
+        if (free(i)) add_body(s, i, position(i, now_), velocity(i, now_));
     Cluster<Law> c;
-    for (const Group& g : groups_) {
-        if (!g.alive) continue;
-        initial_cluster(g, c);
-        c.run_through(now_ - c.base);
-        const double slack = c.stored(ContactState::slack);
-        o.contact_energy += c.stored(ContactState::closed) + slack;
-        o.dissipated_energy += c.dissipated - slack;
-        o.virial += c.virial;
-        o.largest_compression = math::max(o.largest_compression, c.largest_compression);
-        o.begun += static_cast<u64>(c.begun);
-        o.pairs += static_cast<u64>(c.begun_pairs);
-        for (std::size_t m = 0; m < g.body.size(); ++m)
-            write(g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
-        for (const EndedContact& e : c.ended) {
-            ++o.ended;
-            o.overlapped += e.overlapped;
-            s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
-        }
-        for (const ContactPair<Law>& q : c.pairs) {
-            if (q.state != ContactState::closed) continue;
-            ++o.in_contact;
-            s.open.push_back(
-                contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
-        }
-    }
+    for (const Group& g : groups_)
+        if (g.alive) add_group(s, g, c);
     return s;
+}
+
+template <class Law>
+void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const {
+    const std::size_t d = setting_.axes(), at = d * std::size_t{pending_[i].original_index};
+    const double m = mass(i);
+    for (std::size_t a = 0; a < d; ++a) {
+        s.position[at + a] = x[a] + box_.image_shift(static_cast<int>(a), pending_[i].image_flags[a]);
+        s.velocity[at + a] = v[a];
+        s.sums.kinetic_energy += 0.5 * m * v[a] * v[a];
+        s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];
+        s.sums.momentum[a] += m * v[a];
+    }
+}
+
+// Adds a group, integrated in c up to the current time.
+template <class Law>
+void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const {
+    Observation& o = s.sums;
+    initial_cluster(g, c);
+    c.run_through(now_ - c.base);
+    const double slack = c.stored(ContactState::slack);
+    o.contact_energy += c.stored(ContactState::closed) + slack;
+    o.dissipated_energy += c.dissipated - slack;
+    o.virial += c.virial;
+    o.largest_compression = math::max(o.largest_compression, c.largest_compression);
+    o.begun += static_cast<u64>(c.begun);
+    o.pairs += static_cast<u64>(c.begun_pairs);
+    for (std::size_t m = 0; m < g.body.size(); ++m)
+        add_body(s, g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
+    for (const EndedContact& e : c.ended) {
+        ++o.ended;
+        o.overlapped += e.overlapped;
+        s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
+    }
+    for (const ContactPair<Law>& q : c.pairs) {
+        if (q.state != ContactState::closed) continue;
+        ++o.in_contact;
+        s.open.push_back(contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
+    }
 }
 
 template <class Law>
@@ -61,7 +67,7 @@ void NewtonEvents<Law>::state(double* position, double* velocity) const {
     std::ranges::copy(now.velocity, velocity);
 }
 
-// cluster_share: part of all time that bodies have spent in groups of several contacts.
+// cluster_share: fraction of the bodies' time spent in clusters.
 template <class Law>
 std::vector<Statistic> NewtonEvents<Law>::statistics() const {
     const double time = now_ * static_cast<double>(size());
@@ -87,10 +93,10 @@ void NewtonEvents<Law>::log(const Group& g, const ContactPair<Law>& q, const End
 template <class Law>
 ContactRecord NewtonEvents<Law>::contact_row(const Group& g, const ContactPair<Law>& q,
                                              const EndedContact& e) const {
-    const auto name = [&](int member) {
+    const auto index = [&](int member) {
         return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].original_index);
     };
-    int first = name(q.first), second = q.second >= 0 ? name(q.second) : q.wall_id.number;
+    int first = index(q.first), second = q.second >= 0 ? index(q.second) : q.wall_id.number;
     if (second >= 0 && second < first) std::swap(first, second);
     return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
 }

@@ -27,8 +27,8 @@ struct alignas(64) BodyEvents : Pending {
 };
 static_assert(sizeof(BodyEvents) == 64);
 
-// A contact that no third body disturbs. In a large box each cache line is a wait for memory: the first line has what
-// the end of the contact needs, the second what is needed when another body comes near.
+// A contact that no third body disturbs. In a large box each cache line read is a wait for memory: the first line holds
+// what the end of the contact needs, the second what is needed when another body comes near.
 template <class Law>
 struct IsolatedContact {
     int body[2];              // second < 0: a wall
@@ -38,10 +38,9 @@ struct IsolatedContact {
     alignas(64) double span;  // until the surfaces are apart [s]
     double share[2];          // each member's part of the relative displacement: m_other/(m_1 + m_2)
     double safety_radius[2];  // by which a member's path can leave the triangle of stays_clear() [m]
-    Vector3
-        initial_offset;  // at touch, from the outgoing relative path, extrapolated back, to the true path [m]
-    double deviation;    // its length, the largest deviation from the outgoing path [m]
-    double rotation;     // of the line of centres [rad]
+    Vector3 initial_offset;   // at touch: true relative position minus that on the outgoing path [m]
+    double deviation;         // its length, the largest deviation from the outgoing path [m]
+    double rotation;          // of the line of centres [rad]
     Member before[2];
     ContactPair<Law> pair;
     EndedContact contact;

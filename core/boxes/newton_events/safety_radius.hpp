@@ -4,32 +4,32 @@
 
 namespace hardlimit::boxes {
 
-// Makes the members busy. Returns whether the cells are wide enough for their margins.
+// Makes all members busy. Returns whether the cells are wide enough for their safety radii.
 template <class Law>
 bool NewtonEvents<Law>::set_safety_radii(int index) {
     const Group& g = group(index);
     const Cluster<Law>&before = g.cluster->before, &after = g.cluster->after;
     bool fits = true;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        make_busy(index, m, before.members[m], after.members[m], after.time, 0.0);
+        make_busy(index, m, before.members[m], after.members[m], after.time);
         if (!(after.time > 0.0)) continue;
-        const double margin = deviation_from_path(g, m);
-        set_radius(g.body[m], margin);
-        fits = fits && margin <= largest_safety_radius_;
+        const double safety_radius = deviation_from_path(g, m);
+        set_radius(g.body[m], safety_radius);
+        fits = fits && safety_radius <= largest_safety_radius_;
     }
     return fits;
 }
 
-// The most by which a member leaves its parabola. Where it is not known by how much more than at the ends of a step,
-// its distance from there is close to a cubic, which rises above its ends by no more than a quarter of the step times
-// the larger slope.
+// Largest distance of a member's true path from its parabola. Between steps the chord deviation is added. Where that is
+// unknown, the distance is close to a cubic within a step: it exceeds its values at the ends by at most a quarter of
+// the step times the larger slope.
 template <class Law>
 double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) const {
     const std::size_t n = g.body.size();
     const Vector3& x0 = g.cluster->before.members[m].position;
     const double (&chord)[3] = particles_[g.body[m]].velocity;
     const Trajectory& trajectory = g.cluster->after.trajectory;
-    double margin = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
+    double largest = 0.0, last = 0.0, last_rate = 0.0, last_time = 0.0;
     for (std::size_t k = 0; k < trajectory.time.size(); ++k) {
         const double t = trajectory.time[k];
         const double *x = &trajectory.state[6 * n * k + 3 * m], *v = x + 3 * n;
@@ -46,28 +46,28 @@ double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) con
         const bool known = !trajectory.chord_deviation.empty();
         const double chord_deviation = known ? trajectory.chord_deviation[n * k + m]
                                              : 0.3 * (t - last_time) * math::max(rate, last_rate);
-        margin = math::max(margin, math::max(off, last) + chord_deviation);
+        largest = math::max(largest, math::max(off, last) + chord_deviation);
         last = off;
         last_rate = rate;
         last_time = t;
     }
-    return 1.01 * margin;
+    return 1.01 * largest;
 }
 
-// Until its group ends, a member is a larger body on the parabola between its two ends.
+// Puts a member of a cluster on the parabola between both ends of its path until its group ends.
 template <class Law>
 void NewtonEvents<Law>::make_busy(int index, std::size_t m, const Member& before, const Member& after,
-                                  double span, double margin) {
+                                  double span) {
     const int i = group(index).body[m];
     join_group(i, index, m, span);
-    set_radius(i, margin);
+    set_radius(i, 0.0);
     if (!(span > 0.0)) return;
     for (std::size_t a = 0; a < 3; ++a)
         particles_[i].velocity[a] =
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
 }
 
-// Of what happens to the relative path, what happens to a member's own.
+// Each member's share of the relative path's deviation.
 template <class Law>
 void NewtonEvents<Law>::set_safety_radii(IsolatedContact& l) const {
     const Member(&b)[2] = l.before;
@@ -77,7 +77,7 @@ void NewtonEvents<Law>::set_safety_radii(IsolatedContact& l) const {
     }
 }
 
-// Until its contact ends, a member is a larger body on the path on which it flies on.
+// Puts a member of an isolated contact on its outgoing path, with a larger radius, until the contact ends.
 template <class Law>
 void NewtonEvents<Law>::follow_outgoing_path(int index, std::size_t m, const Member& after) {
     const IsolatedContact& l = group(index).isolated_contact;
@@ -92,10 +92,10 @@ void NewtonEvents<Law>::follow_outgoing_path(int index, std::size_t m, const Mem
     }
 }
 
-// More than overlap must be to count as such.
+// Also adds the rounding up to which overlap does not count.
 template <class Law>
-void NewtonEvents<Law>::set_radius(int i, double margin) {
-    particles_[i].radius = (radius(i) + margin) * (1.0 + rounding_of_touch);
+void NewtonEvents<Law>::set_radius(int i, double safety_radius) {
+    particles_[i].radius = (radius(i) + safety_radius) * (1.0 + rounding_of_touch);
 }
 
 template <class Law>
@@ -117,16 +117,16 @@ double NewtonEvents<Law>::safety_used(int instants) const {
     return most;
 }
 
-// That of a member at a place where it is at this time. In an undisturbed contact what it may need shrinks, and leads
-// one way: a point that flies along at its true place must not be told to pass.
+// Part of a member's safety radius that is used at its true position `at`. In an isolated contact the space shrinks
+// with time and lies on one side of the path: a point at the true position must never be found clear of the member.
 template <class Law>
-double NewtonEvents<Law>::safety_radius_used(const Group& g, std::size_t m, const Vector3& place,
+double NewtonEvents<Law>::safety_radius_used(const Group& g, std::size_t m, const Vector3& at,
                                              double time) const {
     const int i = g.body[m];
     const Vector3 path = position(i, time);
-    const double rounding = 1e-10 * radius(i);  // and what a table of contacts is off
+    const double rounding = 1e-10 * radius(i);  // including the error of a contact table
     Vector3 off;
-    for (std::size_t a = 0; a < 3; ++a) off[a] = place[a] - path[a];
+    for (std::size_t a = 0; a < 3; ++a) off[a] = at[a] - path[a];
     const double far = math::sqrt(dot(off, off));
     if (!g.isolated) return far / (particles_[i].radius - radius(i) + rounding);
     if (stays_clear({off, {}}, i, i, time, rounding - radius(i))) return math::infinity;

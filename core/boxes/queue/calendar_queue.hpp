@@ -1,10 +1,10 @@
-// Which particle has the next event: a calendar queue (R. Brown, Commun. ACM 31, 1220 (1988)) of bare ids.
+// Which particle has the next event: a calendar queue (R. Brown, Commun. ACM 31, 1220 (1988)) of particle ids.
 //
-// Time is cut into bins, a year into as many as there are buckets. A bucket is a chain of cache lines of ids, nothing
-// else: an id is put into the bin of its particle's next event and never taken out when that event is superseded. When
-// a bin's time comes its ids are looked up; those whose event lies elsewhere by now are dropped, the others are sorted.
-// Events beyond the year wait in one list. The width of a bin follows the rate of events: a gas that cools slows
-// down by many orders of magnitude.
+// Time is divided into bins; a year has as many bins as there are buckets. A bucket is a chain of cache lines of ids
+// only: an id is put into the bin of its particle's next event, and stays there when that event is superseded. When the
+// time of a bin comes, its ids are looked up; those whose event has moved are dropped, the others are sorted. Events
+// beyond the year wait in one list. The width of a bin follows the rate of events, since a cooling gas slows down by
+// many orders of magnitude.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -19,37 +19,38 @@ struct Due {
     u32 id;
 };
 
-inline constexpr u32 most_in_caches = 20'000;  // particles; of fewer, all lies in the caches of a core
+inline constexpr u32 most_in_caches = 20'000;  // particles whose data fit into the caches of a core
 
 class CalendarQueue {
 public:
-    // Takes up the events of n particles. Key: time of the next event of an id; Name: what orders simultaneous events.
-    template <class Key, class Name>
-    void rebuild(u32 n, const Key& key, const Name& name) {
+    // Rebuilds the queue from the events of n particles. Key: time of the next event of an id; TieBreak: orders
+    // simultaneous events.
+    template <class Key, class TieBreak>
+    void rebuild(u32 n, const Key& key, const TieBreak& tie_break) {
         double earliest = math::infinity;
         for (u32 i = 0; i < n; ++i) earliest = math::min(earliest, key(i));
         clear(n);
         if (!(earliest < math::infinity)) return;
         origin_ = earliest;
         per_time_ = 1.0 / width(key);
-        for (u32 i = 0; i < n; ++i) push(i, key(i), name);
+        for (u32 i = 0; i < n; ++i) push(i, key(i), tie_break);
     }
 
-    template <class Name>
-    void push(u32 id, double time, const Name& name) {
+    template <class TieBreak>
+    void push(u32 id, double time, const TieBreak& tie_break) {
         if (!(time < math::infinity)) return;
         const u64 bin = bin_of(time);
         if (bin <= current_)
-            insert(Due{time, id}, name);
+            insert(Due{time, id}, tie_break);
         else if (bin < current_ + buckets_.size())
             add(buckets_[bin & mask_], id);
         else
             make_room(far_), far_.push_back(id);
     }
 
-    // The next event, or nullptr. It stays until pop(). loaded() is called where a new bin has been looked up.
-    template <class Key, class Name, class Loaded>
-    const Due* next(const Key& key, const Name& name, const Loaded& loaded) {
+    // The next event, or nullptr. It stays until pop(). Calls loaded() after loading a bin.
+    template <class Key, class TieBreak, class Loaded>
+    const Due* next(const Key& key, const TieBreak& tie_break, const Loaded& loaded) {
         while (!front_.empty()) {
             if (key(front_.back().id) == front_.back().time) return &front_.back();
             front_.pop_back();  // superseded
@@ -58,27 +59,27 @@ public:
             ++current_;
             if (current_ == year_end_) {
                 start_year(key);
-                if (unfit_) rebuild(n_, key, name);
+                if (unfit_) rebuild(n_, key, tie_break);
             }
-            load(key, name);
+            load(key, tie_break);
             loaded();
             if (!front_.empty()) return &front_.back();
         }
         return nullptr;
     }
-    // The event that next() gave.
+    // Removes the event that next() returned.
     void pop() {
         front_.pop_back();
         ++taken_;
     }
 
-    // f(id) of the event that comes so many after the next one, where it is known.
+    // f(id) for the event this many after the next one, if it is in the current bin.
     template <class F>
     void ahead(std::size_t events, const F& f) const {
         if (events < front_.size()) f(front_[front_.size() - 1 - events].id);
     }
 
-    // What loading the bins after the current one will read.
+    // Calls fetch(id) for all that loading the next bin will read.
     template <class Fetch>
     void fetch_next(const Fetch& fetch) const {
         for (u32 bucket = buckets_[(current_ + 1) & mask_]; bucket != none;
@@ -96,23 +97,23 @@ public:
 private:
     struct alignas(64) Chunk {
         u32 id[15];
-        u32 next;  // the full chunk after it
+        u32 next;  // next full chunk
     };
-    // Events in a bin, about. What those of a new bin need is fetched when it is entered, all at once: a wait that
-    // fewer, larger bins make rarer.
+    // Target number of events per bin. The data of a new bin's events are fetched together when it is loaded: larger
+    // bins make this wait rarer.
     static constexpr double per_small_bin = 24.0, per_large_bin = 256.0;
-    static constexpr u32 none = 0;  // of a bucket: chunk index · 16 + number of ids in it, never 0 with ids
+    static constexpr u32 none = 0;  // empty bucket; otherwise: chunk index · 16 + number of ids in the chunk
     static constexpr double last_bin = 4e18;
 
     Records<u32> buckets_;
     Records<Chunk> chunks_;
     u32 free_ = no_particle;
     Records<u32> far_;
-    std::vector<Due> front_;  // of the bin whose time it is, latest first
+    std::vector<Due> front_;  // events of the current bin, latest first
     u64 current_ = 0, year_end_ = 0, mask_ = 0, held_ = 0, taken_ = 0;
     u32 n_ = 0;
     double origin_ = 0.0, per_time_ = 1.0;
-    bool unfit_ = false;  // the bins have become far too narrow or too wide for the rate of events
+    bool unfit_ = false;  // whether bins are far too narrow or too wide for the rate of events
 
     double per_bin() const { return n_ > most_in_caches ? per_large_bin : per_small_bin; }
     u64 bin_of(double time) const {
@@ -134,8 +135,7 @@ private:
         unfit_ = false;
     }
 
-    // Of a bin that holds per_bin() events: a quarter of the particles have theirs before the first quartile of the
-    // times.
+    // Width of a bin with per_bin() events, estimated from the first quartile of the event times.
     template <class Key>
     double width(const Key& key) const {
         std::vector<double> sample;
@@ -152,14 +152,14 @@ private:
         return 1.0;
     }
 
-    template <class Name>
-    void insert(Due due, const Name& name) {
-        const auto after = [&](const Due& a, const Due& b) { return later(a, b, name); };
+    template <class TieBreak>
+    void insert(Due due, const TieBreak& tie_break) {
+        const auto after = [&](const Due& a, const Due& b) { return later(a, b, tie_break); };
         front_.insert(std::upper_bound(front_.begin(), front_.end(), due, after), due);
     }
-    template <class Name>
-    static bool later(const Due& a, const Due& b, const Name& name) {
-        return a.time != b.time ? a.time > b.time : name(a.id) > name(b.id);
+    template <class TieBreak>
+    static bool later(const Due& a, const Due& b, const TieBreak& tie_break) {
+        return a.time != b.time ? a.time > b.time : tie_break(a.id) > tie_break(b.id);
     }
 
     void add(u32& bucket, u32 id) {
@@ -185,8 +185,8 @@ private:
         return chunk;
     }
 
-    template <class Key, class Name>
-    void load(const Key& key, const Name& name) {
+    template <class Key, class TieBreak>
+    void load(const Key& key, const TieBreak& tie_break) {
         u32 bucket = buckets_[current_ & mask_];
         if (bucket == none) return;
         buckets_[current_ & mask_] = none;
@@ -203,17 +203,17 @@ private:
             free_ = bucket >> 4;
             bucket = after;
         }
-        sort(name);
+        sort(tie_break);
     }
-    template <class Name>
-    void sort(const Name& name) {
+    template <class TieBreak>
+    void sort(const TieBreak& tie_break) {
         std::sort(front_.begin(), front_.end(),
-                  [&](const Due& a, const Due& b) { return later(a, b, name); });
+                  [&](const Due& a, const Due& b) { return later(a, b, tie_break); });
         const auto twice = [](const Due& a, const Due& b) { return a.id == b.id; };
         front_.erase(std::unique(front_.begin(), front_.end(), twice), front_.end());
     }
 
-    // The events that fall into the coming year go from the list to their bins.
+    // Moves the events of the coming year from the list to their bins.
     template <class Key>
     void start_year(const Key& key) {
         const double mean = static_cast<double>(taken_) / static_cast<double>(buckets_.size());

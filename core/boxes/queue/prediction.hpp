@@ -1,23 +1,22 @@
-// When a particle meets a wall or leaves its cell.
+// Time until a particle meets a wall or leaves its cell.
 #pragma once
 #include "../common/box.hpp"
 
 namespace hardlimit::boxes {
 
-// Time for which x + v τ stays at or below `high`.
+// Time during which x + v τ stays at or below `high`.
 HL_FN double time_below(double x, double v, double high) {
     return v > 0.0 ? math::max(0.0, (high - x) / v) : math::infinity;
 }
 
-// Time in which the way to a border that lies ahead is gone at speed v, both of the same sign; 0 where rounding has
-// passed the border, infinity for v = 0.
+// Time to cover a distance at speed v, both of the same sign; 0 if rounding has passed the border, infinity for v = 0.
 HL_FN double time_to(double way, double v) {
     constexpr double standing[2] = {math::infinity, 0.0};
     return math::max(0.0, way / v) + standing[math::abs(v) > 0.0];
 }
 
-// Time for which x + v τ + g τ²/2 stays at or below `high`, where x ≤ high, or v leads there. The last crossing
-// upwards for g > 0, the first for g < 0, each in the form that does not cancel.
+// Time during which x + v τ + g τ²/2 stays at or below `high`, if x ≤ high or v leads there. The last upward crossing
+// for g > 0, the first for g < 0, each in a form that does not cancel.
 HL_FN double time_below(double x, double v, double g, double high) {
     if (g == 0.0) return time_below(x, v, high);
     const double room = v < 0.0 ? high - x : math::max(0.0, high - x);

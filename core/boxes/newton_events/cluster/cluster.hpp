@@ -1,20 +1,14 @@
 // Newton's equations for a few spheres or disks whose contacts overlap in time, under any contact law:
 //   m_i dv_i/dt = Σ_j F_ij n_ij + m_i g,   F = force(s, dξ/dt) while the contact is closed, otherwise 0,
 //   ξ = s^p = R_i + R_j − |r_ij|  (at a wall: R_i − distance of the centre),   dξ/dt = −n·(v_j − v_i).
-// The method is that of columns (column/general/motions.hpp says why): order 8, every begin and end of a contact
-// located. A force like ξ^{3/2} has a singular derivative at touch. While such a contact is closed its s is integrated
-// beside the positions, and time runs as dt = γ dτ,
-//   ds/dτ = (dξ/dt) γ/(p s^{p−1}),   1/γ² = 1 + Σ (s/ℓ)^{2−2p}   over these contacts,
-// so that everything is smooth in τ. For p = 1 there is no s, and γ = 1.
+// The method is that of columns (column/general/motions.hpp): integration of order 8 in a scaled time
+// (contact/smooth_time.hpp), with every begin and end of a contact located (contact/events.hpp). The s of a closed
+// contact is integrated beside the positions. A closed pair that reaches the largest compression of its law
+// (deepest_compression) ends the run of the cluster. Under a linear law a step is a power series (linear.hpp), and
+// events are zeros of polynomials.
 //
-// Events of a pair, each with the function that falls to zero there (d = depth of the law's slack at this rate):
-//   open → closed      −ξ                           slack → open      ξ
-//   closed → slack     s − max(d, 0)^{1/p}          slack → closed    −(ξ − d)      (a new contact)
-// A closed pair that reaches the largest compression of its law (deepest_compression) ends the run of the cluster.
-// Under a linear law a step is a series instead (cluster/linear.hpp), and these events are zeros of polynomials.
-//
-// A slack pair overlaps without force. A pair that has just been put on a surface is `fresh`: what vanishes there
-// counts again once it has become positive; a value below zero while it rises is rounding.
+// A pair that an event has just placed on the zero of an event function is `fresh`: the function counts again once it
+// has become positive; a negative value while it rises is rounding.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -56,7 +50,7 @@ public:
     double largest_compression = 0.0;  // over the smaller radius, including that of earlier clusters
     long begun = 0, begun_pairs = 0;   // contacts since the start; those between two bodies
 
-    // Resets everything but the allocated storage.
+    // Resets everything but keeps the allocated storage.
     void clear() {
         members.clear();
         pairs.clear();
@@ -73,7 +67,7 @@ public:
     void run(double until, Stop& stop, long most_steps = no_limit) { run(until, stop, most_steps, false); }
 
     // Integrates to `until` even if all pairs open before. Where one pair opens at the instant at which another begins,
-    // rounding decides their order, and it may decide otherwise where steps end elsewhere.
+    // rounding decides the order, and it may decide differently if steps end elsewhere.
     void run_through(double until) {
         Stop never;
         run(until, never, no_limit, true);
@@ -106,7 +100,7 @@ public:
     }
 
 private:
-    // Speed whose square underflows: the bodies do not move [m/s].
+    // Speed below which squares underflow: the bodies do not move [m/s].
     static constexpr double at_rest = 1e-150;
     // Part of the contact distance above which a compression is resolved by the positions.
     static constexpr double resolved_depth = 1e-12;
@@ -122,7 +116,7 @@ private:
         Vector3 normal;  // from the first body to the second
     };
 
-    // Working storage: not copied with the cluster.
+    // Working storage that is not copied with the cluster.
     template <class T>
     struct Scratch : std::vector<T> {
         Scratch() = default;
@@ -142,7 +136,7 @@ private:
     int in_contact_ = 0;            // number of members in contact
     Scratch<series::Contact> contacts_;
     Scratch<int> rooted_;  // pairs whose s is a component, in the order of the state
-    Scratch<int> slot_;    // [pairs] the component of s
+    Scratch<int> slot_;    // [pairs] index of s in the state
     bool known_ = false;   // whether k_ is the derivative of y_
     double h_ = 0.0, speed_unit_ = 0.0, lightest_ = 0.0;
     double step_ = 0.0;  // of the series, in its unit, at most 1
@@ -219,6 +213,8 @@ private:
     void choose_coordinates();
     void rearrange(const std::vector<int>& chosen);
     void integration_step(double until);
+    bool try_step(double length, bool last);
+    void end_step(double until, double length, bool last);
     void record_compressions(double length);
     bool ends_within_rounding();
     double shorten_to_time(double until, double length);

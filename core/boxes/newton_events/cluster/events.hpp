@@ -1,4 +1,4 @@
-// Events of a cluster's pairs: their functions, the location of zeros, and what changes there.
+// Events of a cluster's pairs: event functions, location within a step, and the changes they cause.
 #pragma once
 #include "cluster.hpp"
 
@@ -111,7 +111,7 @@ double Cluster<Law>::first_guess(int q, const EventFunction& a, const EventFunct
     return x < high ? x : 0.5 * high;
 }
 
-// A surface reached before this step begins, without being the one just left.
+// Applies an event whose function is not positive before the step begins, unless the pair was just placed there.
 template <class Law>
 template <class Value>
 bool Cluster<Law>::event_at_start(const Value& value) {
@@ -122,7 +122,7 @@ bool Cluster<Law>::event_at_start(const Value& value) {
             if (kind == Event::none || value(q, kind) > 0.0) continue;
             if (kind == Event::begins &&
                 !(geometry(pairs[i], y_.data()).rate * time_unit() > rounding(pairs[i]))) {
-                pairs[i].fresh = true;  // touches without closing
+                pairs[i].fresh = true;  // touches without a contact
                 continue;
             }
             apply(kind, q);
@@ -187,7 +187,7 @@ void Cluster<Law>::end_contact(int index, const Geometry& g) {
             if (other != index) chosen.push_back(other);
         rearrange(chosen);
     }
-    // Without slack the end is at touch: what overlaps there is rounding.
+    // A law without slack ends at touch: a remaining overlap is rounding.
     q.state = g.depth > 0.0 && q.law.slack(g.rate).depth > 0.0 ? ContactState::slack : ContactState::open;
 }
 

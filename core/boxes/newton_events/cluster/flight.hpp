@@ -1,10 +1,10 @@
-// Flight of a cluster's members while no pair exerts a force, in closed form to the next event of a pair.
+// Flight of a cluster's members while no pair exerts a force, in closed form up to the next event of a pair.
 #pragma once
 #include "cluster.hpp"
 
 namespace hardlimit::boxes {
 
-// Without gravity and at rest nothing happens.
+// Nothing moves.
 template <class Law>
 void Cluster<Law>::rest_until(double until) {
     time = y_[time_index()] = until;
@@ -50,7 +50,7 @@ void Cluster<Law>::fly(double until) {
     if (what != Event::none) apply(what, which);
 }
 
-// First t at which |r + v t| = reach from outside; at a wall the parabola meets it.
+// First t at which the distance falls to the contact distance; at a wall the path is a parabola.
 template <class Law>
 double Cluster<Law>::time_to_touch(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());
@@ -66,7 +66,7 @@ double Cluster<Law>::time_to_touch(const ContactPair<Law>& q) const {
     if (!(g.rate > 0.0)) return math::infinity;
     const double speed2 = relative_speed_squared(q);
     const double b = g.rate * g.distance,
-                 c = -g.depth * (g.distance + q.contact_distance);  // c = r² − reach²
+                 c = -g.depth * (g.distance + q.contact_distance);  // c = r² − σ²
     if (c <= 0.0) return 0.0;
     const double square = b * b - speed2 * c;
     return square < 0.0 ? math::infinity : c / (b + math::sqrt(square));
@@ -83,13 +83,13 @@ double Cluster<Law>::time_to_open(const ContactPair<Law>& q) const {
         return -(g.rate + math::sqrt(square)) / towards;
     }
     const double speed2 = relative_speed_squared(q);
-    const double b = -g.rate * g.distance, c = g.depth * (g.distance + q.contact_distance);  // reach² − r²
+    const double b = -g.rate * g.distance, c = g.depth * (g.distance + q.contact_distance);  // σ² − r²
     if (c <= 0.0) return 0.0;
     if (speed2 == 0.0) return math::infinity;
     return b > 0.0 ? c / (b + math::sqrt(b * b + speed2 * c)) : (math::sqrt(b * b + speed2 * c) - b) / speed2;
 }
 
-// Two bodies that separate on straight lines never push again: ξ falls and the slack grows.
+// Two bodies that separate on straight lines never engage: ξ falls and the slack grows.
 template <class Law>
 double Cluster<Law>::time_to_engage(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());

@@ -45,9 +45,9 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     dy[work_index()] = gamma * pressing;
 }
 
-// s where the contact is compressed or being compressed in earnest, the positions elsewhere; but s stays where the
-// compression is lost in the rounding of the positions. One that has hardly begun and hardly moves would stop the
-// clock for all.
+// Chooses the coordinate of each closed contact: s where it is compressed or approaches fast, otherwise the positions.
+// s is kept where the compression is lost in the rounding of the positions. It is not used for a contact that has
+// hardly begun and hardly moves, which would stop the scaled time of all others.
 template <class Law>
 void Cluster<Law>::choose_coordinates() {
     if constexpr (p == 1) return;
@@ -99,23 +99,31 @@ void Cluster<Law>::integration_step(double until) {
     known_ = true;
     if (event_at_start([this](int q, Event kind) { return event_at(q, kind, y_.data(), k_.data()).value; }))
         return;
-    const int n = dimension();
     double length = h_;
     bool last = false;
     if constexpr (p == 1) {
         last = length >= until - y_[time_index()];
         if (last) length = until - y_[time_index()];
     }
+    if (try_step(length, last)) end_step(until, length, last);
+}
+
+// A step of this length into end_; sets the length of the next one. Returns whether the error was small enough.
+template <class Law>
+bool Cluster<Law>::try_step(double length, bool last) {
     advance(length, end_.data());
     set_tolerance(length);
-    const double error = DormandPrince::error(stages_.data(), length, n, tolerance_.data());
+    const double error = DormandPrince::error(stages_.data(), length, dimension(), tolerance_.data());
     const double growth = DormandPrince::growth(error);
-    if (!(error <= 1.0)) {
-        h_ = length * growth;
-        if (h_ < 1e-20 * time_unit()) unresolved = true;
-        return;
-    }
-    if (!last || growth < 1.0) h_ = length * growth;
+    const bool accepted = error <= 1.0;
+    if (!accepted || !last || growth < 1.0) h_ = length * growth;
+    if (!accepted && h_ < 1e-20 * time_unit()) unresolved = true;
+    return accepted;
+}
+
+// Takes the step up to the first event or to `until`.
+template <class Law>
+void Cluster<Law>::end_step(double until, double length, bool last) {
     derivative(end_.data(), k_end_.data());
     if (end_[time_index()] > until) {
         length = shorten_to_time(until, length);
@@ -131,7 +139,7 @@ void Cluster<Law>::integration_step(double until) {
                 last = false;
             }
     if (ends_within_rounding()) return;
-    if (what != Event::none && end_[time_index()] > until) {  // beyond touch time had run back from there
+    if (what != Event::none && end_[time_index()] > until) {  // time would have run backwards beyond touch
         length = shorten_to_time(until, length);
         last = true;
         what = Event::none;
@@ -148,8 +156,8 @@ void Cluster<Law>::integration_step(double until) {
     if (what != Event::none) apply(what, which);
 }
 
-// The greatest compressions in the step from y_ to end_. Where the rate falls through zero, one more step leads
-// near the zero, and a parabola to the greatest compression.
+// Updates the largest compression from the step y_ to end_. Where the rate falls through zero, one more state near that
+// point and a parabola give the maximum.
 template <class Law>
 void Cluster<Law>::record_compressions(double length) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -166,8 +174,7 @@ void Cluster<Law>::record_compressions(double length) {
     }
 }
 
-// A contact that has begun within rounding of touch and parts is over: with s < 0, γ would be too, and time would
-// run backwards.
+// Ends a contact that began within rounding of touch and separates: for s < 0, γ < 0 and time would run backwards.
 template <class Law>
 bool Cluster<Law>::ends_within_rounding() {
     if (!(end_[time_index()] < y_[time_index()])) return false;
@@ -179,7 +186,7 @@ bool Cluster<Law>::ends_within_rounding() {
     return false;
 }
 
-// Shortens the step so that it ends at the time `until`; the state there is left in end_.
+// Shortens the step to end at `until`, and leaves the state there in end_.
 template <class Law>
 double Cluster<Law>::shorten_to_time(double until, double length) {
     double low = 0.0, high = length,
@@ -210,9 +217,10 @@ void Cluster<Law>::set_tolerance(double length) {
             force, math::abs(pairs[q].law.force(depth_root(static_cast<int>(q), g, y_.data()), g.rate)));
     }
     for (int i = 0; i < n; ++i) {
-        // Rounding of the forces is no error of the step, and a shorter step would not lessen its rate.
+        // Rounding of the forces is not an error of the step, and a shorter step would not reduce it.
         const double rounding = 0.25 * math::epsilon * length * force / members[i].mass;
-        const double fastest = speed_unit_ * math::sqrt(lightest_ / members[i].mass);  // with all energy
+        const double fastest =
+            speed_unit_ * math::sqrt(lightest_ / members[i].mass);  // with all energy of the cluster
         for (int a = 0; a < 3; ++a) {
             tolerance_[3 * i + a] =
                 math::max(tolerance * depth, 4.0 * math::epsilon * math::abs(y_[3 * i + a]));

@@ -1,5 +1,5 @@
-// A step of a cluster under a linear law: a power series in time (cluster_series.hpp), in which contacts begin and end
-// at zeros of polynomials.
+// A step of a cluster under a linear law: a power series in time (kernels/power_series.hpp), with events at zeros of
+// polynomials.
 #pragma once
 #include <utility>
 
@@ -40,7 +40,7 @@ double Cluster<Law>::series_unit() const {
     return 1.0 / math::sqrt(square);
 }
 
-// What falls to zero at an event, by the state now.
+// Value of an event function at the present state.
 template <class Law>
 double Cluster<Law>::event_value(const ContactPair<Law>& q, Event kind) const {
     const Geometry g = geometry(q, y_.data());
@@ -58,7 +58,7 @@ bool Cluster<Law>::lies_on_surface(const ContactPair<Law>& q) const {
     return false;
 }
 
-// The series of all members, and of all pairs that overlap.
+// Expands the motion of all members and of all overlapping pairs in time.
 template <class Law>
 void Cluster<Law>::expand_series(double unit) {
     series_.resize(members.size());
@@ -76,7 +76,7 @@ void Cluster<Law>::expand_series(double unit) {
                     gravity4().data(), unit);
 }
 
-// The bodies in contact, then those that fly.
+// Orders the members: those in contact, then the others.
 template <class Law>
 void Cluster<Law>::order_bodies() {
     body_order_.clear();
@@ -113,7 +113,7 @@ void Cluster<Law>::add_contact(int index, double unit) {
     f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
 }
 
-// Up to which the last two terms are about as small as the tolerance.
+// Step for which the last two terms are about as small as the tolerance.
 template <class Law>
 double Cluster<Law>::longest_step() const {
     static_assert(series::order == 16);
@@ -126,8 +126,8 @@ double Cluster<Law>::longest_step() const {
     return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
 }
 
-// The end of a contact, or the begin of another one. A pair that overlaps without force does nothing until
-// then: the instant at which it opens is none of interest.
+// Predicts the end of a closed contact, or where a slack pair engages. The instant at which a slack pair opens does not
+// matter, as it exerts no force.
 template <class Law>
 void Cluster<Law>::predict_end(const series::Contact& f, StepEvent& found) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
@@ -140,7 +140,7 @@ void Cluster<Law>::predict_end(const series::Contact& f, StepEvent& found) const
     consider(f.pair, Event::engages, force, f.spring, found);
 }
 
-// Where the largest compression of the law is reached.
+// Predicts where the largest compression of the law is reached.
 template <class Law>
 void Cluster<Law>::predict_deepest(const series::Contact& f, StepEvent& found) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
@@ -152,7 +152,8 @@ void Cluster<Law>::predict_deepest(const series::Contact& f, StepEvent& found) c
     consider(f.pair, Event::deepens, left, 1.0, found);
 }
 
-// The greatest compression of a pair up to a place in the step: where its rate falls through zero, by Newton's method.
+// Updates the largest compression of a pair up to a point in the step. Where its rate falls through zero, Newton's
+// method finds the maximum.
 template <class Law>
 void Cluster<Law>::record_compressions(const series::Contact& f, double at) {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
@@ -184,7 +185,7 @@ void Cluster<Law>::record_compressions(const series::Contact& f, double at) {
     }
 }
 
-// Whether a pair that has overlapped is apart after the step. Where it would push again it may be apart as well.
+// Opens slack pairs that are apart after the step, even if one was to engage at that instant.
 template <class Law>
 void Cluster<Law>::open_pairs(StepEvent& found) {
     for (const series::Contact& f : contacts_) {
@@ -220,24 +221,26 @@ void Cluster<Law>::predict_begin(int index, StepEvent& found) {
     consider(index, Event::begins, gap, q.second < 0 ? 1.0 : q.contact_distance, found);
 }
 
-// `unit`: of f, by the sum of the radii.
+// Takes the zero of f if it comes first. `unit`: of f, per contact distance.
 template <class Law>
 void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit,
                             StepEvent& found) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
-    // What is put on a surface is off it by the rounding of places, in a large box or far from a large group's origin.
+    // A pair placed on a zero is off it by the rounding of positions, in a large box or far from a large cluster's
+    // origin.
     double far =
         math::max(math::max(q.contact_distance, largest_coordinate), series::largest(series_[q.first][0]));
     if (q.second >= 0) far = math::max(far, series::largest(series_[q.second][0]));
     const double rounding = 4.0 * math::epsilon * far * unit;
     double zero =
         q.fresh ? kernels->next_zero(f.of, found.at, step_, rounding) : kernels->first_zero(f.of, found.at);
-    // A force as small as rounding may fall for its own damping, and not to zero: without it, it would rise at once.
+    // A force that is pure rounding may fall through damping without an end of the contact: without damping it would
+    // rise at once.
     if (zero == 0.0 && kind != Event::begins && f[0] > 0.0) zero = kernels->first_zero(f.of, found.at);
     if (zero <= found.at) found = {zero, kind, index};
 }
 
-// To a place in the step.
+// Advances the state to a point in the step.
 template <class Law>
 void Cluster<Law>::advance_series(double at, double unit) {
     double* chord_deviation = nullptr;

@@ -89,7 +89,7 @@ double Cluster<Law>::unit_of_speed() const {
             energy += 0.5 * m.mass * (m.velocity[a] - mean[a]) * (m.velocity[a] - mean[a]);
     for (const ContactPair<Law>& q : pairs)
         if (q.state == ContactState::closed) energy += q.law.energy(depth_root(q));
-    // What weight adds on a millionth of a radius: bodies may lie at rest.
+    // Speed that gravity adds within a millionth of a radius, since bodies may lie at rest.
     double smallest = math::infinity;
     for (const Member& m : members) smallest = math::min(smallest, m.radius);
     const double fall = 1e-6 * smallest * math::sqrt(dot(gravity, gravity));
@@ -99,7 +99,7 @@ double Cluster<Law>::unit_of_speed() const {
 template <class Law>
 void Cluster<Law>::set_scales(ContactPair<Law>& q) const {
     if (q.scaled) return;
-    const double mass = math::min(q.mass, lightest_);  // there is no more energy
+    const double mass = math::min(q.mass, lightest_);  // of the lightest member: no contact has more energy
     if constexpr (LinearLaw<Law>) {
         q.s_unit = speed_unit_ * math::sqrt(mass / q.law.elastic_force(1.0));
     } else {
