@@ -11,6 +11,9 @@ namespace hardlimit::boxes {
 
 using Double4 = Vector<4>::Real;
 
+// As a function: gcc then keeps x and y of a computed vector in one register.
+inline constexpr Double4 double4(double x, double y, double z, double w) { return Double4{x, y, z, w}; }
+
 // Of the first three components.
 inline double dot(Double4 a, Double4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 

@@ -78,7 +78,7 @@ private:
             const double x = b[0] - a[0] + s[0], y = b[1] - a[1] + s[1], z = b[2] - a[2] + s[2];
             const double reach = a[3] + b[3], squared = (x * x + y * y) + z * z;
             if (squared < reach * reach || slab.contact_of_pair[k] >= 0) [[unlikely]]
-                pair_contact(slab, slab.contact_of_pair[k], p, Double4{x, y, z, 0.0}, reach);
+                pair_contact(slab, slab.contact_of_pair[k], p, double4(x, y, z, 0.0), reach);
         }
     }
     void sweep_walls(Slab<Law>& slab) {
