@@ -1,6 +1,6 @@
 // Boxes of hard spheres behind a C interface of plain numbers, for WebAssembly: conversion, nothing else. The page
-// loads this module when it shows a box. The same file compiled natively (web/golden_grains.cpp) gives the values with which
-// the WebAssembly build is compared, bit for bit.
+// loads this module when it shows a box. The same file compiled natively (web/golden_grains.cpp) gives the values with
+// which the WebAssembly build is compared, bit for bit.
 //
 // The caller writes a setting to box_setting(): numbers as in `Field`, then positions (n·d), velocities (n·d), radii
 // (n) and masses (n), all in SI units.

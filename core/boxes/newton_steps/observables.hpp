@@ -10,7 +10,8 @@ inline double unfolded(const Box& box, const Bodies& bodies, std::size_t i, int 
     return bodies.position[i][axis] + box.image_shift(axis, bodies.tag[i].image_flags[axis]);
 }
 
-// All but the counts of contacts that have begun and ended. velocity_of(i): velocity of body i at the time of the positions [m/s].
+// All but the counts of contacts that have begun and ended. velocity_of(i): velocity of body i at the time of the
+// positions [m/s].
 template <class Law, class VelocityOf>
 Observation observe(const Box& box, const Decomposition<Law>& domain, const VelocityOf& velocity_of) {
     const Bodies& bodies = domain.bodies;
