@@ -8,7 +8,6 @@
 #include "../../base/outcome.hpp"
 #include "../../base/stop.hpp"
 #include "box.hpp"
-#include "contact_record.hpp"
 
 namespace hardlimit::boxes {
 
@@ -41,6 +40,14 @@ struct Observation {
     u64 begun = 0, pairs = 0;                // contacts so far; those of two particles
     u64 ended = 0, overlapped = 0;  // contacts that ended; those that shared a particle with another contact
     u64 in_contact = 0;             // contacts that last now
+};
+
+// One row of the log. A collision of hard spheres begins and ends at the same instant.
+struct ContactRecord {
+    double begin, end;                      // [s]; end is NaN while the contact is open
+    std::int32_t first, second;             // particle; particle, or number of a wall (WallId)
+    double impact_speed, separation_speed;  // [m/s]; NaN where not known
+    bool overlapped;                        // a body had another contact at the same time
 };
 
 // A number that an engine knows of its own work.

@@ -139,8 +139,8 @@ void NewtonEvents<Law>::take_candidate(int i, u32 id, double enlarged_time) {
 }
 
 // When bodies i and j collide, at least one of them busy; `enlarged_time` is the time at which they would if both kept
-// their safety radius. Nothing is known of a cluster's members beyond its end: their collisions are predicted then. Members
-// of one group do not collide here.
+// their safety radius. Nothing is known of a cluster's members beyond its end: their collisions are predicted then.
+// Members of one group do not collide here.
 template <class Law>
 double NewtonEvents<Law>::collision_time(int i, int j, double enlarged_time) const {
     if (pending_[i].group == pending_[j].group) return math::infinity;
