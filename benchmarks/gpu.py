@@ -1,9 +1,9 @@
-"""Speed of engine="cuda" on the counts-and-velocities map, beside the floor: operations over the FP64 rate.
+"""Speed of engine="cuda" on a map of counts and velocities, and its upper limit: FP64 rate over operations per point.
 
-python benchmarks/gpu.py [points along each axis]
+    python benchmarks/gpu.py [points along each axis]
 
-The operations of a point are counted on a processor (operations.cpp), so the floor needs no GPU.
-Goal: 1e9 points/s on an H200.
+The operations of a point are counted on the processor (operations.cpp), so the limit needs no GPU. Goal: 1e9 points/s
+on an H200.
 """
 
 import ctypes
@@ -21,15 +21,15 @@ from hardlimit.sweep.engines import cuda, cuda_device
 from hardlimit.sweep.plan import Plan, make_plan
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
+sys.path.insert(0, str(HERE.parent / "tests" / "sweep"))
 from emulated_gpu import Emulated, build  # noqa: E402
 
 VARIABLES = ["n_contacts", "relative_velocity", "separation_velocity"]
 
-#: FP64 instructions of a correctly rounded division and root on their usual path, about.
+#: FP64 instructions of a correctly rounded division and root on their usual path, approximately.
 DIVISION, ROOT = 10, 10
 
-#: FP64 instructions per second without the tensor cores: multiprocessors · lanes · clock.
+#: FP64 instructions per second without tensor cores: multiprocessors · lanes · clock.
 RATES = {"H200": 132 * 64 * 1.98e9, "H100": 132 * 64 * 1.98e9, "A100": 108 * 32 * 1.41e9}
 
 
@@ -40,7 +40,7 @@ def fig4(side: int) -> Plan:
 
 
 def scattered(points: int) -> Plan:
-    """The same ranges as a list of points in no order: the worst for threads that run in step."""
+    """The same ranges as an unordered list of points: the worst case for threads of a warp."""
     import xarray as xr
 
     rng = np.random.default_rng(1)
@@ -50,7 +50,7 @@ def scattered(points: int) -> Plan:
 
 
 def count_operations(plan: Plan) -> tuple[float, float]:
-    """FP64 instructions per point, and the part of the warp's that are of use."""
+    """FP64 instructions per point, and the useful share of those that a warp issues."""
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(1) as pool:
         library = build(HERE / "operations.cpp", Path(folder) / "operations.so")
         gpu = Emulated(library)
@@ -66,13 +66,11 @@ def count_operations(plan: Plan) -> tuple[float, float]:
 
 
 def floor() -> None:
-    """What the arithmetic alone would take."""
-    for name, plan in {"grid": fig4(64), "list in no order": scattered(4096)}.items():
+    """Print the limit that the arithmetic sets."""
+    for name, plan in {"grid": fig4(64), "unordered list": scattered(4096)}.items():
         print(f"{name}, {plan.size} points")
         each, busy = count_operations(plan)
-        print(
-            f"  {each:.0f} FP64 instructions per point, {100 * busy:.0f} % of the threads of a warp at work"
-        )
+        print(f"  {each:.0f} FP64 instructions per point, {100 * busy:.0f} % of the threads of a warp busy")
         for model, rate in RATES.items():
             print(
                 f"  {model}: at most {rate / each:.2e} points/s, {busy * rate / each:.2e} with idle threads"
@@ -80,20 +78,20 @@ def floor() -> None:
 
 
 def measure(gpu: cuda_device.Gpu, side: int) -> None:
-    """Points per second of a whole sweep, results in the host's memory."""
-    for name, plan in {"grid": fig4(side), "list in no order": scattered(side * side)}.items():
+    """Print points per second of a whole sweep, with results in host memory."""
+    for name, plan in {"grid": fig4(side), "unordered list": scattered(side * side)}.items():
         seconds = []
         with ThreadPoolExecutor(4) as pool:
             for _ in range(6):
                 start = time.perf_counter()
                 cuda.compute_on(gpu, plan, 4, pool, lambda _: None)
                 seconds.append(time.perf_counter() - start)
-        rate = plan.size / statistics.median(seconds[1:])  # the first one warms up
+        rate = plan.size / statistics.median(seconds[1:])  # the first run is a warm-up
         print(f"{gpu.name}: {name}, {plan.size:.1e} points, {rate:.2e} points/s")
 
 
 def kernel_alone(gpu: cuda_device.Gpu, side: int) -> None:
-    """Points per second of the kernel, results left on the device."""
+    """Print points per second of the kernel, with results left on the device."""
     plan = fig4(side)
     slot = cuda.Slot(gpu, plan, plan.size)
     seconds = []

@@ -1,18 +1,18 @@
-"""Elastic hard spheres: collisions per second of CPU time, beside a peer that is given as a program.
+"""Hard spheres: collisions per second of CPU time, beside a peer program; the cost of rules, sizes, walls and cooling.
 
-The peer is EDMD (https://github.com/FSmallenburg/EDMD), built from its sources with its own flags, no thermostat, a
-time that it will not reach and frequent output; it reads ``init.sph`` from the directory it runs in:
+The peer is EDMD (https://github.com/FSmallenburg/EDMD), built from its sources with its own flags, without thermostat,
+with an end that it never reaches and frequent output. It reads ``init.sph`` from its working directory:
 
     sed -i 's/maxtime = .*;/maxtime = 1e9;/; s/writeinterval = .*;/writeinterval = 0.2;/' md*.c
     sed -i 's/usethermostat = 1/usethermostat = 0/' md*.c
 
-Both start from the same positions, one after the other in each repetition, and are timed after a start-up that is left
-out; the ratio is the median over the repetitions.
+Both start from the same positions and run in turn in each repetition; the start-up is not timed. The ratio is the
+median over the repetitions.
 
     python benchmarks/hard_spheres.py --peer single=path/to/md --peer cell=path/to/md --n 10000
     python benchmarks/hard_spheres.py --peer cell=path/to/md --n 1000000 --tables rates --repetitions 1
 
-A peer of a million spheres takes minutes to its first line. What rules and cooling cost is told of the first N only.
+With a million spheres the peer takes minutes to its first line. The tables of rules and cooling use the first N only.
 """
 
 from __future__ import annotations
@@ -28,42 +28,37 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from grains import hard_spheres
 from harness import publish, table
 
 import hardlimit as hl
-from hardlimit import _core
-from hardlimit.boxes.engines import engine_arguments
 
 TABLES = ("rates", "kinds", "cooling")
 LINE = re.compile(r"Simtime: ([\d.]+), Collisions: (\d+)")
 
 
 def start(n: int, fraction: float, **other: Any) -> hl.ParticleSystem:
-    """Spheres of diameter 1 and mass 1, unless said otherwise, at random."""
+    """Random spheres, by default of diameter 1 and mass 1."""
     given = {"radius": 0.5, "density": 6.0 / math.pi, "rms_speed": math.sqrt(3.0), "seed": 1} | other
     return hl.ParticleSystem.random(n, fraction, **given)
 
 
 class Ours:
-    """A run that goes on from one repetition to the next."""
+    """A run that continues from one repetition to the next."""
 
     def __init__(self, system: hl.ParticleSystem, rule: str = "constant", restitution: float = 1.0) -> None:
         law = ("viscoelastic", 0, [1e7, 0.3, 1e-5]) if rule in ("law", "soft") else None
-        self.run = _core.make_engine(
-            "hard_spheres",
-            *engine_arguments(system),
-            law=law,
-            rule=rule,
-            restitution=restitution,
-            rule_parameters=[1e-4] if rule == "tc" else [],
-        )
+        if law:
+            restitution = math.nan
+        duration = 1e-4 if rule == "tc" else math.nan
+        self.run = hard_spheres(system, rule, restitution, law, duration)
 
     def warm_up(self) -> Ours:
         self.run.advance(math.inf, 5 * len(self.run.state()[0]))
         return self
 
     def rate(self, seconds: float) -> float:
-        """Collisions per second of CPU time, over about so many of them."""
+        """Collisions per second of CPU time, over about ``seconds``."""
         rows, begin = self.run.n_contacts, time.process_time()
         while time.process_time() - begin < seconds:
             self.run.advance(math.inf, 20_000)
@@ -71,7 +66,7 @@ class Ours:
 
 
 def peer_rate(program: str, directory: Path, seconds: float) -> float:
-    """The same of the peer, between two of the lines that it prints."""
+    """The same for the peer, between two of the lines that it prints."""
     command = ["stdbuf", "-oL", str(Path(program).resolve())]
     process = subprocess.Popen(command, cwd=directory, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
@@ -97,7 +92,7 @@ def cpu_seconds(pid: int) -> float:
 
 
 def write_start(directory: Path, position: np.ndarray, edge: float) -> None:
-    """EDMD's format: number, box, then type, place and radius of each, a little less lest rounding make overlaps."""
+    """EDMD's format: number, box, then type, position and radius, reduced to avoid overlaps from rounding."""
     lines = [str(len(position)), f"{edge:.12f} {edge:.12f} {edge:.12f}"]
     lines += [f"a {x:.12f} {y:.12f} {z:.12f} 0.49999999999" for x, y, z in position]
     (directory / "init.sph").write_text("\n".join(lines) + "\n")
@@ -121,7 +116,7 @@ def compare(n: int, fraction: float, peers: dict[str, str], repetitions: int, se
 
 
 def kinds(n: int, fraction: float, repetitions: int, seconds: float) -> list[list[str]]:
-    """Each rule, unequal spheres and a box with a floor beside the elastic run of equal ones."""
+    """Each rule, unequal spheres, and a box with a floor, relative to equal elastic spheres."""
     equal = start(n, fraction)
     unequal = start(n, fraction, radius=np.random.default_rng(2).uniform(0.25, 0.75, n))
     height = (n * math.pi / 6.0 / fraction) ** (1.0 / 3.0)
@@ -145,7 +140,7 @@ def kinds(n: int, fraction: float, repetitions: int, seconds: float) -> list[lis
 
 
 def cooling(n: int, restitution: float) -> list[str]:
-    """CPU time for a collision while a dilute gas cools to 1e-8 of its temperature: at its end and at its start."""
+    """CPU time per collision of a dilute gas that cools to 1e-8 of its temperature: at the start and at the end."""
     run = Ours(start(n, 0.1), restitution=restitution).run
 
     def temperature() -> float:
@@ -190,7 +185,7 @@ def main() -> None:
             "hard_spheres_kinds", table(head, kinds(n, 0.3, given.repetitions, given.seconds)), write=False
         )
     if "cooling" in given.tables:
-        head = ["spheres", "ε", "collisions/sphere", "at first [µs]", "at the end, beside it"]
+        head = ["spheres", "ε", "collisions/sphere", "at the start [µs]", "end/start"]
         publish("hard_spheres_cooling", table(head, [cooling(n, e) for e in (0.9, 0.95)]), write=False)
 
 

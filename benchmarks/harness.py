@@ -1,8 +1,9 @@
-"""Timing side by side: every method once per repetition, medians of ratios, CPU time beside wall time."""
+"""Timing of several methods in turn: medians of ratios, CPU time and wall time."""
 
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import platform
 import time
@@ -17,7 +18,7 @@ README = Path(__file__).parent / "README.md"
 
 @dataclass
 class Method:
-    """``run(points)`` solves the first ``count`` random points; ours solves the whole map."""
+    """``run()`` solves ``count`` points."""
 
     name: str
     setting: str
@@ -28,8 +29,8 @@ class Method:
 
 
 def interleave(methods: Sequence[Method], repetitions: int) -> None:
-    """Fill in seconds per point: of the second of two calls, so that a method finds caches, memory and, the first
-    time, compiled code as it left them itself and not as another one did."""
+    """Fill in seconds per point, taken from the second of two calls: the first one restores the method's own caches and
+    memory, and compiles at the first repetition."""
     for _ in range(repetitions):
         for m in methods:
             m.run()
@@ -39,57 +40,42 @@ def interleave(methods: Sequence[Method], repetitions: int) -> None:
             m.cpu.append((time.process_time() - cpu) / m.count)
 
 
-@dataclass(frozen=True)
-class Accuracy:
-    equal_counts: float
-    p50: float
-    p95: float
+def compare(ours: Sequence[tuple[Method, Callable]], peers, points, columns, repetitions: int) -> str:
+    """The table of our methods and the peers; ratios are medians over the repetitions, relative to the first method.
+
+    ``ours`` has with each method a function that gives its counts and v'_r at ``points``, ``peers`` name, setting,
+    ``run(points)`` and the number of points, ``columns`` the points for hl.newton, which is the reference.
+    """
+    from peers import scaled
+
+    import hardlimit as hl
+
+    exact = [hl.newton(c) for c in columns]
+    n, v = (np.array([getattr(r, name) for r in exact]) for name in ("n_contacts", "relative_velocity"))
+    speed = scaled.impact_speed(points)
+    methods, at_points = [list(part) for part in zip(*ours, strict=True)]
+    for name, setting, run, count in peers:
+        call = functools.partial(run, points.first(count))
+        methods.append(Method(name, setting, call, count))
+        at_points.append(lambda call=call: ((r := call()).n_contacts, r.relative_velocity))
+    interleave(methods, repetitions)
+    rows = []
+    for m, found in zip(methods, at_points, strict=True):
+        ratio = [np.median(np.array(getattr(m, k)) / getattr(methods[0], k)) for k in ("cpu", "wall")]
+        equal, p50, p95 = accuracy(*found(), n, v, speed)
+        row = [m.name, m.setting, f"{1 / np.median(m.cpu):.3g}", f"{1 / np.median(m.wall):.3g}"]
+        row += [f"{p50:.1e}", f"{p95:.1e}", f"{100 * equal:.2f} %", f"{m.count}"]
+        rows.append([*row, *(f"{r:.3g}" for r in ratio)])
+    head = ["method", "setting", "points/s (CPU)", "points/s (wall)", "p50 error/V", "p95 error/V"]
+    return table([*head, "equal counts", "points", "ours faster by (CPU)", "(wall)"], rows)
 
 
-def accuracy(n_contacts, velocity, exact_n, exact_velocity, speed) -> Accuracy:
-    """Errors of v'_r in units of the impact speed over the points whose contact count is right."""
+def accuracy(n_contacts, velocity, exact_n, exact_velocity, speed) -> tuple[float, float, float]:
+    """Share of points with the right count; median and 95th percentile of their errors of v'_r [impact speed]."""
     m = len(n_contacts)
     equal = np.asarray(n_contacts) == exact_n[:m]
     error = (np.abs(velocity - exact_velocity[:m]) / speed[:m])[equal]
-    error = error[np.isfinite(error)]
-    return Accuracy(float(equal.mean()), *(float(x) for x in np.percentile(error, [50, 95])))
-
-
-def comparison(methods: Sequence[Method], accuracies: Sequence[Accuracy]) -> str:
-    """The table; ratios are medians over the repetitions of this method to the first."""
-    rows = []
-    ours = methods[0]
-    for m, a in zip(methods, accuracies, strict=True):
-        ratio = [np.median(np.array(getattr(m, k)) / np.array(getattr(ours, k))) for k in ("cpu", "wall")]
-        rows.append(
-            [
-                m.name,
-                m.setting,
-                f"{1 / np.median(m.cpu):.3g}",
-                f"{1 / np.median(m.wall):.3g}",
-                f"{a.p50:.1e}",
-                f"{a.p95:.1e}",
-                f"{100 * a.equal_counts:.2f} %",
-                f"{m.count}",
-                f"{ratio[0]:.3g}",
-                f"{ratio[1]:.3g}",
-            ]
-        )
-    return table(
-        [
-            "method",
-            "setting",
-            "points/s (CPU)",
-            "points/s (wall)",
-            "p50 error/V",
-            "p95 error/V",
-            "equal counts",
-            "points",
-            "ours faster by (CPU)",
-            "(wall)",
-        ],
-        rows,
-    )
+    return float(equal.mean()), *(float(x) for x in np.percentile(error[np.isfinite(error)], [50, 95]))
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -106,7 +92,7 @@ def arguments(description: str, size: int, repetitions: int = 5) -> argparse.Nam
 
 
 def publish(name: str, text: str, write: bool) -> None:
-    """Print a result, and put it between its markers in the README when asked."""
+    """Print a result; with ``write`` put it between its markers in the README."""
     text = f"{text}\n\n{conditions()}"
     print(text)
     if not write:
@@ -151,7 +137,7 @@ def _versions() -> str:
 
 
 def fresh_process(code: str, environment: dict[str, str] | None = None) -> tuple[float, float, str]:
-    """Wall and CPU seconds of a Python process that runs ``code``, and what it printed."""
+    """Wall and CPU seconds of a Python process that runs ``code``, and its output."""
     import resource
     import subprocess
     import sys

@@ -1,17 +1,17 @@
-"""A list of points that share no restitution and no mass ratio, ours against the peers of map_linear.py.
+"""A list of independent points, ours and the peers of map_linear.py.
 
     python benchmarks/list_linear.py [--size 1000000] [--write]
 
-ε ∈ [0.3, 1] and R1/R2 ∈ [1, 25] uniform, Δh ∈ [1 µm, 1 cm] and k ∈ [1e6, 1e9] N/m log-uniform. The peers
-compute the first points of the list.
+ε ∈ [0.3, 1] and R1/R2 ∈ [1, 25] uniform, Δh ∈ [1 µm, 1 cm] and k ∈ [1e6, 1e9] N/m log-uniform. The peers compute the
+first points of the list.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from harness import Method, arguments, publish
-from map_linear import DRAWN, compare
+from harness import Method, arguments, compare, publish
+from map_linear import DRAWN, PEERS
 from peers import scaled
 
 import hardlimit as hl
@@ -35,7 +35,8 @@ def main() -> None:
         return kept["ds"].n_contacts.values[:DRAWN], kept["ds"].relative_velocity.values[:DRAWN]
 
     ours = Method("hardlimit", "exact", run, n)
-    publish("list_linear", compare(ours, at_drawn, points, a.repetitions), a.write)
+    columns = [scaled.column_linear(points, k) for k in range(DRAWN)]
+    publish("list_linear", compare([(ours, at_drawn)], PEERS, points, columns, a.repetitions), a.write)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""Peak memory of a sweep in a fresh process: what it takes beyond its outputs must stay below 64 MiB.
+"""Peak memory of a sweep in a fresh process; goal: less than 64 MiB beyond its outputs.
 
     python benchmarks/memory.py [--size 2000] [--write]
 
-`beyond outputs` is the peak of resident memory, less what the process held before the call with everything
-imported, less the bytes of the result.
+`beyond outputs` is the peak of resident memory, minus resident memory before the call with everything imported, minus
+the bytes of the result.
 """
 
 from __future__ import annotations

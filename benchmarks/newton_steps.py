@@ -2,8 +2,8 @@
 
     python benchmarks/newton_steps.py [--size 100000] [--write]
 
-Equal spheres, periodic, ε = 0.9, t_c ν = 0.01, 50 steps for each contact: N = 1e4 … ``--size`` at φ = 0.3 (a fluid) and
-0.6 (a crystal, which is its equilibrium), after two collisions of each particle as hard spheres.
+Equal spheres, periodic, ε = 0.9, t_c ν = 0.01, 50 steps per contact: N = 1e4 … ``--size`` at φ = 0.3 (a fluid) and 0.6
+(a crystal, the equilibrium there), after two collisions of each particle as hard spheres.
 """
 
 from __future__ import annotations
@@ -11,15 +11,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from grains import DENSITY, RADIUS, Run, by_steps, equilibrium, lammps_box, law_of, rate_of
 from harness import Method, arguments, interleave, publish, table
-from peers.newton_lammps import Box
 
 import hardlimit as hl
-from hardlimit import _core
-from hardlimit.boxes.engines import choice, engine_arguments
-from hardlimit.boxes.theory import Gas
 
-RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9
 STIFFNESS_OF_TOUCH, STEPS_PER_CONTACT = 0.01, 50
 FRACTIONS, SIZES = (0.3, 0.6), (10_000, 100_000, 1_000_000)
 
@@ -35,46 +31,15 @@ def crystal(n: int, fraction: float) -> hl.ParticleSystem:
     return hl.ParticleSystem(at, velocities, RADIUS, density=DENSITY, box=along * edge)
 
 
-def start(n: int, fraction: float) -> hl.ParticleSystem:
-    begun = crystal(n, fraction)
-    return hl.event_driven(begun, restitution=1.0, max_collisions=begun.n, samples=1).system
-
-
-def setting(system: hl.ParticleSystem) -> tuple[hl.LinearDashpot, float]:
-    """The law, and the step."""
-    gas = Gas(system.n, RADIUS, RESTITUTION, float(np.prod(system.box)), 3)
-    duration = STIFFNESS_OF_TOUCH / float(gas.collision_rate(system.granular_temperature))
-    ball = hl.Ball(RADIUS, density=DENSITY)
-    soft = hl.LinearDashpot(stiffness=1.0, restitution=RESTITUTION)
-    law = soft.replace(stiffness=(soft.between(ball, ball).duration() / duration) ** 2)
-    return law, duration / STEPS_PER_CONTACT
-
-
-class Ours:
-    """Goes on by so many steps at every call."""
-
-    def __init__(
-        self, system: hl.ParticleSystem, law: hl.LinearDashpot, step: float, threads: int, steps: int
-    ):
-        self.engine = _core.make_engine(
-            "newton_steps", *engine_arguments(system), law=choice(law), time_step=step
-        )
-        self.by, self.threads = steps * step, threads
-
-    def __call__(self) -> None:
-        self.engine.advance(self.engine.time + self.by, threads=self.threads)
-
-
 def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
-    system = start(n, fraction)
-    law, step = setting(system)
-    ball = hl.Ball(RADIUS, density=DENSITY)
+    system = equilibrium(crystal(n, fraction))
+    duration = STIFFNESS_OF_TOUCH / rate_of(system)
+    law, step = law_of(duration), duration / STEPS_PER_CONTACT
     steps = max(20, 20_000_000 // system.n)
-    one, two = (Ours(system, law, step, threads, steps) for threads in (1, 2))
-    one()  # finds its skin
+    one, two = (Run(by_steps(system, law, step), steps * step, threads) for threads in (1, 2))
+    one()  # chooses its skin
     skin = one.engine.statistics()["skin"]
-    force = law.between(ball, ball)
-    lammps = Box(system, force.stiffness, force.damping, step, skin)
+    lammps = lammps_box(system, law, step, skin)
     lammps.run(steps)
     check_energy(one, system, lammps)
     count = system.n * steps
@@ -87,8 +52,8 @@ def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
     return [row(system, fraction, m, methods[0], skin) for m in methods]
 
 
-def check_energy(one: Ours, system: hl.ParticleSystem, lammps: Box) -> None:
-    """Both have lost about as much: the same physics is timed."""
+def check_energy(one: Run, system: hl.ParticleSystem, lammps) -> None:
+    """Check that both have lost about the same energy: the same physics is timed."""
     kinetic = [one.engine.observe()["kinetic_energy"], lammps.kinetic_energy()]
     lost = 1.0 - np.array(kinetic) / system.kinetic_energy
     if not np.ptp(lost) < 0.1 * lost[0] + 3e-3:
@@ -97,18 +62,10 @@ def check_energy(one: Ours, system: hl.ParticleSystem, lammps: Box) -> None:
 
 def row(system: hl.ParticleSystem, fraction: float, m: Method, ours: Method, skin: float) -> list[str]:
     cpu, wall = np.array(m.cpu), np.array(m.wall)
-    ratio = float(np.median(cpu / np.array(ours.cpu)))
-    return [
-        f"{system.n}",
-        f"{fraction}",
-        m.name,
-        m.setting,
-        f"{0.5 * skin / RADIUS:.3f}",
-        f"{1e-6 / np.median(cpu):.1f}",
-        f"{1e-6 / np.median(wall):.1f}",
-        f"{ratio:.2f}",
-        f"{float(np.median(np.array(ours.wall) / wall)):.2f}",
-    ]
+    ratio, speed_up = np.median(cpu / np.array(ours.cpu)), np.median(np.array(ours.wall) / wall)
+    paces = [f"{1e-6 / np.median(times):.1f}" for times in (cpu, wall)]
+    left = [f"{system.n}", f"{fraction}", m.name, m.setting, f"{0.5 * skin / RADIUS:.3f}"]
+    return [*left, *paces, f"{ratio:.2f}", f"{speed_up:.2f}"]
 
 
 def main() -> None:

@@ -1,5 +1,5 @@
-// How many operations a point of a map costs on a GPU: core/sweep/kernel.cu in the emulated warp of warp.hpp,
-// with every double counting but those of the set-up. Read by gpu.py.
+// Operations per point of a map on a GPU: core/sweep/kernel.cu in the emulated warp of warp.hpp, with doubles that count
+// all operations except those of the set-up. Used by gpu.py.
 #include <memory>
 #include <type_traits>
 
@@ -23,7 +23,7 @@ constexpr void count(Kind kind) {
     if (!std::is_constant_evaluated()) ++done[emulated::w.lane][kind];
 }
 
-// Mixed operands have operators of their own, or a conversion to double would do as well.
+// Mixed operands have their own operators; otherwise a conversion to double would be ambiguous.
 #define BOTH_WAYS(Result, op, kind)                      \
     constexpr Result operator op(Counted a, Counted b) { \
         count(kind);                                     \
@@ -57,7 +57,7 @@ inline Counted square_root(Counted a) {
     return __builtin_sqrt(a.x);
 }
 
-// Per round: what all threads did, and 32 times what the one with most to do did.
+// Per round: operations of all threads, and 32 times those of the busiest thread.
 inline long useful[kinds], issued[kinds];
 inline void end_of_round() {
     int most = 0;
@@ -81,6 +81,9 @@ using counting::square_root;
 #include "kernel.cu"
 #undef double
 
+unsigned long long
+    room[sizeof(hardlimit::sweep::Pool) * (hardlimit::sweep::block / hardlimit::sweep::warp) / 8 + 1];
+
 namespace {
 struct Call {
     void (*kernel)(Task*);
@@ -103,7 +106,7 @@ extern "C" int emulate_damping_ratios(Task* task) {
         for (long& n : lane) n = 0;
     return 0;
 }
-// Useful and issued since the last call: + − × and comparisons, divisions, roots.
+// Useful and issued operations since the last call: + − × and comparisons, divisions, roots.
 extern "C" void operations(long* out) {
     for (int k = 0; k < counting::kinds; ++k) {
         out[k] = counting::useful[k];

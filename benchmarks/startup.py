@@ -1,4 +1,4 @@
-"""Time to the first result of a fresh process.
+"""Time to the first result in a fresh process.
 
 python benchmarks/startup.py [--repetitions 7] [--write]
 """
@@ -41,11 +41,8 @@ def main() -> None:
     for name, measured in times.items():
         wall, cpu = np.array(measured).T
         rows.append([name, f"{np.median(wall):.2f}", f"{wall.min():.2f}", f"{np.median(cpu):.2f}"])
-    publish(
-        "startup",
-        table(["fresh process", "wall [s], median", "wall [s], best", "CPU [s], median"], rows),
-        a.write,
-    )
+    head = ["fresh process", "wall [s], median", "wall [s], best", "CPU [s], median"]
+    publish("startup", table(head, rows), a.write)
 
 
 if __name__ == "__main__":

@@ -193,7 +193,8 @@ nb::tuple rule_records() {
             parameters.append(p);
         }
         nb::dict rule;
-        rule["name"] = r.name, rule["meaning"] = r.meaning, rule["source"] = r.source;
+        rule["name"] = r.name, rule["meaning"] = r.meaning, rule["assumes"] = r.assumes;
+        rule["source"] = r.source;
         rule["restitution"] = r.takes_restitution, rule["law"] = r.takes_law;
         rule["parameters"] = nb::tuple(parameters);
         rules.append(rule);
@@ -217,9 +218,8 @@ nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
     column("first", [](const Row& r) { return hl::i64{r.first}; });
     column("second", [](const Row& r) { return hl::i64{r.second}; });
     column("impact_speed", [](const Row& r) { return r.impact_speed; });
-    if (!lasting) return d;
     column("separation_speed", [](const Row& r) { return r.separation_speed; });
-    column("overlapped", [](const Row& r) { return std::uint8_t{r.overlapped}; });
+    if (lasting) column("overlapped", [](const Row& r) { return std::uint8_t{r.overlapped}; });
     return d;
 }
 
@@ -442,6 +442,8 @@ void bind_boxes(nb::module_& m) {
         .def("statistics", &statistics)
         .def("state", &state, "Positions [m], along continuous paths, and velocities [m/s] now, (n, d) each.")
         .def("observe", &observe)
+        .def_prop_ro("largest_compression",
+                     [](const Engine& e) { return e.get().observe().largest_compression; })
         .def(
             "take_log", [](const Engine& e) { return columns(e.get().take_log(), e.get().contacts_last()); },
             "Columns of the log since the last call.")

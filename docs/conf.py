@@ -32,7 +32,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented_params"
 autodoc_type_aliases = {name: name for name in ("NDArray", "Floats", "Values", "Vector", "ArrayLike")}
-# Roles such as :func: must lead somewhere, classes if they are ours: the types of parameters are in words.
+# Every role such as :func: must resolve. Only our own classes must: types of parameters are written in words.
 nitpicky = True
 nitpick_ignore_regex = [("py:class", r"(?!hardlimit\.).*"), (r"(?!py:).*", ".*")]
 html_theme = "furo"
@@ -42,7 +42,7 @@ html_css_files = ["site.css", "gallery.css"]
 html_copy_source = False
 html_favicon = "../web/src/icon.svg"
 
-# Lessons (MyST-NB) and gallery are executed; an error ends the build. Neither asks for anything from another site.
+# Lessons (MyST-NB) and gallery are executed; an error ends the build. Neither loads anything from another site.
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120  # seconds for a cell
@@ -61,18 +61,18 @@ sphinx_gallery_conf = {
     "min_reported_time": 1e6,
 }
 
-COLON = "\ue000"  # stands for a colon while Napoleon reads
+COLON = "\ue000"  # replaces colons while Napoleon parses a docstring
 
 
 def copy_explorer(app: Sphinx, failed: Exception | None) -> None:
-    """Put the explorer's page beside the documentation, which frames single panels of it."""
+    """Copy the explorer's page into the site, which frames single panels of it."""
     if failed is None and app.builder.format == "html":
         with resources.as_file(resources.files("hardlimit.explorer") / "page") as page:
             shutil.copytree(page, Path(app.outdir) / "explorer-page", dirs_exist_ok=True)
 
 
 def show_example(app: Sphinx, context: click.Context, lines: list[str]) -> None:
-    """The example at the foot of a command's help, as code instead of text."""
+    """Show the example at the end of a command's help as code."""
     title, _, example = inspect.cleandoc((context.command.epilog or "").replace("\b", "")).partition(":\n")
     if example:
         code = inspect.cleandoc("\n" + example).splitlines()
@@ -80,25 +80,25 @@ def show_example(app: Sphinx, context: click.Context, lines: list[str]) -> None:
 
 
 def mark_options(app: Sphinx, context: click.Context, lines: list[str]) -> None:
-    """Names of options in running text as code, in which two dashes stay two."""
+    """Mark names of options in text as code, so that two dashes stay two."""
     for i, line in enumerate(lines):
         if not line.lstrip().startswith(".. "):
             lines[i] = re.sub(r"(?<![\w`-])--[a-z][a-z-]*", r"``\g<0>``", line)
 
 
 def read_lessons_first(app: Sphinx, env: BuildEnvironment, names: list[str]) -> None:
-    """The list of lessons offers notebooks for download, which are written when the lessons are read."""
+    """Read the list of lessons last: it links notebooks that are written when the lessons are read."""
     names.sort(key=lambda name: name == "notebooks/index")  # a stable sort
 
 
 def hide_signature(app: Sphinx, what: str, name: str, item: Any, *given: Any) -> tuple[str, str] | None:
-    """No signature for a class that functions make: one without a section Parameters in its docstring."""
-    made = what == "class" and "\nParameters\n---" not in (inspect.getdoc(item) or "")
-    return ("", "") if made else None
+    """Hide the signature of a class that functions return, which has no Parameters section."""
+    returned = what == "class" and "\nParameters\n---" not in (inspect.getdoc(item) or "")
+    return ("", "") if returned else None
 
 
 def hide_colons(app: Sphinx, what: str, name: str, item: Any, options: Any, lines: list[str]) -> None:
-    """Napoleon takes what stands before a colon in the first line of a property or a field for its type."""
+    """Hide colons in the first line of a property or field, where Napoleon would read a type before it."""
     if what in ("attribute", "data", "property"):
         lines[:1] = [line.replace(":", COLON) for line in lines[:1]]
 

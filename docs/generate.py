@@ -1,4 +1,4 @@
-"""The parts of the documentation that the compiled core states about itself, in docs/generated/.
+"""The parts of the documentation that registries of the package state themselves, in docs/generated/.
 
 python docs/generate.py            write them, from the installed package
 python docs/generate.py --check    write nothing; exit code 1 if a committed file is out of date
@@ -60,7 +60,32 @@ def laws() -> str:
     return NOTE + "\n" + "\n".join(law_section(law) for law in _core.law_records())
 
 
-FILES: dict[str, Callable[[], str]] = {"laws.md": laws}
+def rules() -> str:
+    from hardlimit.boxes.rules import RULES
+
+    lines = ["| rule | a collision | assumes | counted | source |", "|---|---|---|---|---|"]
+    for rule in RULES.values():
+        counted = ", ".join(f"`{name}`" for name in rule.counts)
+        lines.append(f"| `{rule.name}` | {rule.meaning} | {rule.assumes} | {counted} | {rule.source} |")
+    return "\n".join([NOTE, *lines, ""])
+
+
+def observables() -> str:
+    from hardlimit.boxes.engines import ENGINES
+    from hardlimit.boxes.observables import KINDS, OBSERVABLES
+
+    lines = ["| variable | unit | meaning | shape | engines |", "|---|---|---|---|---|"]
+    for one in OBSERVABLES.values():
+        engines = [name for name, engine in ENGINES.items() if set(one.needs) <= set(engine.tells)]
+        shown = "all" if len(engines) == len(ENGINES) else ", ".join(engines).replace("_", " ")
+        unit = f"{one.unit} (disks: {one.unit_of_disks})" if one.unit_of_disks else one.unit
+        unit = unit.replace("m2/s2", "m²/s²")
+        meaning = (one.meaning + KINDS[one.kind]).replace("|", "\\|")
+        lines.append(f"| `{one.name}` | {unit} | {meaning} | {one.shape} | {shown} |")
+    return "\n".join([NOTE, *lines, ""])
+
+
+FILES: dict[str, Callable[[], str]] = {"laws.md": laws, "rules.md": rules, "observables.md": observables}
 
 
 def main() -> int:

@@ -1,14 +1,14 @@
-// Random columns of two balls through the exact and the general solver; every difference has to be explained.
+// Compares the exact and the general solver over random columns of two balls; every difference must be explained.
 //
 //   g++ -std=c++20 -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -Icore -Itests/fuzz
 //       tools/exact_against_general.cpp -o exact_against_general
 //   ./exact_against_general 10000000 columns.txt
 //
-// The columns are numbered, and each follows from its number. The file has one line for each block of 10000;
-// started again, the program goes on after the last one. Columns that remain unexplained are written with all
-// their numbers, and make the exit status 1. tests/fuzz/draw.hpp says over what the columns run,
-// tests/fuzz/agreement.hpp what explains a difference. One that the general solver has not solved within 1000
-// steps, or 50000 for one column in a thousand, is counted as unresolved: nothing is known of it.
+// Each column is drawn from its number as seed. The file gets one line for each block of 10000 columns; a restarted
+// program continues after the last block. Unexplained columns are written with all their parameters and make the exit
+// status 1. tests/fuzz/draw.hpp has the ranges of the columns, tests/fuzz/agreement.hpp the accepted explanations. A
+// column that the general solver has not solved within 1000 steps, or 50000 for one column in a thousand, counts as
+// unresolved.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -22,11 +22,11 @@ namespace {
 using namespace hardlimit;
 
 constexpr long block = 10'000;
-constexpr double most_damping = 20.0;  // times the critical one: ε from 6e-4 on
+constexpr double most_damping = 20.0;  // in units of critical damping: ε ≥ 6e-4
 
 struct Counts {
     long columns = 0, verdict[fuzz::verdicts] = {};
-    double worst = 0.0, backward_error = 0.0;  // difference without explanation needed; largest explanation
+    double worst = 0.0, backward_error = 0.0;  // largest difference called equal; largest backward error
 
     void add(const Counts& o) {
         columns += o.columns;
@@ -43,7 +43,7 @@ struct Counts {
     }
 };
 
-// What earlier runs have found; lines of single columns begin with a word.
+// Sums over earlier runs; lines of single columns begin with a word and are skipped.
 Counts read(const char* path) {
     Counts sum;
     std::ifstream file(path);
@@ -85,7 +85,7 @@ fuzz::LinearColumn numbered(long number) {
     return c;
 }
 
-Counts look_at(long first, std::ofstream& file) {
+Counts compare_block(long first, std::ofstream& file) {
     Counts counts;
     for (long number = first; number < first + block; ++number) {
         const fuzz::LinearColumn c = numbered(number);
@@ -111,7 +111,7 @@ int main(int argc, char** argv) {
     Counts sum = read(argv[2]);
     std::ofstream file(argv[2], std::ios::app);
     while (sum.columns < wanted) {
-        const Counts counts = look_at(sum.columns, file);
+        const Counts counts = compare_block(sum.columns, file);
         file << counts.line() << std::endl;
         sum.add(counts);
     }

@@ -1,12 +1,12 @@
-"""Put deliberate faults into the physics, one at a time, and insist that the tests named for each notice.
+"""Mutation tests: put deliberate faults into the headers, one at a time, and check that the named tests fail.
 
     python tools/faults.py [--only NAME ...] [--work DIRECTORY]
 
-needs what an editable install needs. `tools/faults.toml` has the faults. The package is built once into the working
-directory; for each fault only the files of bindings/ that carry it are compiled again, without optimisation, and linked
-in front of the others, so that of each function its faulty copy is taken. Verdicts are kept in `verdicts.json`
-there, and a fault whose text, headers and tests have not changed is not tried again. The exit status is 1 if a fault
-survives, or could not be tried.
+Requires what an editable install requires. The faults are in `tools/faults.toml`. The package is built once into the
+working directory. For each fault only the files of bindings/ that include it are recompiled, without optimisation, and
+linked before the others, so that the linker takes the faulty copy of each function. `verdicts.json` there keeps the
+verdicts; a fault whose text, headers and tests are unchanged is not tried again. The exit status is 1 if a fault
+survives or could not be tried.
 """
 
 import argparse
@@ -24,13 +24,13 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 FAULTS = ROOT / "tools" / "faults.toml"
 
-#: What pytest's exit status says of a fault; a crash or a hang has a status of its own, and notices too.
+#: Exit statuses of pytest; any other one, such as that of a crash or a timeout, means that the fault is caught.
 SURVIVED, NOT_RUN = 0, {2, 3, 4, 5}
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One textual change of one header, and the tests that must fail with it."""
+    """A textual change of a header, and the tests that must fail with it."""
 
     name: str
     file: str  #: below core/
@@ -41,7 +41,7 @@ class Fault:
     tests: list[str]
 
     def apply(self, core: Path) -> None:
-        """Put the fault into the headers below `core`; ValueError where its text is not there exactly once."""
+        """Put the fault into the headers below `core`; ValueError unless the old text occurs exactly once."""
         header = core / self.file
         text = header.read_text(encoding="utf-8")
         if text.count(self.old) != 1:
@@ -57,7 +57,7 @@ def read_faults(path: Path = FAULTS) -> list[Fault]:
 
 
 def digest(fault: Fault, source: Path) -> str:
-    """Changes with anything that a verdict depends on."""
+    """A hash of everything that the verdict depends on."""
     found = hashlib.sha256(repr(fault).encode())
     for folder in ("core", "bindings"):
         for path in sorted((source / folder).rglob("*.?pp")):
@@ -68,7 +68,7 @@ def digest(fault: Fault, source: Path) -> str:
 
 
 class Workplace:
-    """A copy of the tree, a build of it, and a package folder in which the extension is replaced."""
+    """A copy of the source tree, its build, and a package folder in which the extension is replaced."""
 
     def __init__(self, folder: Path) -> None:
         self.source, self.site, self.log = folder / "source", folder / "site", folder / "pytest.log"
@@ -88,7 +88,7 @@ class Workplace:
         }
 
     def copy_tree(self) -> None:
-        """Files known to git, as they are now; of unchanged ones the times stay, so that the build goes on."""
+        """Copy the files known to git; unchanged files keep their times, so that the build is incremental."""
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=ROOT, check=True, capture_output=True, text=True,
@@ -101,32 +101,24 @@ class Workplace:
             shutil.copy2(here, there)
 
     def link_command(self) -> list[str]:
-        """The command that links the extension."""
-        shown = subprocess.run(
-            ["ninja", "-t", "commands", self.extension.name],
-            cwd=self.build,
-            check=True,
-            capture_output=True,
-            text=True,
-        ).stdout.splitlines()
+        """The link command of the extension."""
+        command = ["ninja", "-t", "commands", self.extension.name]
+        done = subprocess.run(command, cwd=self.build, check=True, capture_output=True, text=True)
+        shown = done.stdout.splitlines()
         (link,) = (line for line in shown if f"-o {self.extension.name}" in line and " -shared " in line)
         return next(shlex.split(part) for part in link.split(" && ") if f"-o {self.extension.name}" in part)
 
     def make_faulty(self, fault: Fault) -> None:
-        """Compile the units of the fault and link them before everything else."""
+        """Compile the units of the fault and link them before all others."""
         objects = []
         for unit in fault.units:
             command = self.compile[unit]
             target = self.build / f"faulty-{unit}.o"
             place = command.index("-o") + 1
-            subprocess.run(
-                [*command[:place], str(target), *command[place + 1 :], "-O0", "-w"],
-                cwd=self.build,
-                check=True,
-            )
-            objects.append(
-                (next(c for c in self.sound_objects() if c.endswith(f"{unit}.cpp.o")), str(target))
-            )
+            command = [*command[:place], str(target), *command[place + 1 :], "-O0", "-w"]
+            subprocess.run(command, cwd=self.build, check=True)
+            sound = next(c for c in self.sound_objects() if c.endswith(f"{unit}.cpp.o"))
+            objects.append((sound, str(target)))
         link = self.link_command()
         for sound, faulty in objects:
             link.remove(sound)
@@ -135,34 +127,28 @@ class Workplace:
         subprocess.run(link, cwd=self.build, check=True)
 
     def sound_objects(self) -> list[str]:
-        """Objects of the extension as the link command names them."""
+        """The object files in the link command of the extension."""
         return [word for word in self.link_command() if word.endswith(".cpp.o")]
 
     def run_tests(self, tests: list[str]) -> int:
-        """Exit status of pytest over these tests, in the copy and with its package; `self.log` has what it prints."""
+        """Exit status of pytest over these tests in the copy; its output goes to `self.log`."""
         environment = os.environ | {"PYTHONPATH": str(self.site)}
+        options = ["-q", "-x", "-n", "0", "-p", "no:cacheprovider", "--timeout", "300"]
         command = [
             sys.executable,
             "-m",
             "pytest",
-            "-q",
-            "-x",
-            "-n",
-            "0",
+            *options,
             "-m",
-            "",  # the slow tests, too, and every draw of a property
-            "-p",
-            "no:cacheprovider",
-            "--timeout",
-            "300",
-        ]
+            "",
+        ]  # with slow tests and all draws of properties
         with self.log.open("w", encoding="utf-8") as log:
             return subprocess.run(
                 [*command, *tests], cwd=self.source, env=environment, stdout=log, stderr=subprocess.STDOUT
             ).returncode
 
     def try_fault(self, fault: Fault) -> str:
-        """The verdict: caught, survived, or why it could not be tried. The headers are sound again afterwards."""
+        """The verdict: caught, survived, or why the fault could not be tried. Restores the headers."""
         header = self.source / "core" / fault.file
         text, times = header.read_text(encoding="utf-8"), header.stat()
         try:

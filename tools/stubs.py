@@ -1,11 +1,11 @@
-"""Type stubs: _core.pyi, written by nanobind from the compiled module; laws.pyi, from the laws' records; __init__.pyi,
-from __init__.py with the laws by name, because a type checker does not see what is made at run time.
+"""Write the type stubs: _core.pyi from the compiled module (nanobind), laws.pyi from the records of the laws, and
+__init__.pyi from __init__.py. Type checkers cannot see the laws, which are made at run time.
 
-All are committed so that type checkers work from the source tree. After a change of bindings or laws:
+The stubs are committed, so that type checkers work from the source tree. After a change of bindings or laws:
 
     pip install . && python tools/stubs.py
 
-With --check nothing is written; the exit code is 1 if a committed stub differs from what would be written.
+With --check nothing is written; the exit code is 1 if a committed stub is out of date.
 """
 
 import argparse
@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "src" / "hardlimit"
 def core_stub() -> str:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "_core.pyi"
-        # Run elsewhere: the source tree must not be imported in place of the installed package.
+        # Run in another folder, so that the installed package is imported and not the source tree.
         subprocess.run(
             [sys.executable, "-m", "nanobind.stubgen", "-q", "-m", "hardlimit._core", "-o", str(path)],
             check=True,
@@ -55,7 +55,7 @@ def laws_stub() -> str:
 
 
 def package_stub() -> str:
-    """Every public name with its type: imports as they stand in __init__.py, now or later, the laws one by one."""
+    """Every public name with its type: the immediate and lazy imports of __init__.py, and the laws by name."""
     from hardlimit import _core
 
     source = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
@@ -90,11 +90,8 @@ def main() -> int:
             path.write_text(new, encoding="utf-8")
             continue
         old = path.read_text(encoding="utf-8") if path.exists() else ""
-        difference = list(
-            difflib.unified_diff(
-                old.splitlines(), new.splitlines(), f"committed {name}", f"generated {name}", lineterm=""
-            )
-        )
+        labels = (f"committed {name}", f"generated {name}")
+        difference = list(difflib.unified_diff(old.splitlines(), new.splitlines(), *labels, lineterm=""))
         if difference:
             print(*difference, "A committed stub is out of date: run python tools/stubs.py", sep="\n")
             stale = True

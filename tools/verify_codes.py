@@ -1,12 +1,11 @@
-"""What LIGGGHTS, YADE, Kratos and MuJoCo make of their numbers: two spheres, and a sphere and a wall, run and written
-down.
+"""Run collisions of two spheres, and of a sphere and a wall, in LIGGGHTS, YADE, Kratos and MuJoCo; write the results.
 
     python tools/verify_codes.py --kratos-python PATH --mujoco-python PATH tests/data/code_restitution.csv
 
-Each run takes the numbers that one would take who does not know the code (``usual`` in ``hl.convert``), for several
-restitutions and speeds. ``test_convert.py`` compares what came out with what ``hardlimit`` says of these numbers.
-Needed are the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Python with KratosDEMApplication
-and one with mujoco (wheels); a code that is missing is left as it stands in the file. LAMMPS is run by the tests.
+Each run takes the numbers that a user without knowledge of the code would take (``usual`` in ``hl.convert``), for
+several restitutions and speeds. ``test_convert.py`` compares the results with the predictions of ``hardlimit``.
+Requires the programs ``liggghts`` and ``yade`` in PATH (Debian has both), a Python with KratosDEMApplication and one
+with mujoco (wheels). The rows of a missing code are left unchanged. The tests run LAMMPS themselves.
 """
 
 import argparse
@@ -26,24 +25,14 @@ from hardlimit.convert import texts
 from hardlimit.convert.codes import Code, Model, Pair, Written, code
 
 RADIUS, DENSITY = 5e-4, 7850.0
-RADII = (5e-4, 1e-3)  #: of a bed
+RADII = (5e-4, 1e-3)  #: of the spheres of a bed
 RESTITUTIONS = (0.3, 0.7, 0.9, 0.99)
-SPEEDS = (0.1, 1.0)  #: at a wall the last one
-#: [N/m] and [Pa]; softer than any material, so that runs are short.
+SPEEDS = (0.1, 1.0)  #: only the last one at a wall
+#: [N/m] and [Pa]; softer than real materials, so that runs are short.
 STIFFNESS, MODULUS, POISSON = 1e4, 2.1e8, 0.3
-STEPS = 1000  #: in a contact
-COLUMNS = (
-    "code",
-    "version",
-    "model",
-    "contact",
-    "attraction",
-    "speed",
-    "numbers",
-    "time_step",
-    "restitution",
-    "duration",
-)
+STEPS = 1000  #: per contact
+COLUMNS = ["code", "version", "model", "contact", "attraction", "speed", "numbers", "time_step"]
+COLUMNS += ["restitution", "duration"]
 
 
 @dataclass(frozen=True)
@@ -58,34 +47,33 @@ class Case:
     numbers: dict[str, float]
     time_step: float
     duration: float
-    bed: str = ""  #: the input of all contacts of a bed, where it is not that of this one alone
+    bed: str = ""  #: the input for all contacts of a bed; empty for a single contact
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Of the two bodies [m]; of the sphere, twice, at a wall."""
+        """Radii of the two bodies [m]; at a wall twice that of the sphere."""
         return RADII[self.pair.first - 1], RADII[self.pair.second - 1]
 
     @property
     def types(self) -> tuple[int, int]:
-        """Of the two bodies, in the input of a bed; the wall is the last."""
-        return (
-            (self.pair.first, len(RADII) + 1 if self.pair.wall else self.pair.second) if self.bed else (1, 1)
-        )
+        """Types of the two bodies in the input; the wall of a bed has the last type."""
+        if not self.bed:
+            return 1, 1
+        return self.pair.first, len(RADII) + 1 if self.pair.wall else self.pair.second
 
     @property
     def contact(self) -> str:
-        """As in the file."""
-        kind = "wall" if self.pair.wall else "pair"
-        return f"bed, {self.pair.name}" if self.bed else kind
+        """The name of the contact in the file."""
+        return f"bed, {self.pair.name}" if self.bed else "wall" if self.pair.wall else "pair"
 
     @property
     def gap(self) -> float:
-        """Between the surfaces at the start [m]: some steps."""
+        """Initial distance of the surfaces [m]: a few steps."""
         return 3.4 * self.time_step * self.speed
 
     @property
     def end(self) -> int:
-        """Steps of the run, long enough for the contact to be over."""
+        """Number of steps of the run, longer than the contact."""
         return round(1.6 * self.duration / self.time_step) + 20
 
     def text(self) -> str:
@@ -98,7 +86,7 @@ class Case:
 
 
 def cases(name: str) -> Iterator[Case]:
-    """All collisions of a code in which the bodies part."""
+    """All collisions of a code after which the bodies separate."""
     found = code(name)
     for model in found.models:
         if model.damping.formula == "none":
@@ -120,20 +108,12 @@ def cases(name: str) -> Iterator[Case]:
                         written = Written(model, pair, speed, attraction, POISSON)
                         numbers = written.usual_numbers(contact.stiffness, restitution)
                         duration = written.force(numbers).collision(speed).duration
-                        yield Case(
-                            found,
-                            model,
-                            pair,
-                            attraction,
-                            speed,
-                            numbers,
-                            float(f"{duration / STEPS:.4g}"),
-                            duration,
-                        )
+                        step = float(f"{duration / STEPS:.4g}")
+                        yield Case(found, model, pair, attraction, speed, numbers, step, duration)
 
 
 def bed_cases(name: str) -> Iterator[Case]:
-    """Every contact of a bed of two sizes and a wall, under one input for all of them, with ε = 0.7 wanted."""
+    """Every contact of a bed of two sizes and a wall with one common input, for ε = 0.7."""
     found = code(name)
     balls = [hl.Ball(radius, density=DENSITY) for radius in RADII]
     for model in found.models:
@@ -152,14 +132,14 @@ def bed_cases(name: str) -> Iterator[Case]:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a run gave."""
+    """Result of a run."""
 
     restitution: float
-    duration: float  #: [s] the steps in which the velocity changed, one after the other
+    duration: float  #: [s] from the first to the last step in which the velocity changed
 
     @classmethod
     def of(cls, velocities: list[float], time_step: float) -> "Measured":
-        """From the relative velocity after each step, in units of that of the impact, the start first."""
+        """From the relative velocity at the start and after each step, in units of the impact velocity."""
         changed = [k for k in range(1, len(velocities)) if velocities[k] != velocities[k - 1]]
         return cls(velocities[-1], (changed[-1] - changed[0] + 1) * time_step)
 
@@ -168,7 +148,7 @@ def liggghts(case: Case, folder: Path) -> Measured:
     """One run."""
     half = 20.0 * RADIUS
     (a, b), (i, j) = case.radii, case.types
-    away = 0.3 * half if case.bed else 0  # from the floor, which is there then
+    away = 0.3 * half if case.bed else 0  # from the floor of the bed
     first, second = (-case.speed, 0.0) if case.pair.wall else (0.5 * case.speed, -0.5 * case.speed)
     body = [
         "units si",
@@ -200,7 +180,7 @@ def liggghts(case: Case, folder: Path) -> Measured:
             f"variable v equal (vx[2]-vx[1])/{case.speed}",
         ]
     count = 1 if case.pair.wall else 2
-    for k in range(len(RADII) if case.bed else 0):  # each type must be there
+    for k in range(len(RADII) if case.bed else 0):  # each type must occur
         body.append(f"create_atoms {k + 1} single 0 {0.6 * half!r} {(-1) ** k * 0.6 * half!r} units box")
         body.append(f"set atom {count + k + 1} diameter {RADII[k]} density {DENSITY}")
     body += [
@@ -269,7 +249,7 @@ def yade_lines(case: Case) -> str:
 
 
 def yade(cases: list[Case], folder: Path) -> list[Measured]:
-    """All runs, in one process, for it starts slowly."""
+    """All runs in one process, because YADE starts slowly."""
     (folder / "two.py").write_text(YADE_HEAD + "".join(map(yade_lines, cases)))
     found = iter(results(["yade", "-n", "-x", "two.py"], folder))
     return [Measured.of([next(found) for _ in range(case.end)], case.time_step) for case in cases]
@@ -279,12 +259,12 @@ EMPTY = "Begin ModelPartData\nEnd ModelPartData\nBegin Properties 0\nEnd Propert
 
 
 def block(name: str, lines: list[str]) -> str:
-    """A block of Kratos' format for meshes."""
+    """A block in the mesh format of Kratos."""
     return "\n".join([f"Begin {name}", *lines, f"End {name.split()[0]}", ""])
 
 
 def part(name: str, **members: list[str]) -> str:
-    """A part of a model, to which a material can be given."""
+    """A part of a model that can have a material."""
     return block(f"SubModelPart {name}", [block(f"SubModelPart{kind}", ids) for kind, ids in members.items()])
 
 
@@ -301,7 +281,7 @@ def spheres(x: list[float], velocities: list[float]) -> str:
 
 
 def wall() -> str:
-    """A square in the plane x = 0, far wider than the sphere."""
+    """A square in the plane x = 0, much wider than the sphere."""
     wide = 20.0 * RADIUS
     corners = [(-wide, -wide), (wide, -wide), (wide, wide), (-wide, wide)]
     numbers = [str(11 + i) for i in range(4)]
@@ -410,10 +390,10 @@ for step in range(int(sys.argv[2]) + 1):
 
 
 def mujoco(case: Case, folder: Path, python: str) -> Measured:
-    """One run; balls move along z, without gravity."""
+    """One run; the balls move along z, without gravity."""
     at_wall = case.pair.wall
     heights = [RADIUS + case.gap] if at_wall else [0.0, 2 * RADIUS + case.gap]
-    # One line of input is for two balls of a size, whichever they are.
+    # The input has one line for a pair of equal balls.
     names = ["ball1"] if at_wall else ["ball1", "other"]
     lines = [line.replace('geom2="ball1"', 'geom2="other"') for line in case.text().splitlines()]
     balls = [
@@ -423,7 +403,7 @@ def mujoco(case: Case, folder: Path, python: str) -> Measured:
     ]
     floor = ['<geom name="floor" type="plane" size="1 1 1"/>'] if at_wall else []
     body = ["<worldbody>", *floor, *balls, "</worldbody>"]
-    # The step to all its digits, which the text rounds.
+    # The time step with all digits; the text rounds it.
     lines = [re.sub(r'timestep="[^"]*"', f'timestep="{case.time_step!r}" gravity="0 0 0"', x) for x in lines]
     (folder / "two.xml").write_text("\n".join(["<mujoco>", *body, *lines, "</mujoco>"]))
     (folder / "two.py").write_text(MUJOCO)
@@ -431,7 +411,7 @@ def mujoco(case: Case, folder: Path, python: str) -> Measured:
 
 
 def results(command: list[str], folder: Path) -> list[float]:
-    """The numbers behind RESULT in what a program says."""
+    """The numbers after RESULT in the output of a program."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
     found = re.findall(r"RESULT (\S+) *$", done.stdout, re.MULTILINE)
@@ -444,12 +424,12 @@ Runs = Callable[[list[Case], Path], list[Measured]]
 
 
 def each(run: Callable[[Case, Path], Measured]) -> Runs:
-    """A run for each case, in one folder after the other."""
+    """Run the cases one after the other."""
     return lambda cases, folder: [run(case, folder) for case in cases]
 
 
 def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
-    """One line of the file for each case."""
+    """One row of the file for each case."""
     listed = [*cases(name), *bed_cases(name)]
     with tempfile.TemporaryDirectory() as folder:
         found = run(listed, Path(folder))
@@ -470,7 +450,7 @@ def rows(name: str, run: Runs) -> Iterator[dict[str, object]]:
 
 
 def write(path: Path, lines: list[dict[str, object]]) -> None:
-    """These lines instead of those of the same code."""
+    """Replace the rows of the same code in the file."""
     kept: list[dict[str, object]] = []
     if path.exists():
         with path.open(encoding="utf-8") as file:
@@ -486,8 +466,8 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("file", type=Path)
-    parser.add_argument("--kratos-python", help="a Python that has the wheel KratosDEMApplication")
-    parser.add_argument("--mujoco-python", help="a Python that has the wheel mujoco")
+    parser.add_argument("--kratos-python", help="a Python with the wheel KratosDEMApplication")
+    parser.add_argument("--mujoco-python", help="a Python with the wheel mujoco")
     given = parser.parse_args()
     runs: dict[str, Iterator[dict[str, object]]] = {}
     if shutil.which("liggghts"):

@@ -1,22 +1,19 @@
-"""Linear dashpot, numba: fixed Runge-Kutta steps for each combination of contacts, every switch located.
+"""Linear dashpot with numba: fixed Runge-Kutta steps for each combination of contacts; every switch is located.
 
-The step is a fixed fraction of the fastest oscillation that is on. A switch is looked for at the end of
-each step and, where the slopes at both ends leave room for two within a step, at the minimum in between; it
-is located by Newton's method in a bracket, each iterate being one step from the start. Free flight is a
-parabola.
+The step is a fixed fraction of 1/ω of the fastest active oscillation. Switches are detected at the end of each step
+and, where the slopes at both ends allow two switches within a step, at the minimum in between. Newton's method in a
+bracket locates a switch; each iterate is a step from the start. Free flight is a parabola.
 """
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numba
-import numpy as np
 
 from . import scaled
-from .runge_kutta import DOP853, FAST, RK4, unrolled
-
-jit = numba.njit(error_model="numpy")
+from .runge_kutta import FAST, TABLEAUX, jit, over_rows, unrolled
 
 
 @numba.njit(fastmath=FAST, error_model="numpy")
@@ -28,7 +25,7 @@ def slopes(u, w, p, q, ku, cu, kw, cw, kappa, g):
 
 @jit
 def distance(on, gap, rate, slope, d):
-    """What falls to zero at the next switch of a contact, and its derivative."""
+    """A function that falls to zero at the next switch of a contact, and its derivative."""
     if on:
         return -(gap + d * rate), -(rate + d * slope)
     if rate > 0.0:
@@ -36,16 +33,17 @@ def distance(on, gap, rate, slope, d):
     return gap, rate
 
 
-def kernel(tableau):
-    step = unrolled(tableau, ("u", "w", "p", "q"), slopes)
+@lru_cache
+def kernel(method):
+    step = unrolled(TABLEAUX[method], ("u", "w", "p", "q"), slopes)
 
     @jit
     def first_zero(h, e0, s0, e1, s1, pair, on, d, u, w, p, q, du, dw, dp, dq, ku, cu, kw, cw, kappa, g):
-        """Time in (0, h] at which the contact switches; infinity: it does not."""
+        """Time in (0, h] at which the contact switches; infinity if it does not."""
         if e1 > 0.0:
             if not (s0 < 0.0 and s1 > 0.0):
                 return math.inf
-            # Two zeros within the step? The cubic says how low it may get; only if that is close, look.
+            # Two zeros within the step? Search only if the minimum of the cubic is close to zero.
             x = s0 / (s0 - s1)
             low = e0 + h * x * (s0 + 0.5 * x * (s1 - s0))
             if low > 0.2 * min(e0, e1):
@@ -163,22 +161,10 @@ def kernel(tableau):
                 sep = q
         return n, vr, sep, t_end
 
-    @jit
-    def solve_all(rows, fraction):
-        out = np.empty((len(rows), 4))
-        for i in range(len(rows)):
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = solve(rows[i], fraction)
-        return out
-
-    return solve_all
-
-
-_kernels = {}
+    return over_rows(solve)
 
 
 def run(points: scaled.Points, method: str, fraction: float) -> scaled.Results:
     """``method`` is "RK4" or "DOP853"; ``fraction`` the step in units of 1/ω of the fastest oscillation."""
-    if method not in _kernels:
-        _kernels[method] = kernel({"RK4": RK4, "DOP853": DOP853}[method])
     rows, speed, rate = scaled.linear(points)
-    return scaled.Results.of(_kernels[method](rows, fraction), speed, rate)
+    return scaled.Results.of(kernel(method)(rows, fraction), speed, rate)

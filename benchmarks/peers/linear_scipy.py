@@ -1,4 +1,4 @@
-"""Linear dashpot, SciPy: solve_ivp with DOP853 and terminal events, started anew after each switch."""
+"""Linear dashpot with SciPy: solve_ivp with DOP853 and terminal events, restarted after each switch."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def solve(row, tol: float):
         at_floor, _ = found.t_events
         t = found.t[-1]
         u, w, p, q = found.y[:, -1]
-        if len(at_floor):  # exactly on the surface, where the next event function starts
+        if len(at_floor):  # exactly on the event surface, where the next event function starts
             u = 0.0 if not s.floor and p < 0.0 else -d1 * p
             over = s.floor_switches(u, p, q)
         else:

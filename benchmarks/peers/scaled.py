@@ -1,4 +1,4 @@
-"""Points of the two-ball problem in SI units, and in the scaled units in which the peers integrate.
+"""Points of the two-ball problem in SI units, and in the scaled units of the peers.
 
 State: floor gap u, ball–ball gap w, their rates p and q. Linear law, time 1/ω12, speed V (ω12² = k/m_eff):
   u'' = −G + f01 − κ f12,   w'' = f12 − f01,   f01 = κ max(0, −u − d1 p),   f12 = max(0, −w − d2 q)
@@ -22,7 +22,7 @@ HEIGHT = 0.6
 
 @dataclass(frozen=True)
 class Points:
-    """Independent points; arrays of one length. ``contacts`` holds what the viscoelastic law needs."""
+    """Independent points as arrays of equal length."""
 
     restitution: np.ndarray
     gap: np.ndarray
@@ -42,7 +42,7 @@ class Points:
 
 @dataclass(frozen=True)
 class Results:
-    """What a peer computes, SI units."""
+    """Results of a peer in SI units."""
 
     n_contacts: np.ndarray
     relative_velocity: np.ndarray
@@ -56,7 +56,7 @@ class Results:
         return Results(n.astype(int), vr * speed, separation * speed, t_end / rate)
 
 
-#: What all methods are asked for: the variables of hl.sweep that the peers have, too.
+#: Variables of hl.sweep that the peers compute as well.
 RESULTS = [f.name for f in fields(Results)]
 
 
@@ -105,7 +105,7 @@ def viscoelastic(points: Points) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def column_linear(points: Points, i: int) -> hl.Column:
-    """The same point for hl.newton."""
+    """A point as a column for hl.newton."""
     return hl.Column.paper(
         restitution=points.restitution[i],
         gap=points.gap[i],

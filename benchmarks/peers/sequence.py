@@ -1,4 +1,4 @@
-"""Bookkeeping of a sequence for the peers whose switches come as callbacks or return values."""
+"""Bookkeeping of a sequence for peers whose switches are callbacks or return values."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 class Sequence:
-    """Which contacts act, and what is counted; each method returns whether the sequence is over."""
+    """Active contacts and counts. Each method returns whether the sequence is over."""
 
     __slots__ = ("counted", "floor", "g", "met_again", "n", "pair", "sep", "t_end", "vr")
 
@@ -41,7 +41,7 @@ class Sequence:
             return False
         if self.n > 0 and self.sep != self.sep:
             self.sep = q
-        # The floor force cannot come back before its gap has opened.
+        # The floor force cannot resume before the gap has opened.
         return u + 0.5 * p * max(p, 0.0) / self.g >= 0.0
 
     def row(self) -> tuple[float, float, float, float]:

@@ -1,21 +1,18 @@
-"""Viscoelastic spheres, numba: fixed Runge-Kutta steps for each combination of contacts, switches located.
+"""Viscoelastic spheres with numba: fixed Runge-Kutta steps for each combination of contacts; every switch is located.
 
-The force has a √ξ singularity at touch, which costs every method its order. While a contact acts its
-coordinate is therefore s = √ξ and time runs as dt = s dτ (both acting: dt = s_u s_w dτ), in which the
-equations are polynomial.
+The √ξ singularity of the force at first touch would reduce the order of any method. While a contact acts, the
+coordinate is therefore s = √ξ and dt = s dτ (both acting: dt = s_u s_w dτ), in which the equations are polynomial.
 """
 
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numba
-import numpy as np
 
 from . import scaled
-from .runge_kutta import DOP853, FAST, RK4, unrolled
-
-jit = numba.njit(error_model="numpy")
+from .runge_kutta import FAST, TABLEAUX, jit, over_rows, unrolled
 
 
 @numba.njit(fastmath=FAST, error_model="numpy")
@@ -36,7 +33,7 @@ def slopes(a, b, p, q, t, floor, pair, kappa, c1, c2, g, k1):
 
 @jit
 def distance(on, x, rate, c):
-    """What falls to zero at the next switch of a contact."""
+    """A function that falls to zero at the next switch of a contact."""
     if on:
         return x - math.sqrt(max(0.0, c * rate))
     return x + c * max(rate, 0.0)
@@ -49,12 +46,13 @@ def slope(on, dx, rate, drate, c):
     return dx + c * drate if rate > 0.0 else dx
 
 
-def kernel(tableau):
-    step = unrolled(tableau, ("a", "b", "p", "q", "t"), slopes)
+@lru_cache
+def kernel(method):
+    step = unrolled(TABLEAUX[method], ("a", "b", "p", "q", "t"), slopes)
 
     @jit
     def first_zero(h, e0, s0, e1, s1, of_pair, c, y, dy, m):
-        """τ in (0, h] at which the contact switches; infinity: it does not."""
+        """τ in (0, h] at which the contact switches; infinity if it does not."""
         on = m[1] if of_pair else m[0]
         lo, hi = 0.0, h
         if e1 > 0.0:
@@ -63,7 +61,7 @@ def kernel(tableau):
             x = s0 / (s0 - s1)
             if e0 + 0.5 * h * x * s0 > 0.2 * min(e0, e1):
                 return math.inf
-            lo3, hi3 = 0.0, h  # the minimum, by thirds
+            lo3, hi3 = 0.0, h  # the minimum, by ternary search
             for _ in range(40):
                 t1, t2 = lo3 + (hi3 - lo3) / 3.0, hi3 - (hi3 - lo3) / 3.0
                 y1, y2 = step(t1, *y, *dy, *m), step(t2, *y, *dy, *m)
@@ -172,22 +170,10 @@ def kernel(tableau):
                 sep = q
         return n, vr, sep, t_end
 
-    @jit
-    def solve_all(rows, fraction):
-        out = np.empty((len(rows), 4))
-        for i in range(len(rows)):
-            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = solve(rows[i], fraction)
-        return out
-
-    return solve_all
-
-
-_kernels = {}
+    return over_rows(solve)
 
 
 def run(points: scaled.Points, method: str, fraction: float) -> scaled.Results:
     """``method`` is "RK4" or "DOP853"; ``fraction`` the step in units in which a collision takes about 3."""
-    if method not in _kernels:
-        _kernels[method] = kernel({"RK4": RK4, "DOP853": DOP853}[method])
     rows, speed, rate = scaled.viscoelastic(points)
-    return scaled.Results.of(_kernels[method](rows, fraction), speed, rate)
+    return scaled.Results.of(kernel(method)(rows, fraction), speed, rate)

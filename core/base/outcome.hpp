@@ -1,4 +1,4 @@
-// How a computation ended. One failed case of many is a value in the result, never an exception.
+// Outcome codes. A failed case of a map is a value in the result, never an exception.
 #pragma once
 #include "portable.hpp"
 

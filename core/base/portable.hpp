@@ -16,7 +16,7 @@
 #pragma clang diagnostic ignored "-Wbitwise-instead-of-logical"
 #endif
 
-// Before a loop with a constant number of turns: unroll it, or do not. A page is to be small.
+// Before a loop with a constant number of iterations: unroll it, or do not (WebAssembly should stay small).
 #if defined(__wasm__)
 #define HL_UNROLL
 #define HL_ROLL
@@ -28,8 +28,7 @@
 #define HL_ROLL _Pragma("unroll 1")
 #endif
 
-// A function that is not copied into its callers: a loop that does not fit the instruction cache runs at half the
-// speed.
+// Not inlined: a loop that exceeds the instruction cache runs at half the speed.
 #if defined(__CUDACC__) || defined(__CUDACC_RTC__)
 #define HL_FN_APART HL_FN
 #else
@@ -52,15 +51,15 @@ using u64 = unsigned long long;
 static_assert(sizeof(i64) == 8 && sizeof(double) == 8);
 
 #if !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
-// Brings a cache line near before it is needed: not nearest, where many at once would wait for the few places that the
-// first cache has for lines on their way. gcc takes a function that only does this for one that does nothing, and
-// drops the calls of it; the empty instruction is something that it must keep.
+// Prefetches a cache line into the second-level cache; the first-level cache has too few line-fill buffers for many
+// prefetches at once. gcc treats a function that only prefetches as pure and drops its calls; the empty asm prevents
+// it.
 __attribute__((always_inline)) inline void prefetch(const void* p) {
     __builtin_prefetch(p, 0, 2);
     __asm__ volatile("" : : "r"(p));
 }
 
-// The same for a line that will be written, which other processors then have no longer.
+// The same for a line that will be written; other processors give up their copies.
 __attribute__((always_inline)) inline void prefetch_to_write(const void* p) {
 #if defined(__x86_64__) || defined(__i386__)
     __asm__ volatile("prefetchw %0" : : "m"(*static_cast<const char*>(p)));
@@ -70,7 +69,7 @@ __attribute__((always_inline)) inline void prefetch_to_write(const void* p) {
 #endif
 }
 
-// In a loop that waits for another thread: the processor need not run ahead, nor use up what a sibling on it could.
+// In a spin loop: tells the processor to leave resources to its sibling hardware thread.
 inline void relax() {
 #if defined(__x86_64__) || defined(__i386__)
     __builtin_ia32_pause();
@@ -79,7 +78,7 @@ inline void relax() {
 #endif
 }
 
-// Fewer entries of the page table for a large array; a hint that may be ignored.
+// Asks for huge pages for a large array; a hint that may be ignored.
 inline void advise_huge_pages(void* p, unsigned long bytes) {
 #if defined(__linux__)
     (void)madvise(p, bytes, MADV_HUGEPAGE);
@@ -92,8 +91,7 @@ inline void advise_huge_pages(void* p, unsigned long bytes) {
 template <class Real>
 using Mask = decltype(Real{} < Real{});
 
-// T, from which nothing is deduced: & and | of two bools give an int, which a parameter of this type makes a bool
-// again.
+// T as a non-deduced context: & and | of two bools give an int, which a parameter of this type converts back to bool.
 template <class T>
 struct Unchanged {
     using Type = T;
@@ -122,8 +120,7 @@ struct Lanes<Real> {
     using Bits = typename Vector<count>::Bits;
 };
 
-// Two vectors as one: while one waits for a result, the processor works on the other. A vector type of that width would
-// serve, but gcc takes it through memory.
+// Two vectors processed together to hide latency. gcc passes a vector type of twice the width through memory.
 template <class V>
 struct Pair {
     V lo, hi;
@@ -209,7 +206,7 @@ HL_FN void set_lane(T& x, int lane, Value value) {
     __builtin_shuffle(a, b, typename Vector<static_cast<int>(sizeof(a) / 8)>::Integers{__VA_ARGS__})
 #endif
 
-// Eight columns of as many rows as there are lanes: a cache line of eight doubles for each lane.
+// Transposes eight columns of one row per lane: a cache line of eight doubles for each lane.
 template <class Real>
 struct Columns {
     Real of[8];
@@ -278,7 +275,7 @@ HL_FN Columns<Real> load_columns(const double* const* row) {
 #endif
 
 #if defined(__AVX512F__) && !defined(__CUDACC__) && !defined(__CUDACC_RTC__)
-// Sixteen words that are sifted at once.
+// Sixteen 32-bit words that are filtered at once.
 inline constexpr bool sifts_words = true;
 struct Words {
     typedef int Sixteen __attribute__((vector_size(64)));
@@ -291,7 +288,7 @@ struct Words {
     // Bits of those that are not, or are more than, a number (without sign).
     unsigned unlike(unsigned x) const { return __builtin_ia32_ucmpd512_mask(of, all(x), 4, 0xffff); }
     unsigned above(unsigned x) const { return __builtin_ia32_ucmpd512_mask(of, all(x), 6, 0xffff); }
-    // Those whose bits are set, one after the other; writes all sixteen.
+    // Packs the words whose bits are set; writes all sixteen.
     void store(unsigned* to, unsigned chosen) const {
         const Sixteen left =
             __builtin_ia32_compresssi512_mask(of, Sixteen{}, static_cast<unsigned short>(chosen));
@@ -324,8 +321,7 @@ HL_FN Real select(Mask<Real> m, Real yes, Real no) {
         return m ? yes : no;
 }
 
-// b < a ? b : a and a < b ? b : a, lane by lane. gcc makes two instructions of a vector's minimum; x86 has just this
-// one.
+// b < a ? b : a and a < b ? b : a, lane by lane: exactly the x86 instructions, which gcc does not find by itself.
 template <class Real>
 HL_FN Real min_of(Real a, Real b) {
 #if defined(__AVX512F__) && !defined(__clang__)
@@ -351,8 +347,7 @@ HL_FN Real max_of(Real a, Real b) {
         return select<Real>(a < b, b, a);
 }
 
-// The lanes of a Mask as bits of a number. x86 has an instruction for it; a loop over the lanes is a chain of
-// shuffles.
+// The lanes of a Mask as bits of an integer. x86 has an instruction for it; a loop would be a chain of shuffles.
 template <class M>
 HL_FN unsigned lane_bits(const M& m) {
     constexpr int count = static_cast<int>(sizeof(M) / 8);

@@ -31,8 +31,8 @@ public:
         {0.14371356079122594132, 0.28135601514946206019, 0.31182652297574125408, 0.2231039010835707444, 0.04},
     };
 
-    // out = y(h) for n components. f depends on the first `coupled` only, and `unit` [coupled] says what changes of
-    // these are measured in. Returns whether Newton's method has converged. `out` must not alias `y`.
+    // out = y(h) for n components. f depends on the first `coupled` only; `unit` [coupled] are the units of their
+    // changes. Returns whether Newton's method has converged. `out` must not alias `y`.
     template <class Rhs>
     bool step(const Rhs& f, const double* y, double h, int n, int coupled, const double* unit, double* out) {
         return step(Slope{&f, [](const void* rhs, const double* at,
@@ -48,7 +48,7 @@ public:
     }
 
 private:
-    // f without its type: one copy of the code for all right-hand sides.
+    // f with its type erased: one copy of the code for all right-hand sides.
     struct Slope {
         const void* rhs;
         void (*call)(const void* rhs, const double* at, double* slope);
@@ -93,7 +93,7 @@ private:
         there_.resize(static_cast<std::size_t>(n));
     }
 
-    // By differences: Newton's method needs no more.
+    // Jacobian by finite differences, which is accurate enough for Newton's method.
     void linearize(const Slope& f, const double* y, const double* unit) {
         std::copy(y, y + n_, at_.begin());
         f(at_.data(), slope_.data());
@@ -151,7 +151,7 @@ private:
         }
     }
 
-    // Down to rounding, where the changes grow no smaller.
+    // Iterates down to rounding, where the changes no longer decrease.
     bool solve_stages(const Slope& f, const double* y, double h, const double* unit) {
         double last = math::infinity;
         for (int round = 0; round < 12; ++round) {

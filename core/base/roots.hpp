@@ -29,20 +29,19 @@ HL_FN R slope_at(const R* f, R x) {
 
 inline constexpr double never = math::infinity;
 
-// The search of first_crossing: where it is, whether it goes on, and what it has found.
+// State of the search in first_crossing.
 template <class R>
 struct Search {
     R theta, found;
     Mask<R> active;
 
-    // One step to the zero of the parabola above g, where that holds only up to twice θ at most to there.
+    // One step to the zero of the parabola above g, but to no more than twice θ where the bound holds only that far.
     template <int D, bool narrow>
     HL_FN void step(const R* g, R bound) {
         const R value = value_at<D>(g, theta), slope = slope_at<D>(g, theta);
         const Mask<R> there = active & (value >= 0.0);
         const R root = math::sqrt<R>(slope * slope - 2.0 * bound * value), speed = slope + root;
-        // Where a function first falls away from a value close to zero, the sum has lost digits, and a step too far
-        // would pass the zero.
+        // Close to zero the sum has lost digits; too long a step would pass the zero.
         const R step = select<R>(speed > -1e-6 * slope, -2.0 * value / speed, (root - slope) / bound);
         R moved = theta + step;
         if constexpr (narrow) moved = math::min<R>(moved, theta + theta);
@@ -54,8 +53,8 @@ struct Search {
     }
 };
 
-// A polynomial of high order that begins almost at zero keeps far below the parabola over [0, 1], whose steps then are
-// too short. That over [0, 2θ] is closer, and holds up to 2θ.
+// A polynomial of high degree that starts almost at zero stays far below its parabola over [0, 1], which then gives
+// short steps. The parabola over [0, 2θ] is closer and holds up to 2θ.
 template <int D, class R>
 HL_FN_APART Search<R> search_closer(const R* g, Search<R> at) {
     for (int i = 0; i < 500 && any(at.active); ++i) {
@@ -94,7 +93,7 @@ HL_FN R first_crossing(const R* f, R sign, Mask<R> at_zero) {
     return select<R>(at.active, at.theta, at.found);
 }
 
-// First t >= 0 at which v + s t − g t²/2 falls to zero; v <= 0 means that it lies on zero now.
+// First t >= 0 at which v + s t − g t²/2 falls to zero; v <= 0 means that it is zero now.
 HL_FN double first_fall(double v, double s, double g) {
     if (v <= 0.0) {
         if (s < 0.0 || (s == 0.0 && g > 0.0)) return 0.0;

@@ -1,11 +1,10 @@
-// How a long computation learns that it should give up: by asking. The question costs no more than a counter.
+// A stop request that a long computation polls; polling costs no more than a counter.
 #pragma once
 #include "portable.hpp"
 
 namespace hardlimit {
 
-// Every 64th question is passed on to whoever waits for the result, and a yes is final. With nobody to ask, the answer
-// is always no.
+// Every 64th poll calls the callback, and a yes is final. Without a callback the answer is always no.
 class Stop {
 public:
     using Ask = bool (*)(void*);

@@ -1,5 +1,5 @@
-// Bounds on the compressions of the contacts of two balls on a floor, from energies alone. Where they exclude a deep
-// contact, the motion need not be searched for one.
+// Bounds on the compressions of the contacts of two balls on a floor, from energies alone. Where they exclude a
+// contact that is too deep, the motion is not searched for one.
 //
 // As long as the floor contact is compressed by less than L1 and the pair by less than L2, kinetic energy and energy
 // stored in the contacts are together at most
@@ -25,7 +25,7 @@ struct CompressionBound {
     bool coupled;                      // the lower ball feels the upper one
     double stored = 0.0;               // in the contacts at release [J]
 
-    // Of compressions by `part` of the smaller radius.
+    // The bound for compressions by `part` of the smaller radius.
     template <class Law>
     HL_FN static CompressionBound of(double part, const Law& floor, const Law& pair, double m1, double m2,
                                      double r1, double r2, double gravity, double height, double v1,
@@ -45,8 +45,8 @@ struct CompressionBound {
                 coupled};
     }
 
-    // g t [m/s], t being the time since release, up to which both compressions are excluded if the pair was released
-    // with this gap; −∞: they are not, ∞: for good.
+    // g t [m/s] up to which both compressions are excluded, with t the time since release and this gap of the pair at
+    // release; −∞: they are not excluded, ∞: at all times.
     HL_FN double excluded_until(double gap) const {
         const double e = stored + 0.5 * (m1 * (v1 * v1) + m2 * (v2 * v2)) +
                          gravity * (m1 * (height + floor) + m2 * (height + gap + floor + pair));
@@ -70,7 +70,7 @@ struct DropBound {
     HL_FN bool holds(double t) const {
         return sure == math::infinity || landed + gravity * math::max(t, 0.0) <= sure;
     }
-    // They are in a sequence with so many contacts of the pair: where it had none, the floor contact counts alone.
+    // Both are excluded in a sequence with this many contacts of the pair; without any only the floor contact counts.
     HL_FN bool holds(int n_contacts, double t_end) const {
         return n_contacts == 0 ? sure > -math::infinity : holds(t_end);
     }

@@ -4,18 +4,18 @@
 // parabola. Collision of i and j (Eqs. 1–3): v_i' = v_i + (1 + ε)(m_eff/m_i) v_rel, and v' = −ε v on the floor. In
 // the two-ball drop, Eq. 4 gives v'_r = ε (1 + ε) V for every gap and every pair of masses once v12 is read as
 // v'10 − g (t12 − t10) (the printed v12 = v'10 − g t12 contradicts Eq. 5); its inverse is effective_restitution.
-// The sequence is event-driven for any number of balls: it does not stop after the upward cascade.
+// The sequence is event-driven for any number of balls and does not stop after the upward cascade.
 //
-// Collapse. Infinitely many collisions can happen in a finite time. A ball on the floor has bounced its last after
-// 2 ε V/(g (1 − ε)); the times also have a finite sum under a law with ε → 1 at small speed, and so have those of three
-// balls that collide with each other. A collision
-// slower than 1e-8 of the fastest one so far is therefore the last of its pair: it joins the two, perfectly inelastic,
-// together with all that touches them and moves with them to within that speed. The energy and the heights that this
-// leaves out are 1e-16 of the fastest collision's, which is rounding. Balls joined in flight stay together, gap and
-// rate 0, since they fall alike, until one of them is hit; then the rules for touching balls apply. Balls joined with
-// the floor rest on it and are the floor for a ball above them, until a collision sets the uppermost of them in
-// motion. The outcome says collapse only if ε < 1 and the collisions accumulated. After a wait longer than all the
-// time before they did not: balls of nearly equal velocity met late.
+// Collapse. Infinitely many collisions can happen in a finite time. A ball that bounces on the floor comes to rest
+// after 2 ε V/(g (1 − ε)). The sum of the times is also finite under a law with ε → 1 at small speed, and for three
+// balls that collide with each other. A collision slower than 1e-8 of the fastest one so far is therefore the last of
+// its pair: a perfectly inelastic collision joins the two, and with them all balls that touch them and move with them
+// to within that speed. The neglected energies and heights are 1e-16 of those of the fastest collision, below rounding.
+// Balls joined in flight stay together (gap and rate 0, since they fall alike) until one of them is hit; then the rules
+// for touching balls apply. Balls joined with the floor rest on it and act as the floor for a ball above them, until a
+// collision sets the uppermost of them in motion. The outcome is collapse only if ε < 1 and the collisions accumulated.
+// They did not if the last one came after a wait longer than all the time before: then balls of nearly equal velocity
+// met late.
 #pragma once
 #include <algorithm>
 
@@ -31,17 +31,17 @@ namespace hardlimit::column {
 struct Flight {
     double t;
     std::vector<double> gaps, velocity;
-    int resting = 0;       // so many balls, the lowest ones, rest on the floor
+    int resting = 0;       // number of balls, from the lowest, that rest on the floor
     double fastest = 0.0;  // speed of approach in the fastest collision so far [m/s]
 };
 
 struct IndependentRun {
-    // The state is kept once in so many collisions, less often for more balls; those between are computed again.
+    // Number of collisions between stored states, larger for more balls; states in between are computed again.
     static constexpr std::size_t stride = 64;
 
     Sequence sequence;
     std::vector<Contact> contacts;  // all collisions
-    std::vector<Flight> states;     // that before the collisions 0, s, 2s, …; s as every() says
+    std::vector<Flight> states;     // before the collisions 0, s, 2s, … with s = every()
     double origin = 0.0;            // time of the first floor touch after release (cradle: 0)
     double t_first = 0.0;  // release, and up to where the motion is known; after the first floor touch
     double t_last = 0.0;
@@ -101,7 +101,7 @@ double restitution(const Column<Law>& c, int pair, double speed) {
     return c.contacts[pair].restitution(speed, mass);
 }
 
-// The balls of a pair, and all that touch them and move with them to within `speed`, take one velocity.
+// Gives one velocity to the balls of a pair and to all that touch them and move with them to within `speed`.
 template <class Law>
 void join(const Column<Law>& c, Flight& f, int pair, double speed) {
     const auto together = [&](int j) {
@@ -120,7 +120,7 @@ void join(const Column<Law>& c, Flight& f, int pair, double speed) {
     if (on_floor) f.resting = high + 1;
 }
 
-// Returns whether the pair is joined.
+// Applies a collision; returns whether it joins the pair.
 template <class Law>
 bool collide(const Column<Law>& c, Flight& f, int pair) {
     f.gaps[pair] = 0.0;
@@ -255,7 +255,7 @@ IndependentRun solve_independent(const Column<Law>& c, double until, Stop* stop 
     return independent::Run<Law>(c, until, stop, max_events).solve();
 }
 
-// States of a run at any time, quickest in ascending order; both arguments must outlive it.
+// States of a run at any time, fastest in ascending order; both arguments must outlive it.
 template <class Law>
 class IndependentMotion {
 public:
@@ -277,7 +277,7 @@ public:
         return state;
     }
 
-    // After the first n collisions, at the instant of the last of them (of none: at release).
+    // State after the first n collisions, at the instant of the last one (n = 0: at release).
     const Flight& after_collisions(std::size_t n) {
         const std::size_t every = IndependentRun::every(c.balls);
         const std::size_t kept = std::min(n / every, run.states.size() - 1);

@@ -3,15 +3,15 @@
 
 namespace hardlimit::column {
 
-// By the numbers that Python, files of results and the page know them by; places in model_records.
+// Numbers of the models in Python, result files and the page; indices of model_records.
 enum class Model : int { newton = 0, adiabatic = 1, independent = 2 };
 
 struct ModelRecord {
     const char* name;          // for options and files
     const char* label;         // in a legend
     const char* short_label;   // at the head of a column of a table
-    const char* abbreviation;  // in a picture, where there is hardly room
-    const char* limits;        // what it leaves out, or where it fails
+    const char* abbreviation;  // in a plot with little room
+    const char* limits;        // what it neglects, or where it fails
 };
 
 inline constexpr ModelRecord model_records[] = {

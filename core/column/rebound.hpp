@@ -1,13 +1,13 @@
-// Rebound heights: how high the centre of each ball comes after its first bounce.
+// Rebound heights: the greatest height of the centre of each ball after its first bounce.
 //
 // A ball's first bounce is its first contact with what lies below it, as far as that contact ends after the first floor
 // touch. From there on its greatest height is
 //   * with `until`: that up to `until`;
-//   * without: the one it reaches if the lowest ball is taken away when it meets the floor for the second time. What
-//     the others still do to each other counts, as does the flight to the top: the upper balls are usually on their way
-//     up then, and what the lowest ball does from there on is no part of this rebound.
-// A ball that gravity holds closed for good has the height of the static equilibrium. NaN: no bounce above the floor,
-// or no floor.
+//   * without: the one it reaches if the lowest ball is removed when it meets the floor for the second time. Later
+//     contacts of the other balls count, as does their flight to the top: the upper balls usually still rise at that
+//     time, and the later motion of the lowest ball does not belong to this rebound.
+// A ball whose contact never ends has the height of the static equilibrium. NaN: no bounce above the floor, or no
+// floor.
 #pragma once
 #include "../base/roots.hpp"
 #include "solve.hpp"
@@ -16,7 +16,7 @@ namespace hardlimit::column {
 
 namespace rebound {
 
-// The greatest heights so far, and what is still to be looked at.
+// The greatest heights so far, and the time after which each ball counts.
 struct Heights {
     std::vector<double> greatest;  // [N] [m]
     std::vector<double> from;      // [N] end of the first bounce [s]; infinity: none so far
@@ -50,10 +50,10 @@ inline double apex(const Solution& s, std::size_t ball, States& at, double low, 
     return at.position[ball];
 }
 
-// Whether a ball that turns between two knots may come higher than `greatest`. From the higher of its places there it
-// rises by less than `way`, the time between them times the change of velocity: the speed stays below that change, as
-// it falls steadily in flight and smoothly within an integration step. A ball that comes to rest turns in every step,
-// by rounding, and each search for the top costs tens of steps.
+// Whether a ball that turns between two knots may rise above `greatest`. From the higher of its positions there it
+// rises by less than `way`, the time between the knots times the change of velocity: its speed stays below that
+// change, since it decreases steadily in flight and smoothly within an integration step. The test saves the search for
+// the top, tens of steps, for a ball at rest, which by rounding turns in every step.
 inline bool may_exceed(double greatest, double ends, double way) { return !(ends + 4.0 * way <= greatest); }
 
 // Knots of the run and ends of the windows, in order.
@@ -68,7 +68,7 @@ inline std::vector<double> marks(const Solution& s, const std::vector<double>& f
     return times;
 }
 
-// Looks at each ball through its window [from, to] of a run, whose first ball may be of a cradle released at `origin`.
+// Searches the window [from, to] of each ball in a run; the first ball of a cradle is released at `origin`.
 inline void look_through(const Solution& s, double origin, const std::vector<double>& to, Stop* stop,
                          Heights& found) {
     constexpr std::size_t most = 1024;
@@ -95,7 +95,7 @@ inline void look_through(const Solution& s, double origin, const std::vector<dou
     }
 }
 
-// Heights of the static equilibrium. Adiabatic: the lower ball does not feel the upper one.
+// Heights of the static equilibrium. Adiabatic: the upper ball does not act on the lower one.
 template <class Law>
 void lie_still(const Column<Law>& c, Model model, Heights& found) {
     double above = 0.0;
@@ -114,7 +114,7 @@ void lie_still(const Column<Law>& c, Model model, Heights& found) {
     }
 }
 
-// No force acts on balls `lowest` and above any more: up to the top of their parabolas.
+// Tops of the parabolas of the balls from `lowest` upwards, on which no force acts any more.
 inline void fly_to_top(const States& end, std::size_t lowest, double gravity, Heights& found) {
     for (std::size_t j = lowest; j < end.balls; ++j) {
         if (found.from[j] == math::infinity) continue;
@@ -143,7 +143,7 @@ SharedColumn<Law> without_lowest(const Column<Law>& c, const States& at) {
     return std::make_shared<const Column<Law>>(std::move(r));
 }
 
-// What the upper balls do to each other once the lowest has met the floor again.
+// Contacts of the upper balls after the lowest has met the floor again.
 template <class Law>
 void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at,
                           Heights& found) {
@@ -163,7 +163,7 @@ void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, con
     for (std::size_t j = 1; j < at.balls; ++j) {
         if (rest.from[j - 1] == math::infinity) continue;
         const double height = resolved ? rest.greatest[j - 1] : math::nan;
-        if (!(height < c.radius[j])) found.reach(j, height);  // else it would bounce where the floor is
+        if (!(height < c.radius[j])) found.reach(j, height);  // otherwise it would be below the floor
     }
 }
 
@@ -217,7 +217,7 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
     return found.greatest;
 }
 
-// How the balls part at the end of the sequence.
+// Velocities at the end of the sequence.
 struct Parting {
     std::vector<double> velocity;  // [N] [m/s] in the frame in free fall since time 0: none changes in flight
     std::vector<double> since;     // [N] [s] end of each ball's last contact; NaN: it had none
@@ -233,9 +233,9 @@ inline void note_end(const Contact& k, std::vector<double>& since) {
 
 }  // namespace rebound
 
-// `missing` [N − 2] or empty: the balls above the lowest one, which is taken away when it meets the floor for the
-// second time, go on until each pair of them has met so many times more, or meets no more. `s` is what
-// solve_column(c, model, o) gave without `until`.
+// `missing` [N − 2] or empty: the lowest ball is removed when it meets the floor for the second time, and the others
+// continue until each pair of them has had this many further contacts or has no more. `s` is the result of
+// solve_column(c, model, o) without `until`.
 template <class Law>
 Parting parting(SharedColumn<Law> c, Model model, const SolveOptions& o, const Solution& s,
                 std::vector<int> missing) {

@@ -25,7 +25,7 @@ struct Sequence {
     bool one_ball = false;      // no pairs: the floor contact is the sequence
     bool floor_opened = false;  // the floor gap has opened after the first release
     bool met_again = false;     // the second floor contact has begun
-    bool finished = false;      // nothing that happens later belongs to the sequence
+    bool finished = false;      // later contacts do not belong to the sequence
     int open_pairs = 0;         // ball–ball contacts of the sequence now open
 
     // The floor gap reaches zero from above, or the clipped floor force switches on again.
@@ -86,8 +86,8 @@ struct Sequence {
         }
     }
 
-    // A contact is compressed more than its law is meant for at t. Nothing is known of what comes later, and of a
-    // sequence that was not over then no end.
+    // At t a contact is compressed beyond the range of its law. The motion after t is unknown; a sequence that was not
+    // over has no end.
     HL_FN void goes_too_deep(double t) {
         const bool over = finished && outcome != Outcome::at_rest && !(t_second_touch > t) && !(t_end > t);
         outcome = Outcome::too_deep;

@@ -1,4 +1,4 @@
-// What a solver found, in the same words for every solver: the sequence, its contacts and the state at any time.
+// The solution of a column, with one interface for all solvers: the sequence, its contacts and the state at any time.
 #pragma once
 #include <vector>
 
@@ -11,7 +11,7 @@ namespace hardlimit::column {
 // States at n times.
 struct States {
     std::size_t n, balls;
-    double origin;                 // of a cradle: where the centre of its first ball is released [m]
+    double origin;                 // cradle: centre of its first ball at release [m]
     std::vector<double> position;  // [n × N] height of the centres [m]
     std::vector<double> gap;       // [n × N] pair 0 (floor) first [m]
     std::vector<double> velocity;  // [n × N] upwards [m/s]
@@ -30,7 +30,7 @@ struct States {
           energy(n * balls),
           total(n) {}
 
-    // Fills in what follows from gaps and velocities. `way`: of the first ball of a cradle since its release.
+    // Fills in what follows from gaps and velocities. `way`: displacement of the first ball of a cradle since release.
     template <class Law>
     void complete(const Column<Law>& c, std::size_t i, double way) {
         double z = c.floor ? 0.0 : origin + way;
@@ -46,13 +46,13 @@ class Solution {
 public:
     Sequence sequence;
     std::vector<Contact> contacts;
-    double first = math::nan, last = math::nan;  // [s] what was recorded
+    double first = math::nan, last = math::nan;  // [s] recorded interval
     long steps = 0;
     double energy_error = math::nan;  // largest, relative to the initial energy; NaN unless integrated
     int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
 
     virtual ~Solution() = default;
-    // What sample() computes once for all times. After a long run that takes long, hence apart: it may be stopped.
+    // Computes what sample() needs for all times. It takes long after a long run; a separate call can be stopped.
     virtual void prepare(Stop&) const {}
     // The states at out.n times within [first, last]. Safe to call from several threads at once.
     virtual void sample(const double* times, States& out) const = 0;
@@ -63,7 +63,7 @@ public:
     }
     // Greatest compression of all contacts over the smaller radius; NaN in a model without compressions.
     virtual double largest_compression() const { return math::nan; }
-    // Whether it is at least this one: a bound may say so without it.
+    // Whether it is at least this one; a bound may decide that without computing it.
     virtual bool presses_by(double part) const { return largest_compression() >= part; }
     // Times from first to last [s] between which nothing begins or ends.
     virtual std::vector<double> knots() const = 0;
@@ -74,7 +74,7 @@ protected:
     Solution& operator=(const Solution&) = delete;
 };
 
-// Calls f(index, contact) for the contacts of the sequence that ended: the second contact with the floor is none of it.
+// Calls f(index, contact) for the contacts of the sequence that ended, without the second contact with the floor.
 // With `until`, for all contacts that began up to it.
 template <class F>
 void for_ended_contacts(const Solution& s, double until, F f) {
@@ -87,7 +87,7 @@ void for_ended_contacts(const Solution& s, double until, F f) {
     }
 }
 
-// The one that ended last; −1: there is none.
+// The contact that ended last; −1: none.
 inline std::ptrdiff_t last_contact(const Solution& s, double until = math::nan) {
     std::ptrdiff_t found = -1;
     for_ended_contacts(s, until, [&](std::size_t k, const Contact& now) {
@@ -97,8 +97,8 @@ inline std::ptrdiff_t last_contact(const Solution& s, double until = math::nan) 
     return found;
 }
 
-// Velocities [N] after that contact; the lowest ball's when it meets the floor again, if a contact above lasts longer.
-// NaN at rest, and where no contact ended or one became too deep.
+// Velocities [N] after that contact. If a contact above lasts longer, the lowest ball has its velocity at the second
+// floor touch. NaN at rest, and if no contact ended or one became too deep.
 inline std::vector<double> final_velocities(const Solution& s, int balls, double until = math::nan) {
     States end(1, balls);
     const std::ptrdiff_t last = last_contact(s, until);

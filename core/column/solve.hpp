@@ -1,4 +1,4 @@
-// Which solver takes which column, and what each of them found as a Solution.
+// Chooses the solver for a column and returns its result as a Solution.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -46,7 +46,7 @@ public:
         if (math::abs(last - o.until) <= 1e-12 * math::abs(o.until)) last = o.until;  // reached to rounding
     }
     ~Exact() override { delete dissipated_.load(); }
-    // Only a trajectory asks for it. Threads that ask at once each compute the same; the first to finish sets it.
+    // Only a trajectory needs it. Concurrent threads compute the same values; the first to finish stores them.
     void prepare(Stop& stop) const override {
         if (dissipated_.load()) return;
         auto sum = std::make_unique<const std::vector<double>>(dissipated_energy(*column_, drop_, stop));
@@ -97,10 +97,10 @@ private:
     bool timed_;
     Drop drop_;
     mutable std::atomic<const std::vector<double>*> dissipated_{
-        nullptr};  // up to each node; null: not asked for yet
+        nullptr};  // up to each node; null: not computed yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
-    // Contacts last for good after the last node.
+    // Contacts last forever after the last node.
     bool rests() const { return sequence.outcome == Outcome::at_rest && !timed_; }
 };
 
@@ -136,7 +136,7 @@ public:
         for (std::size_t i = 0; i < out.n; ++i)
             out.complete(*column_, i, column_->floor ? 0.0 : way(&out.gap[i * out.balls], times[i]));
     }
-    // A run that ended at rest goes on until nothing swings any more.
+    // A run that ended at rest continues until all oscillations have decayed.
     double largest_compression() const override {
         double most = largest(run_);
         if (sequence.outcome == Outcome::at_rest && math::is_nan(options_.until)) {
@@ -162,7 +162,7 @@ private:
         return *std::max_element(run.compression.begin(), run.compression.end());
     }
 
-    // Of the first ball of a cradle, from the centre of mass: no force of the contacts moves that.
+    // Displacement of the first ball of a cradle from that of the centre of mass, which contact forces do not change.
     double way(const double* gap, double t) const {
         const Column<Law>& c = *column_;
         double mass = 0.0, momentum = 0.0, above = 0.0, offset = 0.0;
@@ -199,7 +199,7 @@ public:
             out.total[i].dissipated = initial - sum(out, i);
         }
     }
-    // Of several collisions at one instant, the state between them.
+    // The state between several collisions at one instant.
     void sample_after(std::size_t contact, States& out) const override {
         fill(IndependentMotion<Law>(*column_, run_).after_collisions(contact + 1), out, 0);
     }
@@ -246,8 +246,8 @@ bool solved_exactly(const Column<Law>& c) {
     return has_exact_solver<Law> && c.floor && c.balls == 2;
 }
 
-// Only the sequence, and with `contacts` what closed and when: for maps. Newton's equations where the adiabatic model
-// does not apply.
+// Only the sequence and, with `contacts`, its contacts: for maps. Newton's equations where the adiabatic model does not
+// apply.
 template <class Law>
 Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
                         std::vector<Contact>* contacts) {
@@ -270,7 +270,7 @@ Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o
     return run.sequence;
 }
 
-// Null where the model does not apply: the adiabatic one is that of the exact solver only.
+// Null where the model does not apply: only the exact solver has the adiabatic one.
 template <class Law>
 std::unique_ptr<Solution> solve_column(SharedColumn<Law> c, Model model, const SolveOptions& o) {
     if (model == Model::independent) return std::make_unique<solve::EventDriven<Law>>(std::move(c), o);

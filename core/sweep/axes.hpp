@@ -1,4 +1,4 @@
-// How the numbers of a point vary over a map.
+// Axes of a map: how the parameters of a point vary.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -24,7 +24,7 @@ inline void fill(double* to, const Axis& k, u64 point, int count) {
     }
 }
 
-// Walks through the points of a map in order, without a division for each.
+// Iterates over the points of a map in order, without a division for each.
 class Cursor {
     struct Varying {
         std::size_t at;

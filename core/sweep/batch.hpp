@@ -1,4 +1,4 @@
-// The drops of one batch on their way through a vector kernel and out of it, an array for each number of a drop.
+// The drops of one batch as a structure of arrays, input and output of a vector kernel.
 #pragma once
 #include <cstring>
 
@@ -11,7 +11,8 @@ using hardlimit_abi::Status;
 
 template <int most>
 struct Drops {
-    static constexpr int room = most + 8;  // so that the same place of all arrays is not one set of the cache
+    static constexpr int room =
+        most + 8;  // padding, so that equal indices of all arrays do not share one cache set
     int count, status[most];
     double in[10][room], out[6][room], speed[room], rate[room];
 

@@ -40,8 +40,8 @@ private:
     }
 };
 
-// Takes batches of `size` points until none is left; each result depends on its point alone, so neither the number of
-// threads nor the order matters.
+// Processes batches of `size` points until none is left. A result depends on its point alone, not on the number of
+// threads or the order.
 template <class Law>
 void work_columns(ColumnJob& job, u64 size, Stop& stop) {
     for (;;) {

@@ -1,7 +1,7 @@
-// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A warp keeps a pool of drops
-// under way in shared memory. Each round its threads take drops that wait for the same step of linear_kernel.hpp,
-// that which most of the pool wait for, so that they do the same work. A drop that is done makes room for the next
-// one of a queue that all warps share. A result depends on its point alone, so it has the bits of a processor's.
+// A map on a GPU, compiled at run time by src/hardlimit/sweep/engines/cuda_device.py. A warp keeps a pool of drops in
+// shared memory. In each round its threads take drops that wait for the same step of linear_kernel.hpp, the one that
+// most of the pool wait for, so that they do the same work. A finished drop is replaced by the next one of a queue that
+// all warps share. A result depends on its point alone, so it has the same bits as on a CPU.
 #include "linear_kernel.hpp"
 #include "parameters.hpp"
 
@@ -16,7 +16,7 @@ struct Task {
     u64 stride[parameter_count], size[parameter_count];
     double* ratio[2];  // b = β/ω0 of floor and pair for each ε among their values
     i64 adiabatic, density_1, density_2, restitution_at;
-    // Results, null: not wanted. The outcome is always.
+    // Results; null: not wanted, except the outcome.
     unsigned char *n_contacts, *outcome;
     double *relative_velocity, *separation_velocity, *effective_restitution, *restitution_ratio, *t_end,
         *t_floor_end;
@@ -72,14 +72,14 @@ HL_FN void put(const Task& task, unsigned point, const PointResult& r) {
 
 enum Step : unsigned char { flying, lying, pressed, lasting, stuck, vacant, none };
 
-// A drop under way.
+// A drop in progress.
 struct Drop {
     lanes::State<double> q;
     lanes::Waiting<bool> wait;
     column::Units units;
     unsigned point;
 
-    // Starts at `point`; false if it is not one for this kernel.
+    // Starts at `point`; false if this kernel does not solve it.
     HL_FN bool take(const Task& task) {
         Parameters p = parameters_of(task, point);
         column::Start s;
@@ -121,7 +121,7 @@ struct Drop {
     HL_FN Step advance(const Task& task, bool started) {
         bool moved = started;
         if (!started) {
-            lanes::Modes<double> k;  // found anew each time: room for them would be taken from other drops
+            lanes::Modes<double> k;  // recomputed each time: storing them would leave room for fewer drops
             if (wait.lying) lanes::find_floor_mode<double>(q.s, k);
             if (wait.pressed || wait.lasting) lanes::find_pair_modes<double>(q.s, k);
             moved = lanes::step<double>(q, k, wait);
@@ -155,7 +155,7 @@ __device__ inline Step most_wanted(const Pool& pool, unsigned lane) {
     return wanted;
 }
 
-// A drop that waits for this step for each thread, as far as there are any; −1: none.
+// For each thread a drop that waits for this step; −1: none left.
 __device__ inline int choose(Pool& pool, Step step, unsigned lane) {
     int before = 0;
     for (unsigned i = lane; i < pool_size; i += warp) {
@@ -169,7 +169,7 @@ __device__ inline int choose(Pool& pool, Step step, unsigned lane) {
     return static_cast<int>(lane) < before ? pool.chosen[lane] : -1;
 }
 
-// A place in the queue for each thread that draws.
+// The next point of the queue for each thread that needs one.
 __device__ inline u64 draw(Task& task, bool draws, unsigned lane) {
     const unsigned who = __ballot_sync(everyone, draws);
     u64 first = 0;
@@ -194,7 +194,7 @@ extern "C" __global__ void __launch_bounds__(hardlimit::sweep::block) solve(Task
         const int mine = choose(pool, now, lane);
         const hardlimit::u64 point = now == vacant ? draw(*task, mine >= 0, lane) : 0;
         if (mine < 0) continue;
-        // A place that is vacant holds no drop yet, not even flags that may be copied.
+        // A vacant place holds no valid drop, and its flags must not be copied.
         Drop drop{};
         Step next = none;  // the queue is empty
         if (now != vacant) {

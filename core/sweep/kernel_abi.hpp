@@ -1,4 +1,4 @@
-// What passes between a map and the kernel compiled for one instruction set. Each instruction set has its own copy
+// Data exchanged between a map and the kernel compiled for one instruction set. Each instruction set has its own copy
 // of the core under its own namespace (or the linker would mix them); these plain types belong to all.
 #pragma once
 
@@ -19,7 +19,7 @@ struct Batch {
 struct Ends {
     int count;
     const double *speed, *rate;  // the units
-    const double* restitution;   // of both contacts, NaN: none or not given
+    const double* restitution;   // ε of both contacts; NaN: different or not given
     const double* t_first;
     double *t_end, *t_floor_end, *relative, *separation, *effective_restitution, *restitution_ratio;
 };

@@ -1,5 +1,5 @@
-// What every kernel over lanes has in common, whatever the contact law: one drop in each lane, the events of
-// column/sequence.hpp lane by lane, force-free flight, and the way of a drop into a lane and out of it.
+// State of the vector kernels of all contact laws: one drop in each lane, the events of column/sequence.hpp lane by
+// lane, force-free flight, loading a drop into a lane and storing its result.
 #pragma once
 #include "../column/exact/run.hpp"
 #include "kernel_abi.hpp"
@@ -25,8 +25,8 @@ struct State {
     M floor, pair, floor_open, pair_open, on_u, on_w, on_l1, on_l2;
     M opened, met, counted, active, left;
     M glided;   // the present pair contact has been glided over
-    M lifts;    // the floor may let go before the pair does, whose first zero of L2 is at
-    R parting;  // this time from now
+    M lifts;    // the floor contact may end before the pair contact
+    R parting;  // time from now to the first zero of L2, where `lifts`
 };
 
 template <class R>
@@ -80,7 +80,7 @@ HL_FN void floor_begins(State<R>& q, Mask<R> m) {
     raise(q.floor, m);
     clear(q.floor_open, m);
     const Mask<R> first = m & math::is_nan(q.t_first), second = m & negation(first) & q.opened;
-    // From the first touch on time counts from there.
+    // Time is measured from the first touch.
     assign<R>(first, q.t_end, q.t_end - q.t);
     assign<R>(first, q.t_first, R{});
     assign<R>(first, q.t, R{});
@@ -159,7 +159,7 @@ HL_FN void moves_freely(State<R>& q, Mask<R> m) {
     finish<R>(q, apart & q.opened & q.floor_open);
 }
 
-// Moves the lanes of m on by dt to the state y; what was on an event surface has left it where dt > 0.
+// Advances the lanes of m by dt to the state y; for dt > 0 they leave their event surfaces.
 template <class R>
 HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
     const Mask<R> moved = m & (dt > 0.0);
@@ -252,7 +252,7 @@ HL_FN int count(const M& m) {
     return bit_count(lane_bits(m));
 }
 
-// Whether the groups of drop i are those of the one before, to a relative difference of `tolerance`.
+// Whether the groups of drop i equal those of the previous one to a relative difference of `tolerance`.
 HL_FN bool alike(const Batch& b, int i, double tolerance) {
     const auto near = [&](const double* of) {
         return math::abs(of[i] - of[i - 1]) <= tolerance * math::abs(of[i]);
@@ -260,8 +260,8 @@ HL_FN bool alike(const Batch& b, int i, double tolerance) {
     return i > 0 && near(b.a1) && near(b.a2) && near(b.c1) && near(b.c2) && near(b.gravity);
 }
 
-// Lanes that must be idle for drops from the next one on to be loaded: a few, or `most` where drops are much alike, as
-// neighbours in a map are. Such drops go the same way, and loaded together they keep in step.
+// Number of idle lanes at which the next drops are loaded: a few, or `most` where drops are much alike, as neighbours
+// in a map are. Such drops take the same steps, and loaded together they stay synchronous.
 template <class R>
 HL_FN int due(const Batch& b, int next, int most) {
     return next < b.count && alike(b, next, 0.1) ? most : (Lanes<R>::count + 7) / 8;
@@ -282,7 +282,7 @@ HL_FN void load(State<R>& q, int lane, const Batch& b, int i) {
     put(q.t, lane, b.t[i]);
 }
 
-// The drops just loaded into the lanes of m begin: in flight, or with the floor contact if it begins at once.
+// Starts the drops just loaded into the lanes of m: in flight, or with the floor contact if it begins at once.
 template <class R>
 HL_FN void start(State<R>& q, Mask<R> m) {
     R* const unknown[] = {&q.t_first, &q.t_end, &q.t_floor_end, &q.relative, &q.separation};

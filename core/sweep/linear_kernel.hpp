@@ -1,12 +1,13 @@
 // Many two-ball drops at once under the linear law, one drop in each lane of a vector.
 //
-// A step takes lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step of a
-// method of third order from a rough evaluation, one from an exact one, and a last polish. It is taken only where
-// bounds show that this is the next event; else a careful step takes one piece exactly as column/exact/run.hpp does.
-// Each round is spent on the step that most lanes wait for, and lanes that are done take the next drops of the batch.
+// A quick step advances lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step
+// of a third-order method from a rough evaluation, one from an exact evaluation, and a final correction. It is
+// accepted only where bounds show that this is the next event; otherwise a careful step takes one piece exactly as
+// column/exact/run.hpp does. Each round executes the step that most lanes wait for; finished lanes take the next
+// drops.
 //
-// Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does
-// not depend on its neighbours, hence neither on the width of the vector nor on the order of the drops.
+// Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does not
+// depend on its neighbours, and so not on the vector width or the order of the drops.
 #pragma once
 #include "lane_state.hpp"
 #include "linear_modes.hpp"
@@ -19,7 +20,7 @@ inline constexpr double most_pieces = 3000.0;
 
 // ---- careful step ----------------------------------------------------------------------------------------------
 
-// Gravity holds a contact closed for good: not for this solver.
+// Lanes in which gravity holds a contact closed forever; they are left to the scalar solver.
 template <class R>
 HL_FN Mask<R> rests(const State<R>& q) {
     using namespace column::exact;
@@ -103,7 +104,7 @@ HL_FN R polish(R f, R f1, R f2) {
     return h * (1.0 - (0.5 * h) * (f2 * inverse));
 }
 
-// How far the short step and the last one may go, in units of 1/ω.
+// Largest lengths of the short step and of the last one, in units of 1/ω.
 inline constexpr double nearby = 0.02, polished = 1e-6;
 
 // The next event of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the
@@ -120,7 +121,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R height = q.x.u + w0, climb = q.x.du + dw0;  // of the upper ball, which falls freely
     const R l1 = q.x.u + s.c1 * q.x.du, l1_rate = q.x.du - s.c1 * (s.a1 * l1 + s.gravity), now = -s.a1 * l1;
     m = m & (omega > 0.0) & (l1 <= 0.0);
-    // About where the floor lets go, at phase 3π/2 and a little for gravity.
+    // Estimate of the end of the floor contact: at phase 3π/2, with a small correction for gravity.
     const R strength = magnitude(force), late = -rest / strength;
     const R release = (1.5 * math::pi + late - rough_angle(force)) * k.floor_period;
     const R left_over = strength * rough_exp(rate.re * release);
@@ -234,8 +235,8 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R ring1 = real_product<R>(rate, ring), drift2 = real_product<R>(slow_rate, drift1);
     const R size2 = ring.re * ring.re + ring.im * ring.im, size = math::sqrt<R>(size2),
             period = select<R>(both, k.period, k.pair_period);
-    // Where the ring rises through −S, which is taken from its parabola; or where S does, if that is faster than the
-    // ring. A crest that is past does not count.
+    // Where the ring rises through −S, with S from its parabola; or where S crosses zero, if it is faster than the
+    // ring. A crest in the past does not count.
     const R ring_slope = size * select<R>(both, k.size, constant<R>(1.0));
     const Mask<R> drifts = drift1.re > ring_slope;
     R phase = rough_angle(ring);
@@ -301,7 +302,7 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Mask<R> drifting = no_dip & (least > ring_slope);
     const Mask<R> rising = no_peak & no_dip & (least > 0.0) & (phase > 2.0 / 3.0 * math::pi) &
                            (steep * (slow_rate.im * slow_rate.im) < 0.16 * (left * (omega * omega)));
-    // Nothing else before: the floor's own slow part stays below zero by more than the ring reaches.
+    // No earlier event: the slow part of the floor stays below zero by more than the amplitude of the ring.
     const Complex<R> floor_drift = pull<R>(s.c1, slow_rate) * at_floor_slow, then = floor_drift * zs;
     const R bends = real_product<R>(slow_rate, floor_drift), bends_then = real_product<R>(slow_rate, then);
     const Mask<R> stays = (rest1 + math::max<R>(floor_drift.re, then.re) + size * k.floor_share < 0.0) &
@@ -342,9 +343,9 @@ struct Envelope {
     }
 };
 
-// A lasting contact is a slow part S that follows the floor, and a decaying ring. From the time on at which the ring
-// first pushes towards separation, nothing happens while S + its amplitude < 0 in L1 and L2: go close to the end of
-// that time in one step.
+// A lasting contact is the sum of a slow part S that follows the floor and a decaying ring. From the time at which the
+// ring first acts towards separation, there is no event while S + its amplitude < 0 in L1 and L2: one step goes close
+// to the end of that time.
 template <class R>
 HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
@@ -415,7 +416,7 @@ struct Waiting {
     }
 };
 
-// A lasting contact looks worth a glide: the ring about the slow pull S = a1 L1 is not much larger than S.
+// Lanes for which a glide is worthwhile: the ring about the slow pull S = a1 L1 is not much larger than S.
 template <class R>
 HL_FN Mask<R> may_glide(const State<R>& q) {
     const R slow = q.s.a1 * (q.x.u + q.s.c1 * q.x.du), off = (q.x.w + q.s.c2 * q.x.dw) - slow;
@@ -424,7 +425,7 @@ HL_FN Mask<R> may_glide(const State<R>& q) {
            (off * off + q.x.dw * q.x.dw < bound * bound);
 }
 
-// Sorts the lanes of m, whose last step is over, by their next one.
+// Sorts the lanes of m, whose last step is done, by their next step.
 template <class R>
 HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
     wait.forget(m);
@@ -436,8 +437,8 @@ HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
     raise(wait.lasting, lasting);
 }
 
-// One round: the step that most lanes wait for; short flights, though, as soon as some lanes wait for one. Returns the
-// lanes whose step is over.
+// One round: the step that most lanes wait for, but short flights as soon as a few lanes wait for one. Returns the
+// lanes whose step is done.
 template <class R>
 HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
     constexpr int few = (Lanes<R>::count + 3) / 4;
@@ -481,7 +482,7 @@ HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
     return m;
 }
 
-// The modes of the next drops of a batch. Neighbours in a map often share them; then they are found once.
+// The modes of the next drops of a batch. Neighbours in a map often share them; they are then computed once.
 template <class R>
 class ModesAhead {
     static constexpr int W = Lanes<R>::count;
@@ -489,7 +490,7 @@ class ModesAhead {
     int first = 0, end = 0, source = 0, row = -1;
 
 public:
-    // Of drop i, the one after the last asked for, into a lane that holds those of row `held`.
+    // Writes the modes of drop i into a lane that holds those of row `held`. Calls must have consecutive i.
     HL_FN void put_into(Modes<R>& k, int lane, int& held, const Batch& b, int i) {
         if (!alike(b, i, 0.0)) {
             if (i >= end) find(b, i);

@@ -81,7 +81,7 @@ struct Job {
     }
 };
 
-// How a law gets through its vector kernel; a law without one is solved point by point.
+// The interface between a law and its vector kernel; a law without a kernel is solved point by point.
 template <class Law>
 struct Vectorised {
     static constexpr bool on_gpu = false;  // whether kernel.cu is this kernel
@@ -95,7 +95,7 @@ struct Vectorised<contact::LinearDashpot> {
     static constexpr bool on_gpu = true;
     static bool covers(Model model) { return model != Model::independent; }
     static void solve(const Kernel& kernel, const Batch& b, double) { kernel.solve(b); }
-    // What the law needs to know of each ε, in place: β/ω0.
+    // Replaces each ε by what the law needs: β/ω0.
     static void invert(const Kernel& kernel, double* restitution, int n) {
         for (int i = 0; i < n; ++i) restitution[i] = -math::log(restitution[i]);
         kernel.damping_ratios(restitution, n);
@@ -131,7 +131,7 @@ private:
     Rates rates;
 };
 
-// A batch of points on its way through the vector kernel.
+// A batch of points through the vector kernel.
 template <class Law>
 class VectorBatch {
     using Via = Vectorised<Law>;
@@ -168,11 +168,11 @@ private:
     Stop& stop;
     Via via;
     int varying[parameter_count], n_varying = 0;
-    u64 alike = 0;  // parameters other than the gap change at multiples of this only; 0: never
+    u64 alike = 0;  // parameters other than the gap change only at multiples of this; 0: never
     u64 first;
     int count;
     double value[parameter_count][room];  // the parameters
-    double ratio[2][most] = {};           // what Via::invert makes of floor's and pair's ε, when given by it
+    double ratio[2][most] = {};           // Via::invert of the ε of floor and pair, if the law is given by ε
     Drops<most> drops;
     int point[most];                  // of each drop
     column::DropBound shallow[most];  // of each drop
@@ -210,7 +210,7 @@ private:
         }
     }
 
-    // Groups and starts of the points that are for the kernel; the others are solved here.
+    // Groups and initial states of the points for the kernel; the other points are solved here.
     void enter() {
         drops.count = 0;
         each_run([&](int i, int end) {
@@ -243,7 +243,7 @@ private:
         });
     }
 
-    // Also the points that the kernel left, and those in which a contact may have gone too deep.
+    // Also solves the points that the kernel left and those in which a contact may be too deep.
     void leave() {
         const int n = drops.count;
         auto& out = drops.out;
@@ -275,7 +275,7 @@ private:
         }
     }
 
-    // Apart: copied into both loops, the scalar solver itself came out 1 to 2 % slower.
+    // Not inlined: in both loops the scalar solver was 1 to 2 % slower.
     HL_FN_APART void solve_alone(int i) {
         const PointResult r = solve_point<Law>(job.setting, parameters(i), stop);
         if (!stop.stopped()) job.put(first + static_cast<u64>(i), r);
@@ -299,8 +299,8 @@ void tabulate_damping(Job& job) {
     }
 }
 
-// Takes batches of `size` points until none is left; each result depends on its point alone, so neither the number of
-// threads nor the order matters.
+// Processes batches of `size` points until none is left. A result depends on its point alone, not on the number of
+// threads or the order.
 template <class Law>
 void work(Job& job, u64 size, Stop& stop) {
     const auto each_batch = [&](const auto& solve) {

@@ -29,7 +29,7 @@ struct Setting {
     double tolerance = 1e-14;   // of the general solver, where that is asked
 };
 
-// What a sweep keeps of a sequence, in SI units.
+// The results of a sequence that a sweep stores, in SI units.
 template <class R>
 struct Quantities {
     R relative_velocity = broadcast<R>(math::nan), separation_velocity = relative_velocity,
@@ -45,7 +45,7 @@ HL_FN double ball_mass(double matter, bool density, double radius) {
     return density ? (4.0 / 3.0 * math::pi) * (matter * (radius * radius * radius)) : matter;
 }
 
-// Processors differ in the sign and the bits of a NaN that went through an operation.
+// Replaces any NaN by the same one: processors differ in the sign and bits of a NaN result.
 template <class R>
 HL_FN R one_nan(R x) {
     return select<R>(math::is_nan(x), broadcast<R>(math::nan), x);

@@ -7,7 +7,7 @@
 
 namespace hardlimit::sweep {
 
-// Of no use where `stop` has ended it.
+// The result is invalid if `stop` has ended the run.
 template <class Law>
 PointResult solve_point(const Setting& setting, Parameters p, Stop& stop) {
     PointResult r;

@@ -1,4 +1,4 @@
-// Points of a map under the viscoelastic law on their way to the kernel of viscoelastic_kernel.hpp.
+// Input of viscoelastic_kernel.hpp: from the physical parameters of a point to its scaled drop.
 #pragma once
 #include "parameters.hpp"
 #include "viscoelastic_scaling.hpp"
@@ -95,8 +95,8 @@ private:
     }
 };
 
-// What the last point raised to a power, in case the next one asks for the same: in a map, the balls often stay as they
-// are, and six powers cost as much as the rest of the way into the kernel.
+// Cache of the last powers: neighbours in a map often have the same balls, and six powers cost as much as the rest of
+// the conversion.
 class Rates {
     struct Entry {
         double prefactor = math::nan, mass = math::nan, speed = math::nan, rate;

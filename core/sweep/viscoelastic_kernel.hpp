@@ -11,8 +11,8 @@
 // every event within is the first zero of a polynomial. The root √ξ_b limits the step where b comes near its own
 // onset, which then makes it contact a.
 //
-// A drop that needs too many steps is left to the general solver (Status::left); one whose contacts never end is
-// known by its energy (Status::rests).
+// A drop that needs too many steps is left to the general solver (Status::left). The energy shows that the contacts of
+// a drop never end (Status::rests).
 #pragma once
 #include "lane_state.hpp"
 
@@ -27,7 +27,7 @@ inline constexpr double most_steps = 3000.0;
 inline constexpr double elastic = 1e-12;     // damping time below which the force ends with the compression
 inline constexpr double first_touch = 0.02;  // τ in which a pair that only touches feels less than rounding
 
-// Divides a polynomial that the last event put on zero at τ = 0 by τ; again if it touches without approach.
+// Divides by τ a polynomial that the last event put on zero at τ = 0; again if its slope vanishes there too.
 template <int D, class R>
 HL_FN_APART void leave_zero(R* f, Mask<R> at_zero) {
     for (int i = 0; i < D && any(at_zero); ++i) {
@@ -89,8 +89,8 @@ HL_FN_APART R falls_anyhow(const R* f, R h, Mask<R> active) {
     return select<R>(active, tau, found);
 }
 
-// The same, fast: Halley's method from the zero of a parabola. What it finds is the first zero where the polynomial
-// falls all the way to it, or is concave.
+// A fast version: Halley's method from the zero of a parabola. It finds the first zero if the polynomial falls
+// monotonically to it or is concave.
 template <int D, class R>
 HL_FN_APART R falls(const R* f, R h, Mask<R> active) {
     using column::exact::slope_at, column::exact::value_at;
@@ -107,7 +107,7 @@ HL_FN_APART R falls(const R* f, R h, Mask<R> active) {
         const R bend = slope_at<D - 1>(rate, tau);
         const R step = 2.0 * (value * slope) / (2.0 * (slope * slope) - value * bend);
         tau = select<R>(near, tau, tau - step);
-        // Converged where it did so cubically; at a nearly double zero it does not.
+        // Accept only cubic convergence; at a nearly double zero there is none.
         const R size = math::abs<R>(step);
         near = near | ((size < 2e-4 * tau) & (size < 0.02 * last));
         last = size;
@@ -138,8 +138,8 @@ HL_FN R rough_exp2(R y) {
     return real_of<R>(bits_of<R>((y + 1023.0) * 0x1p20 + 4503599627370496.0) << 32);
 }
 
-// Sums of products for orders n (even) and n + 1 at once, so that each factor read serves both, over what is known
-// before order n; what the newest coefficients add comes last.
+// Sums of products for orders n (even) and n + 1 together, so that each factor is read once. They run over the
+// coefficients below order n; the contributions of the newest ones are added last.
 template <class R>
 struct Sums {
     R now{}, next{};
@@ -205,9 +205,9 @@ struct Couplings {
     }
 };
 
-// From p's coefficients of order 0. Everything that does not wait for the newest velocities is summed first, so that
-// only a short chain of operations leads from one order to the next. (For lanes with a single closed contact half the
-// work would do; but code of its own for them costs as much again, in the instruction cache.)
+// Computes all orders from those of order 0. Terms that do not depend on the newest velocities are summed first, so
+// that the chain of dependent operations from one order to the next is short. (Half the work would suffice for lanes
+// with a single closed contact, but separate code for them costs as much in the instruction cache.)
 template <class R>
 HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p) {
     constexpr int N = order;
@@ -332,7 +332,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     using M = Mask<R>;
     const M m = q.active;
     const R x1 = -q.x.u, v1 = -q.x.du, x2 = -q.x.w, v2 = -q.x.dw;
-    // Nearest to its onset: by the time that has passed or will, or its own period.
+    // The contact nearest to its onset in time: since it began or until it ends, at most its own period.
     const R near1 = x1 * (math::abs<R>(v2) + x2);
     const R near2 = x2 * (math::abs<R>(v1) + math::sqrt<R>(q.s.a1) * x1);
     const M first = q.floor & (negation(q.pair) | (near1 < near2));
@@ -348,7 +348,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     p.xb[0] = select<R>(first, x2, x1);
     p.vb[0] = select<R>(first, v2, v1);
     expand<R>(k, b_closed, p);
-    // Before the first touch of the floor, an error of a velocity still grows by a long fall.
+    // Before the first floor touch a long fall amplifies an error of a velocity.
     R h = length<R>(p, select<R>(q.t < 0.0, constant<R>(log2_tolerance - 12.0), constant<R>(log2_tolerance)));
     h = select<R>(touching, math::min<R>(h, constant<R>(first_touch)), h);
 
@@ -385,7 +385,8 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
         const R none = constant<R>(never);
         R end_a = select<R>(zero_a, R{}, none), main_b = select<R>(zero_b, R{}, none),
           press_b = select<R>(zero_c, R{}, none);
-        while (any(due_a | due_b | due_c)) {  // one search for all, but where a lane waits for several
+        while (any(due_a | due_b |
+                   due_c)) {  // one search per round, several where a lane has several candidates
             const M search_b = due_b & negation(due_a), search_c = due_c & negation(due_a | due_b);
             R f[N + 1];
             HL_ROLL

@@ -1,8 +1,9 @@
-"""A column of N equal beads meets a floor: where collisions collapse, the beads of Newton's equations fly apart.
+"""A column of N equal beads hits a floor: hard spheres collapse where beads under Newton's equations fly apart.
 
     python docs/findings/beads.py [--points 41] [--sizes 2 5 10 20 50] [--out docs/images/beads.png]
 
-After Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev. E 50, 4113 (1994), with the two-ball problem as its end.
+After Luding, Clément, Blumen, Rajchenbach & Duran, Phys. Rev. E 50, 4113 (1994). The two-ball problem is the limiting
+case.
 """
 
 import argparse
@@ -12,9 +13,9 @@ import numpy as np
 
 import hardlimit as hl
 
-SPEED = 1.0  # m/s, of all beads before; without gravity, so that each bead flies freely at the end
+SPEED = 1.0  # m/s, of all beads initially; there is no gravity, so beads move freely at the end
 BEAD = hl.Ball(1e-3, density=2500.0)
-LOSSES = 5.0  # the largest N(1 − ε)
+LOSSES = 5.0  # largest N(1 − ε)
 GAPS = (0.1, 1.0, 10.0)  # in units of SPEED times the duration of a contact with the floor
 
 
@@ -23,7 +24,7 @@ def law(restitution):
 
 
 def column(n, restitution, gap):
-    """N beads above a floor, all gaps equal; ``gap`` in units of the way of a bead while it touches the floor."""
+    """N beads above a floor with equal gaps, in units of the distance that a bead moves during a floor contact."""
     duration = law(restitution).between(BEAD).duration()
     wide = gap * SPEED * duration
     return hl.Column(
@@ -32,9 +33,9 @@ def column(n, restitution, gap):
 
 
 def bounce(result):
-    """Speed of the centre of mass and that at which the column expands, both over SPEED, after the last contact."""
+    """Speed of the centre of mass and speed of expansion after the last contact, both divided by SPEED."""
     if "collapse" in result.outcome:
-        return 0.0, 0.0  # collisions without end: no bead leaves the others or the floor
+        return 0.0, 0.0  # infinitely many collisions: no bead leaves the others or the floor
     if result.outcome != "ok":
         return np.nan, np.nan
     velocities = result.velocities  # masses are equal
@@ -42,7 +43,7 @@ def bounce(result):
 
 
 def curve(model, n, gap, points):
-    """Bounces over N(1 − ε)."""
+    """Bounce and expansion over N(1 − ε)."""
     losses = np.linspace(0.0, min(LOSSES, 0.95 * n), points)
     long = 1e5 * BEAD.radius / SPEED
     found = [bounce(model(column(n, 1.0 - x / n, gap), until=long)) for x in losses]
@@ -53,16 +54,16 @@ def two_balls(points):
     """ε_eff/ε at separation of the paper's two balls at ε = 0.9, over the gap in units of V t_c."""
     paper = hl.Column.paper(restitution=0.9)
     lower = paper.balls[0]
-    way = (
+    distance = (
         np.sqrt(2.0 * paper.gravity * (paper.height - lower.radius)) * paper.laws[0].between(lower).duration()
     )
     gaps = np.geomspace(0.03, 30.0, points)
-    found = [hl.newton(paper.replace(gaps=g * way)).restitution_ratio_at_separation for g in gaps]
+    found = [hl.newton(paper.replace(gaps=g * distance)).restitution_ratio_at_separation for g in gaps]
     return gaps, np.array(found)
 
 
 def critical(n):
-    """N(1 − ε) from which collisions collapse, ε = tan²(π/4 (1 − 1/N)): Bernu & Mazighi, J. Phys. A 23, 5745 (1990)."""
+    """N(1 − ε) of the collapse, ε = tan²(π/4 (1 − 1/N)): Bernu & Mazighi, J. Phys. A 23, 5745 (1990)."""
     return n * (1.0 - np.tan(0.25 * np.pi * (1.0 - 1.0 / n)) ** 2)
 
 

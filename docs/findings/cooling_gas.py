@@ -1,16 +1,16 @@
-"""How far each rule for hard spheres holds in a cooling gas, over t_c ν, packing fraction and restitution.
+"""Error of each hard-sphere rule in a cooling gas over t_c ν, packing fraction and restitution.
 
     python docs/findings/cooling_gas.py compute STORES [--workers 4] [--scheduler ADDRESS] [--part 1/8]
     python docs/findings/cooling_gas.py collect STORES
     python docs/findings/cooling_gas.py draw
 
-``compute`` fills a folder with one store of ``hl.fidelity`` for each point of the grid and goes on where it was
-stopped: whatever is finished is kept. ``--part 1/8`` does every eighth point, for eight jobs side by side. ``collect``
-gathers what is complete in cooling_gas.nc beside this file, ``draw`` makes the figures of docs/grains.md from that.
+``compute`` fills a folder with one store of ``hl.fidelity`` for each point of the grid and resumes where it was
+stopped. ``--part 1/8`` computes every eighth point, for eight parallel jobs. ``collect`` gathers the complete points in
+cooling_gas.nc beside this file. ``draw`` makes the figures of docs/grains.md from that file.
 
-Every start is a periodic box of equal spheres in an elastic equilibrium. t_c ν is that of the start: Enskog's rate
-times the contact duration of the linear dashpot, whose stiffness is chosen for it. A run ends when Haff's law expects
-10 collisions of each particle.
+Every run starts from a periodic box of equal spheres in an elastic equilibrium. t_c ν is its initial value: Enskog's
+rate times the contact duration of the linear dashpot, whose stiffness is chosen for this value. A run ends when Haff's
+law predicts 10 collisions per particle.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from hardlimit.fidelity_study.starts import equilibrated
 from hardlimit.plots.fidelity import LOOKS
 from hardlimit.plots.style import GREY, PAGE_WIDTH, style
 from hardlimit.support import saving
+from hardlimit.support.estimate import Estimate
 from hardlimit.support.progress import bar
 
 HERE = Path(__file__).parent
@@ -46,16 +47,15 @@ IMAGES = HERE.parent / "images"
 TC_NU = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 PACKING_FRACTION = (0.05, 0.2, 0.35, 0.5)
 RESTITUTION = (0.7, 0.9, 0.99)
-COLLISIONS = 10  #: of each particle
+COLLISIONS = 10  #: per particle
 SAMPLES = 10
-LONG = (
-    0.1  #: t_c ν from which on Newton's equations are solved by steps: contacts hang together in large groups
-)
+#: From this t_c ν on Newton's equations are solved by steps, because contacts form large clusters.
+LONG = 0.1
 RADIUS, DENSITY, RMS_SPEED = 1e-3, 2500.0, 1.0  #: [m], [kg/m³], [m/s]
 
 
 class Point(NamedTuple):
-    """One of the grid."""
+    """A point of the grid."""
 
     tc_nu: float
     packing_fraction: float
@@ -67,20 +67,20 @@ class Point(NamedTuple):
 
 
 def points() -> Iterator[Point]:
-    """All of the grid, neighbours far apart, so that a part of it is a coarser grid."""
+    """All points of the grid, in an order in which the first part is a coarser grid."""
     every = list(itertools.product(TC_NU, PACKING_FRACTION, RESTITUTION))
     for first in range(5):
         yield from itertools.starmap(Point, every[first::5])
 
 
 def start(packing_fraction: float, n: int) -> hl.ParticleSystem:
-    """An elastic gas in equilibrium; the replicas of ``hl.fidelity`` are other states of it."""
+    """An elastic gas in equilibrium. The replicas of ``hl.fidelity`` are other states of this gas."""
     system = hl.ParticleSystem.random(n, packing_fraction, RADIUS, DENSITY, RMS_SPEED)
     return equilibrated(system, 0)
 
 
 def law_and_end(point: Point, system: hl.ParticleSystem) -> tuple[hl.LinearDashpot, float]:
-    """The law with this t_c ν at the start, and the time [s] of so many collisions by Haff's law."""
+    """The law with this initial t_c ν, and the time [s] of ``COLLISIONS`` by Haff's law."""
     gas = theory.Gas(system.n, RADIUS, float(system.mass[0]), float(np.prod(system.box)), 3)
     rate = float(gas.collision_rate(system.granular_temperature))
     ball = hl.Ball(RADIUS, density=DENSITY)
@@ -92,7 +92,7 @@ def law_and_end(point: Point, system: hl.ParticleSystem) -> tuple[hl.LinearDashp
 
 
 def solve(point: Point, folder: Path, n: int, replicas: int, **where: object) -> hl.Fidelity:
-    """One point; what its store holds is not computed again."""
+    """Compute one point, except the replicas that are in its store."""
     system = start(point.packing_fraction, n)
     law, until = law_and_end(point, system)
     settings = {
@@ -119,11 +119,11 @@ def compute(arguments: argparse.Namespace) -> None:
             )
 
 
-# --- what came out ------------------------------------------------------------------------------------------
+# --- results ------------------------------------------------------------------------------------------------
 
 
 def collect(arguments: argparse.Namespace) -> None:
-    """Every replica of the points that are complete; NaN for the others, and for models that ended early."""
+    """Store every replica of the complete points; NaN for other points and for models that ended early."""
     shape = (len(TC_NU), len(PACKING_FRACTION), len(RESTITUTION), len(MODELS), arguments.replicas)
     found = {name: np.full(shape, math.nan) for name in (*QUANTITIES, "overlapped_share", "n_contacts")}
     for point in points():
@@ -151,7 +151,7 @@ def collect(arguments: argparse.Namespace) -> None:
         for name, values in found.items()
     }
     about = {
-        "title": "Rules for hard spheres beside Newton’s equations in a cooling gas: every replica, means after the "
+        "title": "Hard-sphere rules and Newton’s equations in a cooling gas: every replica, means after the "
         "first fifth of the run",
         "source": f"hardlimit {hl.__version__}, docs/findings/cooling_gas.py",
         "law": "LinearDashpot",
@@ -164,8 +164,10 @@ def collect(arguments: argparse.Namespace) -> None:
 
 
 def late(ds: xr.Dataset) -> dict[str, np.ndarray]:
-    """Quantities (model, replica) after the first fifth of the run, when contacts are under way as they will be:
-    growth of the cooling, means of rates and pressure, of temperature and structure over the samples."""
+    """Quantities (model, replica) after the first fifth of the run, when the number of open contacts is stationary.
+
+    Growth of the cooling; time averages of rates and pressure; means of temperature and structure over the samples.
+    """
     first = SAMPLES // 5
     time = ds["time"].values
     found = {name: ds[name].values for name in ("overlapped_share", "n_contacts")}
@@ -181,7 +183,7 @@ def late(ds: xr.Dataset) -> dict[str, np.ndarray]:
     return found
 
 
-def difference(ds: xr.Dataset, quantity: str, rule: str) -> statistics.Estimate:
+def difference(ds: xr.Dataset, quantity: str, rule: str) -> Estimate:
     """(rule − Newton)/Newton with its standard error over (t_c ν, φ, ε), paired by replicas."""
     values = ds[quantity].transpose("replica", ...)
     of_rule, of_newton = (values.sel(model=model).values for model in (rule, "newton"))
@@ -189,13 +191,17 @@ def difference(ds: xr.Dataset, quantity: str, rule: str) -> statistics.Estimate:
 
 
 def trusted(ds: xr.Dataset, quantity: str, rule: str, limit: float) -> tuple[np.ndarray, np.ndarray]:
-    """(φ, ε): the largest t_c ν of the grid at which the difference is surely below ``limit`` and never surely above
-    at smaller ones, 0 if there is none; the smallest from which on it is surely above at all, infinity if there is
-    none. Surely: by two standard errors. Also above is where the rule ends early, as in a collapse."""
+    """Range of t_c ν, over (φ, ε), in which a rule is trusted.
+
+    First the largest t_c ν of the grid at which the difference is below ``limit`` by two standard errors, with no
+    smaller t_c ν above it; 0 if there is none. Then the smallest t_c ν from which on all differences are above
+    ``limit`` by two standard errors; infinity if there is none. A rule that ends early, as in a collapse, counts as
+    above.
+    """
     found = difference(ds, quantity, rule)
     known = np.isfinite(ds[quantity].sel(model="newton")).any("replica").values
-    below = np.abs(found.mean) + 2.0 * found.error <= limit
-    above = known & ~(np.abs(found.mean) - 2.0 * found.error <= limit)
+    below = np.abs(found.value) + 2.0 * found.error <= limit
+    above = known & ~(np.abs(found.value) - 2.0 * found.error <= limit)
     at = ds["tc_nu"].values[:, None, None]
     held = np.where(below & (np.cumsum(above, axis=0) == 0), at, 0.0).max(axis=0)
     rest = np.cumsum((known & ~above)[::-1], axis=0)[::-1] == 0
@@ -221,7 +227,7 @@ RULES = {"constant": "constant and law", "tc": "tc", "soft": "soft"}
 
 
 def differences(ds: xr.Dataset, quantity: str) -> Figure:
-    """|difference| over t_c ν, a panel for each φ and ε; filled where it is told apart from nothing."""
+    """|difference| over t_c ν, one panel for each φ and ε. Filled symbols are significant differences."""
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 5.4))
         axes = figure.subplots(
@@ -236,9 +242,7 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
             for shift, rule in enumerate(RULES):
                 found = difference(ds, quantity, rule)
                 at = np.s_[:, column, row]
-                _points(
-                    ax, statistics.Estimate(found.mean[at], found.error[at]), ds.sizes["replica"], rule, shift
-                )
+                _points(ax, Estimate(*(part[at] for part in found)), ds.sizes["replica"], rule, shift)
             if row == 0:
                 ax.set_title(rf"$\phi$ = {phi:g}")
             if column == 0:
@@ -256,12 +260,12 @@ def differences(ds: xr.Dataset, quantity: str) -> Figure:
     return figure
 
 
-def _points(ax: Axes, found: statistics.Estimate, replicas: int, rule: str, shift: int) -> None:
-    """Side by side, so that bars can be told apart."""
+def _points(ax: Axes, found: Estimate, replicas: int, rule: str, shift: int) -> None:
+    """Draw the points of a rule beside those of the others, so that error bars do not overlap."""
     colour = LOOKS[rule]["color"]
     x = np.array(TC_NU) * 1.12 ** (shift - 1)
-    size, error = 100.0 * np.abs(found.mean), 100.0 * found.error
-    apart = statistics.outside(found, replicas)
+    size, error = 100.0 * np.abs(found.value), 100.0 * found.error
+    apart = statistics.significant(found, replicas)
     ax.errorbar(x, size, error, fmt="none", ecolor=colour, elinewidth=0.9)
     ax.plot(x, size, "o", ms=4.0, c="white", mec=colour, mew=0.9)
     ax.plot(x[apart], size[apart], "o", ms=4.0, c=colour, mec=colour, label=RULES[rule])
@@ -297,7 +301,9 @@ def main() -> None:
         command.add_argument("--replicas", type=int, default=8, help="[8]")
         if name == "compute":
             command.add_argument("--workers", type=int, default=1, help="processes [1]")
-            command.add_argument("--scheduler", help="address of a scheduler of dask.distributed, instead")
+            command.add_argument(
+                "--scheduler", help="address of a dask.distributed scheduler, instead of processes"
+            )
             command.add_argument("--part", default="1/1", help="K/N: every Nth point")
     commands.add_parser("draw").set_defaults(run=draw)
     arguments = parser.parse_args()

@@ -2,8 +2,8 @@
 
     python docs/findings/fits.py [--folder docs/images]
 
-Draws fit_impacts.png, fit_rebounds.png and fit_ice.png. The data of the first two are computed, not measured; those of
-the last are points of a relation that others fitted to what they had measured.
+Draws fit_impacts.png, fit_rebounds.png and fit_ice.png. The data of the first two are computed, not measured. The
+data of the last are points of a published fit to measurements.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from hardlimit import plots
 
 
 def impacts():
-    """Three drops of one ball, heard by a microphone, with ε falling with the speed."""
+    """Impact times of three drops of one ball, as from a microphone; ε decreases with the speed."""
     law = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=0.85, impact_speed=1.0)
     contact, rng = law.between(hl.Ball(0.01, density=1000.0)), np.random.default_rng(2)
     drops = []
@@ -41,7 +41,7 @@ def rebounds():
 def ice():
     """ε = 0.32 v^(-0.234), v in cm/s: frosted ice spheres, Bridges, Hatzes & Lin, Nature 309, 333 (1984).
 
-    Points of the relation, as if ε were known to 0.02 in each.
+    Points of this relation, each with an uncertainty of 0.02 in ε.
     """
     speed = np.geomspace(0.02, 5.0, 30)  # [cm/s]
     return hl.fit(hl.Impacts.of_restitution(1e-2 * speed, 0.32 * speed**-0.234, 0.02))

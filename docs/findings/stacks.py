@@ -1,4 +1,4 @@
-"""Stacks that throw their top ball fastest, and what an offset does to two balls.
+"""Stacks whose top ball leaves fastest, and oblique drops of two balls.
 
     python docs/findings/stacks.py [--sizes 2 3 4 5 6 8 12 16 20] [--points 60] [--folder docs/images]
 
@@ -24,7 +24,7 @@ COLOURS = [PALETTE[name] for name in ("blue", "sky", "green", "orange", "vermill
 
 
 def two_balls(ax, points):
-    """Touching: the speed of the upper ball over the ratio of masses, for some ratios of stiffness."""
+    """Speed of the upper of two touching balls over the mass ratio, for several stiffness ratios."""
     ratios = np.geomspace(1e-3, 1.0, 4 * points)
     for factor, colour in zip(STIFFNESS_RATIOS, COLOURS, strict=False):
         laws = [ELASTIC, ELASTIC.replace(stiffness=ELASTIC.stiffness * factor)]
@@ -60,15 +60,15 @@ def collisions(n):
 
 
 def speeds_over_size(ax, sizes):
-    """Top speed over N: what collisions promise, and what is reached at some gaps."""
+    """Speed of the top ball over N: by independent collisions, and under Newton's equations at several gaps."""
     ax.plot(sizes, [collisions(n).speed for n in sizes], "k--", lw=1.0, label="collisions")
     for gap, colour in zip(GAPS, COLOURS, strict=False):
         best, kept = [], []
         for n in sizes:
             progression = collisions(n)
-            way = gap * progression.contact_way
-            best.append(hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS, gaps=way).speed)
-            kept.append(progression.speed_under("newton", way))
+            wide = gap * progression.contact_way
+            best.append(hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS, gaps=wide).speed)
+            kept.append(progression.speed_under("newton", wide))
         print(f"gap {gap:g} V t_c: best {np.round(best, 3)}, progression {np.round(kept, 3)}")
         ax.plot(sizes, best, "o-", ms=3.5, color=colour, label=f"gap {gap:g} $V t_c$")
         ax.plot(sizes, kept, ":", color=colour, lw=1.2)
@@ -78,7 +78,7 @@ def speeds_over_size(ax, sizes):
 
 
 def over_gaps(ax, points):
-    """Five balls, best for touch and best for collisions, over the gap."""
+    """Five balls over the gap, with the masses that are best when touching and with those best for collisions."""
     touching = hl.stack(5, ELASTIC, bottom_mass=1.0, top_mass=TOP_MASS)
     for found, colour, name in (
         (touching, PALETTE["blue"], "touch"),
@@ -104,7 +104,7 @@ def stacks(sizes, points):
 
 
 def oblique(points):
-    """Sideways velocity over the offset, and how far aside the upper ball comes down."""
+    """Lateral velocity over the offset, and lateral distance at which the upper ball lands."""
     cases = {
         r"$R_2 = R_1/10$, gap 3 mm": hl.Column.paper(restitution=0.9, gap=3e-3),
         r"$R_2 = R_1/10$, gap 0.1 mm": hl.Column.paper(restitution=0.9, gap=1e-4),
@@ -133,7 +133,7 @@ def oblique(points):
 
 
 def distance(found):
-    """How far aside [m] the upper ball is when it is back at the height at which it left."""
+    """Lateral distance [m] of the upper ball when it is back at the height at which it left."""
     return 2.0 * found.sideways_velocity * found.velocities[1, 1] / found.column.gravity
 
 

@@ -1,10 +1,10 @@
-"""What the results were compared with, drawn: reference values, theory, two engines, other codes.
+"""Figures of the validation: results beside reference values, theory, a second engine and other codes.
 
     python docs/findings/validation.py [--rows 100000] [--spheres 2000] [--folder docs/images]
 
-Draws validation_columns.png, validation_contacts.png and validation_grains.png, from tests/data and from runs of its
-own, and fig3.png, Fig. 3 of the paper without a caption, in about half a minute. The tests that judge are named in
-docs/validation.md; this shows what they see.
+Draws validation_columns.png, validation_contacts.png and validation_grains.png from tests/data and its own runs, and
+fig3.png, Fig. 3 of the paper without a caption. This takes about half a minute. docs/validation.md names the tests that
+check these results.
 """
 
 import argparse
@@ -19,8 +19,7 @@ import hardlimit as hl
 from hardlimit.boxes import theory
 from hardlimit.convert.codes import Pair, Written, code
 from hardlimit.paper import figure3
-from hardlimit.paper.drawings import DRAWINGS
-from hardlimit.paper.setup import Setup
+from hardlimit.paper.setup import Paper
 from hardlimit.plots.style import PALETTE, style
 
 DATA = Path(__file__).resolve().parents[2] / "tests" / "data"
@@ -31,7 +30,7 @@ COMPRESSIBILITY = {0.1: 1.5217, 0.2: 2.4094, 0.3: 3.9838, 0.4: 6.9429, 0.45: 9.3
 
 
 def table(name, most=None):
-    """Rows of a reference table, evenly taken if there are more than `most`."""
+    """Rows of a reference table, evenly sampled if there are more than `most`."""
     with open(DATA / f"{name}.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     return rows if most is None or len(rows) <= most else rows[:: -(-len(rows) // most)]
@@ -64,7 +63,7 @@ def viscoelastic_column(row):
 
 
 def deviations(rows, column_of, **method):
-    """|v'_r − reference|/V of each row that has one; the number of contacts must be equal."""
+    """|v'_r − reference|/V of each row with a reference value; the number of contacts must be equal."""
     found = []
     for row in rows:
         column = column_of(row)
@@ -77,7 +76,7 @@ def deviations(rows, column_of, **method):
 
 
 def columns(rows):
-    """Deviations from reference values of two balls, sorted, with the tolerance of the tests."""
+    """Sorted deviations from reference values of two balls, with the tolerance of the tests."""
     with style():
         figure, ax = plt.subplots(figsize=(7.0, 3.8), layout="constrained")
         linear = [row for name in ("paper", "ratio", "wide") for row in table(f"two_ball_{name}", rows)]
@@ -125,8 +124,8 @@ def restitution(ax):
     ax.legend()
 
 
-def said_and_found(row):
-    """ε that this package says for a row of numbers, and the one that came out of the code."""
+def predicted_and_measured(row):
+    """ε that this package predicts for a row of numbers, and ε obtained from the code."""
     found, wall = code(row["code"]), row["contact"].endswith("wall")
     sizes = [int(digit) * 5e-4 for digit in row["contact"] if digit.isdigit()] or [5e-4]  # of a bed, or one
     first, second = ([hl.Ball(radius, density=7850.0) for radius in sizes] * 2)[:2]
@@ -141,11 +140,11 @@ def said_and_found(row):
 
 
 def other_codes(ax, rows):
-    """What LIGGGHTS, YADE, Kratos and MuJoCo made of their input, over what this package says they would."""
+    """ε from LIGGGHTS, YADE, Kratos and MuJoCo over ε predicted by this package."""
     runs = table("code_restitution", rows)
     names = {"liggghts": "LIGGGHTS", "yade": "YADE", "kratos": "Kratos", "mujoco": "MuJoCo"}
     for (name, title), colour, mark in zip(names.items(), COLOURS, "os^v", strict=False):
-        pairs = np.array([said_and_found(row) for row in runs if row["code"] == name])
+        pairs = np.array([predicted_and_measured(row) for row in runs if row["code"] == name])
         ax.plot(
             pairs[:, 0],
             pairs[:, 1] - pairs[:, 0],
@@ -175,7 +174,7 @@ def contacts(rows):
 
 
 def gas(n, phi, seed, **given):
-    """An equilibrium of elastic spheres, and a run from there."""
+    """An equilibrium of elastic spheres, and a run that starts from it."""
     start = hl.ParticleSystem.random(n, phi, 1e-3, 2500.0, 1.0, seed=seed)
     mixed = hl.event_driven(start, restitution=1.0, max_collisions=20 * n, samples=1).system
     return mixed, hl.event_driven(mixed, **given)
@@ -198,7 +197,7 @@ def pressure(ax, n):
         ideal = n * float(start.mass[0]) * start.granular_temperature / float(np.prod(start.box))
         mean = np.average(
             run.series.pressure[1:], weights=np.diff(run.series.time)
-        )  # each since the sample before
+        )  # each is a mean since the previous sample
         found = mean / ideal
         ax.plot(fraction, found, "x", color=PALETTE["black"], label=None if k else "this package")
         print(f"φ = {fraction}: Z = {found:.4f}, known {known}")
@@ -207,7 +206,7 @@ def pressure(ax, n):
 
 
 def cooling(ax, n):
-    """The temperature of cooling gases beside Haff's law."""
+    """Temperature of cooling gases and Haff's law."""
     for e, colour in zip((0.95, 0.9, 0.8), COLOURS, strict=False):
         start, run = gas(n, 0.05, 9, restitution=e, until=0.12, samples=60)
         time, begin = run.series.time.values, start.granular_temperature
@@ -223,7 +222,7 @@ def cooling(ax, n):
 
 
 def two_engines(ax):
-    """Velocities of 30 spheres after some contacts: steps beside events, over the time step."""
+    """Difference of the velocities of 30 spheres between steps and events, over the time step."""
     start = hl.ParticleSystem.random(30, 0.3, 1e-3, 2500.0, 1.0, seed=1)
     steps = np.geomspace(4e-7, 2.5e-8, 7)
     for e, colour in zip((1.0, 0.9, 0.7), COLOURS, strict=False):
@@ -265,9 +264,9 @@ def grains(n):
 
 
 def fig3():
-    """As `hardlimit paper` draws it, without the caption: a page that shows it has its own."""
+    """Fig. 3 as `hardlimit paper` draws it, without the caption; pages that show it have their own."""
     with style():
-        return DRAWINGS[3](figure3.compute(Setup()))
+        return figure3.draw(figure3.compute(Paper()))
 
 
 def main():

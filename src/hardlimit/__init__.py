@@ -10,8 +10,8 @@ Examples
 >>> hl.newton(drop).n_contacts, hl.independent(drop).n_contacts
 (4, 1)
 >>> print(hl.compare(drop).verdict.sentence)
-No: all 4 contacts of the balls happen while another contact lasts; for the
-separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
+No: all 4 ball–ball contacts overlap another contact in time; the event-driven
+separation velocity is 3.73 m/s instead of 0.125 m/s.
 """
 
 from importlib import import_module
@@ -43,12 +43,11 @@ _LATER = {
     "fitting.measurements": ("Impacts", "Rebounds"),
     "fitting.result": ("Fit",),
     "oblique": ("ObliqueDrop", "oblique_drop"),
-    "boxes.contact_result": ("ContactResult",),
     "boxes.hard_spheres": ("event_driven",),
     "fidelity_study": ("Fidelity", "fidelity"),
     "boxes.lammps.folder": ("lammps_input", "lammps_result"),
     "boxes.newton": ("molecular_dynamics",),
-    "boxes.result": ("ParticleResult",),
+    "boxes.result": ("ContactResult", "ParticleResult"),
     "boxes.resume": ("resume",),
     "boxes.system": ("ParticleSystem",),
     "stacks": ("Stack", "stack"),

@@ -33,13 +33,13 @@ from .fitting.measurements import Rebounds as Rebounds
 from .fitting.result import Fit as Fit
 from .oblique import ObliqueDrop as ObliqueDrop
 from .oblique import oblique_drop as oblique_drop
-from .boxes.contact_result import ContactResult as ContactResult
 from .boxes.hard_spheres import event_driven as event_driven
 from .fidelity_study import Fidelity as Fidelity
 from .fidelity_study import fidelity as fidelity
 from .boxes.lammps.folder import lammps_input as lammps_input
 from .boxes.lammps.folder import lammps_result as lammps_result
 from .boxes.newton import molecular_dynamics as molecular_dynamics
+from .boxes.result import ContactResult as ContactResult
 from .boxes.result import ParticleResult as ParticleResult
 from .boxes.resume import resume as resume
 from .boxes.system import ParticleSystem as ParticleSystem

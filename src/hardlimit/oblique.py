@@ -1,4 +1,4 @@
-"""Two balls dropped one above the other, but not quite: the sideways velocity after a small offset."""
+"""Drop of two balls whose centres are not on one vertical line: ``hl.oblique_drop``."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from .boxes.contact_result import ContactResult
 from .boxes.newton import molecular_dynamics
+from .boxes.result import ContactResult
 from .boxes.system import ParticleSystem
 from .column.result import Result
 from .column.scenario import Column
@@ -20,21 +20,21 @@ from .support import validation
 
 Floats = NDArray[np.float64]
 
-#: Edge of the box over the distance of the centres at the first touch: no ball meets its sides.
-ROOM: Final = 20.0
-#: A run lasts so many times the sequence of the column without offset, and is doubled until the balls have parted.
+#: Edge of the box over the distance of the centres at the first floor contact: no ball reaches the side walls.
+EDGE: Final = 20.0
+#: Duration of the first run over that of the sequence without offset; doubled until the balls have separated.
 LONGER: Final = 1.5
 MOST_DOUBLINGS: Final = 12
-#: Largest offset over the sum of the radii: beyond it the balls pass each other.
+#: Largest offset over the sum of the radii; beyond it the balls miss each other.
 LARGEST_OFFSET: Final = 0.99
 
 
 @dataclass(frozen=True, eq=False)
 class ObliqueDrop:
-    """Two smooth balls in a plane, the upper one a little to the side; made by :func:`hardlimit.oblique_drop`.
+    """Two smooth balls in a plane with a horizontal offset of their centres; made by :func:`hardlimit.oblique_drop`.
 
-    The centre of the upper ball is ``offset`` beside that of the lower one. Velocities [m/s] are those after the last
-    contact of the sequence, sideways to where the upper ball is, and upwards.
+    Velocities [m/s] are those after the last contact of the sequence: horizontal, positive towards the upper ball, and
+    vertical.
 
     Notes
     -----
@@ -48,51 +48,50 @@ class ObliqueDrop:
     """
 
     column: Column  #: the same drop without offset
-    offset: float  #: of the centres at the first floor touch [m]
-    run: ContactResult  #: of the engine that follows contacts in the plane, from the first floor touch on
+    offset: float  #: horizontal distance of the centres at the first floor contact [m]
+    run: ContactResult  #: simulation in the plane, from the first floor contact
 
     @property
     def tilt(self) -> float:
-        """Angle [rad] of the line of centres to the vertical where the balls touch, sin θ = offset/(R1 + R2)."""
+        """Angle [rad] between the line of centres and the vertical when the balls touch, sin θ = offset/(R1 + R2)."""
         return math.asin(self.offset / sum(ball.radius for ball in self.column.balls))
 
     @property
     def velocities(self) -> Floats:
-        """(2, 2) numbers [m/s]: sideways and upwards, of the lower ball and of the upper one."""
+        """Velocities (2, 2) [m/s]: rows are the lower and the upper ball, columns horizontal and vertical."""
         return self.run.system.velocities
 
     @property
     def sideways_velocity(self) -> float:
-        """Of the upper ball [m/s]; without friction that of the lower one is −m2/m1 of it."""
+        """Horizontal velocity [m/s] of the upper ball; that of the lower one is −m2/m1 times this."""
         return float(self.velocities[1, 0])
 
     @property
     def separation_velocity(self) -> float:
-        """Difference of the upward velocities [m/s]; without offset ``Result.separation_velocity``."""
+        """Difference of the vertical velocities [m/s]; ``Result.separation_velocity`` without offset."""
         return float(self.velocities[1, 1] - self.velocities[0, 1])
 
     @property
     def throw_angle(self) -> float:
-        """Angle [rad] of the path of the upper ball to the vertical as it leaves."""
+        """Angle [rad] between the final velocity of the upper ball and the vertical."""
         return math.atan2(self.sideways_velocity, float(self.velocities[1, 1]))
 
     @property
     def n_contacts(self) -> int:
-        """Ball–ball contacts."""
+        """Number of ball–ball contacts."""
         return int(self.run.n_pairs or 0)
 
     @cached_property
     def straight(self) -> Result:
-        """Newton's equations of the drop without offset."""
+        """The drop without offset under Newton's equations."""
         return newton(self.column)
 
     @property
     def estimate(self) -> float:
-        """Sideways velocity of the upper ball [m/s] to leading order: tilt × (v2 + V).
+        """Horizontal velocity of the upper ball [m/s] to leading order: tilt × (v2 + V).
 
-        All of the push on the upper ball acts along the line of centres, and turns its velocity from −V to v2; v2 and V
-        are those without offset. The line turns while the balls push each other, by about V t_c/(R1 + R2) of the tilt,
-        which is left out.
+        The impulse on the upper ball acts along the line of centres and changes its velocity from −V to v2, as without
+        offset. The rotation of that line during the contact, by about V t_c/(R1 + R2) of the tilt, is neglected.
         """
         upwards = float(self.straight.final_velocities[1])
         return self.tilt * (upwards + self.column.impact_speed)
@@ -105,15 +104,15 @@ class ObliqueDrop:
 
 
 def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
-    """Drop two balls of which the upper one is a little to the side, under Newton's equations in the plane.
+    """Drop two balls with a horizontal offset of their centres, under Newton's equations in the plane.
 
     Parameters
     ----------
     column : Column
-        Of two balls above a floor, with one law and one velocity. The gap is the distance of the surfaces at the first
-        floor touch, along the line of centres.
+        Two balls above a floor, with one law and one velocity. The gap is the distance between the surfaces at the
+        first floor contact, along the line of centres.
     offset : float [m]
-        Of the centres, sideways; less than the sum of the radii.
+        Horizontal distance of the centres, less than the sum of the radii.
 
     Returns
     -------
@@ -122,14 +121,14 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the column is another one.
+        If an argument is outside its range, or the column is of another kind.
     RuntimeError
-        If a contact becomes too deep, or the balls do not part before the lower one meets the floor again; says so.
+        If a contact becomes too deep, or the balls do not separate before the lower one meets the floor again.
 
     Notes
     -----
-    Balls and floor are smooth: there is no friction, and nothing rotates. Contacts are followed by
-    ``molecular_dynamics(engine="events")``, to 1e-9: Newton's equations (Eq. 14 of the paper) in the plane.
+    Balls and floor are smooth: there is no friction and no rotation. ``molecular_dynamics(engine="events")`` solves
+    Newton's equations (Eq. 14 of the paper) in the plane, to 1e-9.
 
     Examples
     --------
@@ -143,22 +142,22 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
     if len(set(column.laws)) != 1:
         raise ValueError("column: got two laws, must have one law for floor and pair")
     if len(set(column.velocities)) != 1:
-        raise ValueError("column: got two velocities, must let both balls fall as one")
+        raise ValueError("column: got two velocities, must have one velocity for both balls")
     limit = LARGEST_OFFSET * sum(ball.radius for ball in column.balls)
     aside = validation.number("offset", offset, -limit, limit, lowest_allowed=True, highest_allowed=True)
     return ObliqueDrop(column, aside, _until_parted(column, _start(column, aside)))
 
 
 def _distance(column: Column) -> float:
-    """Of the centres at the first floor touch [m]."""
+    """Distance [m] of the centres at the first floor contact."""
     return column.balls[0].radius + column.gaps[0] + column.balls[1].radius
 
 
 def _start(column: Column, offset: float) -> ParticleSystem:
-    """Both balls at the first floor touch, in a box so large that they meet nothing but each other and the floor."""
+    """Both balls at the first floor contact, in a box whose side walls they do not reach."""
     lower, upper = column.balls
     apart = _distance(column)
-    edge, speed = ROOM * apart, column.impact_speed
+    edge, speed = EDGE * apart, column.impact_speed
     rise = math.sqrt((apart - offset) * (apart + offset))
     return ParticleSystem(
         [[0.5 * edge, lower.radius], [0.5 * edge + offset, lower.radius + rise]],
@@ -172,7 +171,7 @@ def _start(column: Column, offset: float) -> ParticleSystem:
 
 
 def _until_parted(column: Column, system: ParticleSystem) -> ContactResult:
-    """The run up to where no contact is open and the gap grows."""
+    """Simulate until no contact is open and the gap grows."""
     until = LONGER * _sequence(column)
     for _ in range(MOST_DOUBLINGS):
         run = molecular_dynamics(
@@ -185,11 +184,11 @@ def _until_parted(column: Column, system: ParticleSystem) -> ContactResult:
         if _met_floor_again(run):
             break
         until *= 2.0
-    raise RuntimeError("oblique drop: the balls do not part before the lower one meets the floor again")
+    raise RuntimeError("oblique drop: the balls do not separate before the lower one meets the floor again")
 
 
 def _sequence(column: Column) -> float:
-    """A time [s] within which the drop without offset is over, or the duration of a contact."""
+    """Duration [s] of the sequence without offset, at least that of a contact."""
     result = newton(column)
     if result._core.too_deep >= 0:
         raise RuntimeError(f"oblique drop: {result.outcome}")
@@ -206,7 +205,7 @@ def _parted(run: ContactResult) -> bool:
 
 
 def _met_floor_again(run: ContactResult) -> bool:
-    """Whether the floor contact of a later bounce is in the log: one that begins a long way after the one before."""
+    """Whether the log has a floor contact of a later bounce, which begins long after the one before."""
     log: Any = run.log
     if log is None:
         return False

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import hardlimit as hl
 from conftest import DATA, draws
 from hardlimit import _core
-from hardlimit.boxes.engines import choice, engine_arguments
+from hardlimit.boxes.falling_frame import engine_arguments, law_arguments
 from hardlimit.boxes.theory import Gas
 
 REFERENCE = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
@@ -212,7 +212,7 @@ def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
 
 
 def begins(run: Any) -> dict[tuple[int, int], list[float]]:
-    """Of the contacts of each pair."""
+    """Begin times of the contacts of each pair."""
     found: dict[tuple[int, int], list[float]] = defaultdict(list)
     for begin, _, first, second in rows(run):
         found[first, second].append(begin)
@@ -222,8 +222,8 @@ def begins(run: Any) -> dict[tuple[int, int], list[float]]:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(200))
 def test_no_contact_is_missed(seed: int) -> None:
-    """Small steps find the same contacts in any box, whatever the contacts overlap: a third body that was missed would
-    have its contact later or never."""
+    """Small steps find the same contacts, however many overlap: a missed third body would have its contact late or
+    never."""
     system, law, wait, duration = frequent(seed)
     exact = begins(by_events(system, law=law, until=1.5 * wait, log=True, samples=1))
     near = begins(
@@ -243,12 +243,12 @@ def test_no_contact_is_missed(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("boundary", ["periodic", "wall"])
-def test_no_path_leaves_its_margin(law: hl.Law, boundary: str) -> None:
-    """The space that others leave to a body in contact, whatever accelerates it, holds its true path, closely."""
+def test_no_path_leaves_its_safety_radius(law: hl.Law, boundary: str) -> None:
+    """The true path of a body in contact stays within its safety radius, which is not wasteful."""
     used = []
     for seed in range(6):
         system = random_system(seed, n=60, phi=0.35, d=2 + seed % 2, boundary=boundary, mixed=seed > 2)
-        run = _core.make_engine("newton_events", *engine_arguments(system), law=choice(law))
+        run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
         for k in range(1, 40):
             run.advance(4e-5 * k)
             used.append(run.safety_used(29))
@@ -258,7 +258,7 @@ def test_no_path_leaves_its_margin(law: hl.Law, boundary: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("phi", [0.1, 0.3, 0.5])
 def test_energy_over_many_contacts(phi: float) -> None:
-    """What is lost is known as well as what is left, contact after contact."""
+    """The energy balance holds over many contacts."""
     system = hl.ParticleSystem.random(
         n=1000, packing_fraction=phi, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
     )
@@ -272,7 +272,7 @@ def test_energy_over_many_contacts(phi: float) -> None:
 
 
 def printed_by(name: str, folder: Path) -> list[str]:
-    """What a program over the headers prints."""
+    """Output of a program compiled from the headers."""
     root, program = Path(__file__).resolve().parents[2], folder / name
     flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
     subprocess.run(["g++", *flags, str(root / f"tests/boxes/{name}.cpp"), "-o", str(program)], check=True)
@@ -280,24 +280,24 @@ def printed_by(name: str, folder: Path) -> list[str]:
 
 
 @pytest.mark.slow
-def test_who_comes_too_near(tmp_path: Path) -> None:
-    """The kernel's times for bodies of two sizes, the wider one for a while, beside the distances at many instants."""
+def test_touch_times_of_the_kernels(tmp_path: Path) -> None:
+    """Times of the kernels for a radius that is enlarged for a limited time, against distances at many times."""
     asked, in_space, later, wrong, unlike = printed_by("touch_kernel", tmp_path)
     assert int(asked) > 50_000 and int(in_space) > 10_000 and int(later) > 5000
     assert float(wrong) < 1e-13 and int(unlike) == 0
 
 
 @pytest.mark.slow
-def test_which_contact_ends_next(tmp_path: Path) -> None:
-    """The queue of ends beside a sorted set: durations alike or not, ties, contacts that are disturbed."""
-    ended, simultaneous, disturbed, wrong = map(int, printed_by("endings", tmp_path))
+def test_the_queue_of_contact_ends(tmp_path: Path) -> None:
+    """The queue agrees with a sorted set: equal and unequal durations, ties, disturbed contacts."""
+    ended, simultaneous, disturbed, wrong = map(int, printed_by("contact_end_queue", tmp_path))
     assert ended > 100_000 and simultaneous > 10_000 and disturbed > 10_000
     assert wrong == 0
 
 
 @pytest.mark.slow
-def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
-    """Who passes behind a body in contact is told by a triangle: beside the nearest of many of its points."""
+def test_distance_from_a_triangle(tmp_path: Path) -> None:
+    """The distance of a triangle from the origin is that of the nearest of many of its points."""
     compared, nearer, farther = printed_by("triangle", tmp_path)
     assert int(compared) == 2000
     assert float(nearer) < 1e-12 and float(farther) < 0.01
@@ -305,8 +305,7 @@ def test_how_near_a_triangle_comes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", range(60))
 def test_no_wall_is_missed(seed: int) -> None:
-    """Bodies in slow contact, which fly or fall together, meet a wall that is far for the speeds at which they move
-    against each other."""
+    """Bodies in slow contact that fly or fall together meet a wall that is far compared with their relative motion."""
     rng = np.random.default_rng(seed)
     dimension, count, radius = 2 + seed % 2, int(rng.integers(2, 5)), 1e-3
     law, axis, high = LAWS[seed % len(LAWS)], int(rng.integers(dimension)), bool(rng.integers(2))
@@ -358,13 +357,13 @@ def test_no_wall_is_missed(seed: int) -> None:
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("high", [False, True])
 def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
-    """A ball is pushed towards a wall: it touches it while it is pushed, or after that; small steps find the same. Only
-    in the first case must both contacts be integrated together."""
+    """A ball pushed towards a wall touches it during or after the contact; small steps find the same. Only in the first
+    case both contacts form a cluster."""
     radius, speed, edge = 1e-3, 1.0, 0.1
     ball = hl.Ball(radius, density=2500.0)
     duration = float(law.between(ball, ball).duration(speed))
     clustered = []
-    for gap in (0.01, 0.1, 0.3, 0.9, 3.0):  # in units of how far the pair moves while it is in contact
+    for gap in (0.01, 0.1, 0.3, 0.9, 3.0):  # in units of the pair's motion during the contact
         positions, velocities = np.full((2, 2), 0.5 * edge), np.zeros((2, 2))
         positions[:, axis] = radius + gap * 0.5 * speed * duration
         positions[1, axis] += 2.0 * radius + 1e-6
@@ -385,7 +384,7 @@ def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
         for row, other in zip(rows(run), rows(near), strict=True):
             assert row[:2] == pytest.approx(other[:2], abs=2e-4 * duration, nan_ok=True)
         assert run.energy_error < 1e-11
-        engine = _core.make_engine("newton_events", *engine_arguments(system), law=choice(law))
+        engine = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
         engine.advance(4.0 * duration)
         clustered.append(engine.statistics()["cluster_share"] > 0.0)
     assert clustered == [True, True, True, True, False]
@@ -393,8 +392,8 @@ def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
 
 @pytest.mark.parametrize(("n", "mixed"), [(60, True), (80, True), (60, False), (21_000, False)])
 def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any, n: int, mixed: bool) -> None:
-    """However often it is stopped, saved and resumed, in the middle of contacts too; with equal bodies, with kinds that
-    have a table of laws, and with too many for it (64); in a box so large that what events need is fetched ahead."""
+    """Stopped, saved and resumed often, also during contacts: equal bodies, kinds with a table of laws, more kinds than
+    the table holds (64), and a box large enough for prefetching."""
     system = random_system(5, n=n, phi=0.3, d=3, boundary="periodic", mixed=mixed)
     law = LAWS[3] if n < 1000 else hl.LinearDashpot(stiffness=2e6, restitution=0.8)
     whole = by_events(system, law=law, until=2e-3, log=True, samples=8)
@@ -409,12 +408,13 @@ def test_a_saved_run_goes_on_with_the_same_bits(tmp_path: Any, n: int, mixed: bo
     assert whole.contacts.equals(resumed.contacts)
 
 
-def test_what_a_save_forgets_decides_nothing() -> None:
-    """The order in which a cell holds its bodies is that of their arrivals, and after a save that of their numbers. In
-    this box several come near a group at the same instant."""
+def test_the_order_within_cells_does_not_matter() -> None:
+    """A cell lists bodies by arrival, after loading by index. In this box several bodies come near a group at the same
+    instant."""
     system = random_system(5, n=3000, phi=0.3, d=3, boundary="periodic", mixed=False)
     whole, saved = (
-        _core.make_engine("newton_events", *engine_arguments(system), law=choice(LAWS[0])) for _ in range(2)
+        _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(LAWS[0]))
+        for _ in range(2)
     )
     for k in range(1, 7):
         for run in (whole, saved):
@@ -427,7 +427,7 @@ def test_what_a_save_forgets_decides_nothing() -> None:
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> None:
-    """The final state of a run, contacts open, as the start of another one."""
+    """The final state of a run, with contacts in progress, starts another run."""
     system = random_system(8, n=40, phi=0.35, d=3, boundary=("periodic", "wall", "wall"), mixed=True)
     whole = by_events(system, law=law, until=1e-3, samples=1)
     first = by_events(system, law=law, until=0.6e-3, samples=1)
@@ -440,7 +440,7 @@ def test_a_start_in_contact_goes_on_as_if_it_had_not_stopped(law: hl.Law) -> Non
     assert np.abs(second.system.velocities - whole.system.velocities).max() < 1e-7
 
 
-UNIT = 2.0**-10  # [m]: places at multiples of it touch exactly
+UNIT = 2.0**-10  # [m]: positions at multiples of it touch exactly
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
@@ -463,7 +463,7 @@ def test_a_cradle_of_touching_balls(law: hl.Law, count: int, moving: int) -> Non
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_simultaneous_contacts(law: hl.Law) -> None:
-    """One ball is hit from four sides at one instant: it stays, and the four fly apart alike."""
+    """A ball hit from four sides at one instant stays, and the four fly apart symmetrically."""
     middle = 16 * UNIT
     around = [(4, 0), (-4, 0), (0, 4), (0, -4)]
     system = hl.ParticleSystem(
@@ -484,8 +484,8 @@ def test_simultaneous_contacts(law: hl.Law) -> None:
     seed=st.integers(0, 10_000), law=st.sampled_from(LAWS), heavy=st.floats(0.0, 6.0), slow=st.floats(-6.0, 0.0),
 )  # fmt: skip
 def test_masses_and_speeds_far_apart(seed: int, law: hl.Law, heavy: float, slow: float) -> None:
-    """Energy and momentum with masses up to a million times apart, some grains at rest, others slow; all so slow that
-    the heaviest do not press too deep."""
+    """Energy and momentum with mass ratios up to a million; some grains rest or are slow. All are slow enough that the
+    heaviest ones do not compress others too far."""
     base = random_system(seed, n=20, phi=0.2, d=3, boundary="periodic", mixed=True)
     rng = np.random.default_rng(seed)
     mass = base.mass * 10.0 ** (heavy * rng.random(base.n))
@@ -499,7 +499,7 @@ def test_masses_and_speeds_far_apart(seed: int, law: hl.Law, heavy: float, slow:
 
 
 def test_ctrl_c_leaves_a_checkpoint(tmp_path: Any) -> None:
-    """Interrupted where it reports its progress: what is resumed has the bits of the whole run."""
+    """Interrupted during its progress report, a run resumes with the bits of an uninterrupted run."""
     system = random_system(9, n=300, phi=0.3, d=3, boundary="periodic", mixed=False)
     options: dict[str, Any] = {"law": LAWS[0], "until": 4e-3, "samples": 40, "log": True}
     whole = by_events(system, **options)
@@ -520,7 +520,7 @@ def test_ctrl_c_leaves_a_checkpoint(tmp_path: Any) -> None:
 
 
 def stored(system: hl.ParticleSystem, law: hl.Law) -> float:
-    """Σ E(ξ) over all that overlap [J], found without the engine."""
+    """Σ E(ξ) over all overlapping pairs [J], without the engine."""
     balls = [hl.Ball(r, mass=m) for r, m in zip(system.radius.tolist(), system.mass.tolist(), strict=True)]
     walled = np.array([side == "wall" for side in system.boundary])
     total = 0.0
@@ -547,9 +547,9 @@ def strongly_damped(name: str, restitution: float) -> hl.Law:
 
 @pytest.mark.parametrize("restitution", [0.01, 0.2, 0.9])
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
-def test_contact_energy_is_that_of_all_that_overlap(name: str, restitution: float) -> None:
-    """Also where the force has ended before the gap opens: what is left of it is dissipated until then, never at once,
-    and the sum of all energies stays at every sample."""
+def test_contact_energy_is_that_of_all_overlaps(name: str, restitution: float) -> None:
+    """Also for slack pairs, whose force has ended: their energy is dissipated gradually until the gap opens, and the
+    total energy is conserved at every sample."""
     law, without_force = strongly_damped(name, restitution), 0
     for seed in range(4):
         d, walls = 2 + seed % 2, seed < 2
@@ -570,7 +570,7 @@ def test_contact_energy_is_that_of_all_that_overlap(name: str, restitution: floa
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_overlap_without_force_at_the_start_holds_energy(name: str) -> None:
-    """Both engines say so, and dissipate it as the gap opens."""
+    """Both engines report it, and dissipate it as the gap opens."""
     law = strongly_damped(name, 0.05)
     system = hl.ParticleSystem(
         positions=[[4e-3, 5e-3], [5.99e-3, 5e-3]], velocities=[[-0.5, 0.0], [0.5, 0.0]], radius=1e-3, density=2500.0,
@@ -591,7 +591,7 @@ def test_overlap_without_force_at_the_start_holds_energy(name: str) -> None:
     )
 
 
-def test_looking_changes_nothing() -> None:
+def test_observing_changes_nothing() -> None:
     system = random_system(6, n=60, phi=0.3, d=2, boundary="periodic", mixed=False)
     often, seldom = (by_events(system, law=LAWS[0], until=2e-3, log=True, samples=k) for k in (200, 1))
     assert np.array_equal(often.system.positions, seldom.system.positions)
@@ -599,7 +599,7 @@ def test_looking_changes_nothing() -> None:
 
 
 def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:
-    """The same definition in all engines: the shorter the contacts, the nearer to instantaneous collisions."""
+    """All engines define the pressure alike: short contacts approach instantaneous collisions."""
     system = random_system(7, n=200, phi=0.2, d=3, boundary="periodic", mixed=False)
     hard = hl.event_driven(system, restitution=1.0, until=0.02, samples=1)
     soft = by_events(system, law=hl.LinearDashpot(stiffness=2e8, restitution=1.0), until=0.02, samples=200)
@@ -608,7 +608,7 @@ def test_pressure_of_hard_contacts_is_that_of_hard_spheres() -> None:
 
 
 def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
-    """Σ m x·v changes by ∫ (Σ m v² + r·F) dt: two bodies that meet obliquely, from before to after."""
+    """Σ m x·v changes by ∫ (Σ m v² + r·F) dt during an oblique contact."""
     for law in LAWS:
         system = hl.ParticleSystem(
             positions=[[0.03, 0.05, 0.05], [0.0325, 0.0508, 0.05]], radius=1e-3, density=2500.0, box=[0.1] * 3,
@@ -629,8 +629,8 @@ def test_the_virial_of_two_bodies_is_that_of_their_motion() -> None:
         assert virial == pytest.approx(work, rel=1e-4)
 
 
-def test_a_group_holds_what_hangs_together() -> None:
-    """Bodies that have parted leave, though others join: else a group of a dense gas grows without end."""
+def test_a_cluster_loses_separated_bodies() -> None:
+    """Separated bodies leave while others join; otherwise a cluster of a dense gas would grow without bound."""
     system = hl.ParticleSystem.random(
         n=4000, packing_fraction=0.3, radius=1e-3, density=2500.0, rms_speed=1.0, seed=1
     )
@@ -647,8 +647,8 @@ def test_a_group_holds_what_hangs_together() -> None:
     "gap", [1e-3, pytest.param(0.0, marks=pytest.mark.slow), pytest.param(1e-2, marks=pytest.mark.slow)]
 )
 def test_a_long_row_meets_a_wall(gap: float) -> None:
-    """All of 320 balls are in contact at once and part again; some creep. Momentum and energy beside small steps,
-    extrapolated to none."""
+    """All 320 balls are in contact at once and separate; some creep. Momentum and energy agree with small steps,
+    extrapolated to zero."""
     count = 320
     law, ball = hl.LinearDashpot(stiffness=2000.0, restitution=0.9), hl.Ball(UNIT, density=2500.0)
     duration = float(law.between(ball, ball).duration(1.0))
@@ -668,15 +668,15 @@ def test_a_long_row_meets_a_wall(gap: float) -> None:
         )
         for step in (0.04, 0.02)
     )
-    # Steps are of second order, up to 1e-4 off with the coarse ones.
+    # Steps are of second order, with errors up to 1e-4 for the coarse ones.
     momentum = (4.0 * fine.system.momentum - coarse.system.momentum) / 3.0
     kinetic = (4.0 * fine.series.kinetic_energy.values - coarse.series.kinetic_energy.values) / 3.0
     assert run.system.momentum == pytest.approx(momentum, rel=1e-6, abs=1e-12)
     assert run.series.kinetic_energy.values == pytest.approx(kinetic, abs=1e-6 * float(kinetic[0]))
 
 
-def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
-    """Balls as wide as the box touch both walls; some of their contacts begin and end within the rounding of places."""
+def test_time_advances_where_a_contact_ends_within_rounding() -> None:
+    """Balls as wide as the box touch both walls; some contacts begin and end within the rounding of positions."""
     radius = 0.0009481194856766419
     system = hl.ParticleSystem(
         positions=[[radius, 0.0010330632239960414], [radius, 0.0028443584570299256], [radius, 0.0047405974283832092]],
@@ -702,17 +702,17 @@ def test_time_goes_on_where_a_contact_parts_within_rounding() -> None:
     ids=repr,
 )
 def test_a_contact_is_not_over_before_its_end(law: hl.Law) -> None:
-    """Looked at shortly before, where a step would go past touch: the clock of that step turns back there."""
+    """Observed shortly before its end, where a step past touch would make time run backwards."""
     system = hl.ParticleSystem(
         positions=[[0.01, 0.01], [0.013, 0.0105]], velocities=[[0.5, 0.0], [-0.5, 0.0]], radius=1e-3,
         density=2500.0, box=[0.03] * 2,
     )  # fmt: skip
     contacts = by_events(system, law=law, until=0.02, log=True).contacts
     begin, end = float(contacts.begin[0]), float(contacts.end[0])
-    run = _core.make_engine("newton_events", *engine_arguments(system), law=choice(law))
+    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
     run.advance(end)
     place, velocity = run.state()
-    run = _core.make_engine("newton_events", *engine_arguments(system), law=choice(law))
+    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
     for left in np.geomspace(0.1, 1e-5, 200) * (end - begin):
         run.advance(end - left)
         off = np.abs(run.state()[0] - (place - left * velocity)).max()
@@ -723,8 +723,8 @@ def test_a_contact_is_not_over_before_its_end(law: hl.Law) -> None:
 @pytest.mark.parametrize("fall", [0.0, 0.0098, -0.003])
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
 def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -> None:
-    """As on one spring: where it leaves one wall it touches the other. Where a look at the run ends the integration
-    decides by rounding which of the two comes first; to be out of both is not to stay where one is."""
+    """Like on one spring: it leaves one wall as it touches the other. Where an observation ends the integration,
+    rounding decides which event comes first; a body free of both contacts must not stop."""
     law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
     system = hl.ParticleSystem(
         positions=[[2.0 * radius, radius]], velocities=[[0.0, speed]], radius=radius, density=2500.0,
@@ -733,7 +733,7 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
     frequency = math.sqrt(1e4 / float(system.mass[0]))
     _, *particles = engine_arguments(system)
     bounds = _core.Box(system.box.tolist(), list(system.boundary), [0.0, fall * speed * frequency])
-    run = _core.make_engine("newton_events", bounds, *particles, law=choice(law))
+    run = _core.make_engine("newton_events", bounds, *particles, law=law_arguments(law))
     for k in range(1, 80):
         angle = 0.37 * math.pi * k
         run.advance(angle / frequency)
@@ -744,8 +744,8 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
 
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
 def test_a_swinging_body_is_hit(radius: float) -> None:
-    """The same body, when another one comes: the group, integrated again up to then, has the body where it is. Small
-    steps find the same; energy alone would not tell, since to stay behind keeps it."""
+    """Another body hits the swinging one: the group, integrated again up to then, must have the true position. Small
+    steps find the same; energy alone would not show a body left behind."""
     law, speed = hl.LinearDashpot(stiffness=1e4, restitution=1.0), 0.01
     frequency = math.sqrt(1e4 / float(hl.Ball(radius, density=2500.0).mass))
     for k in range(40):
@@ -766,8 +766,8 @@ def test_a_swinging_body_is_hit(radius: float) -> None:
 
 
 def test_a_force_that_falls_by_less_than_rounding_goes_on() -> None:
-    """Three balls in exact touch between two walls. Weight parts the last from its wall by 1e-38 of its force before
-    the others press it on: no end of the contact, nor ten million of them."""
+    """Three balls in exact touch between two walls. Gravity lowers the last one's wall force by 1e-38 of its value
+    before the others press it on: this is not an end of the contact, nor ten million of them."""
     radius, v = 0.00056616259905373527, 3.2687412896877242e-09
     system = hl.ParticleSystem(
         positions=[[radius, 0.00056616259905373527], [radius, 0.0016984877971612058], [radius, 0.0028308129952686763]],
@@ -877,9 +877,8 @@ def test_bodies_that_fit_exactly(name: str) -> None:
     assert run.energy_error < 1e-9
 
 
-def test_no_group_lasts_thousands_of_contacts() -> None:
-    """A slow body overlaps with walls without force when its contacts end: it is soon apart, however long it would take
-    to get far."""
+def test_no_cluster_lasts_thousands_of_contacts() -> None:
+    """A slow body in slack contact with walls separates soon, however long it would take to travel far."""
     radius, v = 0.0001000000000000001, 2.3332128102661892e-11
     system = hl.ParticleSystem(
         positions=[[radius] * 2], velocities=[[v] * 2], radius=radius, mass=999.99999678332483,
@@ -889,17 +888,17 @@ def test_no_group_lasts_thousands_of_contacts() -> None:
         youngs_modulus=1461187.2764150028, poisson_ratio=-0.42205882357666269,
         restitution=0.0012087957959949248, impact_speed=0.012087957959949241,
     )  # fmt: skip
-    run = _core.make_engine("newton_events", *engine_arguments(system), law=choice(law), log=True)
+    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law), log=True)
     run.advance(6e4)
     assert run.outcome == "ok" and run.n_logged > 50
-    assert len(run.open_contacts()["begin"]) < 20  # of the group that is still together
+    assert len(run.open_contacts()["begin"]) < 20  # of the cluster that still lasts
 
 
 @pytest.mark.parametrize("bodies", [1, 2])
 @pytest.mark.parametrize("restitution", [1.0, 0.9])
-def test_a_contact_goes_on_where_places_round(bodies: int, restitution: float) -> None:
-    """Looked at in its middle, in a box of a hundred radii where it is a millionth of one deep. Without damping the
-    force begins at zero, and what is left of a place beside the edge of the box was taken for its end."""
+def test_a_contact_continues_where_positions_round(bodies: int, restitution: float) -> None:
+    """Observed midway, with a compression of 1e-6 radii in a box of 100 radii. Without damping the force begins at
+    zero, and rounding of positions near the edge of the box must not count as its end."""
     edge, radius, mass, speed = 2.0000010936695341e-4, 1.8147790907712649e-6, 1000.0, 4.0579694070446531e-9
     law = hl.LinearDashpot(stiffness=9999999957.1110401, restitution=restitution)
     at = 1.9818533023046106e-4
@@ -926,8 +925,8 @@ def test_a_contact_goes_on_where_places_round(bodies: int, restitution: float) -
 
 
 @pytest.mark.slow
-def test_a_heap_is_told_to_take_steps() -> None:
-    """Contacts that last hang together; where none begins any more this is an outcome, not hours of work."""
+def test_a_heap_ends_as_unresolved() -> None:
+    """Where contacts last and none begins, the run ends with an outcome instead of hours of work."""
     x, y = np.meshgrid(np.arange(30) * 2.00002e-3 + 1.1e-3, np.arange(11) * 2.00002e-3 + 1.00002e-3)
     system = hl.ParticleSystem(
         positions=np.column_stack([x.ravel(), y.ravel()]), velocities=np.zeros((330, 2)), radius=1e-3,
@@ -961,7 +960,10 @@ def test_a_ball_that_comes_to_rest_on_the_floor_stays_there() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"time_step": 1e-7}, "time_step: got 1e-07, must be left out: engine 'events' takes no steps"),
+        (
+            {"time_step": 1e-7},
+            "time_step: got 1e-07, must be left out: only engines 'steps' and 'lammps' take",
+        ),
         ({"restitution_error": 1e-3}, "restitution_error: got 0.001, must be left out"),
         ({"threads": 2}, "threads: got 2, must be left out"),
         ({"engine": "leaps"}, "engine: got 'leaps', must be"),

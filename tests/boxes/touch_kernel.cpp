@@ -1,8 +1,7 @@
-// For test_newton_events.py: when the kernels say that random neighbours come too near, beside the distances at
-// many instants. A neighbour is too near within the space of the particle that looks for as long as that counts, and
-// within the usual distance later. Prints how many were asked for, how many of them come into the space and later, the
-// largest part of a distance by which one was nearer before the time given or is not there at that time, and how many
-// times differ between numbers of lanes.
+// For test_newton_events.py: touch times of the kernels for random neighbours, against the distances at many times. A
+// neighbour touches the enlarged radius of the particle while that holds, and the usual radius later. Prints the numbers
+// of neighbours, of touches while enlarged and of later ones, the largest relative error of a distance (too close before
+// the touch, or apart at it), and the number of times that differ between numbers of lanes.
 #include "boxes/kernels/touch_kernel.hpp"
 
 #include <cmath>
@@ -49,13 +48,13 @@ int main() {
             q.shift[k] = shifted ? normal(engine) : 0.0;
             q.gravity[k] = falling ? normal(engine) : 0.0, q.half_gravity[k] = 0.5 * q.gravity[k];
         }
-        // The first is the particle itself, unless images are meant.
+        // The first is the particle itself, unless images are shifted.
         std::vector<Particle<3>> all(1 + static_cast<std::size_t>(engine() % 30));
         for (std::size_t j = 0; j < all.size(); ++j) {
             Particle<3>& p = all[j];
             p.time = j == 0 || i % 5 == 0 ? q.now : q.now - uniform(engine);
             p.radius = 0.5 + uniform(engine);
-            // At now, seen from the particle: anywhere, at exact touch of the one or the other size, or close to it.
+            // Present position relative to the particle: anywhere, exactly at touch with either radius, or close to it.
             double r[3], v[3], length = 0.0;
             for (int k = 0; k < 3; ++k) r[k] = normal(engine), v[k] = normal(engine), length += r[k] * r[k];
             const double touch = p.radius + (engine() % 2 ? q.radius : q.enlarged_radius);
@@ -80,14 +79,15 @@ int main() {
         }
         for (std::size_t j = 0; j < all.size(); ++j) {
             const Particle<3>& p = all[j];
-            const double s = q.now - p.time, space = q.enlarged_radius + p.radius, touch = q.radius + p.radius;
+            const double s = q.now - p.time, space = q.enlarged_radius + p.radius,
+                         touch = q.radius + p.radius;
             double r[3], v[3];
             for (int k = 0; k < 3; ++k) {
                 r[k] =
                     p.position[k] + s * (p.velocity[k] + q.half_gravity[k] * s) + q.shift[k] - q.position[k];
                 v[k] = p.velocity[k] + s * q.gravity[k] - q.velocity[k];
             }
-            // By which part of the distance it is too near.
+            // Relative overlap of the pair at time t.
             const auto excess = [&](double t) {
                 double square = 0.0;
                 for (int k = 0; k < 3; ++k) square += (r[k] + t * v[k]) * (r[k] + t * v[k]);

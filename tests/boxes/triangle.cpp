@@ -1,6 +1,6 @@
-// For test_newton_events.py: how near random triangles come to the origin, beside the best of many of their
-// points. Prints how many were compared, by how much a point was nearer at most, and by how much none was as near, in
-// units of the longest side.
+// For test_newton_events.py: distances of random triangles from the origin, against the nearest of many of their points.
+// Prints the number of triangles, and by how much the nearest point was closer or farther at most, in units of the
+// longest side.
 #include "boxes/common/triangle.hpp"
 
 #include <cmath>

@@ -23,8 +23,8 @@ from command_line import printed, refused, run
 from conftest import law_of, slow
 from hardlimit import _core
 from hardlimit.cli import main
-from hardlimit.cli.axes import axis
 from hardlimit.cli.gas import compare
+from hardlimit.cli.sweep import axis
 from hardlimit.column import files
 from hardlimit.contact.contact import law_parameters
 from legible import coloured
@@ -296,7 +296,7 @@ def test_speeds_are_shown_where_they_matter(law: str) -> None:
     text = run("contact", "--law", law, *given).stdout
     contact = made.between(hl.Ball(0.01, density=840))
     same = all(f(0.01) == pytest.approx(f(10.0), rel=1e-12) for f in (contact.restitution, contact.duration))
-    assert ("At any speed" in text) == same and ("\n0.01 " in text) == (not same)
+    assert ("At any impact speed" in text) == same and ("\n0.01 " in text) == (not same)
 
 
 @pytest.mark.parametrize("law", [[], [*HERTZ, "--dissipative-time", 1e-5]])
@@ -506,13 +506,17 @@ def test_bad_input(args: list[object], message: str, tmp_path: Path, monkeypatch
     [
         ('model = "newton"', "out = 1", "sweep.out: got 1, must be a text"),
         ('model = "newton"', "plot = true", "sweep.plot: got True, must be a text"),
-        ('model = "newton"', "variables = 3", "sweep.variables: got 3, must be a text or a list"),
+        ('model = "newton"', "variables = 3", "sweep.variables: got 3, must be a text, or a list of them"),
         ('model = "newton"', "variables = [3]", "sweep.variables[0]: got 3, must be a text"),
         ('model = "newton"', "threads = 1.5", "sweep.threads: got 1.5, must be a whole number"),
         ('model = "newton"', "colour = 1", "sweep.colour: unknown, must be one of model, engine"),
         ('"0.4:1:60"', "[]", "restitution: got an empty list, must hold at least one number"),
-        ('"0.4:1:60"', "[[1]]", "sweep.axes.restitution[0]: got [1], must be a number or a text"),
-        ('"0.4:1:60"', "true", "sweep.axes.restitution: got True, must be a number"),
+        ('"0.4:1:60"', "[[1]]", "sweep.axes.restitution[0]: got [1], must be a number"),
+        (
+            '"0.4:1:60"',
+            "true",
+            "sweep.axes.restitution: got True, must be a number, a list a,b,… or start:stop:count",
+        ),
         ('"0.4:1:60"', "1979-05-27", "sweep.axes.restitution: got datetime.date"),
         ("[sweep]", "[[sweep]]", "sweep: got [{"),
         ("[sweep.axes]", "[sweep.axis]", "sweep.axis: unknown"),
@@ -527,9 +531,9 @@ def test_bad_input(args: list[object], message: str, tmp_path: Path, monkeypatch
         ("radius = 0.1", f"radius = {'9' * 5000}", "not valid TOML: Exceeds the limit"),
         ("radius = 0.1", 'radius = "1 s"', "balls[0].radius: got '1 s', must be a number [m] or a length"),
         ("height = 0.6", f"height = {'[' * 5000}{']' * 5000}", "not valid TOML"),
-        ("height = 0.6", "height = {}", "height: got {}, must be a number or a text"),
-        ("gaps = [1e-4]", "gaps = {}", "gaps: got {}, must be a number or a text or a list"),
-        ('name = "linear"', "name = 3", "law.name: got 3, must be a text"),
+        ("height = 0.6", "height = {}", "height: got {}, must be a number [m] or a length with its unit"),
+        ("gaps = [1e-4]", "gaps = {}", "such as '1 mm', or a list of them"),
+        ('name = "linear"', "name = 3", "law.name: got 3, must be one of linear"),
         ('name = "linear"', "", "law.name: missing"),
     ],
 )

@@ -38,7 +38,7 @@ def without_solvers() -> Iterator[None]:
         mock.patch("hardlimit.paper.run", refuse),
         mock.patch("hardlimit.cli.contact.draw", refuse),
         mock.patch("hardlimit.boxes.starts.positions", refuse),
-        mock.patch("hardlimit.boxes.hard_spheres.start", refuse),
+        mock.patch("hardlimit.event_driven", refuse),
     ):
         yield
 

@@ -34,7 +34,11 @@ def test_the_table_and_the_file(start, tmp_path):
     text = run(
         "gas", start, *LAW, "--engine", "events", "--until", "2ms", "--save", tmp_path / "run.nc"
     ).stdout
-    assert "27 spheres" in text and "Newton's equations, LinearDashpot" in text and "outcome: ok" in text
+    assert (
+        "27 spheres" in text
+        and "Newton's equations, linear law: k 1e6 N/m, ε 0.9" in text
+        and "outcome: ok" in text
+    )
     assert max(map(len, text.splitlines())) <= 100
     with xr.open_datatree(tmp_path / "run.nc") as tree:
         assert tree["contacts"].sizes["contact"] > 0 and tree["final"].sizes["particle"] == 27
@@ -59,7 +63,7 @@ def test_the_input_of_lammps_alone(start, tmp_path):
 
 REFUSED = {
     "--ranks: must be left out without --engine": ["--ranks", 2],
-    "--law: must be given with --engine": ["--engine", "steps"],
+    "--law: missing, must be given with --engine": ["--engine", "steps"],
     "rule: must be left out with --engine": ["--engine", "events", *LAW, "--rule", "tc"],
     "--plot: must be left out with --engine": ["--engine", "events", *LAW, "--plot", "a.png"],
     "--write-input: must be left out with --engine steps": ["--engine", "steps", *LAW, "--write-input", "a"],
@@ -73,7 +77,7 @@ REFUSED = {
         2,
     ],
     "--time-step: got 0.001, must be left out": ["--engine", "events", *LAW, "--time-step", "1ms"],
-    "--resume: must be left out with --engine": ["--engine", "events", *LAW, "--resume", "a"],
+    "--n: must be left out with --resume": ["--engine", "events", *LAW, "--resume", "a"],
 }
 
 

@@ -213,7 +213,7 @@ def test_nothing_is_suggested_for_what_is_near_to_nothing(tmp_path: Path) -> Non
 
 def test_the_help_of_gas_lists_compare() -> None:
     listed = run("gas", "--help").stdout.partition("Commands:\n")[2]
-    assert re.match(r" +compare +How far is each rule", listed)
+    assert re.match(r" +compare +Compare each rule", listed)
 
 
 FILES = [

@@ -55,7 +55,9 @@ def test_a_model_takes_what_it_applies_to(model, column):
     if model.applies(column):
         assert solve(model, column, until=1e-6).column is column
     else:
-        with pytest.raises(ValueError, match=f"^column: the {model.name} model is that of {model.needs}$"):
+        with pytest.raises(
+            ValueError, match=f"^column: the {model.name} model applies only to {model.needs}$"
+        ):
             solve(model, column)
 
 

@@ -448,7 +448,7 @@ def test_results_of_one_ball(name, solve, until):
 
 
 def test_one_ball_is_not_adiabatic():
-    with pytest.raises(ValueError, match="the adiabatic model is that of two balls on a floor"):
+    with pytest.raises(ValueError, match="the adiabatic model applies only to two balls on a floor"):
         hl.adiabatic(bouncing())
 
 

@@ -275,7 +275,7 @@ def test_a_bed_is_a_matrix_over_types_where_the_code_has_one(wall):
     [
         ("liggghts", "model hooke/stiffness \nfix a all property/global kn peratomtypepair 2 1e5 1e5 1e5 2e5\n"
          "fix b all property/global gamman peratomtypepair 2 9. 9. 9. 9.",
-         "contact: missing, must be one of 1-1, 1-2, 2-2, which the input gives different numbers"),
+         "contact: missing, must be one of 1-1, 1-2, 2-2, which have different numbers in the input"),
         ("liggghts", "model hertz \nfix a all property/global youngsModulus peratomtype 1e9 2e9\n"
          "fix b all property/global poissonsRatio peratomtype 0.3 0.3\n"
          "fix c all property/global coefficientRestitution peratomtypepair 2 .7 .7 .7 .7",
@@ -396,13 +396,13 @@ def test_bad_input_is_refused_in_one_line(changed, line):
 @pytest.mark.parametrize(
     "text,line",
     [
-        ("", "input: got no model of LAMMPS in it, must be one of hooke-restitution"),
+        ("", "input: got no model of LAMMPS, must be one of hooke-restitution"),
         (3, "input: got 3, must be a text"),
         ("hooke 1e5 1.7 damping coeff_restitution", "input: line 1: restitution: got 1.7, must be in (0, 1]"),
         ("hooke 0 0.7 damping coeff_restitution", "input: line 1: stiffness: got 0, must be > 0 and finite"),
         (
             "hooke 1 0.7 damping coeff_restitution\nhertz/material 1 .7 .3 damping tsuji",
-            "contact: missing, must be one of line 1, line 2, which the input gives different numbers",
+            "contact: missing, must be one of line 1, line 2, which have different numbers in the input",
         ),
     ],
 )

@@ -103,7 +103,8 @@ def test_a_contact_that_is_not_named_is_asked_for(name):
             back(text, name)
         except ValueError as error:
             listed = re.fullmatch(
-                r"contact: missing, must be one of (.*), which the input gives different numbers", str(error)
+                r"contact: missing, must be one of (.*), which have different numbers in the input",
+                str(error),
             )
             assert listed, error
             for one in listed[1].split(", "):
@@ -135,13 +136,13 @@ fix b all wall/gran granular hooke 1e5 0.9 damping coeff_restitution tangential 
     assert back(text, other=hl.FLOOR, contact="1-wall").restitution == pytest.approx(0.9, abs=1e-9)
     assert (
         refused(text)
-        == "contact: missing, must be one of *-*, 2*3-4, 1-4, which the input gives different numbers"
+        == "contact: missing, must be one of *-*, 2*3-4, 1-4, which have different numbers in the input"
     )
 
 
 def test_a_wall_is_not_taken_for_balls():
     line = "fix w all wall/gran hooke 1e5 NULL 2e4 NULL 0.5 0 zplane 0 NULL"
-    assert refused(line) == "input: got no contact of balls in it, only *-wall"
+    assert refused(line) == "input: got no contact of balls, only *-wall"
     assert back(line, other=hl.FLOOR).model.name == "gran-hooke"
     pairs = "pair_style granular\npair_coeff * * hooke 1e5 0.7 damping coeff_restitution tangential none"
     for text in (f"{line}\n{pairs}", f"{pairs}\n{line}"):
@@ -313,7 +314,7 @@ def test_words_are_those_of_lammps(text, gives):
         (
             "pair_coeff * * hooke 1e5",
             "lammps",
-            "line 1: got 'pair_coeff * * hooke 1e5', must have 2 words behind hooke",
+            "line 1: got 'pair_coeff * * hooke 1e5', must have 2 words after hooke",
         ),
         ("pair_coeff * * hooke 1 '.7 damping", "lammps", "must close its quotes '"),
         ("include other.in", "lammps", "line 1: got 'include other.in', must be commands of the text itself"),
@@ -369,7 +370,7 @@ def test_words_are_those_of_lammps(text, gives):
         (
             "newton.damping = 0.1",
             "yade",
-            "line 1: got 'newton.damping', must be given where the object is made",
+            "line 1: got 'newton.damping', must be given in the constructor",
         ),
         ("NewtonIntegrator(damping=d)", "yade", "must have a number in [0, 1) for damping"),
         (
@@ -482,7 +483,7 @@ def test_numerical_damping_of_yade(share):
 def test_numerical_damping_is_read_and_said():
     without = back(MINDLIN, "yade")
     assert without.numerical_damping == 0.0 and without.restitution == pytest.approx(0.6998, abs=1e-4)
-    assert "its default, 0.2, would give ε = 0.572" in without.notes[0]
+    assert "its default, 0.2, gives ε = 0.572" in without.notes[0]
     none = back(f"{MINDLIN}\nO.engines=[NewtonIntegrator(damping=0, gravity=(0,0,-9.81))]", "yade")
     assert none.restitution == without.restitution and not none.notes
     default = back(f"{MINDLIN}\nO.engines=[ForceResetter(), NewtonIntegrator()]", "yade")

@@ -176,3 +176,25 @@ def test_a_map_of_the_explorer_has_the_axes_that_the_page_says() -> None:
     for page, example, title in maps:
         word = {"gap": "gap", "ratio": "radii"}[axis_of[example]]
         assert word in title, (page, example, title)
+
+
+#: A path with a folder and an ending, such as ``column/exact/glide.hpp``; ``figureN.py`` and ``NAME.hpp`` are patterns.
+PATH = re.compile(
+    r"(?<![\w./:-])((?:[\w.-]+/)+[\w.-]+\.(?:py|hpp|cpp|cu|md|toml|csv|json|nc|ts|mjs|sh|png|svg))\b"
+)
+ROOTS = ("", "core", "src/hardlimit", "docs", "tests", "web")
+TEXTS = [
+    page
+    for pattern in ("*.md", "benchmarks/*.md", "docs/**/*.md", "tests/data/*.md", ".ci/run", "pyproject.toml")
+    for page in sorted(DOCS.parent.glob(pattern))
+    if not {"generated", "auto_gallery"} & set(page.parts)
+]
+
+
+@pytest.mark.parametrize("page", TEXTS, ids=lambda page: str(page.relative_to(DOCS.parent)))
+def test_paths_exist(page: Path) -> None:
+    """A path is relative to the page or to one of ``ROOTS``."""
+    text = re.sub(r"https?://\S+", "", page.read_text(encoding="utf-8"))
+    folders = [page.parent, *(DOCS.parent / root for root in ROOTS)]
+    named = {path for path in PATH.findall(text) if not re.search("NAME|figureN", path)}
+    assert [path for path in sorted(named) if not any((folder / path).exists() for folder in folders)] == []

@@ -60,7 +60,7 @@ def assert_points_are_those_found(findings: ModuleType, ds: xr.Dataset) -> None:
     rings = [line for line in ax.lines if line.get_markerfacecolor() == "white"]
     assert len(rings) == len(findings.RULES) > 1
     for line, rule in zip(rings, findings.RULES, strict=True):
-        size = 100.0 * np.abs(findings.difference(ds, "cooling", rule).mean[:, 0, 0])
+        size = 100.0 * np.abs(findings.difference(ds, "cooling", rule).value[:, 0, 0])
         np.testing.assert_allclose(line.get_ydata(), size)
         np.testing.assert_allclose(line.get_xdata(), ds.tc_nu, rtol=0.13)
 
@@ -73,7 +73,7 @@ def test_what_was_found_can_be_drawn_again() -> None:
     assert_legible(findings.differences(ds, "cooling"))
     for rule in findings.RULES:
         found = findings.difference(ds, "cooling", rule)
-        assert (np.isfinite(found.mean) == np.isfinite(found.error)).all()
+        assert (np.isfinite(found.value) == np.isfinite(found.error)).all()
 
 
 def test_a_limit_is_kept_surely_or_lost_surely() -> None:

@@ -93,7 +93,7 @@ def test_nothing_else_is_served(address: tuple[str, int], path: str) -> None:
     ],
 )
 def test_only_single_panels_may_be_framed(address: tuple[str, int], path: str, in_frames: str) -> None:
-    """By pages on this machine; the whole page by nobody."""
+    """Pages on this machine may frame a panel; no page may frame the whole page."""
     assert get(address, path)[1]["Content-Security-Policy"] == f"{server.PAGE_POLICY}; {in_frames}"
 
 
@@ -121,14 +121,12 @@ def test_serve_says_where_and_opens_the_browser(
 
 
 def test_a_busy_port_is_refused(address: tuple[str, int]) -> None:
-    with pytest.raises(
-        ValueError, match=rf"port: got {address[1]}, must be free \(0 takes any that is\): \w"
-    ):
+    with pytest.raises(ValueError, match=rf"port: got {address[1]}, must be free \(0 takes a free one\): \w"):
         server.serve(address[1], open_browser=False)
 
 
 def exchange(address: tuple[str, int], request: bytes) -> bytes:
-    """The whole answer to raw bytes, up to the moment at which the server closes the connection."""
+    """The complete response to raw bytes."""
     with socket.create_connection(address, timeout=30) as connection:
         connection.sendall(request)
         return b"".join(iter(lambda: connection.recv(65536), b""))
@@ -138,7 +136,7 @@ def exchange(address: tuple[str, int], request: bytes) -> bytes:
     "host", ["evil.example", "evil.example:{port}", "127.0.0.1", "localhost:1", "[::1]:{port}", ""]
 )
 def test_a_foreign_host_is_not_answered(address: tuple[str, int], host: str) -> None:
-    """What a page of another site sends after its name was made to resolve to this machine."""
+    """Such requests come from a page of another site whose name was made to resolve to this machine."""
     lines = ["GET / HTTP/1.1", f"Host: {host.format(port=address[1])}", "Connection: close", "", ""]
     answer = exchange(address, "\r\n".join(lines).encode())
     assert answer.startswith(b"HTTP/1.1 421 ") and b"<html" not in answer
@@ -165,7 +163,7 @@ def test_no_address_leaves_a_trace(
 
 
 class Ends:
-    """Counts the connections that a server has done with, so that a test can wait for one."""
+    """Counts closed connections of a server, so that a test can wait for one."""
 
     def __init__(self, running: server.PageServer, monkeypatch: pytest.MonkeyPatch) -> None:
         self.done = threading.Semaphore(0)
@@ -216,7 +214,7 @@ def test_a_silent_connection_is_closed(sent: bytes, capfd: pytest.CaptureFixture
 
 
 def test_the_page_asks_nobody_else() -> None:
-    """No address of another host in any file; the name of the SVG format is no address to fetch."""
+    """No file has the address of another host, except the name of the SVG format."""
     files = server.page_files()
     assert len(files) > 3 and "index.html" in files
     for name, content in files.items():
@@ -237,14 +235,14 @@ def decode(digits: str) -> float:
 
 
 def test_golden_values_are_those_of_the_package() -> None:
-    """The page's golden values hold the bits that Python returns for Fig. 2 and the digits known of it."""
+    """The golden values of the page agree with Python for Fig. 2."""
     case = json.loads(GOLDEN.read_text(encoding="utf-8"))["cases"][0]
     runs = {run["model"]: run["run"] for run in case["runs"] if run["until"] == "nan"}
     column = hl.Column.paper()
     for model, result in enumerate([hl.newton(column), hl.adiabatic(column), hl.independent(column)]):
         reply = [decode(x) for x in runs[model]["reply"]]
         assert reply[1] == result.n_contacts
-        # Masses differ by rounding: the density times the volume is not multiplied in the same order.
+        # Masses differ by rounding: density and volume are multiplied in a different order.
         assert reply[4] == pytest.approx(result.relative_velocity, rel=1e-12)
         assert reply[5] == pytest.approx(result.separation_velocity, rel=1e-12)
     newton = [decode(x) for x in runs[0]["reply"]]

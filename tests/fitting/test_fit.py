@@ -235,13 +235,13 @@ GOOD = hl.Impacts.of_restitution([1.0, 2.0, 3.0], [0.8, 0.79, 0.78], 0.01)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"free": ["stiffness", "restitution"], "law": "linear"}, "stiffness: cannot be told"),
-        ({"free": ["stiffness"], "law": "linear"}, "stiffness: cannot be told"),
+        ({"free": ["stiffness", "restitution"], "law": "linear"}, "stiffness: cannot be determined"),
+        ({"free": ["stiffness"], "law": "linear"}, "stiffness: cannot be determined"),
         (
             {"free": ["youngs_modulus", "dissipative_time"]},
-            "youngs_modulus | dissipative_time: only a combination of them can be told",
+            "youngs_modulus | dissipative_time: only a combination of them can be determined",
         ),
-        ({"free": ["restitution", "impact_speed"]}, "impact_speed: cannot be told from"),
+        ({"free": ["restitution", "impact_speed"]}, "impact_speed: cannot be determined from"),
         ({"free": ["stiffness"]}, "fixed | free: got stiffness, must be parameters of Viscoelastic"),
         ({"fixed": {"restitution": 1.5}}, "restitution: got 1.5, must be in (0, 1]"),
         ({"fixed": {"restitution": 0.5}, "free": ["restitution"]}, "fixed | free: got restitution in both"),
@@ -376,7 +376,7 @@ def test_separators_are_told_and_other_columns_ignored(tmp_path: Path, separator
     rows = [(*row[:1], *other, *row[1:]) for row, other in zip(rows, more, strict=True)] if extra else rows
     file.write_text("\r\n".join(separator.join(row) for row in rows), encoding="utf-8")
     result = run(file, "--json")
-    said = f"column {more[0][0]!r}, 'gap' is ignored: it is none of speed, restitution, restitution_error, speed_error"
+    said = f"column {more[0][0]!r}, 'gap' is ignored: it is not one of speed, restitution, restitution_error, speed_error"
     assert (said in result.stderr) == extra and len(result.stderr.splitlines()) == extra
     assert json.loads(result.stdout)["data"]["speed"] == pytest.approx([1.0, 2.0])
     if extra:

@@ -1,5 +1,5 @@
-// Fuzz target: small boxes under Newton's equations by events, of every kind and under every law: some contacts,
-// then saved, loaded and gone on with.
+// Fuzz target: small boxes under Newton's equations by events, with all boundaries and laws. Each runs for some
+// contacts, is saved and loaded, and continues.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -16,16 +16,16 @@ using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;
 
-// Speeds and gravity such that all energy together compresses a contact by a part of the smallest radius.
+// Speeds and gravity for which the total energy can compress a contact by a given part of the smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
     std::vector<double> v;  // [N d]
     LawChoice choice;
     PairLaws<Law> laws;
-    double energy = 0.0, momentum = 0.0;  // the most there can be [J], [kg m/s]
-    double depth = 0.0;                   // to which it compresses the softest contact [m]
+    double energy = 0.0, momentum = 0.0;  // upper bounds [J], [kg m/s]
+    double depth = 0.0;                   // of the softest contact at this energy [m]
     double until = 0.0;                   // [s]
-    double least_restitution = 1.0;       // of an isolated contact at the speed there is
+    double least_restitution = 1.0;       // of an isolated contact at the present speeds
 
     explicit Case(Draw& draw)
         : fuzz::SmallBox(draw, 3, 4.2001),
@@ -86,7 +86,7 @@ public:
     explicit Run(const Case<Law>& c)
         : c_(c), engine_(make_newton_events(c.s, c.choice, true, of(c))), start_(engine_->observe()) {}
 
-    // So far, and what must be true there.
+    // Advances, and checks the state.
     void advance(double until) {
         const double before = engine_->time();
         Stop never;
@@ -95,7 +95,7 @@ public:
         check();
     }
     std::vector<char> save() const { return engine_->save(); }
-    // Goes on with both, the one that was saved and the one that was loaded.
+    // Advances both the saved run and the loaded one.
     void compare(const std::vector<char>& bytes, double until) {
         const auto again = load_newton_events(bytes.data(), bytes.size(), of(c_));
         require(again != nullptr, "what was saved can be loaded");
@@ -111,7 +111,7 @@ public:
     }
 
 private:
-    static constexpr std::uint64_t most_events = 50;  // of an advance
+    static constexpr std::uint64_t most_events = 50;  // per call of advance()
     const Case<Law>& c_;
     std::unique_ptr<Engine> engine_;
     Observation start_;

@@ -85,6 +85,26 @@ def test_three_free_balls_against_a_grid() -> None:
         assert max(speeds) - 1e-9 <= found.speed < max(speeds) + 0.05
 
 
+@pytest.mark.parametrize("n", [4, 6])
+@pytest.mark.parametrize("top", [None, 0.01])
+def test_optimality_conditions(n: int, top: float | None) -> None:
+    """Slopes of the top speed over x_k = ln(m_{k+1}/m_k) are equal (0 without a given top mass) where x_k is between
+    its limits, at least as large at the upper limit, at most as large at the lower one (Karush, Kuhn & Tucker)."""
+    law, (low, high) = hl.LinearDashpot(stiffness=1e7, restitution=0.9), np.log([1e-2, 1.0])
+    found = hl.stack(n, law, bottom_mass=1.0, top_mass=top, ratio_limits=(1e-2, 1.0))
+
+    def speed(x: np.ndarray) -> float:
+        return top_speed(list(np.exp(np.concatenate([[0.0], np.cumsum(x)]))), law)
+
+    x, step = np.log(found.ratios), 1e-5 * np.eye(n - 1)
+    slope = np.array([(speed(x + e) - speed(x - e)) / 2e-5 for e in step])
+    at_high, at_low = x > high - 1e-6, x < low + 1e-6
+    free = ~(at_high | at_low)
+    level = 0.0 if top is None else slope[free].mean()
+    np.testing.assert_allclose(slope[free], level, atol=2e-3)
+    assert np.all(slope[at_high] >= level - 2e-3) and np.all(slope[at_low] <= level + 2e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_no_neighbour_is_better(seed: int) -> None:

@@ -21,7 +21,7 @@ import hardlimit as hl
 from conftest import law_of, roomy, slow
 from hardlimit import plots
 from hardlimit.column.comparison import compare
-from hardlimit.plots import animation, grain_film, labels, maps, stage, storyboard
+from hardlimit.plots import animation, grain_film, labels, maps, stage, storyboard, video
 from legible import assert_legible, assert_moves, boxes, coloured
 
 # Modules of which plots has a function of the same name.
@@ -221,9 +221,9 @@ def test_frames_can_be_read(name: str) -> None:
     newton = hl.newton(drops()[name])
     for scene in storyboard.storyboard(newton, newton, 2):
         kind = stage.CloseUp if scene.close_up else stage.Wide
-        with style.style(**stage.STYLE):
+        with style.style(**video.STYLE):
             figure = kind(newton, newton, scene, 1280).figure
-        assert_legible(figure, **stage.STYLE)
+        assert_legible(figure, **video.STYLE)
 
 
 @pytest.mark.slow
@@ -239,7 +239,7 @@ def test_a_ball_alone_can_be_drawn(law: str) -> None:
     for result, name in ((newton, "Newton’s equations"), (independent, "independent collisions")):
         assert f"{name}, rebound to {result.rebound_heights[0]:.3g} m" in shown
     for scene in storyboard.storyboard(newton, independent, 2):
-        with style.style(**stage.STYLE):
+        with style.style(**video.STYLE):
             figure = (stage.CloseUp if scene.close_up else stage.Wide)(newton, independent, scene, 640).figure
         assert "top ball" not in texts(figure)
     pictures = list(animation.frames(newton, independent, 320, 1))
@@ -466,7 +466,7 @@ def test_a_prime_stands_above_its_index(name: str) -> None:
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
-    with style.style(**stage.STYLE):
+    with style.style(**video.STYLE):
         film = grain_film.Stage(system, 1.0, 320)
         film.picture(0.0, system, 0)
         before = film.bodies.get_array().copy()
@@ -477,7 +477,7 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     np.testing.assert_allclose(after, before if slower else 0.0 * before, rtol=1e-6)
     assert np.ptp(before) > 1.0  # more than half of the colours are in use
     assert "root mean square at this instant" in texts(figure)
-    assert_legible(figure, **stage.STYLE)
+    assert_legible(figure, **video.STYLE)
 
 
 @pytest.mark.parametrize(("samples", "until"), [(100, 0.02), (400, 0.02), (20, 1e-4)])

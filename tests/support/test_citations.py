@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes import contact_run as contact_course
-from hardlimit.boxes import hard_spheres as event_driven
+from hardlimit.boxes.engines import NEWTON
+from hardlimit.boxes.rules import RULES
 from hardlimit.cli import main
 from hardlimit.support import citations
 
@@ -19,8 +19,8 @@ def test_all_that_has_a_name_has_a_topic() -> None:
     topics = citations.topics()
     assert set(topics["models"]) == {record["name"] for record in _core.model_records()}
     assert set(topics["laws"]) == set(hl.LAWS)
-    assert set(topics["rules"]) == {rule for rules in event_driven.RULES.values() for rule in rules}
-    assert set(topics["engines"]) == {*contact_course.ENGINES, "lammps"}
+    assert set(topics["rules"]) == set(RULES)
+    assert set(topics["engines"]) == set(NEWTON)
     commands = {name.replace("-", "_") for name in main.list_commands(Context(main))}
     assert set(topics["tools"]) <= commands & set(hl.__all__)
     folder = Path(hl.__file__).parent / "paper"

@@ -4,14 +4,14 @@ import io
 import math
 import re
 
-import numpy as np
 import pytest
 from rich.console import Console
 
 import hardlimit as hl
 from hardlimit.boxes import pace, time_step
-from hardlimit.support import progress
+from hardlimit.support import formatting, progress
 from hardlimit.support.progress import bar, reporter
+from same_samples import same_samples
 
 PAPER = hl.Column.paper()
 
@@ -103,7 +103,7 @@ def test_lines_without_a_rate_or_a_total(monkeypatch):
      (3e5, "3 days"), (1e300, "decades"), (math.inf, "decades"), (math.nan, "decades")],
 )  # fmt: skip
 def test_how_long(seconds, words):
-    assert progress.duration(seconds) == words
+    assert formatting.duration(seconds) == words
 
 
 def test_a_note_below_the_bar():
@@ -138,7 +138,7 @@ def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd)
         r"takes about [^,]+, the whole run by engine='steps' about [^,]+(, which is advised)?"
     )
     assert len(lines) >= 2 and all(re.fullmatch(form, line) for line in lines), lines
-    assert np.array_equal(run.rows, settle("events").rows)  # it changes no bit
+    assert same_samples(run, settle("events"))  # it changes no bit
     settle("steps", progress=True)
     lines = capfd.readouterr().err.splitlines()
     assert lines and all(
@@ -166,11 +166,10 @@ def test_the_note_is_about_the_last_seconds(monkeypatch):
     clock, run, tried = Clock(), Run(), []
     monkeypatch.setattr(pace, "clock", clock)
     monkeypatch.setattr(pace, "seconds_by_steps", lambda *given: tried.append(clock.now) or 100.0)
-    monkeypatch.setattr(pace.engines, "present", lambda system, engine: system)
     said = pace.Pace()
 
     def note() -> str:
-        return said.note(None, None, run, 10.0)
+        return said.note(run.time, run.cluster_share, None, lambda: None, 10.0)
 
     assert note() == ""
     clock.now, run.time, run.cluster_share = clock.now + 2.0, 1.0, 0.5

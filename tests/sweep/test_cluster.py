@@ -174,7 +174,7 @@ def test_a_cluster_of_this_process_is_closed_amid_the_work(
             given = {"until": 1e-4, "samples": 2, "replicas": 8, "models": ("newton",)}
             hl.fidelity(small_gas, law=law, scheduler=client, progress=close, **given)
     assert told.value is error or str(told.value).startswith(
-        "scheduler: went away; what is in a store is kept"
+        "scheduler: connection lost; a store keeps what is finished"
     )
 
 
@@ -195,7 +195,7 @@ def test_a_scheduler_that_no_longer_answers(
         raise OSError("Timed out trying to connect\nto it")
 
     monkeypatch.setattr(who, asked, fail)
-    with pytest.raises(RuntimeError, match="scheduler: went away") as refused:
+    with pytest.raises(RuntimeError, match="scheduler: connection lost") as refused:
         if job == "sweep":
             hl.sweep(PAPER, engine="dask", **GRID)
         else:
@@ -306,7 +306,7 @@ def test_the_scheduler_is_killed(processes: Processes, tmp_path: Path) -> None:
         if done > total / 4:
             processes.running[0].kill()
 
-    with pytest.raises(RuntimeError, match="scheduler: went away"):
+    with pytest.raises(RuntimeError, match="scheduler: connection lost"):
         hl.sweep(
             SOFT, store=tmp_path / "a", engine="dask", scheduler=processes.address, progress=kill_it, **SLOW
         )

@@ -1,4 +1,4 @@
-// Setting A beside setting B, which is the present one: both films at the same instant, what differs, what comes out.
+// Compares setting A with the present setting B: both films at the same instant, the differences, the results.
 import { type Sheet, find } from "./dom";
 import { dropOf, type Drop } from "./drop";
 import { digits, lengths, withUnit } from "./format";
@@ -35,7 +35,7 @@ export function differences(a: Scenario, b: Scenario): Row[] {
   return rows;
 }
 
-// What comes out of both, Newton first.
+// Results of both models, Newton first.
 function results(a: Drop, b: Drop): { name: string; model: "newton" | "icm"; values: [string, string] }[] {
   const top = (d: Drop): number => d.scenario.balls.length - 1;
   const models = ["newton", "icm"] as const;

@@ -6,7 +6,7 @@ import {
 import { capital, labelOf, parameterOfColumn } from "./tables";
 import { touchable } from "./touch";
 
-// Places of a slider: even steps on a linear scale, a thousand on a logarithmic one.
+// Positions of a slider: even steps on a linear scale, a thousand on a logarithmic one.
 const steps = (r: Range): number => (r.log ? 1000 : Math.round((r.high - r.low) / (r.step ?? 0.001)));
 
 interface Control {
@@ -14,15 +14,15 @@ interface Control {
   refresh(): void;
 }
 
-// Sliders and fields are made once and put into the panel again when the law or the number of balls changes: making
-// those of six balls at once holds up a frame.
+// Sliders and fields are created once and reused when the law or the number of balls changes: creating
+// those of six balls takes longer than a frame.
 export class Controls {
   private scenario: Scenario;
   private list: Control[] = []; // those in the panel
   private readonly made = new Map<string, Control>(); // by id and label
   private shape = "";
-  private readonly about = document.createElement("p"); // of the example
-  private readonly said = document.createElement("p"); // what was made of an entry
+  private readonly about = document.createElement("p"); // text about the example
+  private readonly said = document.createElement("p"); // how an entry was corrected
 
   constructor(
     private readonly box: HTMLElement,
@@ -36,7 +36,7 @@ export class Controls {
     this.set(scenario, "");
   }
 
-  // Whether the panel now has other controls than before.
+  // Returns whether the controls in the panel have changed.
   set(scenario: Scenario, about: string): boolean {
     if (scenario !== this.scenario) this.said.textContent = "";
     this.scenario = scenario;
@@ -49,7 +49,7 @@ export class Controls {
     return changed;
   }
 
-  // What an entry changes besides is said below it.
+  // Side effects of an entry are reported below it.
   private edit(change: (s: Scenario) => void, at: HTMLElement | null = null, notes: string[] = []): void {
     change(this.scenario);
     settle(this.scenario, notes);
@@ -237,7 +237,7 @@ export class Controls {
   }
 }
 
-// Sliders are logarithmic where the range is; values are rounded to what a reader would write.
+// Sliders are logarithmic where the range is; values are rounded to a few digits.
 export function fromSlider(r: Range, at: number): number {
   if (r.zero && at === 0) return 0;
   const share = at / steps(r);

@@ -1,4 +1,4 @@
-// The compiled core: columns in, numbers out. Layouts are those of bindings/wasm.cpp.
+// Interface to the compiled core. Data layouts are those of bindings/wasm.cpp.
 import { columnOf, type Scenario } from "./scenario";
 
 interface Exports {
@@ -47,7 +47,7 @@ export interface Run {
   contacts: Contact[]; // the first MOST_CONTACTS
 }
 
-// No picture shows more, and a collapse of instantaneous collisions has up to a million.
+// Plots show no more; a collapse of instantaneous collisions has up to a million.
 const MOST_CONTACTS = 20_000;
 
 // One state of n balls, bottom first.
@@ -61,13 +61,13 @@ export interface State {
   dissipated: number; // so far [J]
 }
 
-// From a row of the core's, whose numbers are copied.
+// A copy of one row of the core's output.
 export function stateOf(row: Float64Array, n: number): State {
   const part = (k: number): Float64Array => row.slice(k * n, (k + 1) * n);
   return { position: part(0), velocity: part(1), gap: part(2), force: part(3), energy: part(4), stored: row[5 * n], dissipated: row[5 * n + 1] };
 }
 
-// What the timeline over ε holds for one ε.
+// One row of the timeline, for one ε.
 export interface TimelineRow {
   restitution: number;
   nContacts: number;
@@ -86,7 +86,7 @@ export class Core {
     this.x = new WebAssembly.Instance(module, {}).exports as unknown as Exports;
   }
 
-  // Memory may move when the module grows: views are made anew for every use.
+  // Memory may move when the module grows, so views are created for each use.
   private view(pointer: number, n: number): Float64Array {
     return new Float64Array(this.x.memory.buffer, pointer, n);
   }
@@ -100,7 +100,7 @@ export class Core {
     this.setColumn(columnOf(scenario));
   }
 
-  // `mostEvents` of independent collisions; 0: as many as in Python.
+  // `mostEvents`: limit on independent collisions; 0: that of Python.
   solve(model: Model, until = NaN, mostEvents = 0): Run | null {
     if (!this.x.solve(model, until, mostEvents)) return null;
     const r = this.view(this.x.reply_buffer(), 14).slice();

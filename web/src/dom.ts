@@ -2,10 +2,10 @@
 
 export const find = <T extends HTMLElement>(id: string): T => document.getElementById(id) as T;
 
-// A number and its unit, "1.28 m": at the end of a line they go on together.
+// A number and its unit, "1.28 m", with a no-break space.
 const quantity = /(\d[\d.]* (?:[cmµn]?m(?:\/s)?|[mµn]?s|%)(?![\w/]))/;
 
-// Puts a text into an element so that no number parts from its unit.
+// Sets the text of an element; line breaks do not separate numbers from units.
 export function tell(element: HTMLElement, text: string): void {
   element.replaceChildren(
     ...text.split(quantity).map((part, i) => (i % 2 === 0 ? part : Object.assign(document.createElement("span"), { className: "whole", textContent: part }))),
@@ -26,7 +26,7 @@ export class Sheet {
       if (this.measure()) resized();
     }).observe(this.canvas.parentElement!);
   }
-  // Whether there is anything to see of it, on the screen or beyond its edge.
+  // Whether it is displayed, even if scrolled out of view.
   readonly shown = (): boolean => this.width > 0;
 
   private measure(): boolean {

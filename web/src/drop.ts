@@ -1,5 +1,5 @@
-// One scenario solved by both models, and what the pictures need of it. solve() runs in a worker, and what it returns is
-// plain data; Drop adds what the page makes of it.
+// One scenario solved by both models, with the data for the plots. solve() runs in a worker and returns
+// plain data; Drop adds derived values.
 import { Clock, windowsOf, type Window } from "./clock";
 import { Model, type Contact, type Core, type Run, type State } from "./core";
 import { Motion, type Samples } from "./motion";
@@ -26,7 +26,7 @@ export interface Solved {
   origin: number; // zero of the times shown: first floor touch, or first contact of a cradle
   from: number; // span of the contacts
   to: number;
-  windows: Window[]; // what the film is slow in
+  windows: Window[]; // time windows of slow motion
   times: number[]; // samples of the forces below
   forces: number[][]; // [pair][time]
   peakForce: number[]; // [pair]
@@ -80,8 +80,8 @@ function endOfFilm(s: Scenario, t: Track): number {
   return t.run.last + Math.min(greatest([...flights, ...velocity.map((v) => v / GRAVITY)], 0.15), 3);
 }
 
-// Goes on after the sequence, to the end of the film or as far as the model can be followed. Independent collisions can
-// accumulate again and again: a film shows no more of them than this.
+// Continues after the sequence to the end of the film, or as far as the model goes. Independent collisions can
+// accumulate repeatedly; a film shows at most this many.
 const mostEvents = 10_000;
 
 function goOn(core: Core, model: Model, t: Track, stop: number): void {
@@ -108,7 +108,7 @@ function laterHeights(t: Track): number[] {
   });
 }
 
-// `report` is told what begins, as a share of the whole.
+// `report` receives the name of each stage and its share of the work.
 export function solve(core: Core, scenario: Scenario, report: (what: string, share: number) => void = () => {}): Solved | Unsolved {
   core.set(scenario);
   report(newtonNames.label, 0);
@@ -127,7 +127,7 @@ export function solve(core: Core, scenario: Scenario, report: (what: string, sha
   const first = contacts.reduce((a, c) => Math.min(a, c.begin), contacts.length > 0 ? Infinity : 0);
   const from = scenario.cradle ? first : Math.min(0, first);
   const span = contacts.reduce((a, c) => Math.max(a, endOf(c)), from + 1e-9) - from;
-  // Instants of the independent collisions that come much later would leave no room for Newton's contacts.
+  // Independent collisions that come much later are left out: they would compress Newton's contacts to a line.
   const instants = icm.run.contacts.filter((c) => c.begin <= from + 1.5 * span);
   const solved: Solved = {
     scenario, newton, icm, stop, from,
@@ -170,7 +170,7 @@ function sampleForces(core: Core, d: Solved, contacts: Contact[]): void {
   }
 }
 
-const mostEdges = 3000; // more contacts come closer than pictures
+const mostEdges = 3000; // more contacts are closer together than frames
 
 // Sixty states for each second on the screen, more in contacts that are short on the screen, and both sides of every
 // begin and end.

@@ -1,4 +1,4 @@
-// Files to keep: the picture, the numbers, the scenario.
+// Downloads: the plots, the numbers, the scenario.
 export function save(name: string, content: Blob): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);

@@ -1,4 +1,4 @@
-// The film: its place in time, what moves it, and its picture.
+// The film: its time, its controls and its drawing.
 import { find, type Sheet } from "./dom";
 import type { Drop } from "./drop";
 import { drawStage } from "./stage";
@@ -7,7 +7,7 @@ import { independent, newton } from "./tables";
 import { touchable } from "./touch";
 
 export class Film {
-  private held = 0; // time the last picture has been shown [s]
+  private held = 0; // time for which the last picture has been shown [s]
 
   constructor(
     private readonly state: State,
@@ -25,7 +25,7 @@ export class Film {
     document.addEventListener("keydown", (e) => this.key(e));
   }
 
-  // The buttons as the state says.
+  // Updates the buttons.
   refresh(): void {
     find("play").textContent = this.state.playing ? "Pause" : "Play";
     find("slow").setAttribute("aria-pressed", String(this.state.view.slow));
@@ -62,7 +62,7 @@ export class Film {
     state.screen = Math.min(Math.max(state.screen + by, 0), state.clock().length);
   }
 
-  // Keys of the film work anywhere but where the focused control uses them itself.
+  // Keys of the film work everywhere except in a focused control that uses them.
   private key(e: KeyboardEvent): void {
     const { state } = this;
     const target = e.target as HTMLElement;

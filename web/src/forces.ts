@@ -77,7 +77,7 @@ function drawGroup(g: CanvasRenderingContext2D, d: Drop, x: Scale, f: Frame, pai
   g.restore();
 }
 
-// Names beside the title of the axis; words only where they fit.
+// Legend beside the title of the axis; long labels only where they fit.
 function nameGroup(g: CanvasRenderingContext2D, f: Frame, pairs: number[], room: number, theme: Theme, size: number): void {
   setFont(g, theme, size * 1.05, 700);
   g.textBaseline = "bottom";

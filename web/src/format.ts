@@ -1,4 +1,4 @@
-// Numbers with units, for people.
+// Formats numbers with units.
 const prefixes: [number, string][] = [
   [1e9, "G"],
   [1e6, "M"],
@@ -51,7 +51,7 @@ export function metres(x: number): string {
   return size >= 0.0995 ? `${minus(size < 99.95 ? x.toPrecision(3) : String(Math.round(x)))} m` : withUnit(x, "m");
 }
 
-// Two lengths in one unit, so that they compare at a glance.
+// Two lengths in the same unit.
 export function lengths(a: number, b: number): [string, string] {
   const large = Math.max(Math.abs(a) || 0, Math.abs(b) || 0);
   const one = (x: number): string => (!Number.isFinite(x) ? "–" : large >= 0.9999 && Math.abs(x) >= 0.01 ? `${minus(x.toPrecision(3))} m` : withUnit(x, "m", 3, true));

@@ -1,4 +1,4 @@
-// Which panels fill the window: those of a step of the story, or a single one for a lecture or inside another page.
+// Layout: the whole page, the panels of a story step, or a single panel for a lecture or an embedding page.
 import { find } from "./dom";
 import type { PanelName } from "./lecture_view";
 import { lettering } from "./plot";
@@ -13,7 +13,7 @@ export class Frames {
     addEventListener("resize", () => this.sizeText());
   }
 
-  // What is shown besides the frame of the mode; a mode of null shows the whole page.
+  // Elements shown besides the frame of the mode; null: the whole page.
   show(mode: Mode | null, names: (PanelName | "tale")[]): void {
     this.mode = mode;
     const root = document.documentElement;
@@ -37,14 +37,14 @@ export class Frames {
 
   fullScreen(): void {
     const asked = document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen?.();
-    asked?.catch(() => undefined); // a browser may refuse: the page fills its window all the same
+    asked?.catch(() => undefined); // the browser may refuse; the page still fills its window
   }
 }
 
 // The page inside another page.
 export const embedded = (): boolean => window.self !== window.top;
 
-// One panel by itself: a bar to choose another, or inside another page a link to the whole.
+// A single panel: with a bar to choose another one, or embedded with a link to the whole page.
 export class SinglePanel {
   constructor(
     private readonly frames: Frames,
@@ -82,7 +82,7 @@ export class SinglePanel {
     this.refreshLink();
   }
 
-  // The link to the whole page follows the setting.
+  // Keeps the link to the whole page in step with the setting.
   refreshLink(): void {
     if (!this.state.lecture.panel || !embedded()) return;
     const url = new URL(this.state.link());

@@ -1,4 +1,4 @@
-// The lecture around the page: the sentence that says why, the story, single panels, setting A, the curves.
+// Lecture mode: the explaining sentence, the story, single panels, setting A, the curves.
 import { Compare } from "./compare";
 import { find, Sheet, tell } from "./dom";
 import type { Film } from "./film";
@@ -21,8 +21,8 @@ export class Lecture {
   private readonly rebound: ReboundPanel;
   private readonly compare: Compare;
   private readonly mini: Mini;
-  private mapped: number | null = null; // time the map took, of which the story has told
-  private entered: { step: Step; placed: boolean } | null = null; // a step that waits for the drop to be computed
+  private mapped: number | null = null; // computing time of the map that the story has reported
+  private entered: { step: Step; placed: boolean } | null = null; // a step that waits until the drop is computed
 
   constructor(
     private readonly state: State,
@@ -49,7 +49,7 @@ export class Lecture {
     if (view.step) this.enter(view.step, state.view.time !== null);
   }
 
-  // What the link or a choice asks for: the whole page, the story or one panel.
+  // Shows what the link or the user selects: the whole page, the story or one panel.
   show(): void {
     const { step, panel } = this.state.lecture;
     if (!step && !panel) this.frames.show(null, []);
@@ -77,7 +77,7 @@ export class Lecture {
     this.story.dirty = true;
   }
 
-  // Once for each picture of the page; what has been drawn anew: the plots of the drop, the film.
+  // Called once per frame; says whether the plots of the drop and the film were redrawn.
   frame(plots: boolean, film: boolean): void {
     if (plots) this.rebound.dirty = true;
     if (plots || film) {
@@ -94,7 +94,7 @@ export class Lecture {
 
   // ---- the story ----------------------------------------------------------------------------------------
 
-  // What a step does to the film and the map; `placed`: the link says where the film is.
+  // Sets film and map for a step; `placed`: the link gives the time of the film.
   private enter(step: Step, placed = false): void {
     const { state, film } = this;
     const { drop } = state;
@@ -113,7 +113,7 @@ export class Lecture {
     state.redraw();
   }
 
-  // The film from a time on; 0 and infinity: from its ends.
+  // Plays the film from a time; 0 and infinity mean its ends.
   private start(slow: boolean, time: number, plays: boolean): void {
     const { state, film } = this;
     state.view.slow = slow;

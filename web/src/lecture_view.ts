@@ -1,4 +1,4 @@
-// What the link keeps of the lecture: the step of the story, the guess, a single panel, the curve, setting A.
+// State of the lecture in the link: story step, guess, single panel, curve axis, setting A.
 import { presets } from "./presets";
 import { copyOf, fromQuery, toQuery, type Scenario } from "./scenario";
 
@@ -12,7 +12,7 @@ export const curveAxes = ["gap", "e", "ratio"] as const; // what the rebound hei
 export type CurveAxis = (typeof curveAxes)[number];
 
 export interface LectureView {
-  step: Step | null; // of the story; null: it is not told
+  step: Step | null; // of the story; null: not shown
   guess: number | null; // height the viewer expects [m]
   panel: PanelName | null; // shown alone
   curve: CurveAxis;
@@ -31,7 +31,7 @@ const queryOf = (s: Scenario): URLSearchParams => {
 const opening = presets[0].scenario;
 export const sameScenario = (a: Scenario, b: Scenario): boolean => queryOf(a).toString() === queryOf(b).toString();
 
-// The page opens with the first example; what else is shown stands in the link, by what differs from the paper's Fig. 2.
+// The page opens with the first example; the link stores differences from the paper's Fig. 2.
 export function scenarioToQuery(s: Scenario, q: URLSearchParams): void {
   if (sameScenario(s, opening)) return;
   const own = queryOf(s);

@@ -1,4 +1,4 @@
-// The page: puts its parts together, and says what follows from a change of the scenario.
+// The page: creates its parts and updates them after a change of the scenario.
 import { Controls } from "./controls";
 import { find, Sheet, tell } from "./dom";
 import { dropOf, type Solved, type Unsolved } from "./drop";
@@ -86,7 +86,7 @@ class Page {
     this.choosePreset([preset, ...presets].find((p) => queryOf(p.scenario) === queryOf(state.scenario))?.id ?? "");
   }
 
-  // To the setting before the last choice of an example.
+  // Back to the setting before the last choice of an example.
   private goBack(): void {
     this.readLink();
     this.map.map.setShow(this.state.view.map.show);
@@ -147,9 +147,9 @@ class Page {
     );
   }
 
-  // ---- what follows from it ---------------------------------------------------------------------------
+  // ---- updates ----------------------------------------------------------------------------------------
 
-  // Whether the controls are others now, which is work enough for one frame.
+  // Returns whether the controls have changed, which takes a whole frame.
   private solve(): boolean {
     const { state } = this;
     const built = this.controls.set(state.scenario, this.about);
@@ -194,7 +194,7 @@ class Page {
     document.documentElement.dataset.ready ??= String(Math.round(performance.now()));
   }
 
-  // Back to what was solved last.
+  // Back to the setting that was solved last.
   private giveUp(): void {
     const { state } = this;
     this.desk.giveUp();
@@ -226,7 +226,7 @@ class Page {
     this.announcer.say(`${newton} ${icm}`);
   }
 
-  // A picture that is shown now may not be computed yet.
+  // A newly shown plot may not be computed yet.
   private resized(): void {
     this.state.redraw();
     this.pool.wake();
@@ -254,7 +254,7 @@ class Page {
     this.lecture.frame(plots, film);
   };
 
-  // One of the large pictures in each frame, so that none waits long; returns whether the drop was drawn anew.
+  // Draws one of the large plots per frame; returns whether the drop was redrawn.
   private drawPlots(now: number): boolean {
     const { dirty, drop } = this.state;
     const forces = dirty.plots && drop !== null;
@@ -298,7 +298,7 @@ class Page {
     find("png").addEventListener("click", () => this.savePicture(performance.now()));
   }
 
-  // The map is worth a short wait.
+  // Waits briefly for the map.
   private savePicture(asked: number): void {
     const { map } = this.map;
     if (map.elapsed === null && performance.now() - asked < 3000) setTimeout(() => this.savePicture(asked), 50);

@@ -11,12 +11,12 @@ import { piece, type Piece, type Pool } from "./pool";
 export const SIDE = 400; // points each way
 const strides = [16, 8, 4, 2, 1];
 const patience = 8_000; // ms: a finer level that would take longer is left out
-const batchTime = 14; // ms: how long a worker may be out of reach
+const batchTime = 14; // ms: longest time of one batch
 
 interface Batch {
   job: number;
   stride: number;
-  at: number[]; // places i + SIDE j of the points
+  at: number[]; // indices i + SIDE j of the points
 }
 
 export class ContactMap {
@@ -25,14 +25,14 @@ export class ContactMap {
   private readonly filled = new Uint8Array(SIDE * SIDE); // stride of the block that fills this place, 0: none yet
   private readonly image: ImageData;
   private readonly sheet: HTMLCanvasElement;
-  private before: { sheet: HTMLCanvasElement; box: Box } | null = null; // what was shown, until there is something new
-  private queue: { stride: number; column: number; from: number }[] = []; // points of a column, from one on
-  private sent = 0; // batches of this job under way
+  private before: { sheet: HTMLCanvasElement; box: Box } | null = null; // previous picture, until there is a new one
+  private queue: { stride: number; column: number; from: number }[] = []; // remaining points of a column
+  private sent = 0; // batches of this job in progress
   private column: Float64Array = new Float64Array();
   private axis: MapAxis = "gap";
   private job = 0;
   private began = NaN; // when the first points were asked for
-  private perPoint = 0; // ms, measured as it goes; 0: not known yet
+  private perPoint = 0; // ms, measured continuously; 0: not known yet
   private next = 0; // stride of the level that is being sent
   private show: MapShow = "count";
   private labels: { x: number; y: number; n: number }[] = [];
@@ -41,7 +41,7 @@ export class ContactMap {
   private computed = 0; // points
   resolution = 0; // points each way that are complete
   greatest = 0; // count in view
-  fresh = false; // begun anew: draw at once
+  fresh = false; // restarted: draw at once
 
   constructor(
     private readonly pool: Pool,
@@ -55,7 +55,7 @@ export class ContactMap {
     pool.add(() => this.nextBatch(), shown);
   }
 
-  // `keep`: what is shown is part of the same map and stays until it is covered.
+  // `keep`: the picture shows part of the same map and stays until it is overwritten.
   start(scenario: Scenario, axis: MapAxis, box: Box, keep: boolean): void {
     this.job++;
     this.before = keep ? { sheet: this.paintedSheet(), box: this.box } : null;
@@ -78,12 +78,12 @@ export class ContactMap {
     this.pool.wake();
   }
 
-  // How much of what will be computed is there.
+  // Fraction of the map that is computed.
   get progress(): number {
     return this.elapsed !== null ? 1 : this.computed / (SIDE * SIDE);
   }
 
-  // Points for one worker: of one level, and not for longer than it may be out of reach.
+  // A batch for one worker: points of one level, for at most batchTime.
   private nextBatch(): Piece | null {
     const room = this.perPoint > 0 ? Math.max(1, Math.min(2500, batchTime / this.perPoint)) : 25;
     const at: number[] = [];
@@ -132,7 +132,7 @@ export class ContactMap {
     this.changed();
   }
 
-  // Whether a level has just been completed; the next is left out where it would take too long.
+  // Whether a level has just been completed; the next level is skipped if it would take too long.
   private levelDone(): boolean {
     const next = this.queue[0]?.stride ?? 0;
     if (next >= this.next) return false;
@@ -151,7 +151,7 @@ export class ContactMap {
     for (let place = 0; place < SIDE * SIDE; place++) if (this.filled[place] !== 0) this.paint(place, this.color(this.blockOf(place)));
   }
 
-  // Workers may answer out of turn: a coarse block leaves what finer ones have filled.
+  // Workers may answer out of order: a coarse block does not overwrite finer ones.
   private fill(place: number, stride: number): void {
     const color = this.color(place);
     const i0 = place % SIDE;
@@ -166,7 +166,7 @@ export class ContactMap {
     }
   }
 
-  // The computed point whose block fills this place.
+  // The computed point whose block covers this pixel.
   private blockOf(place: number): number {
     const stride = this.filled[place];
     const i = place % SIDE;
@@ -192,7 +192,7 @@ export class ContactMap {
     data[at + 3] = 255;
   }
 
-  // Each count is written where its region is widest.
+  // Labels each count where its region is widest.
   private placeLabels(stride: number): void {
     if (stride > 4) return;
     const step = 4;
@@ -241,7 +241,7 @@ export class ContactMap {
     return copy;
   }
 
-  // `view`: what the axes show, of which the map may know another part.
+  // `view`: the range of the axes, which may differ from the computed range.
   draw(g: CanvasRenderingContext2D, w: number, h: number, axis: MapAxis, mark: [number, number], theme: Theme, view: Box = this.box): MapLayout {
     g.clearRect(0, 0, w, h);
     const size = fontSize(w);
@@ -282,7 +282,7 @@ export class ContactMap {
     return { x, y, frame: f };
   }
 
-  // For each column the gap from which on both models agree; nothing until the whole map is there.
+  // For each column the gap above which both models agree; empty until the map is complete.
   trusted(): TrustPoint[] {
     if (this.elapsed === null) return [];
     const [x, y] = [this.scaleX(0, SIDE), this.scaleY(0, SIDE)];
@@ -351,7 +351,7 @@ export class ContactMap {
   }
 }
 
-// What the colours count, up to `last`; open: the last field stands for more, too, and says so.
+// The colour legend up to `last`; open: the last field also stands for larger counts.
 export function drawCounts(g: CanvasRenderingContext2D, f: Frame, last: number, open: boolean, top: number, size: number, theme: Theme): void {
   const height = 1.5 * size;
   const width = Math.min(2.4 * size, f.width / (last + (open ? 1.6 : 1)));

@@ -1,4 +1,4 @@
-// The map beside its choices: drawn, read, pointed at, zoomed.
+// The panel of the map: drawing, reading values, pointer, zoom.
 import { find, type Sheet } from "./dom";
 import { digits, withUnit } from "./format";
 import { ContactMap, type MapLayout } from "./map";
@@ -9,18 +9,18 @@ import type { State } from "./state";
 import { moved } from "./touch";
 import { mapLimits, wholeMap, type Box, type View } from "./view";
 
-type Point = [number, number]; // ε, and gap [m] or R1/R2; or a place in pixels
+type Point = [number, number]; // ε, and gap [m] or R1/R2; or a position in pixels
 
 export class MapPanel {
   readonly map: ContactMap;
   private layout: MapLayout | null = null;
   private key = "";
   private drawn = 0;
-  private hover: Point | null = null; // as a click there would choose it
-  private read = { place: "", text: "" }; // what the map is there
+  private hover: Point | null = null; // parameters that a click would choose
+  private read = { place: "", text: "" }; // value of the map there
   private reading = false;
   private later = 0; // timer of the next refresh
-  private moving = false; // the picture is ahead of what is computed
+  private moving = false; // the picture moves before new points are computed
 
   constructor(
     private readonly state: State,
@@ -36,7 +36,7 @@ export class MapPanel {
 
   // ---- what is shown ----------------------------------------------------------------------------------
 
-  // Which maps there are for this scenario.
+  // Maps available for this scenario.
   refreshChoices(): void {
     const { scenario: s, view } = this.state;
     const axis = find<HTMLSelectElement>("map-axis");
@@ -54,20 +54,20 @@ export class MapPanel {
     find("map-title").textContent = view.map.axis === "gap" ? "Every ε and every gap" : "Every ε and every size of the lower ball";
   }
 
-  // The map of ε_eff/ε over the gap, where there is one.
+  // The map of ε_eff/ε over the gap, if available.
   showTrusted(): void {
     const { view, scenario } = this.state;
     const pair = scenario.balls.length === 2 && !scenario.cradle;
     Object.assign(view.map, { axis: "gap", zoom: null, show: pair ? "effective" : "count" });
     const { x, y } = this.box();
-    view.map.zoom = { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] }; // with more of where the models agree
+    view.map.zoom = { x, y: [y[0], Number((3 * y[1]).toPrecision(6))] }; // extended towards the region of agreement
     this.map.setShow(view.map.show);
     this.refreshChoices();
     this.refresh();
     this.state.dirty.mapPicture = true;
   }
 
-  // Gap from which on both models agree for the present ε; infinite: none in the map, null: no such map, or not yet.
+  // Gap above which both models agree for the present ε; infinite: none in the map, null: no map yet.
   trusted(): number | null {
     const { view, scenario } = this.state;
     if (view.map.show === "count" || view.map.axis !== "gap") return null;
@@ -76,7 +76,7 @@ export class MapPanel {
     return points.reduce((a, b) => (Math.abs(b.restitution - scenario.restitution) < Math.abs(a.restitution - scenario.restitution) ? b : a)).gap;
   }
 
-  // Begins anew where the map does not show this scenario yet.
+  // Restarts if the map does not show this scenario.
   refresh(): void {
     const { drop, scenario, view } = this.state;
     if (!drop) return;
@@ -97,7 +97,7 @@ export class MapPanel {
     this.state.dirty.mapPicture = true;
   }
 
-  // Draws if it is due: seldom while the workers need the processor.
+  // Draws if necessary, less often while the workers compute.
   drawIfDue(now: number): void {
     const { dirty, drop } = this.state;
     const due = this.map.elapsed !== null || this.map.fresh || now - this.drawn > 80;
@@ -133,7 +133,7 @@ export class MapPanel {
       map.elapsed === null ? `${Math.floor(100 * map.progress)} % computed` : `${map.resolution} × ${map.resolution} points in ${digits(map.elapsed / 1000, 2)} s`;
   }
 
-  // What a point would give, asked of the core as a click would set it.
+  // The result at a point, computed with the parameters that a click would set.
   private reader(): void {
     const { scenario, view } = this.state;
     if (this.reading || !this.hover) return;
@@ -153,7 +153,7 @@ export class MapPanel {
     );
   }
 
-  // The reading under the pointer, else the numbers of the present scenario.
+  // The value under the pointer, or that of the present scenario.
   private tell(): void {
     const { view, drop } = this.state;
     const [e, y] = this.hover ?? this.marked();
@@ -174,9 +174,9 @@ export class MapPanel {
     out.replaceChildren(...subscripted(text));
   }
 
-  // ---- what changes it --------------------------------------------------------------------------------
+  // ---- changes ----------------------------------------------------------------------------------------
 
-  // The point of the map as the parameters take it: rounded, and within their ranges.
+  // The point of the map as parameters: rounded and within their ranges.
   private rounded(restitution: number, y: number): Point {
     const { scenario: s, view } = this.state;
     const e = clampTo(ranges.restitution, Number(restitution.toPrecision(4)));
@@ -208,7 +208,7 @@ export class MapPanel {
     this.setZoom({ x: part(x[0], x[1], e, ...limits.x), y: [Math.exp(y0), Math.exp(y1)] });
   }
 
-  // By shares of the frame, as far as there is a map.
+  // By fractions of the frame, within the limits of the map.
   private pan(right: number, up: number): void {
     const { x, y } = this.box();
     const limits = mapLimits(this.state.view.map.axis);
@@ -221,10 +221,10 @@ export class MapPanel {
     this.setZoom({ x: shift(x, right, limits.x), y: [Math.exp(y0), Math.exp(y1)] });
   }
 
-  // The picture follows at once, what it holds is computed when the hand rests.
+  // The picture moves at once; new points are computed when the pointer rests.
   private setZoom(box: Box | null): void {
     if (box && (box.x[1] - box.x[0] < 1e-6 || box.y[1] / box.y[0] < 1 + 1e-6)) return;
-    // As many digits as the link keeps, so that the link shows the same.
+    // Rounded to the digits of the link, so that the link reproduces the view.
     const keep = ([a, b]: [number, number]): [number, number] => [Number(a.toPrecision(6)), Number(b.toPrecision(6))];
     this.state.view.map.zoom = box && { x: keep(box.x), y: keep(box.y) };
     this.state.dirty.mapPicture = this.map.fresh = true;

@@ -1,4 +1,4 @@
-// Balls one can buy, with what is known of them and from where, and the stiffness that follows.
+// Commercial balls: measured properties with sources, and the stiffness that follows.
 export interface MeasuredBall {
   id: string;
   name: string;
@@ -10,14 +10,14 @@ export interface MeasuredBall {
   source: string;
 }
 
-// A ball dropped from `drop` that comes back to `rise`, both heights of its lowest point.
+// ε of a ball dropped from `drop` that rebounds to `rise`; both are heights of its lowest point.
 const fromHeights = (drop: number, rise: [number, number]): [number, number] => [Math.sqrt(rise[0] / drop), Math.sqrt(rise[1] / drop)];
 
 const psi = 6894.757; // Pa
 export const basketballRadius = 0.7645 / (2 * Math.PI); // m, the middle of the circumferences allowed
 const pressure = 8 * psi;
 
-// A ball flattened by x has a contact disc of area π(2Rx − x²) ≈ 2πRx, which its air presses down with p: F = 2πRp x.
+// A ball flattened by x has a contact area π(2Rx − x²) ≈ 2πRx; its pressure p gives the force F = 2πRp x.
 export const airStiffness = (radius: number, overpressure: number): number => 2 * Math.PI * radius * overpressure;
 
 // Contact time of the linear law on the floor: ε = exp(−β t), t = 2 atan2(ω, β)/ω, ω² = k/m − β² (see docs/laws).
@@ -39,7 +39,7 @@ function lossAngle(restitution: number): number {
 }
 const timeAt = (w0: number, angle: number): number => (Math.PI - 2 * angle) / (w0 * Math.cos(angle));
 
-// The stiffness with which the linear law lasts this long on the floor.
+// The stiffness for which a floor contact under the linear law lasts this long.
 export function stiffnessFor(mass: number, time: number, restitution: number): number {
   return mass * timeAt(time, lossAngle(restitution)) ** 2;
 }
@@ -84,13 +84,13 @@ export const measuredBalls: MeasuredBall[] = [
 
 export const ballById = (id: string): MeasuredBall => measuredBalls.find((b) => b.id === id)!;
 
-// A ball in the middle of what its rules allow.
+// A ball with the mean values of its rules.
 export const typical = (id: string): { radius: number; mass: number } => {
   const b = ballById(id);
   return { radius: Number((0.5 * middle(b.diameter)).toPrecision(4)), mass: Number(middle(b.mass).toPrecision(3)) };
 };
 
-// Of the basketball: what the floor contact, which is the longer one, has.
+// Stiffness of the basketball, which has the longer contact, on the floor.
 export const basketballStiffness = Number(airStiffness(basketballRadius, pressure).toPrecision(2));
 
 export const experiments = [

@@ -1,4 +1,4 @@
-// Bounce heights that somebody has measured, from a CSV file:
+// Reads measured bounce heights from a CSV file:
 //
 //   gap (mm), height (m), uncertainty (m)
 //   0, 1.02, 0.03
@@ -30,7 +30,7 @@ interface Column {
   factor: number;
 }
 
-// Throws an Error with one line that says what is wrong where.
+// Throws an Error whose message names the line and the fault.
 export function readMeasurements(text: string): Measurements {
   const lines = text.replace(/^\uFEFF/, "").split(/\r?\n/).map((content, i) => ({ content: content.trim(), number: i + 1 }));
   const filled = lines.filter((line) => line.content !== "" && !line.content.startsWith("#"));

@@ -1,4 +1,4 @@
-// On a phone the film scrolls away: a strip keeps what comes out and a small film in sight.
+// A strip with the result and a small film, visible on a phone while the film is scrolled away.
 import { find, Sheet } from "./dom";
 import { drawTrueScale } from "./stage";
 import type { State } from "./state";

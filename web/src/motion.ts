@@ -1,4 +1,4 @@
-// The motion that the film shows: states sampled beside the page, and any instant between them.
+// The motion for the film: states sampled in a worker, interpolated between samples.
 import { stateOf, type State } from "./core";
 
 export interface Samples {
@@ -8,11 +8,11 @@ export interface Samples {
 }
 
 // Between two samples positions and gaps follow the cubic with the velocities at both: in flight that is the motion
-// itself. What begins or ends is sampled on both sides.
+// itself. Events are sampled on both sides.
 export class Motion {
   constructor(private readonly samples: Samples) {}
 
-  // Before the first and after the last sample that sample.
+  // Clamped to the first and last sample.
   at(time: number): State {
     const { times, rows, balls: n } = this.samples;
     const size = rows.length / times.length;
@@ -25,7 +25,7 @@ export class Motion {
     const [v0, v1] = [row.slice(n, 2 * n), next.subarray(n, 2 * n)];
     for (let i = 0; i < size; i++) row[i] += u * (next[i] - rows[k * size + i]);
     for (let i = 0; i < n; i++) {
-      const below = i > 0 ? 1 : 0; // the floor and a cradle's frame stand still
+      const below = i > 0 ? 1 : 0; // the floor and a cradle's frame do not move
       row[i] = cubic(rows[k * size + i], next[i], h * v0[i], h * v1[i], u);
       const [w0, w1] = [v0[i] - below * v0[i - below], v1[i] - below * v1[i - below]];
       row[2 * n + i] = cubic(rows[k * size + 2 * n + i], next[2 * n + i], h * w0, h * w1, u);
@@ -33,7 +33,7 @@ export class Motion {
     return stateOf(row, n);
   }
 
-  // Place of the last sample not after `time`.
+  // Index of the last sample not after `time`.
   private before(time: number): number {
     const { times } = this.samples;
     let [low, high] = [0, times.length];

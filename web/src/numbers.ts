@@ -16,7 +16,7 @@ interface Row {
 const rebound =
   "greatest height of its centre above the floor after its first bounce. The next floor contact of the lowest ball counts no more; collisions still to come between the balls do";
 
-// How high a ball comes in the film beyond its rebound height; null: no higher.
+// Greatest height of a ball in the film if above its rebound height, else null.
 export const laterHeight = (t: Track, i: number): number | null => (t.later[i] > t.peaks[i] * (1 + 1e-6) ? t.later[i] : null);
 
 function rows(d: Solved): Row[] {
@@ -60,7 +60,7 @@ export function subscripted(text: string): (string | HTMLElement)[] {
   });
 }
 
-// The numbers with all their digits, for tests and for the CSV file.
+// The numbers in full precision, for tests and the CSV file.
 export function exactNumbers(d: Solved): Record<string, number | null> {
   const out: Record<string, number | null> = {};
   const put = (name: string, x: number): void => void (out[name] = Number.isFinite(x) ? x : null);
@@ -104,7 +104,7 @@ export function fillTable(table: HTMLElement, d: Solved): void {
   });
 }
 
-// Shares of the initial energy: the balls from the top, then what was dissipated.
+// Fractions of the initial energy: the balls from the top, then the dissipated energy.
 function shares(t: Track): number[] {
   const s: State = t.final;
   const balls = Array.from(s.energy).reverse();
@@ -166,7 +166,7 @@ const ICM = capital(independent.label);
 
 const contactsOf = (k: number): string => (k === 1 ? "one contact" : `${spell(k)} contacts`);
 
-// One sentence with what Newton's equations say, one with what independent collisions say.
+// One sentence on Newton's equations, one on independent collisions.
 export function verdict(d: Solved): [string, string] {
   const { newton, icm, scenario } = d;
   const n = scenario.balls.length;
@@ -190,7 +190,7 @@ export function verdict(d: Solved): [string, string] {
   return [where, `${ICM}: ${spell(icm.run.nContacts)}, and up to ${risen}${factor}.`];
 }
 
-// What the names in the table mean, for those that are shown.
+// Definitions of the names shown in the table.
 export function fillDefinitions(list: HTMLElement, d: Solved): void {
   const parts = rows(d).flatMap((r) => {
     const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];

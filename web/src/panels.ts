@@ -1,4 +1,4 @@
-// The two pictures over time beside the film, forces and timeline: drawn, pointed at, steered by keys.
+// The two plots over time, forces and timeline: drawing, pointer and keys.
 import { find, type Sheet } from "./dom";
 import { clockText, type Film } from "./film";
 import { drawForces, type ForcesLayout } from "./forces";
@@ -9,7 +9,7 @@ import type { State } from "./state";
 import { Timeline, type TimelineLayout } from "./timeline";
 import { dragged } from "./touch";
 
-// Moves the lines that mark the time of the film over the frames of a picture.
+// Moves the marker lines of the film's time in a plot.
 function placeCursors(box: string, time: number, x: Scale, frames: Frame[]): void {
   find(box).querySelectorAll<HTMLElement>(".cursor").forEach((cursor, i) => {
     const frame = frames[i];
@@ -94,14 +94,14 @@ export class TimelinePanel {
     });
   }
 
-  // Begins anew unless only ε has changed.
+  // Restarts unless only ε has changed.
   refresh(): void {
     const key = JSON.stringify({ ...this.state.scenario, restitution: 0 });
     if (key !== this.key) this.timeline.start(copyOf(this.state.scenario));
     this.key = key;
   }
 
-  // Whether it is time to draw: seldom while rows come in.
+  // Whether to redraw: less often while rows arrive.
   due(now: number): boolean {
     if (!this.state.dirty.timeline || !this.state.drop || (!this.timeline.done && now - this.drawn < 120)) return false;
     this.drawn = now;

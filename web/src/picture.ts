@@ -1,4 +1,4 @@
-// All pictures of the page on one sheet, at twice the screen's resolution, with the parameters below.
+// All plots of the page in one image at twice the screen's resolution, with the parameters below.
 import { clockText, drawMoment } from "./film";
 import { drawForces } from "./forces";
 import { withUnit } from "./format";

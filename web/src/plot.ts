@@ -1,4 +1,4 @@
-// Axes of the plots: where data lie on the canvas, ticks and labels.
+// Axes of the plots: scales, ticks and labels.
 import { niceTicks } from "./format";
 import type { Theme } from "./theme";
 
@@ -29,7 +29,7 @@ export class Scale {
   }
 }
 
-// Grows with the picture, and with the text of the page beyond it.
+// Scales with the plot and with the text of the page.
 // Size of text in pictures [px]: at least 13; in a lecture that of the text around them.
 export const lettering = { least: 13, lecture: false };
 
@@ -50,8 +50,8 @@ export interface AxisText {
   after?: number; // pixels: names of ticks begin to the right of it
 }
 
-// Ticks, grid and titles around a frame. The vertical title lies on top of the axis, horizontally: it reads without
-// turning the head.
+// Ticks, grid and titles around a frame. The title of the vertical axis is horizontal, above the axis, so that it can
+// be read easily.
 export function drawAxes(g: CanvasRenderingContext2D, f: Frame, x: Scale, y: Scale, xText: AxisText | null, yText: AxisText, theme: Theme, size: number, grid = true): void {
   setFont(g, theme, size);
   g.lineWidth = 1;

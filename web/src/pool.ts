@@ -1,7 +1,7 @@
-// Workers that compute beside the page: a few for pictures of many points, one for the drop itself.
+// Web workers: a few for maps and curves, one for the drop itself.
 import type { Kind, Reply, Request, Tasks } from "./worker";
 
-// A piece of work, and who wants to know of it.
+// A task and its callbacks.
 export interface Piece<K extends Kind = Kind> {
   kind: K;
   ask: Tasks[K]["ask"];
@@ -10,16 +10,16 @@ export interface Piece<K extends Kind = Kind> {
   failed?(error: string): void;
 }
 
-// Gives the next piece whenever a worker is free; null: nothing to do until Pool.wake().
+// Provides the next task when a worker is free; null: none until Pool.wake().
 export type Source = () => Piece | null;
 
 export const piece = <K extends Kind>(p: Piece<K>): Piece => p as unknown as Piece;
 
 const workerUrl = new URL("worker.js", import.meta.url).href;
 
-// One worker, one piece at a time.
+// One worker, one task at a time.
 class Hand {
-  lost = false; // its worker could not be loaded: the network is gone, or the server
+  lost = false; // the worker could not be loaded (no network or no server)
   private readonly worker: Worker;
   private at: Piece | null = null;
   private id = 0;
@@ -64,8 +64,8 @@ class Hand {
   }
 }
 
-// As many workers as the machine has cores, hired when there is work for them: as the page begins, they would keep the
-// drop itself waiting. Sources take turns.
+// As many workers as the machine has cores, started on demand: at the start of the page they would delay the
+// drop itself. Sources take turns.
 export class Pool {
   readonly size = Math.min(Math.max(navigator.hardwareConcurrency || 2, 1), 8);
   private readonly hands: Hand[] = [];
@@ -75,12 +75,12 @@ export class Pool {
 
   constructor(private readonly module: WebAssembly.Module) {}
 
-  // What a source computes is for a picture: nothing is asked of it while that is not shown.
+  // A source belongs to a plot and is not asked for tasks while the plot is hidden.
   add(source: Source, shown: () => boolean): void {
     this.sources.push(() => (shown() ? source() : null));
   }
 
-  // Before anything that the sources still have.
+  // Runs before the remaining tasks of the sources.
   ask<K extends Kind>(kind: K, ask: Tasks[K]["ask"]): Promise<Tasks[K]["answer"]> {
     return new Promise((done, refuse) => {
       this.urgent.push(piece<K>({ kind, ask, done, failed: (error) => refuse(new Error(error)) }));
@@ -115,7 +115,7 @@ export class Pool {
   }
 }
 
-// One worker for what the page waits for: the newest question counts, and it can be given up.
+// One worker for the result that the page waits for: only the newest request counts, and it can be cancelled.
 export class Desk {
   private hand: Hand;
   private waiting: Piece | null = null;
@@ -125,14 +125,14 @@ export class Desk {
     this.hand = this.hire();
   }
 
-  // In place of what waits; what has been computed for long is given up for it.
+  // Replaces the waiting request; a request that has run for long is cancelled.
   put(work: Piece): void {
     this.waiting = work;
     if (this.hand.lost || (!this.hand.idle && performance.now() - this.since > 150)) this.replace();
     this.go();
   }
 
-  // Whether a question is without an answer.
+  // Whether a request is unanswered.
   get waits(): boolean {
     return this.waiting !== null || !this.hand.idle;
   }

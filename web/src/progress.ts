@@ -1,7 +1,7 @@
-// What the page says of work that takes its time.
+// Progress of long computations.
 import { find } from "./dom";
 
-// A bar with a button that gives the work up, shown when it takes longer than a blink.
+// A progress bar with a cancel button, shown after a short delay.
 export class Progress {
   private timer = 0;
   private began = 0;
@@ -33,7 +33,7 @@ export class Progress {
   }
 }
 
-// Tells a screen reader the result, once the hand on a slider rests.
+// Announces the result to screen readers once a slider rests.
 export class Announcer {
   private timer = 0;
 

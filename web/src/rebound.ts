@@ -17,7 +17,7 @@ export interface Span {
   log: boolean;
 }
 
-// The span of the map beside it, down to where the gap no longer matters.
+// The range of the map, extended down to where the gap no longer matters.
 export function spanOf(s: Scenario, axis: CurveAxis, floorContact: number, speed: number): Span {
   if (axis === "e") return { low: ranges.restitution.low, high: 1, log: false };
   const { y } = wholeMap(s, axis, floorContact, speed);
@@ -41,7 +41,7 @@ export function movedTo(s: Scenario, axis: CurveAxis, x: number): Scenario | nul
 const coarse = 24; // intervals of the first pass
 const finest = 2 ** -4; // of a coarse interval: where a curve is not straight
 const mostPoints = 700;
-const batchTime = 30; // ms: how long a worker may be out of reach
+const batchTime = 30; // ms: longest time of one batch
 
 export class Curve {
   points: CurvePoint[] = [];
@@ -51,9 +51,9 @@ export class Curve {
   axis: CurveAxis = "gap";
   private scenario: Scenario | null = null;
   private queue: number[] = [];
-  private sent = 0; // batches of this job under way
+  private sent = 0; // batches of this job in progress
   private job = 0;
-  private perPoint = 0; // ms, measured as it goes; 0: not known yet
+  private perPoint = 0; // ms, measured continuously; 0: not known yet
 
   constructor(
     private readonly pool: Pool,
@@ -74,7 +74,7 @@ export class Curve {
     this.pool.wake();
   }
 
-  // What is under way no longer counts.
+  // Results in progress are discarded.
   stop(): void {
     this.job++;
     this.points = [];
@@ -136,7 +136,7 @@ export class Curve {
     this.done = this.queue.length === 0;
   }
 
-  // Middles of the intervals over which a curve changes so much that a straight line would show.
+  // Midpoints of the intervals in which a straight line would be visibly wrong.
   private refined(): number[] {
     const { points } = this;
     if (points.length >= mostPoints) return [];
@@ -153,7 +153,7 @@ export class Curve {
   }
 }
 
-// Whether a curve steps by more than `least` between two points, or is there at one of them only.
+// Whether a curve changes by more than `least` between two points, or exists at only one of them.
 function bends(a: CurvePoint, b: CurvePoint, least: number): boolean {
   return (["newton", "icm"] as const).some(
     (key) => Number.isFinite(a[key]) !== Number.isFinite(b[key]) || Math.abs(a[key] - b[key]) > least,

@@ -1,4 +1,4 @@
-// The curves of the rebound height beside the map: drawn, read, pointed at, with measured heights.
+// The panel of rebound heights: drawing, reading values, pointer, measured heights.
 import { find, type Sheet } from "./dom";
 import { digits, metres, withUnit } from "./format";
 import type { CurveAxis, LectureView } from "./lecture_view";
@@ -35,7 +35,7 @@ export class ReboundPanel {
     this.listen();
   }
 
-  // Begins anew where the curves do not belong to this scenario yet.
+  // Restarts if the curves belong to another scenario.
   refresh(): void {
     const { state, view } = this;
     if (!state.drop) return;
@@ -95,7 +95,7 @@ export class ReboundPanel {
     };
   }
 
-  // The reading under the pointer, else of the present setting.
+  // The value under the pointer, or that of the present setting.
   private tell(): void {
     const picture = this.picture();
     const point = this.hovered === null ? picture.marked : nearest(picture, this.hovered);
@@ -140,7 +140,7 @@ export class ReboundPanel {
     this.state.edited();
   }
 
-  // ---- what changes it --------------------------------------------------------------------------------
+  // ---- changes ----------------------------------------------------------------------------------------
 
   private listen(): void {
     const { canvas } = this.sheet;
@@ -220,7 +220,7 @@ export class ReboundPanel {
   }
 }
 
-// What the curves depend on: not on the value along their own axis.
+// Key of the parameters of the curves, without the one along their axis.
 function keyOf(scenario: Scenario, axis: CurveAxis, span: object): string {
   const s = { ...scenario, gaps: [...scenario.gaps], balls: scenario.balls.map((b) => ({ ...b })) };
   if (axis === "e") s.restitution = 0;

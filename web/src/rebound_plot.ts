@@ -98,7 +98,7 @@ function extent(p: CurvePicture): [number, number] {
   return [Math.min(0, 1.1 * Math.min(...known, 0)), 1.12 * high];
 }
 
-// A place of its own for gap 0.
+// A separate position for gap 0.
 function drawLane(g: CanvasRenderingContext2D, f: Frame, zero: number, theme: Theme, size: number): void {
   g.strokeStyle = theme.line;
   g.lineWidth = 1;
@@ -123,7 +123,7 @@ function drawRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePi
   g.setLineDash([]);
 }
 
-// Above or below its line, where there is room.
+// Above or below its line, depending on the room.
 function nameRelease(g: CanvasRenderingContext2D, f: Frame, y: Scale, p: CurvePicture, room: Room, theme: Theme, size: number): void {
   if (!Number.isFinite(p.released)) return;
   setFont(g, theme, 0.92 * size);
@@ -144,7 +144,7 @@ interface Box {
   height: number;
 }
 
-// What text may not lie on: the curves, the lines at the settings, other text; and it stays in the frame.
+// Places labels within the frame, clear of the curves, the marker lines and other labels.
 class Room {
   private readonly points: [number, number][] = [];
   private readonly lines: number[];
@@ -178,7 +178,7 @@ class Room {
     return (outside ? 1e6 : 0) + (over ? 1e4 : 0) + crossed + 20 * this.lines.filter((x) => x > left - 5 && x < right + 5).length;
   }
 
-  // The first of the best places; it is taken from then on.
+  // The first of the best positions, which is then reserved.
   take(places: Box[]): Box {
     let best = places[0];
     for (const place of places) if (this.cost(place) < this.cost(best)) best = place;
@@ -204,7 +204,7 @@ function halo(g: CanvasRenderingContext2D, text: string, x: number, y: number, c
 
 const models = ["icm", "newton"] as const;
 
-// Newton's curve is drawn through, that of independent collisions dashed; those of setting A are thin and pale.
+// Newton's curve is solid, that of independent collisions dashed; those of setting A are thin and pale.
 function drawModels(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture, theme: Theme, size: number): void {
   const thick = grown(size);
   for (const pale of [true, false]) {
@@ -267,7 +267,7 @@ function drawMeasured(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePictu
   }
 }
 
-// Where a value of x lies, gap 0 included; NaN outside.
+// Pixel of a value of x, including gap 0; NaN outside.
 export function pixelOf(l: CurveLayout, x: number): number {
   if (Number.isFinite(l.zero) && x < 0.75 * l.x.low) return l.zero;
   return x >= l.x.low * 0.999 && x <= l.x.high * 1.001 ? l.x.at(x) : NaN;
@@ -329,7 +329,7 @@ function nameValue(g: CanvasRenderingContext2D, l: CurveLayout, p: CurvePicture,
 
 type Name = [text: string, color: string, dash: number[] | null];
 
-// What the lines mean, from the right.
+// Legend, from the right.
 function namesOf(p: CurvePicture, width: number, theme: Theme, size: number): Name[] {
   const short = width < (p.pinned.length > 0 || p.measured ? 48 : 34) * size;
   const names: Name[] = [
@@ -342,7 +342,7 @@ function namesOf(p: CurvePicture, width: number, theme: Theme, size: number): Na
 }
 const lineOfName = (name: Name, size: number): number => (name[2] ? 1.7 * size : name[0] === "measured" ? 14 : 0);
 
-// Whether they have room beside the title of the vertical axis.
+// Whether the legend fits beside the title of the vertical axis.
 function namesFit(g: CanvasRenderingContext2D, width: number, title: string, p: CurvePicture, theme: Theme, size: number): boolean {
   setFont(g, theme, size);
   let needed = g.measureText(title).width - 2.6 * size;
@@ -351,7 +351,7 @@ function namesFit(g: CanvasRenderingContext2D, width: number, title: string, p: 
   return needed < width;
 }
 
-// On top; in a row of their own where it is crowded.
+// Above the frame; in a separate row if there is little room.
 function drawNames(g: CanvasRenderingContext2D, f: Frame, crowded: boolean, p: CurvePicture, theme: Theme, size: number): void {
   setFont(g, theme, size, 600);
   g.textBaseline = "bottom";

@@ -1,7 +1,7 @@
-// How high the top ball of a column rises under both models; on a cradle, the velocity of its last ball. In a worker.
+// Rebound height of the top ball under both models (cradle: velocity of the last ball); runs in a worker.
 import { Model, type Core } from "./core";
 
-// What both models give for a column.
+// Results of both models for a column.
 function riseOf(core: Core, column: Float64Array): [number, number] {
   const n = column[6];
   const cradle = column[7] === 0;

@@ -1,4 +1,4 @@
-// What is dropped: the parameters, their ranges, their form in a link and in a TOML file. SI units.
+// The scenario: parameters, ranges, their encoding in a link and in a TOML file. SI units.
 import { labelOf, laws, parameterOfColumn, symbolOf, unitOf, type Law, type Quantity } from "./tables";
 
 export interface Ball {
@@ -29,7 +29,7 @@ export interface Range {
   zero?: boolean; // 0 is allowed below `low`
 }
 
-// The extent of a slider: what a teacher may want of what the core takes.
+// Ranges of the sliders, within those of the core.
 const rangeOf = (name: string, slider: Omit<Range, "unit">): Range => ({ ...slider, unit: unitOf(parameterOfColumn(name)) });
 
 export const ranges = {
@@ -51,7 +51,7 @@ export interface Constant {
   start: number;
 }
 
-// What the page decides itself: the key in a link, the slider and where it starts.
+// Page settings of a parameter: key in a link, slider and initial value.
 const known: Record<string, { key: string; slider: Omit<Range, "unit">; start: number }> = {
   stiffness: { key: "k", slider: { low: 1e3, high: 1e9, log: true }, start: 5e7 },
   youngs_modulus: { key: "Y", slider: { low: 1e5, high: 1e12, log: true }, start: 5e7 },
@@ -60,7 +60,7 @@ const known: Record<string, { key: string; slider: Omit<Range, "unit">; start: n
   elastic_prefactor: { key: "K", slider: { low: 1e4, high: 1e12, log: true }, start: 1e9 },
 };
 
-// A parameter that this page has never heard of takes a slider from what the law says about it.
+// A parameter without page settings gets a slider from the law's record.
 function constantOf(p: Quantity): Constant {
   const bounded = p.highest !== null;
   const high = p.highest ?? 1e12;
@@ -85,7 +85,7 @@ export const constantsOf = (s: Scenario): string[] => lawOf(s).parameters.map((p
 export const clampTo = (r: Range, x: number): number =>
   r.zero && x < r.low ? (x > 0.5 * r.low ? r.low : 0) : Math.min(Math.max(x, r.low), r.high);
 
-// In the order of the core's ball_mass: the same bits, without which a long row of collisions takes another course.
+// Same order of operations as ball_mass in the core, for the same bits: a long sequence of collisions is chaotic.
 export const massOf = ({ radius, density }: Ball): number => ((4 / 3) * Math.PI) * (density * (radius * radius * radius));
 export const densityFor = (mass: number, radius: number): number => mass / massOf({ radius, density: 1 });
 
@@ -111,7 +111,7 @@ export const copyOf = (s: Scenario): Scenario => ({
   velocities: [...s.velocities],
 });
 
-// A cradle's first gap is only the way to the first collision: maps vary the others.
+// A cradle's first gap only delays the first collision: maps vary the others.
 export const firstGap = (s: Scenario): number => (s.cradle && s.gaps.length > 1 ? 1 : 0);
 
 // The lowest ball must start above the floor.
@@ -167,7 +167,7 @@ export function toQuery(s: Scenario, q: URLSearchParams): void {
   for (const [key, now, before] of lists) if (now.join() !== before.join()) q.set(key, now.join());
 }
 
-// Reads what it can over `s`; what it cannot is said in `notes`.
+// Overrides `s` with the valid parts of the link; invalid parts are reported in `notes`.
 export function fromQuery(s: Scenario, q: URLSearchParams, notes: string[]): void {
   const number = (key: string, text: string, r: Range, fallback: number): number => {
     const x = text.trim() === "" ? NaN : Number(text.replace(/e (?=\d)/i, "e+")); // a link turns a plus sign into a space

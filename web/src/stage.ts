@@ -55,16 +55,16 @@ class Line {
   }
 }
 
-// What is written at a contact.
+// Label at a contact.
 interface Tag {
-  along: number; // place of the contact
+  along: number; // position of the contact
   radius: number; // of the larger of its balls
   text: string;
   color: string;
   weight: number;
 }
 
-// The places nearest to the wanted ones, ascending, that keep a distance, within [low, high] if there is room.
+// The positions nearest to the wanted ones, ascending, at least a distance apart, within [low, high] if possible.
 export function apart(wanted: number[], distance: number, low: number, high: number): number[] {
   const places = [...wanted];
   for (let i = 0; i < places.length; i++) places[i] = Math.max(places[i], i > 0 ? places[i - 1] + distance : low);
@@ -277,7 +277,7 @@ class Painter {
     const width = (cradle ? r.h - 3.6 * size : r.w) / 2;
     const length = cradle ? r.w - 5.6 * size : r.h - 6.4 * size;
     const open = Math.min(2.1 * size, (0.4 * length) / this.d.scenario.balls.length); // room for a gap
-    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.1 * size) / width)), open); // room for the forces beside them
+    const radii = this.schematicRadii(length, cradle ? Math.min(0.34 * width, 0.62 * width - 3.2 * size) : width * Math.min(0.27, Math.max(0.16, 0.5 - (3.1 * size) / width)), open); // leaves room for the forces
     const pairs = Math.max(...this.d.compression.slice(1), 1e-15);
     const magnify = this.d.compression.map((c, j) => (1.1 * size) / Math.max(j === 0 ? c : pairs, 1e-15));
     this.scales(r, magnify);
@@ -339,7 +339,7 @@ class Painter {
     let surface = 0;
     for (let i = 0; i < n; i++) {
       const wanted = i === 0 && !floor ? 0 : state.gap[i] * magnify[i];
-      const deepest = 0.5 * Math.min(radii[i], i > 0 ? radii[i - 1] : Infinity); // a small ball stays in sight
+      const deepest = 0.5 * Math.min(radii[i], i > 0 ? radii[i - 1] : Infinity); // a small ball stays visible
       const gap = Math.max(Math.min(wanted, limit), -deepest);
       broken.push(wanted > limit);
       centers.push(surface + gap + radii[i]);
@@ -409,7 +409,7 @@ class Painter {
     };
   }
 
-  // To the right of a column, one below the other, each tied to its contact; over a ball where the picture ends.
+  // To the right of a column, one below the other, each with a line to its contact; over a ball at the edge.
   private tagsBeside(line: Line, tags: Tag[], top: number, edge: number): void {
     const { g, size, theme } = this;
     const places = apart(tags.map((t) => Math.max(t.along, 0.8 * size)), 1.2 * size, 0.8 * size, Math.max(top + size, 0));
@@ -424,7 +424,7 @@ class Painter {
     });
   }
 
-  // Above a row of balls, in as many lines as keep them apart; a gap without room is left out.
+  // Above a row of balls, in as many lines as needed; gaps without room are left out.
   private tagsAbove(line: Line, tags: Tag[], radius: number): void {
     const { g, size } = this;
     const ends = [-Infinity, -Infinity, -Infinity];

@@ -1,4 +1,4 @@
-// What the page shows at this instant, shared by its parts: the scenario, what was solved, the place in the film, and
+// Shared state of the page: the scenario, its solution, the time of the film, and
 // what must be drawn again.
 import type { Clock } from "./clock";
 import type { Drop } from "./drop";
@@ -12,12 +12,12 @@ export class State {
   readonly lecture: LectureView = firstLectureView();
   drop: Drop | null = null;
   theme: Theme = themeOf(document.documentElement);
-  screen = 0; // place in the film [s on the screen]
+  screen = 0; // time in the film [s on the screen]
   playing = false;
   readonly dirty = { solve: true, plots: true, timeline: true, mapPicture: true, stage: true };
   private linkTimer = 0;
 
-  // `edited` is told when a part of the page has changed the scenario.
+  // `edited` is called when a part of the page has changed the scenario.
   constructor(
     public scenario: Scenario,
     readonly edited: () => void,
@@ -45,7 +45,7 @@ export class State {
     clearTimeout(this.linkTimer);
     this.linkTimer = window.setTimeout(() => history.replaceState(null, "", this.link()), 250);
   }
-  // What is shown now can be gone back to; links that follow are those of a new entry.
+  // Adds a history entry; later links belong to it.
   enterHistory(): void {
     clearTimeout(this.linkTimer);
     history.replaceState(null, "", this.link());

@@ -1,4 +1,4 @@
-// The story in six steps: what each shows, how one goes from one to the next, and its picture of the drop.
+// The story in six steps: content, navigation and its drawing of the drop.
 import { find, tell, type Sheet } from "./dom";
 import type { Film } from "./film";
 import type { Frames } from "./frames";
@@ -8,7 +8,7 @@ import type { State } from "./state";
 import { storyText, titleOf, type Told } from "./story_text";
 import { drawTale, rulerTop, type TaleLayout } from "./tale";
 
-// What a step shows beside its text.
+// Panels of a step besides its text.
 const shows: Record<Step, (PanelName | "tale")[]> = {
   predict: ["tale"],
   drop: ["tale"],
@@ -19,7 +19,7 @@ const shows: Record<Step, (PanelName | "tale")[]> = {
 };
 const onCradle: Partial<Record<Step, PanelName[]>> = { predict: ["film"], drop: ["film"] };
 
-// What the page knows and the story needs.
+// Data of the page that the story needs.
 export interface Stagehand {
   told(): Pick<Told, "gaps" | "trusted">;
   entered(step: Step): void;
@@ -59,7 +59,7 @@ export class Story {
     find(step ? "story-title" : "tell").focus({ preventScroll: true });
   }
 
-  // The page as the step in the link asks.
+  // Sets the page to the step in the link.
   show(): void {
     const { step } = this.view;
     find("story").hidden = find("story-nav").hidden = step === null;
@@ -96,7 +96,7 @@ export class Story {
 
   // ---- what is shown ----------------------------------------------------------------------------------
 
-  // Draws and tells if it is due.
+  // Draws and updates the text if necessary.
   frame(): void {
     const { state, view } = this;
     if (!view.step || !state.drop) return;
@@ -156,7 +156,7 @@ export class Story {
     canvas.setAttribute("aria-valuetext", view.guess === null ? "no guess yet" : `${view.guess} m`);
   }
 
-  // ---- what changes it --------------------------------------------------------------------------------
+  // ---- changes ----------------------------------------------------------------------------------------
 
   private guess(height: number): void {
     if (this.view.step !== "predict") return;
@@ -179,7 +179,7 @@ export class Story {
     this.listenSwipe();
   }
 
-  // Hard balls touch more often than soft ones: counting is worth while on the paper's, too.
+  // Hard balls touch more often than soft ones; the paper's balls are offered for counting too.
   private refreshOther(): void {
     const other = find("story-other");
     other.hidden = this.view.step !== "count";
@@ -193,7 +193,7 @@ export class Story {
     this.film.play(true);
   }
 
-  // Arrows, space and Esc turn the pages, up and down move the guess; a control that uses a key itself keeps it.
+  // Arrows, space and Esc change the step, up and down move the guess; a focused control keeps the keys it uses.
   private key(e: KeyboardEvent): void {
     if (!this.view.step || e.ctrlKey || e.metaKey || e.altKey) return;
     const target = e.target as HTMLElement;
@@ -235,7 +235,7 @@ export class Story {
     this.state.writeLink();
   }
 
-  // A quick stroke sideways, but not one that begins on something that is dragged.
+  // A horizontal swipe that does not begin on a draggable element.
   private listenSwipe(): void {
     let from: { x: number; y: number; at: number } | null = null;
     document.addEventListener("touchstart", (e) => {

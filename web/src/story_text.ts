@@ -1,4 +1,4 @@
-// What the story says at each step, made of the numbers of the setting that is shown.
+// Texts of the story, from the numbers of the present setting.
 import type { Drop } from "./drop";
 import { digits, metres, withUnit } from "./format";
 import type { Step } from "./lecture_view";

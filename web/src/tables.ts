@@ -1,4 +1,4 @@
-// What the core states of itself: its laws, the parameters of a column, its models. build.mjs puts the tables here.
+// Records of the core: laws, parameters of a column, models. build.mjs inserts the tables here.
 export interface Quantity {
   name: string;
   unit: string; // "1": a plain number
@@ -37,7 +37,7 @@ export const namesOf = { newton, icm: independent };
 
 export const capital = (s: string): string => s[0].toUpperCase() + s.slice(1);
 
-// "restitution ε at impact_speed; every contact …" → "Restitution ε": no sentence, and no name of a parameter.
+// "restitution ε at impact_speed; every contact …" → "Restitution ε".
 export const labelOf = (q: Quantity): string => capital(q.meaning.split(/[;,(]| at (?:release|[a-z]+_[a-z]+)/)[0].trim().replace("'", "’"));
 
 // The symbol at the end of a label, as in "Mass m"; "": there is none.

@@ -1,5 +1,5 @@
-// The picture that opens the story: the balls at true scale beside a ruler, the guess of the viewer as a line across,
-// and, once they drop, both models side by side.
+// First drawing of the story: the balls at true scale beside a ruler, the viewer's guess as a line,
+// and, during the fall, both models side by side.
 import type { State as Balls } from "./core";
 import type { Drop } from "./drop";
 import { metres, niceTicks, withUnit } from "./format";
@@ -13,7 +13,7 @@ export interface Tale {
   drop: Drop;
   newton: Balls;
   icm: Balls;
-  falling: boolean; // both models; before, the balls as they are let go
+  falling: boolean; // both models; otherwise the balls at release
   guess: number | null; // m
   reached: [number, number]; // heights to mark for Newton and independent collisions [m]; NaN: not yet
 }
@@ -24,13 +24,13 @@ export interface TaleLayout {
   top: number; // m at the upper edge
 }
 
-// Height of the top ball's centre when it is let go [m].
+// Height of the top ball's centre at release [m].
 export function releaseHeight(d: Drop): number {
   const { height, balls, gaps } = d.scenario;
   return balls.slice(1).reduce((z, b, i) => z + balls[i].radius + gaps[i] + b.radius, height);
 }
 
-// The ruler leaves room for every guess a viewer may have, and gives nothing away.
+// The ruler covers every possible guess and does not reveal the result.
 export function rulerTop(d: Drop, guess: number | null, falling: boolean): number {
   const least = 5 * releaseHeight(d);
   const seen = falling ? Math.min(1.05 * d.top, 20 * releaseHeight(d)) : 0;
@@ -90,7 +90,7 @@ export function drawTale(g: CanvasRenderingContext2D, whole: number, h: number, 
   return { floor, scale, top };
 }
 
-// The balls at one scale of their own, with their names.
+// The balls at a common scale, with their names.
 function drawPortrait(g: CanvasRenderingContext2D, d: Drop, x: number, w: number, h: number, size: number, theme: Theme): void {
   const { balls, gaps } = d.scenario;
   const tall = balls.reduce((sum, b) => sum + 2 * b.radius, 0);

@@ -1,4 +1,4 @@
-// Light or dark: as the system says until the reader chooses, then as chosen, also after a reload.
+// Light or dark theme: the system's until the user chooses one, which is kept after a reload.
 import { find } from "./dom";
 import type { State } from "./state";
 import { themeOf } from "./theme";
@@ -10,7 +10,7 @@ export class ThemeSwitch {
   private chosen: string | null = null;
 
   constructor(private readonly state: State) {
-    // A browser may keep nothing, or refuse to be asked.
+    // Storage may be unavailable.
     try {
       this.chosen = localStorage.getItem(key);
     } catch {}

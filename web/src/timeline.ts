@@ -1,4 +1,4 @@
-// When the balls touch, for every ε (Fig. 3): bands are contacts, read horizontally.
+// Contact times for every ε (Fig. 3): each band is a contact.
 import type { Contact, TimelineRow } from "./core";
 import type { Drop } from "./drop";
 import { drawAxes, fontSize, grown, Scale, setFont, stroke, timeTicks, timeUnit, type Frame } from "./plot";
@@ -9,19 +9,19 @@ import type { Theme } from "./theme";
 const even = 241; // rows to begin with
 const finest = 1 / 4096; // of the distance between them, where the contacts change
 const finestBend = 1 / 40; // where their times bend
-const straight = 1 / 1500; // of the times shown: what a line may miss
+const straight = 1 / 1500; // largest error of a line, relative to the times shown
 const most = 1500; // rows
 const patience = 4_000; // ms: rows that would take longer are left out
 const longest = 5; // floor contacts: times shown
 const low = ranges.restitution.low;
 
-// Rows are computed beside the page, coarse first. Where the contacts change between two rows, more are put between
-// them, so that a spike is followed to its tip.
+// Rows are computed in workers, coarse first. Where the contacts change between two rows, more rows are inserted
+// to resolve the tips.
 export class Timeline {
   private rows: TimelineRow[] = []; // by ε
   private adiabatic: TimelineRow[] = [];
   private queue: number[] = []; // ε
-  private sent = 0; // batches under way
+  private sent = 0; // batches in progress
   private asked = 0;
   private answered = 0;
   private perRow = 0; // ms, measured as it goes
@@ -81,7 +81,7 @@ export class Timeline {
     this.changed();
   }
 
-  // Halves the distances over which the contacts change, and those over which their times are no straight line.
+  // Bisects the intervals in which the contacts change or their times are not linear.
   private refine(): void {
     const { rows } = this;
     const apart = (1 - low) / (even - 1);
@@ -97,8 +97,8 @@ export class Timeline {
     this.asked += this.queue.length;
   }
 
-  // The whole floor contact and, of nearly all rows, the last contact between balls; if that comes so late that it would
-  // press the floor contact into a strip, the first one.
+  // Range of times: the whole floor contact and, for nearly all rows, the last contact between balls. If that is so late that it
+  // would compress the floor contact to a strip, the first contact between balls.
   private span(): number {
     const floor = this.rows.reduce((most, { tFloorEnd }) => (tFloorEnd < Infinity ? Math.max(most, tFloorEnd) : most), 0);
     const last = mostOf(this.rows.map((row) => row.tEnd));
@@ -143,10 +143,10 @@ export class Timeline {
     return { x, y, frame: f };
   }
 
-  // The regions in which two bodies touch. Between rows with the same contacts each runs on; where the contacts change,
-  // one ends.
+  // The regions in which two bodies touch. A region continues between rows with the same contacts; where they change,
+  // it ends.
   private drawBands(g: CanvasRenderingContext2D, x: Scale, y: Scale, several: boolean, theme: Theme): void {
-    // A contact that never ends runs on to the edge of the picture, where it has begun before that.
+    // A contact that never ends extends to the edge of the plot.
     const end = (c: Contact): number => x.at(Number.isFinite(c.end) ? c.end : Math.max(c.begin, x.high));
     for (const group of runsOf(this.rows)) {
       const last = group.length - 1;
@@ -258,7 +258,7 @@ export class Timeline {
   }
 }
 
-// What nine rows of ten do not exceed; without end counts as nothing.
+// The 90th percentile over the rows; infinite values are ignored.
 function mostOf(times: number[]): number {
   const sorted = times.map((t) => (Number.isFinite(t) ? t : 0)).sort((a, b) => a - b);
   return sorted[Math.floor(0.9 * (sorted.length - 1))] ?? 0;

@@ -1,10 +1,10 @@
-// Fingers: a swipe scrolls the page and changes nothing. A tap chooses in a picture and makes it live: from then on
-// fingers drag in it, until one touches anything else.
+// Touch input: a swipe scrolls the page. A tap selects a point of a plot and activates it: from then on
+// fingers drag in it, until something else is touched.
 type Place = (x: number, y: number) => void;
 
 const still = 8; // pixels that a resting finger moves
 
-// Makes a picture live on a tap; mice and pens need no tap.
+// Activates a plot on a tap; mouse and pen need no tap.
 function livens(canvas: HTMLElement, tap: Place): void {
   let from: PointerEvent | null = null;
   canvas.addEventListener("pointerdown", (e) => (from = e.pointerType === "touch" && !isLive(canvas) && e.isPrimary ? e : null));
@@ -22,10 +22,10 @@ function livens(canvas: HTMLElement, tap: Place): void {
 
 export const isLive = (canvas: HTMLElement): boolean => canvas.dataset.live !== undefined;
 
-// Whether a pointer may drag in a picture.
+// Whether a pointer may drag in a plot.
 const works = (canvas: HTMLElement, e: PointerEvent): boolean => e.button === 0 && (e.pointerType !== "touch" || isLive(canvas));
 
-// Calls `move` with the place of a pressed pointer, from the press on.
+// Calls `move` with the position of a pressed pointer.
 export function dragged(canvas: HTMLCanvasElement, move: Place): void {
   canvas.addEventListener("pointerdown", (e) => {
     if (!works(canvas, e)) return;
@@ -43,7 +43,7 @@ export function dragged(canvas: HTMLCanvasElement, move: Place): void {
 export interface Gestures {
   choose: Place;
   pan: Place; // by so many pixels
-  zoom: (factor: number, x: number, y: number) => void; // about a place
+  zoom: (factor: number, x: number, y: number) => void; // about a point
   frame: (from: [number, number], to: [number, number], done: boolean) => void; // a rectangle drawn with Shift
   hover: (at: [number, number] | null) => void;
 }
@@ -52,7 +52,7 @@ export interface Gestures {
 // zoom.
 export function moved(canvas: HTMLCanvasElement, to: Gestures): void {
   const pressed = new Map<number, [number, number]>();
-  let begin: [number, number] | null = null; // of a press that is no drag yet
+  let begin: [number, number] | null = null; // of a press that is not yet a drag
   let framing = false;
   const at = (e: MouseEvent): [number, number] => [e.offsetX, e.offsetY];
   canvas.addEventListener("pointerdown", (e) => {
@@ -100,8 +100,8 @@ export function moved(canvas: HTMLCanvasElement, to: Gestures): void {
   livens(canvas, to.choose);
 }
 
-// Puts a slider into a frame that takes the fingers in its place (style.css): the thumb follows a finger that moves along
-// the slider, a tap sets it, and a swipe across scrolls.
+// Wraps a slider in a frame that handles touch (style.css): the thumb follows a finger that moves along
+// the slider, a tap sets it, and a swipe across it scrolls.
 export function touchable(slider: HTMLInputElement): HTMLElement {
   const track = document.createElement("span");
   track.className = "track";

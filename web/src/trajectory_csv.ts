@@ -5,7 +5,7 @@ import { solve, type Solved } from "./drop";
 import { exactNumbers } from "./numbers";
 import { toToml, type Scenario } from "./scenario";
 
-// The film's time scale puts many rows where much happens. What a model does not know is nan. Null: nothing to tell.
+// Rows are equidistant on the film's time scale, dense in contacts. Unknown values are nan. Null: no data.
 export function trajectoryCsv(core: Core, scenario: Scenario): string | null {
   const d = solve(core, scenario);
   if ("reason" in d) return null;

@@ -1,10 +1,10 @@
-// Where collisions may be simulated as events: from which gap on both models agree, for every ε of the map.
+// Validity of event-driven simulation: the gap above which both models agree, for every ε of the map.
 import { grown, setFont, type Frame, type Scale } from "./plot";
 import type { Theme } from "./theme";
 
 const agreement = 0.05; // of ε_eff/ε with 1
 
-// The lowest row from which on a column of ε_eff/ε stays near 1 up to the top; `side`: no row does, NaN: not computed.
+// The lowest row above which a column of ε_eff/ε stays near 1; `side`: none, NaN: not computed.
 export function trustedRow(ratio: (row: number) => number, side: number): number {
   let row = side;
   while (row > 0) {

@@ -1,4 +1,4 @@
-// What is looked at: which map, zoomed where, how the film runs. Kept in the link beside the scenario.
+// View settings: map, zoom, film. Stored in the link with the scenario.
 import { ranges, type Scenario } from "./scenario";
 
 export type MapAxis = "gap" | "ratio";
@@ -12,7 +12,7 @@ export interface Box {
 export interface MapView {
   axis: MapAxis;
   show: MapShow;
-  zoom: Box | null; // null: the whole picture
+  zoom: Box | null; // null: the whole map
 }
 
 export interface View {
@@ -23,7 +23,7 @@ export interface View {
 
 export const firstView = (): View => ({ map: { axis: "gap", show: "count", zoom: null }, slow: true, time: null });
 
-// The whole picture: ε, and the decades around the gap from which on collisions are independent.
+// The whole map: ε, and the decades around the gap above which collisions are independent.
 export function wholeMap(s: Scenario, axis: MapAxis, floorContact: number, speed: number): Box {
   const x: [number, number] = [0.05, 1];
   if (axis === "ratio") {

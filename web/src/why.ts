@@ -1,8 +1,8 @@
-// Why the two models differ, or do not, in one or two sentences made of the numbers of this very setting.
+// Explains in one or two sentences, from the numbers of this setting, why the two models differ or agree.
 import type { Contact, Run } from "./core";
 import { withUnit } from "./format";
 
-// What the sentence is made of: a Drop has it all.
+// Input of the sentence; a Drop provides it.
 export interface Facts {
   balls: number;
   cradle: boolean;
@@ -20,20 +20,20 @@ const duration = (t: number): string => withUnit(Math.max(t, 0), "s");
 interface Span {
   pair: number;
   begin: number;
-  end: number; // infinity: for good
+  end: number; // infinity: never
 }
 
-// Contacts of the sequence, those that last for good until infinity.
+// Contacts of the sequence; those that never end last until infinity.
 const spans = (contacts: Contact[], last: number): Span[] =>
   contacts.filter((c) => c.begin <= last).map((c) => ({ ...c, end: Number.isFinite(c.end) ? c.end : Infinity }));
 
-// Most contacts that press at one time.
+// Largest number of simultaneous contacts.
 function mostAtOnce(list: Span[]): number {
   const edges = list.flatMap((c) => [
     { at: c.begin, by: 1 },
     { at: c.end, by: -1 },
   ]);
-  edges.sort((a, b) => a.at - b.at || a.by - b.by); // one that ends as another begins does not overlap it
+  edges.sort((a, b) => a.at - b.at || a.by - b.by); // a contact that ends as another begins does not overlap it
   let now = 0;
   let most = 0;
   for (const { by } of edges) {
@@ -43,7 +43,7 @@ function mostAtOnce(list: Span[]): number {
   return most;
 }
 
-// From this compression over the smaller radius on, a contact law is stretched.
+// Compression over the smaller radius above which a contact law is questionable.
 export const SHALLOW = 0.05;
 
 export function why(facts: Facts): string {

@@ -1,4 +1,4 @@
-// What is computed beside the page: one task after another.
+// The web worker: computes one task after another.
 import { Core, Model, type TimelineRow } from "./core";
 import { solve, type Solved, type Unsolved } from "./drop";
 import { risesOf } from "./rises";
@@ -10,7 +10,7 @@ export interface Tasks {
   csv: { ask: { scenario: Scenario }; answer: string | null };
   // Points (ε, y) of a map; MAP_VALUES numbers each.
   points: { ask: { column: Float64Array; axis: number; points: Float64Array }; answer: Float64Array };
-  // Of each column how high its top ball rises under Newton’s equations and independent collisions.
+  // For each column the rebound height of its top ball under both models.
   curve: { ask: { columns: Float64Array[] }; answer: Float64Array };
   // Rows of the timeline; `adiabatic` also those of the lower ball unaffected by the upper one.
   timeline: { ask: { column: Float64Array; restitution: number[]; adiabatic: boolean }; answer: { newton: TimelineRow[]; adiabatic: TimelineRow[] } };
@@ -27,7 +27,7 @@ export interface Reply {
   ms: number;
   answer?: unknown;
   error?: string;
-  begun?: { what: string; share: number }; // under way: what begins now
+  begun?: { what: string; share: number }; // in progress: the stage that begins
 }
 
 let module: WebAssembly.Module;
@@ -69,7 +69,7 @@ self.onmessage = (event: MessageEvent<WebAssembly.Module | Request>): void => {
     const answer = (perform[kind] as (ask: unknown, id: number) => unknown)(ask, id);
     post({ id, ms: performance.now() - begin, answer }, transferable(answer));
   } catch (error) {
-    core = new Core(module); // what a trap has left is not to be relied on
+    core = new Core(module); // the state after a trap is undefined
     post({ id, ms: performance.now() - begin, error: String(error) });
   }
 };

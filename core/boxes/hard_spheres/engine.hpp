@@ -213,7 +213,7 @@ private:
     double since_last(u32 i, double waited) const { return collisions(i) > 0 ? waited : math::infinity; }
     PairGeometry geometry(u32 i, u32 j) const;
     void after_collision(u32 i);
-    void record(u32 i, i64 second, double speed, double lost, double waited);
+    void record(u32 i, i64 second, double speed, double separation_speed, double lost, double waited);
     std::pair<i64, i64> original_pair(u32 i, i64 second) const;
     void end_run(Outcome outcome, u32 i, i64 second);
     void end_unsolved(Outcome outcome, u32 i, i64 second, double speed);

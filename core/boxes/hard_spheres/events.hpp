@@ -82,7 +82,7 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
         ++accumulators_.walls;
     } else if (speed == 0.0) {
         ++accumulators_.walls;
-        record(i, wall.id.number, speed, 0.0, math::infinity);
+        record(i, wall.id.number, speed, 0.0, 0.0, math::infinity);
         if (!(away * box_.gravity[axis] > 0.0)) return end_run(Outcome::at_rest, i, wall.id.number);
     } else if (takes_time_) {
         contact_with_wall(i, wall, away, speed);
@@ -98,7 +98,7 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
         accumulators_.kinetic -= lost;
         accumulators_.momentum[axis] += m * (p.velocity[axis] - before);
         ++accumulators_.walls;
-        record(i, wall.id.number, speed, lost, waited);
+        record(i, wall.id.number, speed, e * speed, lost, waited);
     }
     count_collision(i);
     after_collision(i);
@@ -137,13 +137,14 @@ PairGeometry HardSpheres<d, motion, mixed>::geometry(u32 i, u32 j) const {
 // Logs a collision of i, before it is counted, and ends the run if it is part of a collapse. second: the other
 // particle, or the number of a wall.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, double lost, double waited) {
+void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, double separation_speed,
+                                           double lost, double waited) {
     if (lost != 0.0) accumulators_.dissipated.add(lost);
     const auto index = [this](u32 id) { return original_index_[id]; };
     if (keep_log_) {
         const auto [first, last] = original_pair(i, second);
         log_.push_back({now_, now_, static_cast<std::int32_t>(first), static_cast<std::int32_t>(last), speed,
-                        math::nan, false});
+                        separation_speed, false});
     }
     const auto typical = [&] {
         return math::sqrt(math::max(0.0, 2.0 * accumulators_.kinetic / accumulators_.mass));
@@ -173,7 +174,7 @@ void HardSpheres<d, motion, mixed>::end_run(Outcome outcome, u32 i, i64 second) 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::end_unsolved(Outcome outcome, u32 i, i64 second, double speed) {
     ++(second < 0 ? accumulators_.walls : accumulators_.pairs);
-    record(i, second, speed, 0.0, math::infinity);
+    record(i, second, speed, math::nan, 0.0, math::infinity);
     end_run(outcome, i, second);
 }
 
@@ -230,7 +231,7 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
             accumulators_.advance(now_);
             accumulators_.kinetic -= lost;
         }
-        record(i, j, speed, lost, math::max(waited[0], waited[1]));
+        record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     }
     for (int k = 0; k < d; ++k) {
         const double impulse = reduced * gain * r[k];

@@ -67,7 +67,9 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     displace(i, -mass(j) / whole, change, shift);
     displace(j, mass(i) / whole, change, shift);
     remember_contact(i, j, found.duration);
-    record(i, j, speed, lost, math::infinity);
+    // Angular momentum: at equal distances the tangential speed is the same.
+    const double separation = math::sqrt(math::max(0.0, after - square));
+    record(i, j, speed, separation, lost, math::infinity);
     ++accumulators_.pairs;
 }
 
@@ -90,7 +92,9 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
     accumulators_.momentum[axis] += m * change[axis];
     displace(i, 1.0, change, shift);
     remember_contact(i, no_particle, found.duration, wall.id);
-    record(i, wall.id.number, speed, lost - m * pressing * end.normal_shift, math::infinity);
+    const double dissipated = lost - m * pressing * end.normal_shift;
+    const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));
+    record(i, wall.id.number, speed, separation, dissipated, math::infinity);
 }
 
 // Until either has met something else a pair must not collide again, though its equivalent collision may leave it

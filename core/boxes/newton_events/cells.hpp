@@ -1,8 +1,25 @@
-// Cells of the event-driven engine: set-up, neighbours of a body, crossing into another cell.
+// Set-up of the event-driven engine, and its cells: neighbours of a body, crossing into another cell.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
+
+template <class Law>
+NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, const System& s,
+                                const hardlimit_abi::TouchKernels& kernels)
+    : setting_(setting),
+      laws_(setting_.laws<Law>()),
+      soft_(soft_contacts(laws_, s.n, kernels)),
+      gravity_(std::to_array(box_.gravity)) {
+    find_extreme_radii(s.n);
+    largest_safety_radius_ = initial_safety_radius(s.velocity);
+    make_cells(s.n, kernels);
+    sort_in(s);
+    begin_contacts();
+    for (int i = 0; i < static_cast<int>(s.n); ++i)
+        if (free(i)) predict_events(i);
+    restart_calendar_queue();
+}
 
 template <class Law>
 void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {

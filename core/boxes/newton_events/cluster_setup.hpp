@@ -37,8 +37,8 @@ bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     if (small && c.steps() < steps_of_small_cluster) return false;
     const auto bodies = static_cast<double>(particles_.size());
     const double most = most_integration_steps * (small ? math::max(bodies, fewest_bodies) : bodies);
-    integration_steps_ =
-        math::max(integration_steps_ - most_integration_steps * static_cast<double>(begun_ - begun_before_), 0.0);
+    integration_steps_ = math::max(
+        integration_steps_ - most_integration_steps * static_cast<double>(begun_ - begun_before_), 0.0);
     begun_before_ = begun_;
     integration_steps_ += static_cast<double>(members) * static_cast<double>(c.steps());
     return integration_steps_ > most;

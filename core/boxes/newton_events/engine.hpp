@@ -177,11 +177,8 @@ private:
             return e.end == of.time && e.group == of.group && !e.clustered;
         };
     }
-    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
-                                                 const hardlimit_abi::TouchKernels& kernels);
     void prefetch_contact_ends() const;
     void process_event(int i);
-    void end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall = {});
 
     // cells.hpp
     void find_extreme_radii(std::size_t n);
@@ -233,6 +230,7 @@ private:
     void find_third_bodies(int i, int index, std::vector<int>& near) const;
     void schedule_group(int index);
     bool ends_too_deep(int index);
+    void end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall = {});
 
     // membership.hpp
     int new_group();
@@ -273,9 +271,11 @@ private:
     double safety_radius_used(const Group& g, std::size_t m, const Vector3& at, double time) const;
 
     // isolated_contact.hpp
+    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                 const hardlimit_abi::TouchKernels& kernels);
     bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
     void separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
-                       const Vector3& normal, const Vector3& across) const;
+                       const Vector3& normal, const Vector3& tangent) const;
     bool solve_wall(IsolatedContact& l, SeparatedMembers& after);
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
@@ -296,46 +296,6 @@ private:
     template <class Archive>
     static void exchange(Archive& archive, Cluster<Law>& c);
 };
-
-template <class Law>
-NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, const System& s,
-                                const hardlimit_abi::TouchKernels& kernels)
-    : setting_(setting),
-      laws_(setting_.laws<Law>()),
-      soft_(soft_contacts(laws_, s.n, kernels)),
-      gravity_(std::to_array(box_.gravity)) {
-    find_extreme_radii(s.n);
-    largest_safety_radius_ = initial_safety_radius(s.velocity);
-    make_cells(s.n, kernels);
-    sort_in(s);
-    begin_contacts();
-    for (int i = 0; i < static_cast<int>(s.n); ++i)
-        if (free(i)) predict_events(i);
-    restart_calendar_queue();
-}
-
-// Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
-// largest body; a pair that does not fit the table is solved directly.
-template <class Law>
-SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
-                                                         const hardlimit_abi::TouchKernels& kernels) {
-    std::size_t least = 0, most = 0;
-    for (std::size_t i = 1; i < count; ++i) {
-        if (laws.radius(i) < laws.radius(least)) least = i;
-        if (laws.radius(i) > laws.radius(most)) most = i;
-    }
-    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
-    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
-    const auto damping = [&](std::size_t i, std::size_t j) {
-        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
-        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
-    };
-    const double of_most = damping(most, most);
-    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
-    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
-    const auto first = static_cast<std::int64_t>(most);
-    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
-}
 
 template <class Law>
 void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
@@ -404,16 +364,6 @@ void NewtonEvents<Law>::process_event(int i) {
     if (!box_.wraps(axis) && cells_.place(level_, e.cell)[axis] == last)
         return begin_contact(i, -1, wall_at(own));
     leave_cell(i);
-}
-
-// Ends the run at these bodies.
-template <class Law>
-void NewtonEvents<Law>::end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall) {
-    if (outcome_ != Outcome::ok) return;
-    outcome_ = outcome;
-    ended_at_wall_ = wall;
-    for (const int i : bodies) ended_by_.push_back(pending_[i].original_index);
-    std::sort(ended_by_.begin(), ended_by_.end());
 }
 
 }  // namespace hardlimit::boxes

@@ -311,4 +311,14 @@ bool NewtonEvents<Law>::ends_too_deep(int index) {
     return true;
 }
 
+// Ends the run at these bodies.
+template <class Law>
+void NewtonEvents<Law>::end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall) {
+    if (outcome_ != Outcome::ok) return;
+    outcome_ = outcome;
+    ended_at_wall_ = wall;
+    for (const int i : bodies) ended_by_.push_back(pending_[i].original_index);
+    std::sort(ended_by_.begin(), ended_by_.end());
+}
+
 }  // namespace hardlimit::boxes

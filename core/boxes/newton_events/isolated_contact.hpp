@@ -4,13 +4,36 @@
 
 namespace hardlimit::boxes {
 
+// Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
+// largest body; a pair that does not fit the table is solved directly.
+template <class Law>
+SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                         const hardlimit_abi::TouchKernels& kernels) {
+    std::size_t least = 0, most = 0;
+    for (std::size_t i = 1; i < count; ++i) {
+        if (laws.radius(i) < laws.radius(least)) least = i;
+        if (laws.radius(i) > laws.radius(most)) most = i;
+    }
+    const auto mass = [&](std::size_t i, std::size_t j) { return effective(laws.mass(i), laws.mass(j)); };
+    const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
+    const auto damping = [&](std::size_t i, std::size_t j) {
+        const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
+        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
+    };
+    const double of_most = damping(most, most);
+    const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
+    const bool varies = differs(damping(least, least)) || differs(damping(least, most));
+    const auto first = static_cast<std::int64_t>(most);
+    return {laws(first, first), mass(most, most), reach(most, most), varies, kernels.read_cell};
+}
+
 // Solves the contact of two bodies in their plane of approach. Returns false if the contact does not end, or if a
 // member moves too far for its cell.
 template <class Law>
 bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) {
     ContactPair<Law>& q = l.pair;
     const Member &a = l.before[0], &b = l.before[1];
-    Vector3 normal, v, across;
+    Vector3 normal, v, tangent;
     for (std::size_t k = 0; k < 3; ++k) {
         normal[k] = (b.position[k] - a.position[k]) + q.image[k];
         v[k] = b.velocity[k] - a.velocity[k];
@@ -18,28 +41,29 @@ bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) 
     const double per_distance = 1.0 / math::sqrt(dot(normal, normal)),
                  approach = -dot(normal, v) * per_distance;
     for (double& x : normal) x *= per_distance;
-    for (std::size_t k = 0; k < 3; ++k) across[k] = v[k] + approach * normal[k];
-    const double sideways = math::sqrt(dot(across, across));
+    for (std::size_t k = 0; k < 3; ++k) tangent[k] = v[k] + approach * normal[k];
+    const double tangential = math::sqrt(dot(tangent, tangent));
     if (!(approach > 0.0)) return false;
-    const double per_sideways = sideways > 0.0 ? 1.0 / sideways : 0.0, distance = q.contact_distance;
-    for (double& x : across) x *= per_sideways;
-    const Approach touch{q.mass, distance, approach, sideways};
+    const double per_tangential = tangential > 0.0 ? 1.0 / tangential : 0.0, distance = q.contact_distance;
+    for (double& x : tangent) x *= per_tangential;
+    const Approach touch{q.mass, distance, approach, tangential};
     const PlanarContact end = soft_(q.law, touch);
     if (end.outcome != Outcome::ok) return false;
-    const double separation = end.radial_speed, swing = end.tangential_speed;
+    const double separation = end.radial_speed, tangential_after = end.tangential_speed;
     l.contact = {0, now_, now_ + end.duration, approach, separation, false};
     q.impact_speed = approach;
     l.compression = end.greatest / math::min(a.radius, b.radius);
-    l.dissipated =
-        0.5 * q.mass * (end.speed_loss * (approach + separation) + (sideways - swing) * (sideways + swing));
+    l.dissipated = 0.5 * q.mass *
+                   (end.speed_loss * (approach + separation) +
+                    (tangential - tangential_after) * (tangential + tangential_after));
     // Virial from r · (equation of motion), integrated over the contact.
     const double left = distance - end.compression;
-    l.virial = q.mass *
-               ((separation * left + approach * distance) - end.rate_square - sideways * distance * end.turn);
-    separate_pair(l, after, end, normal, across);
+    l.virial = q.mass * ((separation * left + approach * distance) - end.rate_square -
+                         tangential * distance * end.turn);
+    separate_pair(l, after, end, normal, tangent);
     const double share = math::max(a.mass, b.mass) / (a.mass + b.mass);
     return l.compression < deepest_compression && end.turn < largest_rotation &&
-           l.span * (approach + sideways) <= largest_displacement_ &&
+           l.span * (approach + tangential) <= largest_displacement_ &&
            share * l.deviation <= largest_safety_radius_;
 }
 
@@ -48,26 +72,27 @@ bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) 
 // the deviation is at most that at touch, divided by the cosine of half of the rotation.
 template <class Law>
 void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
-                                      const Vector3& normal, const Vector3& across) const {
+                                      const Vector3& normal, const Vector3& tangent) const {
     const Member &a = l.before[0], &b = l.before[1];
     const double distance = l.pair.contact_distance, r = distance - end.compression;
-    const double out = end.radial_speed, swing = end.tangential_speed;
-    const double left = end.compression * (distance + r), along = r * out;
-    const double square = along * along + (out * out + swing * swing) * left;
-    const double parting = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
-    l.span = end.duration + parting;
+    const double radial = end.radial_speed, tangential = end.tangential_speed;
+    const double left = end.compression * (distance + r), along = r * radial;
+    const double square = along * along + (radial * radial + tangential * tangential) * left;
+    const double opening = left > 0.0 ? left / (along + math::sqrt(square)) : 0.0;
+    l.span = end.duration + opening;
     const auto turn = math::sincos(end.turn);
-    const double vn = out * turn.cos - swing * turn.sin, vt = out * turn.sin + swing * turn.cos;
-    const double rn = r * turn.cos + vn * parting, rt = r * turn.sin + vt * parting;
+    const double vn = radial * turn.cos - tangential * turn.sin,
+                 vt = radial * turn.sin + tangential * turn.cos;
+    const double rn = r * turn.cos + vn * opening, rt = r * turn.sin + vt * opening;
     const double per_total = 1.0 / (a.mass + b.mass), of_a = a.mass * per_total, of_b = b.mass * per_total;
     after[0] = a, after[1] = b;
     for (std::size_t k = 0; k < 3; ++k) {
         const double mean = of_a * a.velocity[k] + of_b * b.velocity[k], fall = box_.gravity[k] * l.span;
         const double moved = l.span * (mean + 0.5 * fall);
-        const double place = (rn - distance) * normal[k] + rt * across[k];
-        const double velocity = vn * normal[k] + vt * across[k];
-        after[0].position[k] += moved - of_b * place;
-        after[1].position[k] += moved + of_a * place;
+        const double position = (rn - distance) * normal[k] + rt * tangent[k];
+        const double velocity = vn * normal[k] + vt * tangent[k];
+        after[0].position[k] += moved - of_b * position;
+        after[1].position[k] += moved + of_a * position;
         after[0].velocity[k] = (mean + fall) - of_b * velocity;
         after[1].velocity[k] = (mean + fall) + of_a * velocity;
     }
@@ -76,9 +101,10 @@ void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& afte
     l.rotation = end.turn;
     l.deviation = per_cosine * math::sqrt(off_n * off_n + off_t * off_t);
     for (std::size_t k = 0; k < 3; ++k)
-        l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * across[k]);
+        l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
+// The same for a body and a wall.
 template <class Law>
 bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) {
     ContactPair<Law>& q = l.pair;
@@ -123,7 +149,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
     if (!walled_) return true;
     const IsolatedContact& l = g.isolated_contact;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        const double room = radius(g.body[m]) + l.share[m] * l.deviation;
+        const double enlarged = radius(g.body[m]) + l.share[m] * l.deviation;
         for (int axis = 0; axis < box_.dimension; ++axis) {
             if (!box_.walled(axis)) continue;
             const auto a = static_cast<std::size_t>(axis);
@@ -133,7 +159,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
             const double vertex = back > 0.0 && back < l.span ? end - 0.5 * v * back : end;
             const double least = math::min(math::min(begin, end), vertex);
             const double most = math::max(math::max(begin, end), vertex);
-            const double needed = room * (1.0 + rounding_of_touch);
+            const double needed = enlarged * (1.0 + rounding_of_touch);
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 if (l.pair.second < 0 && l.pair.wall_id == wall.id) continue;

@@ -1,4 +1,4 @@
-// How deep the contacts of the exact solver go between its nodes.
+// Largest compressions between the nodes of the exact solver.
 #pragma once
 #include "glide.hpp"
 
@@ -26,15 +26,15 @@ inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
 class Compressions {
 public:
     double greatest[2] = {0.0, 0.0};  // of floor and pair
-    int too_deep = -1;                // which of them reached its limit; −1: none
+    int too_deep = -1;                // the one that reached its limit; −1: none
     double at = exact::never;         // when
     Node there{};
 
     explicit Compressions(const TwoBall& groups, double floor = exact::never, double pair = exact::never)
         : s(groups), limit{floor, pair} {}
 
-    // From a node over dt, or for good. A quarter of a piece holds no two turns of a gap. Steps grow where one closed
-    // form lasts longer than 4 pieces: by then a contact swings about where it will rest, or creeps there.
+    // From a node over dt, which may be infinite. A gap has at most one extremum in a quarter of a piece. Steps grow
+    // where one closed form lasts longer than 4 pieces: by then a contact oscillates about its rest position or creeps.
     void look(const Node& n, double dt) {
         if (too_deep >= 0 || !(n.floor || n.pair)) return;
         const double least = 0.25 * exact::piece_length(s, n.floor, n.pair);

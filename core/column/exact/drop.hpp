@@ -14,8 +14,7 @@ namespace hardlimit::column {
 
 using LinearColumn = Column<contact::LinearDashpot>;
 
-// What a recorded run keeps: its contacts, and where it can be sampled its nodes, of which there are max_pieces at
-// most.
+// Observer that records the contacts of a run and, if it is to be sampled, its nodes (at most max_pieces).
 struct Recorder {
     bool keep_nodes = true;
     Stop* stop = nullptr;
@@ -42,7 +41,7 @@ struct Recorder {
     }
     void ends(int pair, double t) { contacts[static_cast<std::size_t>(open[pair])].end = t; }
 
-    // Time counts from t on.
+    // Sets the origin of time to t.
     void shift(double t) {
         last.t -= t;
         released -= t;
@@ -59,7 +58,7 @@ struct Drop {
     int too_deep = -1;              // pair that was compressed too much; −1: none
 };
 
-// One state on the way, in SI units: gaps and forces of floor and pair, velocities of lower and upper ball.
+// One state in SI units: gaps and forces of floor and pair, velocities of lower and upper ball.
 struct DropSample {
     double gap[2], velocity[2], force[2];
     Energies energies;
@@ -86,9 +85,9 @@ inline constexpr double gauss_at[4] = {0.18343464249564980494, 0.525532409916328
 inline constexpr double gauss_weight[4] = {0.36268378337836198297, 0.31370664587788728734,
                                            0.22238103445337447054, 0.10122853629037625915};
 
-// Work done by the dashpots in motion C of the adiabatic model. It is not what the mechanical energy loses, because the
-// reaction that the model leaves out takes some as well. Over t it is a quadratic form W(t) of the state, and W(2t) =
-// W(t) + Φᵀ W(t) Φ with Φ = exp(M t).
+// Work done by the dashpots in motion C of the adiabatic model. It differs from the loss of mechanical energy, because
+// the model leaves out the work of the reaction. Over t it is a quadratic form W(t) of the state, and
+// W(2t) = W(t) + Φᵀ W(t) Φ with Φ = exp(M t).
 inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
     const TwoBall& groups = s.groups;
     const double half_piece = 0.5 * exact::piece_length(groups, true, true);
@@ -165,12 +164,12 @@ inline DropBound bound_of(const CompressionBound& bound, const Start& s, double 
     return DropBound::of(bound, gap, s.units.speed);
 }
 
-// How long the contacts of a run may last: one at rest does for ever, unless a time was asked for.
+// Longest time that the contacts of a run may last: at rest they last forever, unless `until` is given.
 inline double lasts(const Sequence& q, double last, double span) {
     return q.outcome == Outcome::at_rest && span == -math::infinity ? math::infinity : last;
 }
 
-// A run that looks how deep the contacts are, and ends where one reaches its limit.
+// A run that tracks the compressions and ends where one reaches its limit.
 inline Sequence run_watched(const Start& s, const CompressionBound& bound, double span, Recorder& record,
                             Compressions& watch) {
     watch = Compressions(s.groups, bound.floor * s.per_metre, bound.pair * s.per_metre);
@@ -178,7 +177,7 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
     Sequence q = run_two_ball(s.groups, s.first, s.t, span, record);
     if (lasts(q, 0.0, span) > 0.0) watch.look(record.last, exact::never);
     if (watch.too_deep < 0) return q;
-    // One event may have happened after that instant before the run was told.
+    // The run may have passed one event after that instant.
     const auto later = [&](const Contact& k) { return k.begin > watch.at; };
     if (!q.met_again && !q.finished)
         q.n_contacts -=
@@ -219,8 +218,7 @@ inline Start start_drop(const LinearColumn& c, Coupling coupling) {
                           {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
 }
 
-// `until` [s] on the clock of the solver, at most 2^52: later a double does not tell one instant of a contact from the
-// next.
+// `until` [s] on the clock of the solver, at most 2^52: beyond, doubles cannot resolve a contact.
 inline double scaled_span(double until, const Units& units) {
     return math::is_nan(until) ? -math::infinity : math::min(until * units.rate, 0x1p52);
 }
@@ -241,7 +239,7 @@ inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound
 
 }  // namespace drop
 
-// Nothing but the sequence, in SI units.
+// Only the sequence, in SI units.
 inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until, Stop* stop) {
     const Start s = start_drop(c, coupling);
     Sequence q;
@@ -290,7 +288,7 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, b
     return d;
 }
 
-// Dissipated energy up to each node [J]; of no use where `stop` has ended it.
+// Dissipated energy up to each node [J]; invalid if `stop` has ended it.
 inline std::vector<double> dissipated_energy(const LinearColumn& c, const Drop& d, Stop& stop) {
     std::vector<double> sum{0.0};
     for (std::size_t i = 0; i + 1 < d.nodes.size() && !stop(); ++i)

@@ -1,18 +1,17 @@
 // Gliding over a lasting contact of both balls (motion C): many pieces in one step where nothing can happen.
 //
-// d²L/dt² is bounded by energies of the derivatives, which never rise (rest.hpp). So L1 and L2 stay below parabolas;
-// while these are negative no contact ends, and the state goes on by a power of exp(M h). A light ball that rings
-// between the floor and a heavy one makes those energies large. There the slow mode alone stays below a parabola, and
-// the fast one adds its amplitude.
+// Energies of the derivatives, which never rise (rest.hpp), bound d²L/dt². So L1 and L2 stay below parabolas; while
+// these are negative no contact ends, and a power of exp(M h) advances the state. A light ball that rings between the
+// floor and a heavy one makes those energies large. There only the slow mode is bounded by a parabola, and the
+// amplitude of the fast mode is added.
 #pragma once
 #include "rest.hpp"
 
 namespace hardlimit::column::exact {
 
 // exp(M t) for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
-// s = u + w, whose slow motion would drown in the rounding of the other's. The diagonal is kept twice: less 1,
-// which holds the digits of what hardly moves through many squarings, and as it is, which holds those of what has
-// decayed.
+// s = u + w, whose slow motion would be lost in the rounding of the other's. The diagonal is kept twice: minus 1,
+// which keeps the digits of slow modes through many squarings, and as it is, which keeps those of decayed modes.
 struct Propagator {
     double m[4][4];  // exp(M t) − 1
     double kept[4];  // diagonal of exp(M t)
@@ -216,14 +215,14 @@ private:
     double damping_slow, damping_fast, coupling;  // elements of C, the last one's size
 };
 
-// Powers of the propagator of one piece, found as they are asked for.
+// Powers of the propagator of one piece, computed on demand.
 class Powers {
     static constexpr int most = 64;
     Propagator power[most];
     int known = 0;
 
 public:
-    // Doublings of a piece for which nothing can happen and that fit into `span`; −1: none worth it.
+    // Number of doublings of a piece during which no event can happen and that fit into `span`; −1: not worthwhile.
     HL_FN static int doublings(const TwoBall& s, const Gaps& x, double span) {
         constexpr int least = 3;
         const Glide g = Glide::of(s, x);

@@ -1,9 +1,9 @@
-// When gravity holds contacts closed for good, and what still happens then.
+// When gravity holds contacts closed forever, and the events that are still possible then.
 //
-// Two bounds show it, both from an energy that never rises. The energy about the static equilibrium bounds L1 and L2
+// Two bounds prove it, both from an energy that never rises. The energy about the static equilibrium bounds L1 and L2
 // themselves. The derivatives of the motion obey the same equations without gravity, so their energy never rises
-// either: it bounds the accelerations, and a contact pushes as long as no ball falls as fast as a free one. The second
-// bound is sharp for a ball that creeps, overdamped, long before the first one is.
+// either: it bounds the accelerations, and a contact stays closed as long as no ball accelerates like a free one. For
+// an overdamped ball that creeps, the second bound becomes sharp long before the first.
 #pragma once
 #include "motions.hpp"
 

@@ -46,11 +46,10 @@ public:
 
 private:
     enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
-    // After so many pieces without an event a contact is examined for creep, and after so many it may be glided over,
-    // in the sequence and after it.
+    // Pieces without an event after which a contact is examined for creep, and after which the run may glide over it,
+    // during the sequence and after it.
     static constexpr long creeps_after = 32, glides_after = 4000, glides_later_after = 32;
-    // After the sequence a lasting contact of both balls has a node at every so many pieces: its closed form spans
-    // them.
+    // Pieces between two nodes of a lasting contact of both balls after the sequence; its closed form spans them.
     static constexpr long pieces_per_node = 32;
 
     TwoBall s;
@@ -115,7 +114,7 @@ private:
         else if (motion == Motion::series)
             find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
-        if (t < until && t + dt >= until) {  // the state asked for comes first
+        if (t < until && t + dt >= until) {  // the requested state comes first
             if (next.at != never && dt > until - t) next = Next{};
             dt = until - t;
         }
@@ -147,7 +146,7 @@ private:
     }
 
     HL_FN void move() {
-        if (!(dt > 0.0)) return;  // what lies on an event surface stays there
+        if (!(dt > 0.0)) return;  // the state stays on its event surface
         if (s.light()) follow_upper_ball();
         switch (motion) {
             case Motion::flight:
@@ -172,8 +171,8 @@ private:
         on = OnSurface{};
     }
 
-    // The upper ball's velocity by its own momentum, which gravity and the force of the pair change. It changes slowly;
-    // as the sum of u̇ and ẇ, both of which follow the fast light ball, the change would be a small difference of large
+    // The upper ball's velocity from its own momentum, which changes slowly by gravity and the pair force. Computed as
+    // the sum of u̇ and ẇ, which both follow the fast light ball, the change would be a small difference of large
     // numbers.
     HL_FN void follow_upper_ball() {
         rise -= s.gravity * dt;
@@ -228,7 +227,7 @@ private:
         if (first) restart_clock();
         observer.begins(0, t);
     }
-    // From the first touch on time counts from there: a long flight before would cost digits.
+    // Time is measured from the first touch: a long flight before it would cost digits.
     HL_FN void restart_clock() {
         observer.clock_restarts(t);
         sequence.clock_restarts();
@@ -282,7 +281,7 @@ HL_FN Sequence run_two_ball(const TwoBall& s, const Gaps& start, double t, doubl
     return exact::Run<Observer>(s, start, t, span, observer).run();
 }
 
-// For maps: nothing but the sequence itself.
+// Observer for maps, which need only the sequence.
 struct NoRecorder {
     Stop* stop = nullptr;
     double last = 0.0;  // time of the last node

@@ -1,12 +1,11 @@
-r"""
+"""
 What do other codes make of 0.7?
 ================================
 
-The number 0.7 in the input of a particle code, and the restitution that comes out of its force, between two
-grains and at a wall. LAMMPS has a keyword that decides whether the force may attract at the end of a contact;
-YADE halves the mass at a wall. :func:`hardlimit.convert` gives the number with which each of them has 0.7
-(:doc:`/convert`, which also says which of these codes were run and which were compared with their sources
-only).
+The input of each particle code says 0.7; the plot shows the restitution that results from its force, between two
+grains and at a wall. LAMMPS has a keyword that decides whether the force may be attractive at the end of a contact;
+YADE halves the mass at a wall. :func:`hardlimit.convert` gives the input with which each code has 0.7
+(:doc:`/convert`, which also says which codes were run and which were only compared with their sources).
 """
 
 import matplotlib.pyplot as plt
@@ -49,6 +48,6 @@ with plots.style(ytick__minor__visible=False):
     ax.plot(pair, rows, ".", color="C0", label="between two grains")
     ax.set_yticks(rows, found)
     ax.invert_yaxis()
-    ax.set(xlabel=r"$\varepsilon$ obtained where the input says 0.7")
+    ax.set(xlabel=r"$\varepsilon$ obtained with 0.7 in the input")
     ax.legend(loc="upper right")
 plt.show()

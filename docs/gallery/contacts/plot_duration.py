@@ -2,16 +2,16 @@ r"""
 How long does a collision take?
 ===============================
 
-It is the question behind all others here: a collision may be called instantaneous if it is short against the
-time to the next one. A linear spring has one duration, :math:`t_c \approx \pi\sqrt{m_\mathrm{eff}/k}`, at
-every speed (Eq. 11 of the paper). Hertz' contact gets shorter with speed,
+A collision may be treated as instantaneous if it is short compared with the time to the next one. With a linear
+spring the duration is :math:`t_c \approx \pi\sqrt{m_\mathrm{eff}/k}` at every speed (Eq. 11 of the paper). A Hertz
+contact becomes shorter with increasing speed,
 
 .. math:: t_c = 3.218\,\left(\frac{m_\mathrm{eff}^2}{\rho^2 v}\right)^{1/5},\qquad
    \rho = \frac{2Y\sqrt{R_\mathrm{eff}}}{3(1-\nu^2)}
 
-for an elastic one (Hertz 1882). At 1 m/s a steel marble is in contact for a few ten microseconds, a rubber
-ball for a few milliseconds. The softened grains of many simulations, a hundred thousand times as soft as
-steel, are nearer to rubber.
+for elastic spheres (Hertz 1882). At 1 m/s the contact of a steel marble takes a few times ten microseconds, that of a
+rubber ball a few milliseconds. The softened grains of many simulations, a hundred thousand times softer than steel,
+are closer to rubber.
 """
 
 import matplotlib.pyplot as plt

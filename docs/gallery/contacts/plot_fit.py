@@ -2,12 +2,12 @@ r"""
 Which law did I measure?
 ========================
 
-A ball of unknown material is dropped three times, and a microphone hears eleven impacts of each drop to 0.2
-ms. The times of two flights give :math:`\varepsilon = T'/T` at the speed :math:`gT/2` (Bernstein, Am. J. Phys.
-45, 41 (1977)). The fit says which law describes the data, with an interval for its parameter, and whether it
-can be told from the others; below, the deviations in units of their errors. The data are computed from
-viscoelastic spheres with noise: the law is found again. What measured data look like and why they are harder
-is on :doc:`/fit`.
+A ball of unknown material is dropped three times, and a microphone records eleven impacts of each drop to 0.2 ms.
+The durations of two successive flights give :math:`\varepsilon = T'/T` at the speed :math:`gT/2` (Bernstein,
+Am. J. Phys. 45, 41 (1977)). The fit selects the law that describes the data, gives an interval for its parameter, and
+says whether the data exclude the other laws; the lower panel shows the deviations in standard errors. The data are
+computed from viscoelastic spheres with noise, and the fit finds this law. :doc:`/fit` treats measured data, which are
+harder.
 """
 
 import numpy as np

@@ -2,10 +2,10 @@ r"""
 What does a contact law look like?
 ==================================
 
-Force over compression in one impact on a floor at 1 m/s, with :math:`\varepsilon = 0.6`: the area that a loop
-and the axis enclose is the energy lost. The dashpot's force begins with a jump to :math:`\gamma v`. All three
-laws are cut off at zero force, since dry bodies do not pull: at the dot the ball begins to fly, although ball
-and floor have not yet recovered their shape.
+Force over compression in an impact on a floor at 1 m/s with :math:`\varepsilon = 0.6`; the area between a loop and the
+axis is the dissipated energy. The force of the dashpot starts with a jump to :math:`\gamma v`. All three laws are
+clipped at zero force, because dry bodies do not attract: at the dot the ball separates from the floor, although the
+bodies have not yet recovered their shape.
 """
 
 import matplotlib.pyplot as plt

@@ -2,12 +2,11 @@ r"""
 Does a faster ball lose more?
 =============================
 
-That depends on the law, and is what tells laws apart in an experiment. A glass-like ball of radius 5 mm meets
-a floor; each law was given :math:`\varepsilon = 0.9` at 1 m/s. Under the linear dashpot (Eq. 7 of the paper)
-and Tsuji's law the coefficient of restitution is the same at every speed, and their lines coincide. For
-viscoelastic spheres (Eqs. B1–B3) it falls with the speed, :math:`1 - \varepsilon \propto v^{1/5}` for small
-:math:`v`: slow collisions are nearly elastic. Plastic flow, which takes over in real glass and metal at higher
-speeds, is in none of them.
+This depends on the law and distinguishes laws in an experiment. A glass-like ball of radius 5 mm hits a floor; each
+law has :math:`\varepsilon = 0.9` at 1 m/s. The restitution of the linear dashpot (Eq. 7 of the paper) and of Tsuji's
+law is the same at every speed; their lines coincide. For viscoelastic spheres (Eqs. B1–B3) it decreases with speed,
+:math:`1 - \varepsilon \propto v^{1/5}` for small :math:`v`: slow collisions are nearly elastic. Plastic flow, which
+dominates in real glass and metal at higher speeds, is not included in any of them.
 """
 
 import matplotlib.pyplot as plt

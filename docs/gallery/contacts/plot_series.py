@@ -1,13 +1,13 @@
 r"""
-May one use the series for viscoelastic spheres?
+Is the series for viscoelastic spheres accurate?
 ================================================
 
 The restitution of viscoelastic spheres depends on one number,
-:math:`x = \frac32 A (\rho/m_\mathrm{eff})^{2/5} v^{1/5}`. Published are a power series in :math:`\sqrt x` (Eq.
-B3; Schwager & Pöschel, Phys. Rev. E 78, 051304 (2008)) and Padé forms made of it (Müller & Pöschel, Phys.
-Rev. E 84, 021302 (2011)). Both are compared with the solution of the collision. The series is excellent for
-weak damping and useless beyond :math:`x \approx 0.6`, where more terms make it worse; the Padé form [3/6]
-stays within 7e-4 everywhere.
+:math:`x = \frac32 A (\rho/m_\mathrm{eff})^{2/5} v^{1/5}`. There are a power series in :math:`\sqrt x` (Eq. B3; Schwager
+& Pöschel, Phys. Rev. E 78, 051304 (2008)) and Padé approximants of it (Müller & Pöschel, Phys. Rev. E 84, 021302
+(2011)). The plot compares both with the solution of the collision. The series is excellent for weak damping and
+useless beyond :math:`x \approx 0.6`, where more terms make it worse; the error of the Padé approximant [3/6] is below
+7e-4 everywhere.
 """
 
 import matplotlib.pyplot as plt

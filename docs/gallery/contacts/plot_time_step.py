@@ -2,13 +2,12 @@ r"""
 How small must the time step be?
 ================================
 
-The error of the restitution over the number of time steps in a contact, for a linear dashpot of
-:math:`\varepsilon = 0.7` with the number that makes each code exact in the limit. LAMMPS, like all the codes
-of the picture before this one, evaluates the damping at the velocities of half a step earlier: the error is
-of first order, and 50 steps in a contact, a common choice, leave half a per cent. The engine ``"steps"`` of
-this package takes the velocities of the same instant, and its error is of second order. Dotted lines have the
-slopes 1 and 2. The largest error over the phases at which a touch may fall between two steps is what counts,
-and what both curves show.
+Error of the restitution over the number of time steps per contact, for a linear dashpot of :math:`\varepsilon = 0.7`
+with the input that makes each code exact in the limit. LAMMPS, like all codes of the gallery page on 0.7, evaluates
+the damping with velocities of half a step before: the error is of first order, half a per cent for the usual 50 steps
+per contact. The engine ``"steps"`` of this package uses velocities of the same time, and its error is of second order.
+The dotted lines have slopes 1 and 2. Both curves show the largest error over the position of the first touch between
+two steps.
 """
 
 import matplotlib.pyplot as plt
@@ -37,7 +36,7 @@ def of_lammps(n):
 
 
 def of_steps(n, phases=20):
-    """Largest error over head-on impacts of two grains in a long box, each begun a part of a step later."""
+    """Largest error over head-on impacts of two grains that differ by a fraction of a step in the time of the touch."""
     step, worst = duration / n, 0.0
     for gap in 2e-5 + 2.0 * step * np.arange(phases) / phases:
         at = np.array([[0.01, 0.01], [0.01 + 2e-3 + gap, 0.01]])
@@ -57,6 +56,6 @@ with plots.style():
     ax.loglog(steps, ours, "s-", ms=4, label='engine="steps"')
     ax.loglog(steps, lammps[-1] * steps[-1] / steps, ":", color="black", lw=0.9)
     ax.loglog(steps, ours[-1] * (steps[-1] / steps) ** 2, ":", color="black", lw=0.9)
-    ax.set(xlabel="time steps in a contact", ylabel=r"error of $\varepsilon$")
+    ax.set(xlabel="time steps per contact", ylabel=r"error of $\varepsilon$")
     ax.legend(loc="lower left")
 plt.show()

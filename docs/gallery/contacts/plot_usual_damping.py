@@ -1,13 +1,13 @@
 r"""
-Why do I get more restitution than I asked for?
+Why do I get more restitution than I requested?
 ===============================================
 
-Most particle codes turn a coefficient of restitution into damping by
-:math:`\zeta = -\ln\varepsilon/\sqrt{\pi^2 + \ln^2\varepsilon}`. That is right for a contact that ends when the
-bodies part, after a phase in which the dashpot pulls them together. If the code cuts this attraction off, the
-contact ends earlier and returns more: 0.7 becomes 0.718, 0.3 becomes 0.397. The exact relation,
-:math:`\varepsilon = \exp[-(\pi - 2\varphi)\tan\varphi]` with :math:`\sin\varphi = \beta/\omega_0` (Schwager &
-Pöschel, Granular Matter 9, 465 (2007)), has a solution for every :math:`\varepsilon`; the laws here use it.
+Most particle codes compute the damping from :math:`\zeta = -\ln\varepsilon/\sqrt{\pi^2 + \ln^2\varepsilon}`. This is
+right for a contact that ends when the bodies separate, after a phase in which the dashpot attracts them. If the code
+clips this attraction, the contact ends earlier and the restitution is higher: 0.7 becomes 0.718, 0.3 becomes 0.397. The
+exact relation, :math:`\varepsilon = \exp[-(\pi - 2\varphi)\tan\varphi]` with :math:`\sin\varphi = \beta/\omega_0`
+(Schwager & Pöschel, Granular Matter 9, 465 (2007)), has a solution for every :math:`\varepsilon`; the laws of this
+package use it.
 """
 
 import matplotlib.pyplot as plt
@@ -36,6 +36,6 @@ with plots.style():
         ax.annotate(
             f"{e:g} → {found:.3f}", (e, found), xytext=(-6, 5), textcoords="offset points", ha="right"
         )
-    ax.set(xlabel=r"$\varepsilon$ asked for", ylabel=r"$\varepsilon$ obtained", xlim=(0, 1), ylim=(0, 1.02))
+    ax.set(xlabel=r"$\varepsilon$ requested", ylabel=r"$\varepsilon$ obtained", xlim=(0, 1), ylim=(0, 1.02))
     ax.legend(loc="lower right")
 plt.show()

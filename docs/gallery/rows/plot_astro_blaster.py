@@ -2,16 +2,16 @@ r"""
 How high does the Astro-Blaster go?
 ===================================
 
-The toy: four rubber balls on a stick, the largest below, dropped from half a metre. By collisions one at a
-time from below,
+The toy has four rubber balls on a stick, the largest at the bottom, and is dropped from half a metre. With
+collisions one at a time from below,
 
 .. math:: v_{k+1} + V = (v_k + V)\,\frac{1+\varepsilon}{1 + m_{k+1}/m_k},
 
-the top ball would go eight metres up. Balls that touch, as they do in the toy, push each other while the
-lowest one is still on the floor, and throw it three metres high. Gaps of a few millimetres restore the
-collisions; where the contacts of neighbours just overlap in time, the top ball goes even a little higher.
-Radii and stiffness are a guess at rubber, :math:`\varepsilon = 0.9` at 3 m/s, and there is no air. The law is
-stretched here: the contacts are compressed by up to a quarter of the radius, of which a warning would tell each time.
+the top ball would rise by eight metres. Balls that touch, as in the toy, push each other while the lowest one is
+still on the floor, and the top ball rises by three metres. With gaps of a few millimetres the collisions are
+separate; where the contacts of neighbours just overlap in time, the top ball rises even a little higher. Radii and
+stiffness are estimates for rubber, :math:`\varepsilon = 0.9` at 3 m/s, without air. The contacts are compressed by up
+to a quarter of the radius, beyond the range of the law; the warnings are suppressed.
 """
 
 import warnings

@@ -1,13 +1,12 @@
 r"""
-Do beads in a column lie still?
-===============================
+Does a column of beads come to rest?
+====================================
 
-Ten equal beads in a column hit a floor, without gravity. As hard spheres they lose all motion relative to
-each other in a finite time once :math:`N(1-\varepsilon)` exceeds a critical value, an *inelastic collapse*
-(Bernu & Mazighi, J. Phys. A 23, 5745 (1990); tick). With contacts that last they push each other at the same
-time, and the column bounces as a whole, however much is lost in each contact: *detachment* (Luding et al.,
-Phys. Rev. E 50, 4113 (1994)). Plotted is the speed of the centre of mass after the impact over that before.
-:doc:`/beads` has more sizes and gaps.
+Ten equal beads in a column hit a floor, without gravity. Hard spheres lose all relative motion in a finite time if
+:math:`N(1-\varepsilon)` exceeds a critical value: *inelastic collapse* (Bernu & Mazighi, J. Phys. A 23, 5745 (1990);
+tick). With contacts of finite duration the beads push each other at the same time, and the column bounces as a
+whole, however large the dissipation: *detachment* (Luding et al., Phys. Rev. E 50, 4113 (1994)). The plot shows the
+speed of the centre of mass after the impact relative to that before. :doc:`/beads` has more sizes and gaps.
 """
 
 import matplotlib.pyplot as plt

@@ -1,12 +1,11 @@
-r"""
+"""
 Which masses throw the top ball highest?
 ========================================
 
-Four balls, the lowest of 1 kg and the top one of 10 g: which two between them? For collisions the best masses
-are in geometric progression. For balls that touch they are not: heavy ones below, a light one on top, and
-between them balls that hardly differ. On the right both stacks over the gap between neighbours, in units of
-the way :math:`V t_c` that a ball falls during a contact: each set is the better one where it was made for
-(:doc:`/stacks`). Contacts are linear and elastic.
+Four balls, the lowest of 1 kg and the top one of 10 g: which masses are best between them? For collisions it is a
+geometric progression. For balls that touch it is not: the two masses in between are equal. The right panel shows both
+stacks over the gap between neighbours, in units of the distance :math:`V t_c` that a ball falls during a contact: each
+stack is better in the range for which it was optimised (:doc:`/stacks`). Contacts are linear and elastic.
 """
 
 import hardlimit as hl

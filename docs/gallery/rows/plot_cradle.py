@@ -2,12 +2,11 @@ r"""
 What does Newton's cradle really do?
 ====================================
 
-Five equal steel balls hang in a row and touch; one comes in with unit speed. Textbook collisions, one after
-the other, hand its velocity through to the last ball (dots on the right). Under Newton's equations all balls
-push each other at the same time, and how the pulse runs depends on the law: a row of Hertz contacts
-(:math:`F \propto \xi^{3/2}`) throws out the last ball with 0.989 of the speed, a row of linear springs with
-0.942 only. The others do not rest, and the ball that came in bounces back a little. The final velocities
-agree with values computed independently to eight digits (:doc:`/stacks`).
+Five equal steel balls hang in a row and touch; one arrives with unit speed. Textbook collisions, one after another,
+pass its velocity on to the last ball (dots at the right). Under Newton's equations all balls push each other at the
+same time, and the pulse depends on the law: a row of Hertz contacts (:math:`F \propto \xi^{3/2}`) ejects the last ball
+with 0.989 of the speed, a row of linear springs with only 0.942. The other balls move as well, and the first ball
+bounces back a little. The final velocities agree with independent values to eight digits (:doc:`/stacks`).
 """
 
 import matplotlib.pyplot as plt

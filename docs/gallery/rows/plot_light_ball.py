@@ -2,12 +2,12 @@ r"""
 Is a lighter ball on top always better?
 =======================================
 
-By collisions, yes: the speed of the upper of two elastic balls is :math:`V(3-\mu)/(1+\mu)` with
-:math:`\mu = m_2/m_1` (Eq. 5 of the paper), and approaches :math:`3V`, nine times the height, for a light one.
-If the balls touch, a light ball follows the heavy one as if glued to it and leaves with hardly more than
-:math:`V`. There is a best ratio, which depends on the stiffness of the ball–ball contact over that of the
-floor contact: 1/2 and :math:`1.33\,V` for equal ones. A soft pair comes nearer to collisions, since the floor
-has done most of its work before the pair begins.
+For collisions, yes: the speed of the upper of two elastic balls is :math:`V(3-\mu)/(1+\mu)` with
+:math:`\mu = m_2/m_1` (Eq. 5 of the paper). It approaches :math:`3V`, nine times the height, for a light ball. If the
+balls touch, a light ball follows the heavy one and leaves with hardly more than :math:`V`. The best ratio depends on
+the stiffness of the ball–ball contact relative to that of the floor contact: 1/2 with :math:`1.33\,V` for equal
+stiffness. A softer ball–ball contact is closer to collisions, because the floor has done most of its work before the
+balls begin to push each other.
 """
 
 import matplotlib.pyplot as plt

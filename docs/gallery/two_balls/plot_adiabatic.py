@@ -1,12 +1,11 @@
 """
-May the big ball ignore the small one?
-======================================
+Can the large ball ignore the small one?
+========================================
 
-Appendix A of the paper solves the drop for a lower ball that does not notice the upper one. How good is that?
-The separation velocity by that solution against the one of the full equations, over the ratio of the masses.
-The envelope of the error falls in proportion to :math:`m_2/m_1` (line); the dips are where it changes its
-sign. At the paper's :math:`R_1/R_2 = 10`, dotted, the error is a thousandth of the speed of impact; for a ball
-only ten times as heavy as the other it is a tenth.
+Appendix A of the paper solves the drop for a lower ball that is not affected by the upper one. The plot shows the
+error of this solution in the separation velocity, relative to the full equations, over the mass ratio. The
+envelope of the error is proportional to :math:`m_2/m_1` (line); the dips are changes of sign. At the paper's
+:math:`R_1/R_2 = 10` (dotted) the error is a thousandth of the impact speed; for a mass ratio of ten it is a tenth.
 """
 
 import matplotlib.pyplot as plt

@@ -2,11 +2,11 @@
 How often do the balls hit each other?
 ======================================
 
-The number of ball–ball contacts over the coefficient of restitution and the gap, as in the upper map of Fig.
-4 of the paper; the number stands in its region. Independent collisions know the answer 1. It is right for
-gaps above half a millimetre, and yet the models agree from 2.5 mm on only: one contact is necessary for
-independence, but not sufficient. Along the bright ridge the balls leave the floor almost together and touch
-again and again. Each of the 48,000 drops is solved on its own, piecewise exactly.
+Number of ball–ball contacts over the coefficient of restitution and the gap, as in the upper map of Fig. 4 of the
+paper; each region is labelled with its number. The independent-collisions model always has one contact. This is
+right for gaps above half a millimetre, but the two models agree only above 2.5 mm: one contact is necessary for
+independent collisions, not sufficient. Along the bright ridge the balls leave the floor almost together and touch
+many times. Each of the 48,000 drops is solved separately, piecewise exactly.
 """
 
 import numpy as np

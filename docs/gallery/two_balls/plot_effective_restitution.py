@@ -1,16 +1,16 @@
 r"""
-Which restitution seems to be at work?
-======================================
+What is the effective restitution of a drop?
+============================================
 
-Independent collisions part the balls with :math:`v'_r = \varepsilon(1+\varepsilon)V`, where :math:`V` is the
-speed of impact (Sec. II A of the paper). Read backwards, the speed at which they do part gives an effective
-coefficient :math:`\varepsilon_\mathrm{eff}`, and :math:`\varepsilon_\mathrm{eff}/\varepsilon = 1` if collisions
-were independent. For a gap of 0.1 mm it is nowhere above 0.22, and close to zero at some :math:`\varepsilon`.
+Independent collisions separate the balls with :math:`v'_r = \varepsilon(1+\varepsilon)V`, where :math:`V` is the
+impact speed (Sec. II A of the paper). Solved for the coefficient, the actual relative velocity gives an effective
+:math:`\varepsilon_\mathrm{eff}`; :math:`\varepsilon_\mathrm{eff}/\varepsilon = 1` for independent collisions. For a
+gap of 0.1 mm the ratio is never above 0.22, and close to zero at some :math:`\varepsilon`.
 
-The lower panel (Fig. 3 of the paper) shows why. Every coloured interval is one contact of the balls; the
-floor lets go at the black line. Near :math:`\varepsilon = 0.782` and 0.667 the balls leave the floor almost
-together and meet once more, the later the slower they part. From the places of these spikes the density of
-the balls was inferred, which the paper does not print (:doc:`/paper`).
+The lower panel (Fig. 3 of the paper) shows the reason. Each coloured interval is one ball–ball contact; the floor
+contact ends at the black line. Near :math:`\varepsilon = 0.782` and 0.667 the balls leave the floor almost together
+and meet once more; the smaller their relative velocity, the later they meet. The positions of these spikes
+determine the density of the balls, which the paper does not print (:doc:`/paper`).
 """
 
 import matplotlib.pyplot as plt
@@ -25,7 +25,7 @@ ds = hl.sweep(column, restitution=restitution)
 
 
 def effective(velocity):
-    """The coefficient with which independent collisions would part the balls at this velocity."""
+    """The coefficient with which independent collisions give this relative velocity."""
     return (np.sqrt(1.0 + 4.0 * velocity / column.impact_speed) - 1.0) / 2.0
 
 
@@ -47,7 +47,7 @@ with plots.style():
         label="at the end of the last contact, $t_f$",
     )
     upper.plot(
-        restitution, effective(ds.separation_velocity) / restitution, label="once no force acts any more"
+        restitution, effective(ds.separation_velocity) / restitution, label="after all forces have ended"
     )
     upper.set(ylabel=r"$\varepsilon_\mathrm{eff}/\varepsilon$", ylim=(0.0, 0.25))
     upper.set_title("independent collisions: 1", loc="right")

@@ -2,12 +2,12 @@ r"""
 Where does the energy go?
 =========================
 
-Two balls of radii 2 cm and 1 cm, :math:`\varepsilon = 0.7`, through their contacts; energies in units of the
-kinetic energy at impact. The lower ball gives its energy to springs and dampers of both contacts and gets a
-part back; the upper one leaves with more than it came with. The dissipated energy goes on rising after the
-floor contact has ended (shaded: contacts): where the force reaches zero the contact is still a little
-compressed, and that energy does no work on the ball any more but is lost inside it. The sum (dotted) is
-constant to rounding. Nothing in the solver enforces that, so it is a check of it.
+Energies of two balls of radii 2 cm and 1 cm, :math:`\varepsilon = 0.7`, during their contacts, in units of the
+kinetic energy at impact. The lower ball transfers its energy to the springs and dampers of both contacts and
+recovers a part of it; the upper ball leaves with more energy than it had. The dissipated energy increases even
+after the end of the floor contact (shaded: contacts): when the force reaches zero, the contact is still slightly
+compressed, and this elastic energy is lost inside the ball. The sum (dotted) is constant to rounding error. The
+solver does not enforce this, so it is a check of the solution.
 """
 
 import matplotlib.pyplot as plt

@@ -1,17 +1,16 @@
 r"""
-How wide a gap makes collisions independent?
-============================================
+How wide must the gap be for independent collisions?
+====================================================
 
-The rebound of the small ball over the gap at release, for three coefficients of restitution. On the right the
-gap is so wide that the large ball has left the floor before the small one arrives, and independent collisions
-(dashed) are right. The dotted line is the paper's limit for :math:`\varepsilon = 0.9`,
+Rebound height of the small ball over the initial gap, for three coefficients of restitution. At the right the large
+ball has left the floor before the small one arrives, and independent collisions (dashed) are right. The dotted line
+is the paper's limit for :math:`\varepsilon = 0.9`,
 
 .. math:: \Delta h > V\left(t_{c,01} - \frac{2\beta\varepsilon}{\omega_0^2}\right),
 
-the way that the balls fall towards each other during the floor contact. It is 2.5 mm for these soft balls,
-and goes with :math:`k^{-1/2}`. On the left the balls hit each other several times while the floor still
-pushes; with each contact that is added the rebound goes through another maximum, and the small ball hardly
-comes back to where it began.
+the distance by which the balls approach each other during the floor contact. It is 2.5 mm for these soft balls and
+proportional to :math:`k^{-1/2}`. At the left the balls hit each other several times during the floor contact. The
+rebound has a maximum for each number of contacts, and the small ball hardly returns to its initial height.
 """
 
 import matplotlib.pyplot as plt
@@ -37,7 +36,7 @@ with plots.style():
     limit = column.impact_speed * (floor.duration() - floor.damping / floor.stiffness * 0.9)  # 2β/ω0² = γ/k
     ax.axvline(1e3 * limit, color="black", ls=":")
     ax.set(xscale="log", xlim=(1e-3, 20), ylim=(0, None), xlabel=r"initial gap $\Delta h$ [mm]")
-    ax.set_ylabel("greatest height of the small ball [m]")
+    ax.set_ylabel("maximum height of the small ball [m]")
     ax.legend(loc="center left", bbox_to_anchor=(0.0, 0.57))
 print(f"limit: {1e3 * limit:.3f} mm")
 plt.show()

@@ -2,13 +2,12 @@ r"""
 How high does the small ball fly?
 =================================
 
-A small ball rides on a large one; both fall half a metre, 0.1 mm apart, with :math:`\varepsilon = 0.9`.
-*Independent collisions* (dashed) let the large ball bounce first and then meet the small one, which is still
-falling: Eqs. 1–4 of the paper, and the answer of any event-driven simulation. The small ball goes up to 3.6
-m. *Newton's equations* (full lines, Eq. 14) let the contacts last as long as they do, here a few ten
-microseconds each while the floor contact takes three quarters of a millisecond. The balls then push each
-other while the floor is still compressing the large one, and the small ball comes to 0.78 m. Newton's lines
-end where the large ball lands for the second time.
+A small ball above a large one falls half a metre with a gap of 0.1 mm and :math:`\varepsilon = 0.9`. In the
+*independent-collisions model* (dashed; Eqs. 1–4 of the paper, and any event-driven simulation) the large ball bounces
+first and then meets the small one, which is still falling. The small ball rises to 3.6 m. In *Newton's equations*
+(full lines; Eq. 14) contacts have a duration: here a few times ten microseconds for the balls and three quarters of a
+millisecond for the floor. The balls push each other while the floor still compresses the large one, and the small
+ball rises to 0.78 m. The full lines end when the large ball lands for the second time.
 """
 
 import hardlimit as hl

@@ -1,13 +1,13 @@
 r"""
-Why does the trick so often fail?
-=================================
+Why does the experiment so often fail?
+======================================
 
-No hand drops two balls exactly one above the other. If the upper ball is a distance :math:`d` beside the axis,
-the line of centres is tilted by :math:`\theta`, :math:`\sin\theta = d/(R_1+R_2)`, and all of the push acts
-along it. To leading order the small ball leaves with :math:`v_x = \theta\,(v_2 + V)` to the side (dotted,
-:doc:`/stacks`): what amplifies the height amplifies the error. An offset of a hundredth of the large radius,
-one millimetre, already lands the ball some 17 cm away if the gap is wide. Balls are smooth here; friction
-would turn part of this velocity into spin.
+Nobody drops two balls exactly one above the other. If the upper ball is displaced by a distance :math:`d` from the
+axis, the line of centres is tilted by :math:`\theta`, :math:`\sin\theta = d/(R_1+R_2)`, and the force acts along
+this line. To leading order the small ball leaves with a sideways velocity :math:`v_x = \theta\,(v_2 + V)` (dotted,
+:doc:`/stacks`): the amplification of the height also amplifies the error. With a wide gap, an offset of one
+hundredth of the large radius, one millimetre, displaces the landing point by 17 cm. The balls are smooth here;
+friction would turn a part of this velocity into spin.
 """
 
 import matplotlib.pyplot as plt

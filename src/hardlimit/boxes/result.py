@@ -1,11 +1,12 @@
-"""What a run of a box of grains found: the final state, series over time, collisions."""
+"""Results of boxes of grains: the final state, series over time, the log; of hard spheres and of Newton's equations."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,102 +15,177 @@ from .. import _core
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import html
-from .early_end import EarlyEnd, in_words
+from ..support.formatting import digits
+from . import observables, observe
+from .box import WALL_NUMBERS, Floats, read_only, wall_name
+from .observables import OBSERVABLES, Samples
+from .rules import Settings
 from .system import ParticleSystem
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-Floats = NDArray[np.float64]
-
-#: What is kept of every sample: sums from the start of the run on, so that samples can be left out later.
-COLUMNS: Final = (
-    "time",
-    "kinetic_energy",
-    "potential_energy",
-    "granular_temperature",
-    "n_collisions",
-    "n_pairs",
-    "virial",
-    "kinetic_integral",
-    "dissipated_energy",
-)
-
-#: Unit and meaning of the series.
-SERIES: Final = {
-    "kinetic_energy": ("J", "Σ m v²/2"),
-    "potential_energy": ("J", "−Σ m g·x along unfolded paths"),
-    "granular_temperature": ("m2/s2", "granular temperature Σ m|v − V|²/(d Σ m)"),
-    "n_collisions": ("1", "collisions so far, those with walls included"),
-    "collision_rate": ("1/s", "2·pair collisions/(N·time), mean since the sample before"),
-    "pressure": ("Pa", "from the virial of pair collisions, mean since the sample before"),
-    "dissipated_energy": ("J", "energy lost in collisions so far"),
-}
-
-#: What is said of each outcome.
-OUTCOMES: Final = {
-    "ok": "ok",
-    "no_contact": "nothing collides any more",
-    "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule tc "
-    "where there is room between them",
-    "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
-    "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
-    "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
-    "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range of "
-    "contact laws",
-    "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
-}
+#: Particles of a group that a message names.
+MOST_NAMED: Final = 3
+Log = tuple[NDArray[Any], ...]
 
 
-@dataclass(frozen=True)
-class Settings:
-    """What the collisions of a run obey; made by :func:`hardlimit.event_driven`.
+class EarlyEnd(NamedTuple):
+    """Time, place and particles of the event that stopped a run before its end; ``outcome`` says why.
 
     Examples
     --------
-    >>> pair = hl.ParticleSystem(
-    ...     [[0.02, 0.05], [0.04, 0.05]],
-    ...     [[0.1, 0], [-0.1, 0]],
-    ...     0.005,
+    >>> bed = hl.ParticleSystem(
+    ...     [[0.05, 0.05]],
+    ...     [[0, 0]],
+    ...     0.01,
     ...     density=2500.0,
     ...     box=0.1,
+    ...     boundary="wall",
+    ...     gravity=9.81,
     ... )
-    >>> run = hl.event_driven(
-    ...     pair, restitution=0.8, rule="tc", contact_duration=1e-5, until=0.1
-    ... )
-    >>> run.settings.words()
-    'tc, restitution 0.8, contact duration 1e-05 s'
+    >>> run = hl.event_driven(bed, restitution=0.5, until=1.0)
+    >>> run.outcome_name, f"{run.early_end.time:.4f} s"
+    ('collapse', '0.2709 s')
+    >>> run.early_end.who()
+    'particle 0 and the wall y = 0'
+    >>> run.early_end.where()
+    'at 0.270914 s, near (0.05, 0.01) m'
     """
 
-    rule: str  #: "constant", "law", "tc" or "soft"
-    restitution: float | None  #: of rules that take a constant one
-    law: Law | None  #: of the other rules
-    contact_duration: float | None  #: of the rule tc [s]
+    time: float  #: [s]
+    position: tuple[float, ...]  #: of the first particle [m]
+    particles: tuple[int, ...]  #: ascending: of the contact or group, or the one that was too fast
+    wall: int | None  #: of the contact, −1 − 2·axis at 0 and −2 − 2·axis at the edge; None: none
 
-    def words(self) -> str:
-        """In words, for a table or an attribute.
+    def who(self) -> str:
+        """The particles and the wall as text.
 
         Returns
         -------
         str
         """
-        parts = [self.rule]
-        parts += [f"restitution {self.restitution:g}"] if self.restitution is not None else []
-        parts += [repr(self.law)] if self.law is not None else []
-        parts += (
-            [f"contact duration {self.contact_duration:g} s"] if self.contact_duration is not None else []
-        )
-        return ", ".join(parts)
+        if self.wall is not None:
+            return f"particle {self.particles[0]} and the wall {wall_name(self.wall)}"
+        if len(self.particles) == 1:
+            return f"particle {self.particles[0]}"
+        if len(self.particles) > MOST_NAMED:
+            named = ", ".join(str(i) for i in self.particles[:MOST_NAMED])
+            return f"{len(self.particles)} particles ({named}, …)"
+        *others, last = self.particles
+        return f"particles {', '.join(str(i) for i in others)} and {last}"
+
+    def where(self) -> str:
+        """Time and place as text.
+
+        Returns
+        -------
+        str
+        """
+        return f"at {self.time:.6g} s, near ({', '.join(f'{x:.6g}' for x in self.position)}) m"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ParticleResult:
-    """Outcome of one run of a box of grains; made by :func:`event_driven`. It never changes.
+class Column(NamedTuple):
+    """A column of a log."""
 
-    Times are in s after the start of the run. Where a rule may be wrong is counted: ``n_elastic_by_tc`` collisions that
-    the rule tc made elastic, and among ``n_soft`` contacts of the rule soft ``n_soft_third_body`` during which a third
-    body was in reach.
+    name: str
+    unit: str  #: "" where it has none
+    meaning: str
+
+
+COLLISIONS: Final = (
+    Column("time", "s", "time after the start of the run"),
+    Column("first", "", "particle"),
+    Column("second", "", f"particle; {WALL_NUMBERS}"),
+    Column("impact_speed", "m/s", "speed of approach"),
+    Column("separation_speed", "m/s", "speed of separation"),
+)
+CONTACTS: Final = (
+    Column("begin", "s", "first touch, or when the force sets in again"),
+    Column("end", "s", "when the force falls to zero; NaN: still open"),
+    Column("first", "1", "particle"),
+    Column("second", "1", f"particle; {WALL_NUMBERS}"),
+    Column("impact_speed", "m/s", "speed of approach at the begin"),
+    Column("separation_speed", "m/s", "speed of separation at the end"),
+    Column("overlapped", "1", "shared a particle with another contact while it lasted"),
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class _Result:
+    """What the results of all engines of boxes have."""
+
+    solves: ClassVar[str]
+    columns: ClassVar[tuple[Column, ...]]
+    outcomes: ClassVar[Mapping[str, str]]
+
+    system: ParticleSystem  #: the final state, inside the box
+    time: float  #: [s] of the final state
+    outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
+    samples: Mapping[str, Floats] = field(repr=False)  #: records of the engine over the samples
+    log: Log | None = field(repr=False)  #: as in ``columns``; None without log
+    largest_compression: float | None  #: of all contacts, over the smaller radius; None where it is not known
+    early_end: EarlyEnd | None = None  #: where and when, unless the run reached its end
+    observed: Mapping[str, NDArray[Any]] = field(default_factory=dict, repr=False)  #: values of ``observe``
+
+    @property
+    def outcome(self) -> str:
+        """``"ok"``, or one sentence that says what happened instead."""
+        said, end = self.outcomes[self._outcome_key()], self.early_end
+        return said if end is None else said.format(who=end.who(), where=end.where())
+
+    def _outcome_key(self) -> str:
+        return self.outcome_name
+
+    @property
+    def outcome_code(self) -> int:
+        """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
+        return _core.outcome_names.index(self.outcome_name)
+
+    @cached_property
+    def _series(self) -> xr.Dataset:
+        import xarray as xr
+
+        data, coordinates = observables.variables(Samples(self.system, self.samples))
+        return xr.Dataset(data | observe.variables(self.observed), coordinates, self._attributes("Series"))
+
+    def _log_dataset(self, dim: str) -> xr.Dataset:
+        import xarray as xr
+
+        if self.log is None:
+            raise ValueError(f"log: got False, must be True for the run to keep its {dim}s")
+        data = {}
+        for column, values in zip(self.columns, self.log, strict=True):
+            units = {"units": column.unit} if column.unit else {}
+            data[column.name] = (dim, read_only(values), units | {"long_name": column.meaning})
+        return xr.Dataset(data, attrs=self._attributes(f"{dim.capitalize()}s"))
+
+    def _attributes(self, what: str) -> dict[str, Any]:
+        return {
+            "title": f"{what} of a box of grains",
+            "source": f"hardlimit {_core.version}, {self.solves}",
+            "system": repr(self.system),
+            **self._own_attributes(),
+            "outcome": self.outcome,
+            "hardlimit_version": _core.version,
+        }
+
+    def _own_attributes(self) -> dict[str, Any]:
+        raise NotImplementedError
+
+    def _change(self, name: str) -> tuple[float, float]:
+        """A record at the first and at the last sample."""
+        return float(self.samples[name][0]), float(self.samples[name][-1])
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ParticleResult(_Result):
+    """Result of a run of a box of grains; made by :func:`event_driven`. It is immutable.
+
+    Times are in s after the start of the run. ``n_elastic_by_tc`` counts the collisions that the rule tc made elastic,
+    ``n_soft_third_body`` the contacts, among the ``n_soft`` of the rule soft, during which a third body was in reach:
+    there the rule may be wrong.
 
     Notes
     -----
@@ -131,37 +207,33 @@ class ParticleResult:
     0.75
     """
 
-    system: ParticleSystem  #: the final state, inside the box
-    time: float  #: [s] of the final state
+    solves = "event-driven"
+    columns = COLLISIONS
+    outcomes: ClassVar[Mapping[str, str]] = {
+        "ok": "ok",
+        "no_contact": "nothing collides any more",
+        "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule "
+        "tc where there is room between them",
+        "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
+        "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
+        "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
+        "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
+        "of contact laws",
+        "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
+    }
+
     settings: Settings  #: what the collisions obey
-    outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
     n_collisions: int  #: of pairs and with walls
     n_pairs: int  #: collisions of two particles
     n_walls: int  #: collisions with walls
     n_elastic_by_tc: int  #: collisions that the rule tc made elastic
     n_soft: int  #: contacts of the rule soft
     n_soft_third_body: int  #: of them with a third body in reach
-    largest_compression: (
-        float | None
-    )  #: of contacts as the law has them, over the smaller radius; None without a law
-    early_end: EarlyEnd | None  #: where and when, unless the run went to its end or nothing collides any more
-    rows: Floats = field(repr=False)  #: one row of ``COLUMNS`` for each sample
-    log: tuple[NDArray[Any], ...] | None = field(
-        repr=False
-    )  #: time, first, second, impact speed; None without log
 
-    @property
-    def outcome(self) -> str:
-        """``"ok"``, or one sentence that says what happened instead."""
-        name = self.outcome_name
-        if name == "collapse" and (self.settings.rule in ("tc", "soft") or self.settings.restitution == 1.0):
-            name = "no_room"
-        return in_words(OUTCOMES[name], self.early_end)
-
-    @property
-    def outcome_code(self) -> int:
-        """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
-        return _core.outcome_names.index(self.outcome_name)
+    def _outcome_key(self) -> str:
+        settings = self.settings
+        no_room = settings.rule in ("tc", "soft") or settings.restitution == 1.0
+        return "no_room" if self.outcome_name == "collapse" and no_room else self.outcome_name
 
     @property
     def elastic_share(self) -> float:
@@ -181,30 +253,15 @@ class ParticleResult:
         """Dataset over ``time`` [s], equally spaced; the last sample is the end of the run.
 
         ``kinetic_energy``, ``potential_energy`` and ``dissipated_energy`` [J], ``granular_temperature`` [m²/s²],
-        ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` [Pa; disks N/m]. The rate and the pressure are means
-        since the sample before and NaN at the first.
+        ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` [Pa; disks N/m], and what
+        ``observe`` returned. The rate and the pressure are means since the sample before and NaN at the first.
         """
         return self._series.copy()
 
-    @cached_property
-    def _series(self) -> xr.Dataset:
-        import xarray as xr
-
-        values = series_values(self.rows, self.system)
-        data = {}
-        for name, (unit, meaning) in SERIES.items():
-            shown = "N/m" if name == "pressure" and self.system.dimension == 2 else unit
-            data[name] = ("time", _fixed(values[name]), {"units": shown, "long_name": meaning})
-        time = (
-            "time",
-            _fixed(self.rows[:, 0]),
-            {"units": "s", "long_name": "time after the start of the run"},
-        )
-        return xr.Dataset(data, {"time": time}, self._attributes("Series"))
-
     @property
     def collisions(self) -> xr.Dataset:
-        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed`` [m/s].
+        """Dataset over ``collision``: ``time`` [s], ``first``, ``second``, ``impact_speed``, ``separation_speed``
+        [m/s].
 
         ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
 
@@ -213,37 +270,10 @@ class ParticleResult:
         ValueError
             If the run kept no log.
         """
-        import xarray as xr
-
-        if self.log is None:
-            raise ValueError("log: got False, must be True for the run to keep its collisions")
-        time, first, second, speed = map(_fixed, self.log)
-        return xr.Dataset(
-            {
-                "time": ("collision", time, {"units": "s"}),
-                "first": ("collision", first, {"long_name": "particle"}),
-                "second": (
-                    "collision",
-                    second,
-                    {"long_name": "particle; −1 − 2·axis wall at 0, −2 − 2·axis at L"},
-                ),
-                "impact_speed": ("collision", speed, {"units": "m/s", "long_name": "speed of approach"}),
-            },
-            attrs=self._attributes("Collisions"),
-        )
-
-    def _attributes(self, what: str) -> dict[str, Any]:
-        return {
-            "title": f"{what} of a box of grains",
-            "source": f"hardlimit {_core.version}, event-driven",
-            "system": repr(self.system),
-            "rule": self.settings.words(),
-            "outcome": self.outcome,
-            "hardlimit_version": _core.version,
-        }
+        return self._log_dataset("collision")
 
     def plot(self) -> Figure:
-        """Temperature, collision rate and pressure over time, with theory beside them where it applies.
+        """Temperature, collision rate and pressure over time, beside theory where it applies.
 
         Returns
         -------
@@ -261,67 +291,206 @@ class ParticleResult:
 
         return plots.gas(self)
 
+    def _own_attributes(self) -> dict[str, Any]:
+        return {"rule": self.settings.report()}
+
     def __repr__(self) -> str:
         found = f"{self.n_collisions} collisions in {self.time:.6g} s, {self.outcome}"
-        return f"<ParticleResult of {self.system.n} particles ({self.settings.words()}): {found}>"
+        return f"<ParticleResult of {self.system.n} particles ({self.settings.report()}): {found}>"
 
     def _repr_html_(self) -> str:
-        rows = [[label, html.number(value)] for label, value in quantities(self)]
-        return html.table(self.settings.words(), ["", ""], [*rows, ["outcome", self.outcome]])
+        return _table(self.settings.report(), self.quantities(), self.outcome)
+
+    def quantities(self) -> list[tuple[str, float]]:
+        """Label, with the SI unit, and value of each row of a table.
+
+        :meta private:
+        """
+        lasted = np.diff(self.samples["time"])
+        started, ended = self._change("granular_temperature")
+        found: list[tuple[str, float]] = [
+            ("time [s]", self.time),
+            ("collisions", self.n_collisions),
+            ("of them with walls", self.n_walls),
+            ("collisions per particle", (2.0 * self.n_pairs + self.n_walls) / self.system.n),
+            ("granular temperature at the start [m²/s²]", started),
+            ("granular temperature at the end [m²/s²]", ended),
+        ]
+        if lasted.sum() > 0.0:
+            good, samples = lasted > 0.0, Samples(self.system, self.samples)
+            for name, label in (("collision_rate", "mean collision rate"), ("pressure", "mean pressure")):
+                values = OBSERVABLES[name].values(samples)[1:]
+                unit = OBSERVABLES[name].unit_in(self.system.dimension)
+                found.append((f"{label} [{unit}]", float(np.average(values[good], weights=lasted[good]))))
+        found.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
+        found += compression.rows(self.largest_compression)
+        if self.settings.rule == "tc":
+            found.append(("share that tc made elastic", self.elastic_share))
+        if self.settings.rule == "soft":
+            found.append(("share with a third body in reach", self.third_body_share))
+        return found
 
 
-def _fixed(array: NDArray[Any]) -> NDArray[Any]:
-    """The array, read-only: a result remembers it."""
-    array.flags.writeable = False
-    return array
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class ContactResult(_Result):
+    """Result of a run of a box of grains under Newton's equations; made by :func:`molecular_dynamics`. It is immutable.
 
+    Times are in s after the start of the run.
 
-def series_values(rows: Floats, system: ParticleSystem) -> dict[str, Floats]:
-    """The series from the sums that are kept."""
-    kept = dict(zip(COLUMNS, rows.T, strict=True))
-    lasted = np.diff(kept["time"])
-    total = float(system.mass.sum())
-    relative = kept["granular_temperature"] * (system.dimension * total)  # Σ m v'²
-    mean = 0.5 * (relative[1:] + relative[:-1])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        rate = 2.0 * np.diff(kept["n_pairs"]) / (system.n * lasted)
-        integral = np.diff(kept["kinetic_integral"]) / lasted
-        kinetic = np.where(np.isnan(integral), mean, integral)
-        volume = system.dimension * float(np.prod(system.box))
-        pressure = (kinetic + np.diff(kept["virial"]) / lasted) / volume
-    found = {name: kept[name] for name in SERIES if name in kept}
-    found["n_collisions"] = kept["n_collisions"].astype(np.int64)
-    found["collision_rate"] = np.concatenate([[math.nan], rate])
-    found["pressure"] = np.concatenate([[math.nan], pressure])
-    return found
+    Notes
+    -----
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008), the pressure that of the virial.
 
+    Examples
+    --------
+    >>> pair = hl.ParticleSystem(
+    ...     [[0.02, 0.05], [0.04, 0.05]],
+    ...     [[0.1, 0], [-0.1, 0]],
+    ...     0.005,
+    ...     density=2500.0,
+    ...     box=0.1,
+    ... )
+    >>> law = hl.LinearDashpot(stiffness=1e3, restitution=0.5)
+    >>> run = hl.molecular_dynamics(pair, law=law, until=0.2, log=True)
+    >>> begin, end = run.contacts.begin.values, run.contacts.end.values
+    >>> f"{(end - begin)[0] * 1e3:.2f} ms"
+    '2.20 ms'
+    >>> run.contacts.separation_speed.values.round(3)  # impact at 0.2 m/s
+    array([0.1])
+    >>> run.energy_error < 1e-9
+    True
+    """
 
-def quantities(result: ParticleResult) -> list[tuple[str, float]]:
-    """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
-    rows, d = result.rows, result.system.dimension
-    lasted = np.diff(rows[:, 0])
-    means = {}
-    if lasted.sum() > 0.0:
-        values = series_values(rows, result.system)
-        means = {
-            name: float(np.average(values[name][1:][lasted > 0.0], weights=lasted[lasted > 0.0]))
-            for name in ("collision_rate", "pressure")
+    solves = "Newton’s equations"
+    columns = CONTACTS
+    outcomes: ClassVar[Mapping[str, str]] = {
+        "ok": "ok",
+        "too_deep": "too deep: the contact of {who} reached half of the smaller radius, beyond the range of contact "
+        "laws, {where}",
+        "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
+        "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
+        "engine='steps' is made for that",
+    }
+
+    law: Law  #: of all contacts
+    engine: str  #: ``"events"``, ``"steps"`` or ``"lammps"``
+    n_contacts: (
+        int | None
+    )  #: that began, with walls too; None where they are not counted (LAMMPS without log)
+    n_pairs: int | None  #: of them between two particles
+    n_ended: int | None  #: of them that ended
+    n_overlapped: int | None  #: of those that ended, how many shared a particle with another contact in time
+    largest_compression: float | None = None  #: of all contacts, over the smaller radius; None by LAMMPS
+    time_step: float | None = None  #: of steps and LAMMPS, the longest [s]
+    n_steps: int | None = None  #: of steps and LAMMPS
+    largest_cluster: int | None = None  #: of events, the most particles that were integrated together
+    cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
+    engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty where it was asked for
+
+    def _outcome_key(self) -> str:
+        return self.outcome_name if self.outcome_name in self.outcomes else self.engine
+
+    @property
+    def overlapped_share(self) -> float:
+        """Share of the ended contacts that shared a particle with another one; NaN where none ended, or contacts were
+        not counted."""
+        return (
+            self.n_overlapped / self.n_ended if self.n_ended and self.n_overlapped is not None else math.nan
+        )
+
+    @property
+    def energy_error(self) -> float:
+        """Largest change of energy + dissipated energy, over the largest kinetic energy or dissipated energy; NaN by
+        LAMMPS, whose dissipated energy is the difference of the others."""
+        if self.engine == "lammps":
+            return math.nan
+        kept = self.samples
+        kinds = ("kinetic", "potential", "contact", "dissipated")
+        total = np.sum([kept[f"{kind}_energy"] for kind in kinds], axis=0)
+        scale = max(float(kept["kinetic_energy"].max()), float(kept["dissipated_energy"].max()))
+        error = float(np.abs(total - total[0]).max())
+        return error / scale if scale > 0.0 else error
+
+    @property
+    def series(self) -> xr.Dataset:
+        """Dataset over ``time`` [s], equally spaced; the last sample is the end of the run.
+
+        ``kinetic_energy``, ``potential_energy``, ``contact_energy`` and ``dissipated_energy`` [J],
+        ``granular_temperature`` [m²/s²], ``momentum`` [kg m/s], ``n_contacts``, ``n_in_contact``, ``collision_rate``
+        [1/s], ``pressure`` [Pa; disks N/m], ``overlapped_share``, and what ``observe`` returned. Rate, pressure and
+        share are means since the sample before and NaN at the first. By LAMMPS without log ``n_contacts``,
+        ``collision_rate`` and ``overlapped_share`` are NaN.
+        """
+        return self._series.copy()
+
+    @property
+    def contacts(self) -> xr.Dataset:
+        """Dataset over ``contact``, in the order of their begins: ``begin``, ``end`` [s], ``first``, ``second``,
+        ``impact_speed``, ``separation_speed`` [m/s], ``overlapped``.
+
+        ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.
+
+        Raises
+        ------
+        ValueError
+            If the run kept no log.
+        """
+        return self._log_dataset("contact")
+
+    def choice(self) -> str:
+        """Why this engine was chosen.
+
+        :meta private:
+        """
+        return f"chose {self.engine}: {self.engine_reason}"
+
+    def _own_attributes(self) -> dict[str, Any]:
+        found: dict[str, Any] = {"law": repr(self.law), "engine": self.engine}
+        found |= {"engine_reason": self.engine_reason} if self.engine_reason else {}
+        return found if self.time_step is None else found | {"time_step": self.time_step}
+
+    def __repr__(self) -> str:
+        counted = "" if self.n_contacts is None else f"{self.n_contacts} contacts in "
+        found = f"{counted}{self.time:.6g} s, {self.outcome}"
+        why = f"; {self.choice()}" if self.engine_reason else ""
+        return f"<ContactResult of {self.system.n} particles ({self.engine}, {self.law!r}): {found}{why}>"
+
+    def _repr_html_(self) -> str:
+        why = [("engine", self.choice())] if self.engine_reason else []
+        return _table(f"{self.engine}, {self.law!r}", self.quantities(), self.outcome, why)
+
+    def quantities(self) -> list[tuple[str, float]]:
+        """Label, with the SI unit, and value of each row of a table.
+
+        :meta private:
+        """
+        started, ended = self._change("granular_temperature")
+        own = {
+            "time step [s]": self.time_step,
+            "largest cluster [particles]": self.largest_cluster,
+            "share of time in clusters": self.cluster_share,
         }
-    found: list[tuple[str, float]] = [
-        ("time [s]", result.time),
-        ("collisions", result.n_collisions),
-        ("of them with walls", result.n_walls),
-        ("collisions per particle", (2.0 * result.n_pairs + result.n_walls) / result.system.n),
-        ("granular temperature at the start [m²/s²]", float(rows[0, 3])),
-        ("granular temperature at the end [m²/s²]", float(rows[-1, 3])),
-    ]
-    if means:
-        found.append(("mean collision rate [1/s]", means["collision_rate"]))
-        found.append((f"mean pressure [{'N/m' if d == 2 else 'Pa'}]", means["pressure"]))
-    found.append(("dissipated energy [J]", float(rows[-1, 8])))
-    found += compression.rows(result.largest_compression)
-    if result.settings.rule == "tc":
-        found.append(("share that tc made elastic", result.elastic_share))
-    if result.settings.rule == "soft":
-        found.append(("share with a third body in reach", result.third_body_share))
-    return found
+        return [
+            ("time [s]", self.time),
+            *((label, float(value)) for label, value in own.items() if value is not None),
+            *self._counted(),
+            ("share that overlapped another in time", self.overlapped_share),
+            ("granular temperature at the start [m²/s²]", started),
+            ("granular temperature at the end [m²/s²]", ended),
+            ("dissipated energy [J]", self._change("dissipated_energy")[1]),
+            *compression.rows(self.largest_compression),
+            ("error of the energy balance", self.energy_error),
+        ]
+
+    def _counted(self) -> Iterator[tuple[str, float]]:
+        if self.n_contacts is not None and self.n_pairs is not None:
+            yield "contacts", self.n_contacts
+            yield "of them with walls", self.n_contacts - self.n_pairs
+            yield "contacts per particle", (self.n_contacts + self.n_pairs) / self.system.n
+
+
+def _table(
+    title: str, quantities: list[tuple[str, float]], outcome: str, more: list[tuple[str, str]] | None = None
+) -> str:
+    rows = [(label, digits(value)) for label, value in quantities]
+    return html.table(title, ["", ""], [list(row) for row in (*rows, *(more or []), ("outcome", outcome))])

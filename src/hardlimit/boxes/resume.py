@@ -1,24 +1,15 @@
-"""Going on with a run of a box of grains from its checkpoint."""
+"""``resume``: a run of a box of grains goes on from its checkpoint."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from ..support.progress import Report
-from . import (
-    checkpoint,
-)
-from . import (
-    contact_run as contact_course,
-)
-from . import (
-    hard_spheres as event_driven,
-)
-from . import (
-    newton as molecular_dynamics,
-)
-from .contact_result import ContactResult
-from .result import ParticleResult
+from ..support import validation
+from ..support.progress import Report, reporter
+from .hard_spheres import NAME, later_end
+from .observe import Observe
+from .result import ContactResult, ParticleResult
+from .run import checked_until, load
 
 
 def resume(
@@ -26,9 +17,10 @@ def resume(
     *,
     until: float | None = None,
     max_collisions: int | None = None,
+    observe: Observe | None = None,
     progress: bool | Report | None = None,
 ) -> ParticleResult | ContactResult:
-    """Go on with a run from its checkpoint, with the bits of a run that was not stopped; checkpoints go on as well.
+    """Continue a run from its checkpoint, with the bits of an uninterrupted run; it goes on writing checkpoints.
 
     Parameters
     ----------
@@ -36,20 +28,23 @@ def resume(
         The checkpoint.
     until : float [s], optional
     max_collisions : int, optional
-        Of hard spheres; counted from the start of the run. Without both, the end that the run was given. The samples
-        keep their spacing.
+        Of hard spheres; counted from the start of the run. Without both, the end stays. The samples keep their
+        spacing.
+    observe : callable(time, system), optional
+        The function again, if the run has one: a checkpoint holds what it returned, not the function itself.
     progress : bool or callable(done, total), optional
         As for the function that began the run.
 
     Returns
     -------
     ParticleResult or ContactResult
-        As of the function that began the run.
+        As from the function that began the run.
 
     Raises
     ------
     ValueError
-        If the file is no checkpoint, is damaged or of another version, or the new end lies before its state.
+        If the file is no checkpoint, is damaged or of another version, the new end lies before its state, or
+        ``observe`` is missing or returns other names than before.
     OSError
         If a checkpoint cannot be written; names it.
 
@@ -64,7 +59,15 @@ def resume(
     >>> hl.resume("run.checkpoint", max_collisions=1000).n_collisions
     1000
     """
-    header, _ = checkpoint.read(path)
-    if header.get("kind") == contact_course.KIND:
-        return molecular_dynamics.resumed(path, until, max_collisions, progress)
-    return event_driven.resume(path, until=until, max_collisions=max_collisions, progress=progress)
+    run = load(path)
+    record = run.engine.record
+    run.set_observe(observe)
+    if record.name != NAME and max_collisions is not None:
+        shown = validation.shown(max_collisions)
+        raise ValueError(f"max_collisions: got {shown}, must be left out: this run ends at a time")
+    if record.name != NAME and until is not None:
+        run.set_end(checked_until(run, until))
+    elif until is not None or max_collisions is not None:
+        run.set_end(*later_end(run, until, max_collisions))
+    with reporter(progress, record.task, record.counts) as report:
+        return run.run(report)

@@ -1,31 +1,76 @@
-"""How a run goes on: samples equally spaced in time, the log, checkpoints, the end."""
+"""The run loop of all engines of boxes: samples at equal times, the log, checkpoints, the end."""
 
 from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
-from .. import _core
 from ..contact import compression
-from ..support.progress import Report
-from . import checkpoint, early_end, engines
-from .result import COLUMNS, ParticleResult, Settings
-from .system import Floats, ParticleSystem
+from ..support import validation
+from ..support.progress import Report, Shown
+from . import checkpoint as checkpoints
+from . import observe as observing
+from .engines import Engine, joined
+from .observe import Observe, Values
+from .result import ContactResult, Log, ParticleResult
+from .system import ParticleSystem
 
-#: Times that the spacing of the samples may double without a collision before nothing is taken to collide any more.
+#: Times that the spacing of the samples may double without a collision before a run without end stops.
 PATIENCE: Final = 20
+#: Seconds [wall clock] between two looks at the checkpoint and the progress.
+PORTION: Final = 0.2
+#: Collisions, events or steps of the first portion.
+FIRST_PORTION: Final = 100
+MOST_SAMPLES: Final = 10_000_000
+
+
+class Keeping(NamedTuple):
+    """What a run keeps."""
+
+    samples: int = 100
+    log: bool = False
+    path: Path | None = None  #: of the checkpoint
+    every: float = math.inf  #: seconds between two checkpoints [wall clock]
+    observe: Observe | None = None
+
+
+def checked_keeping(samples: Any, log: Any, checkpoint: Any, every: Any, observe: Any = None) -> Keeping:
+    """What a run is to keep.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
+    """
+    return Keeping(
+        checked_samples(samples),
+        validation.flag("log", log),
+        None if checkpoint is None else checkpoints.checked_path(checkpoint),
+        validation.number("checkpoint_every", every, 0.0),
+        observing.checked_function(observe),
+    )
+
+
+def checked_samples(samples: Any) -> int:
+    """Number of intervals between samples.
+
+    Raises
+    ------
+    ValueError
+        If it is no such number.
+    """
+    return validation.whole("samples", samples, 1, MOST_SAMPLES)
 
 
 @dataclass(frozen=True)
 class Target:
-    """Where a run ends, and when it is sampled: at the times span·(k/samples)."""
+    """The end of a run, and its samples, at the times span·(k/samples)."""
 
     until: float | None  #: [s]
     max_collisions: int | None
@@ -33,61 +78,77 @@ class Target:
     samples: int
     idle: int = 0  #: times that the spacing has doubled since the last collision
 
-    @property
-    def open_ended(self) -> bool:
-        """Whether the samples must find their spacing on the way."""
-        return self.until is None
-
     def time(self, k: int) -> float:
-        """Of sample k."""
+        """Time of sample k [s]."""
         return self.span * (k / self.samples)
 
+    def is_reached(self, engine: Engine) -> bool:
+        """Whether the run is over."""
+        if engine.outcome != "ok" or self.idle > PATIENCE:
+            return True
+        if self.max_collisions is not None and engine.n_contacts >= self.max_collisions:
+            return True
+        return self.until is not None and engine.time >= self.until and not engine.paused
 
-class Course:
-    """One run under way. Whatever interrupts it between two statements, what it holds goes together."""
+
+class Sample(NamedTuple):
+    """One sample."""
+
+    records: Mapping[str, NDArray[Any]]  #: of the engine
+    observed: Values  #: what the user's function returned
+
+
+class Run:
+    """A run under way. An interrupt between any two statements leaves it consistent."""
 
     def __init__(
         self,
-        system: ParticleSystem,
-        settings: Settings,
-        engine: Any,
+        engine: Engine,
         target: Target,
-        *,
-        rows: Floats | None = None,
-        log: tuple[NDArray[Any], ...] | None = None,
-        path: Path | None = None,
-        every: float = math.inf,
+        keeping: Keeping,
+        samples: Sequence[Sample] = (),
+        log: Log | None = None,
     ) -> None:
-        self.system, self.settings, self.engine = system, settings, engine
-        self.path, self.every = path, every
-        self._log = None if log is None else [log]
-        self._portion = 1000
+        self.engine, self._keeping = engine, keeping
+        self._log = [engine.take_log() if log is None else log] if keeping.log else None
+        self._portion = FIRST_PORTION
         self._saved_at = clock.monotonic()
         # Samples and the target they were taken for: thinning out replaces both at once.
-        self._sampled: tuple[list[tuple[float, ...]], Target] = (
-            [] if rows is None else [tuple(row) for row in rows.tolist()],
-            target,
-        )
+        self._sampled: tuple[list[Sample], Target] = list(samples), target
 
     @property
     def target(self) -> Target:
-        """Where the run ends."""
+        """The end of the run, and its samples."""
         return self._sampled[1]
 
-    def set_end(self, until: float | None, max_collisions: int | None) -> None:
-        """Go on to another end; the spacing of the samples stays."""
-        rows, target = self._sampled
-        self._sampled = rows, replace(target, until=until, max_collisions=max_collisions)
+    def set_end(self, until: float | None, max_collisions: int | None = None) -> None:
+        """Set another end; the spacing of the samples stays."""
+        samples, target = self._sampled
+        self._sampled = samples, replace(target, until=until, max_collisions=max_collisions)
 
-    # --- the run --------------------------------------------------------------------------------------------
+    def set_observe(self, observe: Any) -> None:
+        """Go on with this function of the user, whose names and shapes must stay.
 
-    def run(self, report: Report) -> ParticleResult:
-        """To the end.
+        Raises
+        ------
+        ValueError
+            If it cannot be called, or is missing although values of it are in the samples.
+        """
+        found, samples = observing.checked_function(observe), self._sampled[0]
+        returned = samples[-1].observed if samples else self._keeping.observe
+        if found is None and returned:
+            raise ValueError("observe: missing, must be given again: the run of this checkpoint has one")
+        self._keeping = self._keeping._replace(observe=found)
+
+    # --- the loop -------------------------------------------------------------------------------------------
+
+    def run(self, report: Report) -> ParticleResult | ContactResult:
+        """Run to the end.
 
         Raises
         ------
         KeyboardInterrupt
-            At Ctrl-C, once the checkpoint is written if there is one.
+            At Ctrl-C, after the checkpoint is written, if the run has one.
         """
         for _ in self.steps(report):
             pass
@@ -96,193 +157,183 @@ class Course:
         return found
 
     def steps(self, report: Report) -> Iterator[float]:
-        """To the end, with a stop at every sample; yields its time [s]."""
+        """Run to the end and stop at every sample; yields its time [s]."""
         try:
-            while not (self._sampled[0] and self._over()):
-                rows, target = self._sampled
-                at = target.time(len(rows))
-                if self.engine.time >= at or self._advance(at, report):
+            while not (self._sampled[0] and self.target.is_reached(self.engine)):
+                samples, target = self._sampled
+                at = target.time(len(samples))
+                if self._advance(at, report):
                     self._sample()
-                    if self.path is not None and len(self._sampled[0]) == 1:
+                    if len(self._sampled[0]) == 1:
                         self.save()
                     yield self.engine.time
-            if self.path is not None:
-                self.save()
+            self.save()
         except KeyboardInterrupt:
-            if self.path is not None and self._whole():
-                self.save()
+            self._save_if_whole()
             raise
 
-    def _over(self) -> bool:
-        target = self.target
-        if self.engine.outcome != "ok" or self.target.idle > PATIENCE:
-            return True
-        if target.max_collisions is not None and self.engine.n_contacts >= target.max_collisions:
-            return True
-        return target.until is not None and self.engine.time >= target.until
-
     def _advance(self, at: float, report: Report) -> bool:
-        """To a time or to the end of the run; whether that is the time and it belongs to the samples."""
-        target = self.target
+        """Go on to ``at`` [s] or to the end of the run; whether there is a sample to be taken."""
+        engine, target = self.engine, self.target
+        if engine.time >= at and not engine.paused:
+            return True
         stop = at if target.until is None else min(at, target.until)
-        while self.engine.time < stop and not self._over():
-            most = self._portion
+        while (engine.time < stop or engine.paused) and not target.is_reached(engine):
+            work = self._portion
             if target.max_collisions is not None:
-                most = min(most, target.max_collisions - self.engine.n_contacts)
+                work = min(work, target.max_collisions - engine.n_contacts)
             begun = clock.monotonic()
-            self.engine.advance(stop, most)
-            self._keep_log()
-            self._pace(clock.monotonic() - begun)
-            self._report(report)
-        return bool(self.engine.time == at and self.engine.outcome == "ok")
+            engine.advance(stop, work)
+            self._adapt_portion(clock.monotonic() - begun)
+            if clock.monotonic() - self._saved_at > self._keeping.every:
+                self.save()
+            report(*engine.done_and_total(target.until, target.max_collisions))
+            if isinstance(report, Shown):
+                report.note = engine.note(target.until)
+        return engine.time == at and engine.outcome == "ok"
 
-    def _pace(self, took: float) -> None:
-        """Portions of about the same time; a checkpoint when it is due."""
-        self._portion = engines.pace(self._portion, took)
-        if self.path is not None and clock.monotonic() - self._saved_at > self.every:
-            self.save()
-
-    def _report(self, report: Report) -> None:
-        """Collisions so far, and how many to expect in all if they go on at the same rate."""
-        done, target = self.engine.n_contacts, self.target
-        expected = math.inf
-        if target.until is not None and self.engine.time > 0.0:
-            expected = done * (target.until / self.engine.time)
-        if target.max_collisions is not None:
-            expected = min(expected, target.max_collisions)
-        report(done, max(done, 1, round(expected) if expected < 2**53 else 0))
+    def _adapt_portion(self, took: float) -> None:
+        """Let the engine answer after about the same time [wall clock]."""
+        if took < 0.5 * PORTION:
+            self._portion = min(2 * self._portion, 2**40)
+        elif took > 2.0 * PORTION:
+            self._portion = max(self._portion // 2, 1)
 
     # --- what is kept ---------------------------------------------------------------------------------------
 
     def _sample(self) -> None:
-        """One more sample; every second one goes, and the spacing doubles, where an open end makes too many."""
-        rows, target = self._sampled
-        rows.append(self._row())
-        if target.open_ended and len(rows) > 2 * target.samples:
-            still = rows[-1][4] == rows[len(rows) // 2][4]
-            idle = target.idle + 1 if still else 0
-            self._sampled = rows[::2], replace(target, span=2.0 * target.span, idle=idle)
+        """Take a sample. Without an end in time, drop every second one and double the spacing where there are many."""
+        new = self._present_sample()
+        samples, target = self._sampled
+        samples.append(new)
+        if target.until is None and len(samples) > 2 * target.samples:
+            middle, last = (int(samples[k].records["n_collisions"]) for k in (len(samples) // 2, -1))
+            idle = target.idle + 1 if middle == last else 0
+            self._sampled = samples[::2], replace(target, span=2.0 * target.span, idle=idle)
 
-    def _row(self) -> tuple[float, ...]:
-        """The sums of ``COLUMNS`` now."""
-        values = {
-            **engines.observed(self.system, self.engine),
-            "time": self.engine.time,
-            "n_collisions": self.engine.n_contacts,
-        }
-        return tuple(float(values[name]) for name in COLUMNS)
+    def _present_sample(self) -> Sample:
+        observe, samples = self._keeping.observe, self._sampled[0]
+        if observe is None:
+            return Sample(self.engine.sample(), {})
+        before = samples[-1].observed if samples else None
+        try:
+            seen = observing.call(observe, self.engine.time, self.engine.current(), before)
+        except Exception:
+            self._save_if_whole()
+            raise
+        return Sample(self.engine.sample(), seen)
 
-    def _keep_log(self) -> None:
-        if self._log is not None:
-            self._log.append(tuple(self.engine.take_log().values()))
-
-    def _whole(self) -> bool:
-        """Whether no row of the log was lost to an interrupt on its way."""
-        kept = 0 if self._log is None else sum(len(part[0]) for part in self._log)
-        if self._log is None or kept == self.engine.n_contacts:
-            return True
-        self._keep_log()
-        return bool(sum(len(part[0]) for part in self._log) == self.engine.n_contacts)
-
-    def _joined_log(self) -> tuple[NDArray[Any], ...] | None:
+    def _taken_log(self) -> Log | None:
+        """All rows of the log so far."""
         if self._log is None:
             return None
-        if len(self._log) != 1:
-            self._log = [engines.joined(self._log)]
+        self._log.append(self.engine.take_log())
+        self._log = [joined(self._log)]
         return self._log[0]
 
+    def _save_if_whole(self) -> None:
+        """Write the checkpoint, unless an interrupt lost rows of the log on their way here."""
+        log = self._taken_log()
+        if log is None or len(log[0]) == self.engine.n_logged:
+            self.save()
+
     def save(self) -> None:
-        """Write the checkpoint.
+        """Write the checkpoint, if the run has one.
 
         Raises
         ------
         OSError
             If it cannot be written; names it.
         """
-        assert self.path is not None
-        rows, target = self._sampled
-        settings, law = self.settings, self.settings.law
-        header = {
-            "rule": settings.rule,
-            "restitution": settings.restitution,
-            "contact_duration": settings.contact_duration,
-            "law": engines.law_entry(law),
-            "boundary": list(self.system.boundary),
+        keeping, (samples, target) = self._keeping, self._sampled
+        if keeping.path is None:
+            return
+        log = self._taken_log()  # before the engine is saved, with the rows that it still holds
+        header, arrays = self.engine.saved()
+        seen = observing.collected([sample.observed for sample in samples])
+        header |= {
             "target": vars(target),
-            "every": self.every,
+            "every": keeping.every,
+            "observed": list(seen),
         }
-        arrays = engines.kept(
-            self.system, self.engine, np.array(rows).reshape(-1, len(COLUMNS)), self._joined_log()
-        )
-        checkpoint.write(self.path, header, arrays)
+        arrays |= {f"sample_{name}": values for name, values in _stacked(samples).items()}
+        arrays |= {f"observed_{i}": values for i, values in enumerate(seen.values())}
+        arrays |= {f"log_{i}": part for i, part in enumerate(log or ())}
+        checkpoints.write(keeping.path, header, arrays)
         self._saved_at = clock.monotonic()
 
     # --- results --------------------------------------------------------------------------------------------
 
     def current(self) -> ParticleSystem:
         """The system now, inside the box."""
-        return engines.present(self.system, self.engine)
+        return self.engine.current()
 
-    def result(self) -> ParticleResult:
-        """What has come out so far."""
-        rows = self._sampled[0]
-        if not rows or rows[-1][0] != self.engine.time or rows[-1][4] != self.engine.n_contacts:
-            rows = [*rows, self._row()]
-        now, seen, counts = self.current(), self.engine.observe(), self.engine.statistics()
-        largest = seen["largest_compression"]
-        idle = self.target.idle > PATIENCE and self.engine.outcome == "ok"
-        return ParticleResult(
-            system=now,
-            time=self.engine.time,
-            settings=self.settings,
-            outcome_name="no_contact" if idle else self.engine.outcome,
-            n_collisions=self.engine.n_contacts,
-            n_pairs=seen["n_pairs"],
-            n_walls=counts["n_walls"],
-            n_elastic_by_tc=counts["n_elastic_by_tc"],
-            n_soft=counts["n_soft"],
-            n_soft_third_body=counts["n_soft_third_body"],
-            largest_compression=None if math.isnan(largest) else largest,
-            early_end=early_end.of_engine(self.engine, now),
-            rows=np.array(rows),
-            log=self._joined_log(),
+    def result(self) -> ParticleResult | ContactResult:
+        """The result so far."""
+        samples, target = self._sampled
+        if not samples or not self.engine.is_at(samples[-1].records):
+            samples = [*samples, self._present_sample()]
+        return self.engine.result(
+            _stacked(samples),
+            self._taken_log(),
+            observing.collected([sample.observed for sample in samples]),
+            target.idle > PATIENCE,
         )
 
 
-def engine_of(system: ParticleSystem, settings: Settings, log: bool) -> Any:
-    """The compiled engine with the system in it."""
-    law = settings.law
-    tc = settings.contact_duration
-    return _core.make_engine(
-        "hard_spheres",
-        *engines.engine_arguments(system),
-        law=None if law is None else engines.choice(law),
-        rule=settings.rule,
-        restitution=math.nan if settings.restitution is None else settings.restitution,
-        rule_parameters=[] if tc is None else [tc],
-        log=log,
-    )
+def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:
+    """One array for each record, over the samples."""
+    return observing.collected([dict(sample.records) for sample in samples])
 
 
-def load(path: Any) -> Course:
-    """The run that a checkpoint holds.
+def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:
+    """Stands for the function of a checkpoint until the user gives it again."""
+    raise AssertionError
+
+
+def load(path: Any) -> Run:
+    """The run of a checkpoint.
 
     Raises
     ------
     ValueError
         If the file cannot be read, is no checkpoint or damaged; names it.
     """
-    header, arrays = checkpoint.read(path)
+    header, arrays = checkpoints.read(path)
     try:
-        law = None if header["law"] is None else engines.law_of(header["law"])
-        settings = Settings(header["rule"], header["restitution"], law, header["contact_duration"])
-        engine = _core.load_engine("hard_spheres", arrays["engine"].tobytes())
-        system = engines.system_in(header, arrays, engine)
-        log = engines.log_in(arrays, 4)
-        target = Target(**header["target"])
-        every = float(header["every"])
-    except (KeyError, TypeError, ValueError) as error:
+        engine = Engine.load(header, arrays)
+        target, every = Target(**header["target"]), float(header["every"])
+        names = header["observed"]
+        records = {name[7:]: array for name, array in arrays.items() if name.startswith("sample_")}
+        seen = {name: arrays[f"observed_{i}"] for i, name in enumerate(names or ())}
+        n = len(records["time"]) if records else 0
+        samples = list(map(Sample, observing.split(records, n), observing.split(seen, n)))
+        columns = range(len(engine.record.columns))
+        log = tuple(arrays[f"log_{i}"] for i in columns) if "log_0" in arrays else None
+    except (KeyError, TypeError, ValueError, IndexError) as error:
         raise ValueError(f"{path}: no checkpoint, or damaged: {error}") from None
-    return Course(
-        system, settings, engine, target, rows=arrays["rows"], log=log, path=Path(path), every=every
-    )
+    observe = _observe_again if names else None
+    keeping = Keeping(target.samples, log is not None, Path(path), every, observe)
+    return Run(engine, target, keeping, samples, log)
+
+
+def checked_until(run: Run, until: Any) -> float:
+    """A new end [s] of a run that goes on.
+
+    Raises
+    ------
+    ValueError
+        If it lies before the state of the checkpoint, or takes too many samples at their spacing.
+    """
+    end, target, reached = validation.number("until", until), run.target, run.engine.time
+    if end < reached:
+        raise ValueError(
+            f"until: got {end:.16g}, must be >= {validation.at_least(reached)}, the time of the checkpoint"
+        )
+    most = target.span / target.samples * MOST_SAMPLES
+    if 0.0 < most < end:
+        raise ValueError(
+            f"until: got {end:.16g}, must be <= {validation.at_most(most)}, up to which the samples, "
+            f"whose spacing stays, are {MOST_SAMPLES:.0e}"
+        )
+    return end

@@ -1,4 +1,4 @@
-"""Whether contacts are stiff enough for the speeds of a system."""
+"""The check that contacts are stiff enough for the speeds of a system."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .time_step import contacts
 
 
 def typical_speed(system: ParticleSystem) -> float:
-    """Mean speed of impact [m/s] in a gas, √(πT); between walls T counts the motion against them."""
+    """Mean impact speed [m/s] in a gas, √(πT); between walls T includes the mean motion."""
     squares = np.einsum("ij,ij->i", system.velocities, system.velocities)
     if "wall" not in system.boundary:
         return math.sqrt(math.pi * system.granular_temperature)
@@ -21,7 +21,7 @@ def typical_speed(system: ParticleSystem) -> float:
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
-    """Refuse what must exceed the range of contact laws: where a mean impact of any two particles would.
+    """Refuse a law under which a mean impact of any two particles would exceed the range of contact laws.
 
     Raises
     ------

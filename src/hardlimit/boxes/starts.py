@@ -1,4 +1,4 @@
-"""Random starts: radii, the edge of the box, positions without overlap, velocities of an equilibrium."""
+"""Random starts: radii, masses, the edge of the box, positions without overlap, Maxwell's velocities."""
 
 from __future__ import annotations
 
@@ -7,25 +7,23 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from ..support import validation
-from ..support.memory import available_memory, shown_bytes
+from ..contact.balls import HEAVIEST, LIGHTEST
+from ..support import machine, validation
+from ..support.formatting import size
 from ..support.progress import Report
-
-Floats = NDArray[np.float64]
+from .box import LARGEST, Box, Floats
 
 MOST_PARTICLES: Final = 2**31 - 1
-#: Memory that growing a start, or a run, takes for each particle [bytes].
+#: Memory of each particle while a start grows, or in a run [bytes].
 BYTES_PER_PARTICLE: Final = 300
 #: The densest random starts that growth reaches, by dimension.
 DENSEST: Final = {2: 0.82, 3: 0.62}
-LARGEST_RADIUS: Final = 1e100
 
 
-class Chance:
-    """Random numbers of one seed, independent for radii, positions and velocities.
+class Generators:
+    """Random generators of one seed, independent for radii, positions and velocities.
 
     Raises
     ------
@@ -50,15 +48,15 @@ def count(n: Any) -> int:
         If it is no whole number from 1 on, or they do not fit.
     """
     wanted = validation.whole("n", n, 1, MOST_PARTICLES)
-    needed, room = wanted * BYTES_PER_PARTICLE, available_memory()
+    needed, room = wanted * BYTES_PER_PARTICLE, machine.free_memory()
     if needed > room:
         raise ValueError(
-            f"n: got {wanted}, which take {shown_bytes(needed)}, must fit in the {shown_bytes(room)} of free memory"
+            f"n: got {wanted}, which take {size(needed)}, must fit in the {size(room)} of free memory"
         )
     return wanted
 
 
-def radii(radius: Any, n: int, chance: Chance) -> Floats:
+def radii(radius: Any, n: int, generators: Generators) -> Floats:
     """N radii [m]: one for all, N of them, or a uniform spread between two.
 
     Raises
@@ -66,7 +64,7 @@ def radii(radius: Any, n: int, chance: Chance) -> Floats:
     ValueError
         If they are neither, or not positive.
     """
-    limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST_RADIUS}
+    limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST}
     pair = n != 2 and not isinstance(radius, str | bytes) and _length(radius) == 2
     if not pair:
         return validation.each("radius", radius, n, **limits)
@@ -75,9 +73,33 @@ def radii(radius: Any, n: int, chance: Chance) -> Floats:
         raise ValueError(
             f"radius: got {smallest:.16g} and {largest:.16g}, must be the smallest and the largest"
         )
-    found = chance.sizes.uniform(smallest, largest, n)
+    found = generators.sizes.uniform(smallest, largest, n)
     found.flags.writeable = False
     return found
+
+
+def checked_masses(given: str, matter: Floats, radius: Floats) -> Floats:
+    """Masses [kg] from ``matter``, the densities or masses; one broadcast number where all are equal.
+
+    Raises
+    ------
+    ValueError
+        If one is outside the accepted range; names the particle.
+    """
+    if given == "mass":
+        mass = matter
+    elif matter.strides == radius.strides == (0,):
+        mass = np.broadcast_to(np.float64(_core.ball_mass(float(matter[0]), float(radius[0]))), len(matter))
+    else:
+        mass = np.fromiter(map(_core.ball_mass, matter.tolist(), radius.tolist()), np.float64, len(matter))
+    good = (mass >= LIGHTEST) & (mass <= HEAVIEST)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise ValueError(
+            f"radius | {given}: got {radius[bad]:.16g} and {matter[bad]:.16g} for particle {bad}, a mass of "
+            f"{mass[bad]:g} kg, must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
+        )
+    return mass
 
 
 def _length(values: Any) -> int:
@@ -87,7 +109,7 @@ def _length(values: Any) -> int:
         return -1
 
 
-def filled(radius: Floats, dimension: int) -> float:
+def solid_volume(radius: Floats, dimension: int) -> float:
     """Volume [m³] of all particles, in 2-D their area [m²]."""
     if dimension == 2:
         return math.pi * float(np.sum(radius**2))
@@ -105,31 +127,45 @@ def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
     share = validation.number(
         "packing_fraction", packing_fraction, 0.0, DENSEST[dimension], highest_allowed=True
     )
-    found = (filled(radius, dimension) / share) ** (1.0 / dimension)
-    return validation.number("packing_fraction | radius: edge of the box", found, 0.0, LARGEST_RADIUS)
+    found = (solid_volume(radius, dimension) / share) ** (1.0 / dimension)
+    return validation.number("packing_fraction | radius: edge of the box", found, 0.0, LARGEST)
 
 
-def positions(
-    radius: Floats, box: Floats, periodic: Sequence[bool], chance: Chance, report: Report
-) -> Floats:
-    """Places (N, d) [m] in the box at which no two particles overlap; reports thousandths of the growth.
+def check_room(box: Box, radius: Floats) -> None:
+    """Refuse a box that is too small for its boundaries.
 
     Raises
     ------
     ValueError
-        If the particles found no room, as a few large ones between walls may not.
+        If an edge is too short.
+    """
+    try:
+        box.check_size(float(radius.max()))
+    except ValueError as error:
+        raise ValueError(
+            f"n | packing_fraction: got {len(radius)} particles, too few for this packing fraction: {error}"
+        ) from None
+
+
+def positions(radius: Floats, box: Box, generators: Generators, report: Report) -> Floats:
+    """Positions (N, d) [m] without overlap; reports thousandths of the growth.
+
+    Raises
+    ------
+    ValueError
+        If growth found none, as it may for a few large particles between walls.
     """
     found = _core.grow_packing(
-        _core.Box(box.tolist(), ["periodic" if wraps else "wall" for wraps in periodic]),
+        box.of_core(),
         np.ascontiguousarray(radius),
-        chance.seed_of_positions,
+        generators.seed_of_positions,
         lambda share, collisions: report(int(1000.0 * share), 1000),
     )
     return np.asarray(found, np.float64)
 
 
 def velocities(
-    mass: Floats, dimension: int, rms_speed: float, periodic: Sequence[bool], chance: Chance
+    mass: Floats, dimension: int, rms_speed: float, periodic: Sequence[bool], generators: Generators
 ) -> Floats:
     """Maxwell's velocities (N, d) [m/s] with this root mean square and no momentum along periodic axes.
 
@@ -143,7 +179,7 @@ def velocities(
         return np.zeros((n, dimension))
     if n == 1 and all(periodic):
         raise ValueError(f"rms_speed: got {rms_speed:.16g}, must be 0 for one particle: its momentum is zero")
-    found = chance.speeds.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
+    found = generators.speeds.standard_normal((n, dimension)) / np.sqrt(mass / mass.max())[:, None]
     for axis, wrapped in enumerate(periodic):
         if wrapped:
             found[:, axis] -= np.average(found[:, axis], weights=mass)

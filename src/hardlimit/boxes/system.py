@@ -1,4 +1,4 @@
-"""The scenario: spheres, or disks, in a box with periodic or solid sides."""
+"""A system of particles: spheres or disks in a box, with their positions and velocities."""
 
 from __future__ import annotations
 
@@ -11,42 +11,44 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import _core
-from ..contact.balls import HEAVIEST, LIGHTEST
 from ..support import html, validation
+from ..support.formatting import digits
 from ..support.progress import Report, reporter
-from . import files
-from . import starts as random_start
+from . import files, starts
+from .box import (
+    AXES,
+    LARGEST,
+    Box,
+    Floats,
+    Vector,
+    checked_boundary,
+    checked_edges,
+    checked_gravity,
+    read_only,
+)
 from .files.frame import Frame
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Floats = NDArray[np.float64]
-#: One number for all axes, or one for each.
-Vector = float | Sequence[float] | Floats
-
-AXES: Final = ("x", "y", "z")
-BOUNDARIES: Final = ("periodic", "wall")
-LARGEST: Final = (
-    1e100  #: lengths, speeds and accelerations beyond this are refused: their squares would overflow
-)
-ROUNDING: Final = 1e-9  #: overlaps up to this, relative to the sum of the radii, are taken for touch
+#: Overlaps up to this, relative to the sum of the radii, count as touching.
+ROUNDING: Final = 1e-9
 
 
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class ParticleSystem:
     """Smooth spheres (3-D) or disks (2-D) in a box that runs from 0 to its edges.
 
-    A system never changes and its arrays are read-only; :meth:`replace` makes another one. Two systems are equal if all
+    Systems are immutable and their arrays read-only; :meth:`replace` makes a changed copy. Two systems are equal if all
     their values are.
 
     Parameters
     ----------
     positions : (N, d) numbers [m]
-        Of the centres, d = 2 or 3. Periodic ones lie in [0, edge]; at a wall the whole particle lies inside.
+        Of the centres, d = 2 or 3. Along a periodic axis they lie in [0, edge]; between walls the whole particle does.
     velocities : (N, d) numbers [m/s]
     radius : number or N numbers [m]
     density : number or N numbers [kg/m³]
@@ -54,14 +56,14 @@ class ParticleSystem:
     mass : number or N numbers [kg]
         Give exactly one of ``density`` and ``mass``.
     box : d numbers [m]
-        Edges, or one number for all of them. A periodic edge is at least four of the largest radii, so that two
-        particles touch in one way only; one between walls at least two.
+        Edges, or one number for all of them. A periodic edge is at least four times the largest radius, so that no
+        particle touches two images of another one; an edge between walls at least twice.
     boundary : "periodic", "wall", or one of them for each axis
     gravity : number or d numbers [m/s²]
         A vector, or one number: the acceleration along minus the last axis.
     allowed_overlap : float
-        Overlaps up to this, relative to the sum of the radii (at a wall the radius), are accepted; the default covers
-        rounding. Particles of soft contacts overlap while they touch.
+        Overlaps up to this, relative to the sum of the radii (at a wall the radius), are accepted. The default covers
+        rounding. Particles in contact under Newton's equations overlap by more.
 
     Raises
     ------
@@ -113,8 +115,8 @@ class ParticleSystem:
             positions=at,
             velocities=_checked_velocities(velocities, n, d),
             radius=size,
-            mass=_checked_masses(given, matter, size),
-            box=_checked_box(box, d),
+            mass=starts.checked_masses(given, matter, size),
+            box=checked_edges(box, d),
             boundary=checked_boundary(boundary, d),
             gravity=checked_gravity(gravity, d),
         )
@@ -130,16 +132,28 @@ class ParticleSystem:
 
     @classmethod
     def _of(cls, **values: Any) -> ParticleSystem:
-        """A system of values that are known to be good, and that nobody else will change."""
+        """A system of values that are checked already; it keeps the arrays and makes them read-only."""
         self = cls.__new__(cls)
         self._set(**values)
         return self
 
+    def _moved(self, positions: Floats, velocities: Floats) -> ParticleSystem:
+        """The same particles elsewhere, unchecked."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return self._of(**values | {"positions": positions, "velocities": velocities})
+
+    @cached_property
+    def domain(self) -> Box:
+        """The box as one value.
+
+        :meta private:
+        """
+        return Box(self.box, self.boundary, self.gravity)
+
     def _check_geometry(self, allowed_overlap: float) -> None:
-        _check_sizes(self.box, self.boundary, float(self.radius.max()))
+        self.domain.check_size(float(self.radius.max()))
         _check_inside(self, allowed_overlap)
-        bounds = _core.Box(self.box.tolist(), list(self.boundary))
-        first, second, gap = _core.deepest_overlap(bounds, self.positions, np.ascontiguousarray(self.radius))
+        first, second, gap = self._deepest_overlap
         apart = float(self.radius[first] + self.radius[second])
         if first >= 0 and -gap > allowed_overlap * apart:
             raise ValueError(
@@ -162,23 +176,23 @@ class ParticleSystem:
         gravity: Vector = 0.0,
         progress: bool | Report | None = None,
     ) -> ParticleSystem:
-        """Particles at random without overlap, with the velocities of an equilibrium (Maxwell).
+        """Particles at random positions without overlap, with Maxwell's velocities.
 
         The box has equal edges. Dense systems are grown by the event-driven engine (Lubachevsky & Stillinger, J. Stat.
-        Phys. 60, 561 (1990)). Positions are disordered but not those of an equilibrium: let an elastic gas collide
-        some tens of times per particle before you measure.
+        Phys. 60, 561 (1990)). The positions are disordered, but not in equilibrium: let an elastic gas collide some
+        tens of times per particle before you measure.
 
         Parameters
         ----------
         n : int
             Number of particles.
         packing_fraction : float
-            Share of the box that particles fill; at most 0.62 (3-D) and 0.82 (2-D).
+            Share of the box that the particles fill; at most 0.62 in 3-D and 0.82 in 2-D.
         radius : float, N numbers, or (smallest, largest) [m]
-            Two numbers are the limits of a uniform spread, unless n is 2.
+            Two numbers are the limits of a uniform distribution, unless n is 2.
         density : number or N numbers [kg/m³]
         rms_speed : float [m/s]
-            Root of the mean square of all speeds, exactly. The total momentum along periodic axes is zero.
+            Root mean square of all speeds, exactly. The total momentum along periodic axes is zero.
         dimension : int
             2 or 3.
         seed : int
@@ -188,7 +202,7 @@ class ParticleSystem:
         gravity : number or d numbers [m/s²]
             As for the system itself.
         progress : bool or callable(done, total), optional
-            True shows a bar. A function is told how far the particles have grown, in thousandths.
+            True shows a bar. A function gets the growth of the particles, in thousandths.
 
         Returns
         -------
@@ -207,30 +221,28 @@ class ParticleSystem:
         >>> round(gas.granular_temperature, 6)  # a third of 0.1², for each axis
         0.003333
         """
-        count = random_start.count(n)
+        count = starts.count(n)
         d = validation.whole("dimension", dimension, 2, 3)
         sides = checked_boundary(boundary, d)
         pull = checked_gravity(gravity, d)
         speed = validation.number(
             "rms_speed", rms_speed, 0.0, LARGEST, lowest_allowed=True, highest_allowed=True
         )
-        chance = random_start.Chance(seed)
-        size = random_start.radii(radius, count, chance)
+        generators = starts.Generators(seed)
+        size = starts.radii(radius, count, generators)
         matter = validation.each("density", density, count, lowest=0.0)
-        weight = _checked_masses("density", matter, size)
-        edge = random_start.edge(packing_fraction, size, d)
-        box = np.full(d, edge)
-        _check_room(box, sides, size)
-        periodic = [side == "periodic" for side in sides]
-        speeds = random_start.velocities(weight, d, speed, periodic, chance)
+        weight = starts.checked_masses("density", matter, size)
+        box = Box(np.full(d, starts.edge(packing_fraction, size, d)), sides, pull)
+        starts.check_room(box, size)
+        speeds = starts.velocities(weight, d, speed, box.periodic, generators)
         with reporter(progress, "random start", "") as report:
-            places = random_start.positions(size, box, periodic, chance, report)
+            places = starts.positions(size, box, generators, report)
         return cls._of(
             positions=places,
             velocities=speeds,
             radius=size,
             mass=weight,
-            box=box,
+            box=box.edges,
             boundary=sides,
             gravity=pull,
         )
@@ -307,7 +319,7 @@ class ParticleSystem:
         return files.write(path, [self.as_frame()])
 
     def as_frame(self, time: float = 0.0) -> Frame:
-        """What a file holds of the system at ``time`` [s].
+        """The frame that files hold of the system at ``time`` [s].
 
         :meta private:
         """
@@ -325,7 +337,7 @@ class ParticleSystem:
         boundary: str | Sequence[str] | None = None,
         gravity: Vector | None = None,
     ) -> ParticleSystem:
-        """The system with other values; what is not given stays, the masses included.
+        """A copy with some values changed; what is not given stays, the masses included.
 
         Parameters
         ----------
@@ -346,7 +358,8 @@ class ParticleSystem:
         Raises
         ------
         ValueError
-            As for the system itself. Overlaps that the system has already are no error while nothing moves.
+            As for the system itself. Overlaps that the system already has are accepted unless positions, radius, box or
+            boundary change.
 
         Examples
         --------
@@ -374,20 +387,23 @@ class ParticleSystem:
         )
 
     @cached_property
-    def _overlap_share(self) -> float:
-        """The deepest overlap there is, relative to the sum of the radii or, at a wall, the radius."""
+    def _deepest_overlap(self) -> tuple[int, int, float]:
+        """The two particles that overlap most, −1 each without two of them, and their gap [m]."""
         radius = np.ascontiguousarray(self.radius)
-        bounds = _core.Box(self.box.tolist(), list(self.boundary))
-        first, second, gap = _core.deepest_overlap(bounds, self.positions, radius)
-        deepest = -gap / float(radius[first] + radius[second])
-        for axis, side in enumerate(self.boundary):
+        return _core.deepest_overlap(self.domain.of_core(), self.positions, radius)
+
+    @cached_property
+    def _overlap_share(self) -> float:
+        """The deepest overlap, relative to the sum of the radii or, at a wall, the radius; rounded up."""
+        first, second, gap = self._deepest_overlap
+        deepest = -gap / float(self.radius[first] + self.radius[second])
+        for _, axis, upper in self.domain.walls():
             x = self.positions[:, axis]
-            if side == "wall":
-                inside = np.minimum(x, self.box[axis] - x) / radius
-                deepest = max(deepest, 1.0 - float(inside.min()))
+            inside = (self.box[axis] - x if upper else x) / self.radius
+            deepest = max(deepest, 1.0 - float(inside.min()))
         return math.nextafter(deepest, 1.0) * (1.0 + 1e-12)
 
-    # --- what it is made of ---------------------------------------------------------------------------------
+    # --- properties -----------------------------------------------------------------------------------------
 
     @property
     def n(self) -> int:
@@ -402,12 +418,12 @@ class ParticleSystem:
     @property
     def density(self) -> Floats:
         """Mass over the volume of the sphere (N,) [kg/m³]."""
-        return _fixed(self.mass / (4.0 / 3.0 * math.pi * self.radius**3))
+        return read_only(self.mass / (4.0 / 3.0 * math.pi * self.radius**3))
 
     @cached_property
     def packing_fraction(self) -> float:
         """Share of the box that the particles fill: volumes in 3-D, areas in 2-D."""
-        return random_start.filled(self.radius, self.dimension) / float(np.prod(self.box))
+        return starts.solid_volume(self.radius, self.dimension) / self.domain.volume
 
     @property
     def kinetic_energy(self) -> float:
@@ -417,7 +433,7 @@ class ParticleSystem:
     @property
     def momentum(self) -> Floats:
         """Σ m v (d,) [kg m/s]."""
-        return _fixed(self.mass @ self.velocities)
+        return read_only(self.mass @ self.velocities)
 
     @property
     def granular_temperature(self) -> float:
@@ -485,15 +501,15 @@ class ParticleSystem:
 
 
 def described(system: ParticleSystem) -> list[tuple[str, str]]:
-    """Label and value of what a table says of a system."""
+    """Rows of the table of a system: label and value."""
     found = [
         ("box [m]", _times(system.box)),
         ("sides", ", ".join(f"{axis} {side}" for axis, side in zip(AXES, system.boundary, strict=False))),
-        ("packing fraction φ", html.number(system.packing_fraction)),
+        ("packing fraction φ", digits(system.packing_fraction)),
         ("radius [m]", _between(system.radius)),
         ("mass [kg]", _between(system.mass)),
-        ("granular temperature [m²/s²]", html.number(system.granular_temperature)),
-        ("kinetic energy [J]", html.number(system.kinetic_energy)),
+        ("granular temperature [m²/s²]", digits(system.granular_temperature)),
+        ("kinetic energy [J]", digits(system.kinetic_energy)),
     ]
     if system.gravity.any():
         found.append(("gravity [m/s²]", "(" + ", ".join(f"{g:.6g}" for g in system.gravity) + ")"))
@@ -507,11 +523,6 @@ def _times(box: Floats) -> str:
 def _between(values: Floats) -> str:
     low, high = float(values.min()), float(values.max())
     return f"{low:.6g}" if low == high else f"{low:.6g} … {high:.6g}"
-
-
-def _fixed(array: Floats) -> Floats:
-    array.flags.writeable = False
-    return array
 
 
 def _rebuild(*values: Any) -> ParticleSystem:
@@ -529,80 +540,6 @@ def _checked_velocities(velocities: Any, n: int, d: int) -> Floats:
     if np.abs(found).max() > LARGEST:
         raise ValueError(f"velocities: got {np.abs(found).max():.16g}, must be at most {LARGEST:g}")
     return found
-
-
-def _checked_masses(given: str, matter: Floats, radius: Floats) -> Floats:
-    """Masses [kg] from ``matter``, the densities or the masses themselves; one number where all are the same."""
-    if given == "mass":
-        mass = matter
-    elif matter.strides == radius.strides == (0,):
-        mass = np.broadcast_to(np.float64(_core.ball_mass(float(matter[0]), float(radius[0]))), len(matter))
-    else:
-        mass = np.fromiter(map(_core.ball_mass, matter.tolist(), radius.tolist()), np.float64, len(matter))
-    good = (mass >= LIGHTEST) & (mass <= HEAVIEST)
-    if not good.all():
-        bad = int(np.argmin(good))
-        raise ValueError(
-            f"radius | {given}: got {radius[bad]:.16g} and {matter[bad]:.16g} for particle {bad}, a mass of "
-            f"{mass[bad]:g} kg, must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
-        )
-    return mass
-
-
-def _checked_box(box: Any, d: int) -> Floats:
-    limits = {"lowest": 0.0, "highest": LARGEST, "highest_allowed": True}
-    return np.array(validation.numbers("box", box, d, **limits))
-
-
-def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
-    """One word for each axis.
-
-    Raises
-    ------
-    ValueError
-        If it is neither "periodic" nor "wall" nor one of them for each axis.
-    """
-    if isinstance(boundary, str):
-        return (validation.one_of("boundary", boundary, BOUNDARIES),) * d
-    words = validation.instances("boundary", boundary, str, "word")
-    if len(words) != d:
-        raise ValueError(f"boundary: got {len(words)} words, must be one or {d}, one for each axis")
-    return tuple(validation.one_of(f"boundary[{i}]", word, BOUNDARIES) for i, word in enumerate(words))
-
-
-def checked_gravity(gravity: Any, d: int) -> Floats:
-    """The vector [m/s²]; one number g is (0, …, −g).
-
-    Raises
-    ------
-    ValueError
-        If it is neither a number nor d of them.
-    """
-    limits = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True, "highest_allowed": True}
-    values = validation.numbers("gravity", gravity, d, **limits)
-    if np.ndim(gravity) == 0:
-        return np.array([0.0] * (d - 1) + [-values[0] if values[0] else 0.0])
-    return np.array(values)
-
-
-def _check_sizes(box: Floats, boundary: Sequence[str], largest: float) -> None:
-    """A periodic edge has room for four of the largest radii, one between walls for two."""
-    for axis, side in enumerate(boundary):
-        radii = 4 if side == "periodic" else 2
-        if not box[axis] >= radii * largest:
-            raise ValueError(
-                f"box: got {box[axis]:.16g} along {AXES[axis]}, {side}, must be >= "
-                f"{validation.at_least(radii * largest)}, {'four' if radii == 4 else 'two'} times the largest radius"
-            )
-
-
-def _check_room(box: Floats, boundary: Sequence[str], radius: Floats) -> None:
-    try:
-        _check_sizes(box, boundary, float(radius.max()))
-    except ValueError as error:
-        raise ValueError(
-            f"n | packing_fraction: got {len(radius)} particles, too few for this packing fraction: {error}"
-        ) from None
 
 
 def _check_inside(system: ParticleSystem, allowed_overlap: float) -> None:

@@ -1,4 +1,4 @@
-"""What theory says of a homogeneous gas of equal hard spheres or disks.
+"""Kinetic theory of a homogeneous gas of equal hard spheres or disks.
 
 All of it holds for a fluid without walls, gravity or a mean flow: spheres below φ = 0.49, where freezing sets in, and
 disks below 0.70. Temperatures T are in m²/s² as everywhere here: the mean square of one velocity component.
@@ -22,11 +22,11 @@ Floats = NDArray[np.float64]
 #: (Bernard & Krauth 2011).
 FLUID: Final = {2: 0.70, 3: 0.49}
 
-#: Particles.
+#: Largest number of particles.
 MOST: Final = 2**62
-#: Collisions per particle after which a random start is forgotten. Its positions are no equilibrium's: at packing
-#: fractions of 0.3 and 0.4 1000 elastic spheres collided 2.0 and 1.2 times as often as Enskog says in the first quarter
-#: of a collision per particle, and within 5 % of him after three.
+#: Collisions per particle after which a random start is in equilibrium: at packing fractions of 0.3 and 0.4 the rate of
+#: 1000 elastic spheres was 2.0 and 1.2 times Enskog's during the first quarter of a collision per particle, and within
+#: 5 % of it after three.
 RELAXED: Final = 3
 
 
@@ -34,7 +34,7 @@ RELAXED: Final = 3
 class Gas:
     """A gas of equal spheres (``dimension`` 3) or disks (2): ``n`` of them in a box of ``volume`` [m³, m²].
 
-    :func:`gas` makes one of a system.
+    :func:`gas` makes one from a system.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Gas:
     Raises
     ------
     ValueError
-        If a value is not positive and finite, or the dimension another.
+        If a value is not positive and finite, or the dimension is neither 2 nor 3.
 
     Examples
     --------
@@ -132,7 +132,7 @@ class Gas:
     def mean_free_path(self) -> float:
         """Mean speed over collision rate [m]: 1/(√2 π n σ² χ), of disks 1/(2√2 n σ χ).
 
-        Not to be mixed up with √T/ν, which Lue, J. Chem. Phys. 122, 044513 (2005) tabulates.
+        Not to be confused with √T/ν, which Lue, J. Chem. Phys. 122, 044513 (2005) tabulates.
         """
         mean_speed = math.sqrt(0.5 * math.pi) if self.dimension == 2 else math.sqrt(8.0 / math.pi)
         return mean_speed / float(self.collision_rate(1.0))
@@ -209,7 +209,7 @@ def _restitution(given: float) -> float:
 
 
 def gas(system: ParticleSystem) -> Gas:
-    """The gas that a system is.
+    """The gas of equal particles in a system.
 
     Parameters
     ----------
@@ -253,7 +253,7 @@ def gas(system: ParticleSystem) -> Gas:
 
 
 def why_not(system: ParticleSystem) -> str | None:
-    """What keeps the formulas from holding for a system; None where they hold."""
+    """The reason why the formulas do not hold for a system; None if they do."""
     if not isinstance(system, ParticleSystem):
         return f"got {validation.shown(system)}"
     if len(system.boundary) != system.boundary.count("periodic"):

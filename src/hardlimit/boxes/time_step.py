@@ -1,4 +1,4 @@
-"""The time step of a run by steps: from the errors that it makes, measured on isolated contacts."""
+"""The time step of a run by steps, chosen from its errors in isolated contacts."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from ..contact.contact import Law
 from ..support import validation
 from .system import ParticleSystem
 
-DEFAULT_ERROR: Final = 1e-3  #: of ε, and by our own steps of energy and positions
-SMALLEST_ERROR: Final = 1e-9  #: some ten thousand steps for each contact
+DEFAULT_ERROR: Final = 1e-3  #: of ε, and for engine "steps" of energy and positions
+SMALLEST_ERROR: Final = 1e-9  #: about ten thousand steps per contact
 LARGEST_ERROR: Final = 0.05
-#: Speeds at which contacts are tried, relative to the largest to expect.
+#: Speeds of the test contacts, relative to the largest expected speed.
 SPEEDS: Final = (1.0, 0.1, 0.01)
-#: No particle moves further in a step, relative to the smallest radius.
+#: Largest distance that a particle moves in a step, relative to the smallest radius.
 FARTHEST: Final = 0.1
-#: With more kinds of particles than this, only the smallest and the largest are tried.
+#: With more kinds of particles than this, only the smallest and the largest are tested.
 MOST_KINDS: Final = 6
 
 
-#: The longest step [s] of a scheme, of one contact, a speed [m/s] and an error.
+#: Longest step [s] of an integration scheme, as a function of contact, speed [m/s] and error.
 LongestStep = Callable[[_core.Contact, float, float], float]
 
 
@@ -35,7 +35,7 @@ def chosen(
     time_step: Any,
     longest_step: LongestStep = _core.longest_step,
 ) -> float:
-    """The longest step [s] that a run may take: as given, or as long as the error allows.
+    """The longest step [s] of a run: as given, or the longest within the accepted error.
 
     Raises
     ------
@@ -66,9 +66,9 @@ def chosen(
 
 
 def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
-    """The longest step with at most this error in every contact to expect, also far from passing through anyone."""
+    """The longest step within this error in all expected contacts, in which no particle can cross another."""
     top = largest_speed(system)
-    # Without motion and gravity only overlaps can drive contacts, at speeds that the step need not know.
+    # Without motion and gravity only initial overlaps drive contacts; their speed does not matter here.
     tried = top if top > 0.0 else 1.0
     found = FARTHEST * float(system.radius.min()) / tried if top > 0.0 else math.inf
     for contact in contacts(system, law):
@@ -78,14 +78,14 @@ def _longest(system: ParticleSystem, law: Law, error: float, longest_step: Longe
 
 
 def largest_speed(system: ParticleSystem) -> float:
-    """The largest speed of impact to expect [m/s]: twice that of the fastest particle, and that of a fall."""
+    """The largest expected impact speed [m/s]: twice that of the fastest particle plus that of a fall."""
     fastest = math.sqrt(float(np.einsum("ij,ij->i", system.velocities, system.velocities).max()))
     fall = float(np.abs(system.gravity) @ system.box)
     return 2.0 * fastest + math.sqrt(2.0 * fall)
 
 
 def contacts(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
-    """One contact of each kind: between kinds of particles, and with a wall where there is one."""
+    """One contact of each pair of kinds of particles, and of each kind with a wall if there is one."""
     kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
     if len(kinds) > MOST_KINDS:
         ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]

@@ -1,4 +1,4 @@
-"""The command line ``hardlimit``: one module for each command. It computes nothing itself."""
+"""The command line ``hardlimit``: a module per command, or ``about`` for the small ones. It computes nothing itself."""
 
 from __future__ import annotations
 
@@ -8,24 +8,26 @@ import click
 
 from .program import Program, no_such_command
 
-#: Each command with its first line of help; it is ``NAME`` in the module ``NAME``, which is imported when it is run.
+#: Each command with the first line of its help. A command is imported when it is run.
 COMMANDS = {
-    "cite": "Print BibTeX of the package and of what its results rest on.",
-    "completion": "Print the script that completes commands in a shell.",
+    "cite": "Print BibTeX entries for the package and the methods you used.",
+    "completion": "Print a script that completes commands in your shell.",
     "contact": "One contact: its duration, restitution and damping.",
     "convert": "A restitution as the input of particle codes, and back.",
-    "drop": "Drop a column of balls: Newton beside event-driven.",
+    "drop": "Drop a column of balls: Newton's equations and event-driven.",
     "explore": "Serve the interactive page on 127.0.0.1 until Ctrl-C.",
-    "fit": "Fit a contact law to measurements, and say whether it holds.",
-    "gas": "Let grains collide in a box as hard spheres, beside theory.",
-    "paper": "Compute Figures 2–8 of the paper, and check its statements.",
-    "stack": "Masses with which a stack throws its top ball fastest.",
+    "fit": "Fit a contact law to measurements and test whether it holds.",
+    "gas": "Simulate a box of grains as hard spheres.",
+    "paper": "Compute Figures 2–8 of the paper and check its statements.",
+    "stack": "Find the masses with which a stack throws its top ball fastest.",
     "sweep": "Compute a map over any parameters of a column of balls.",
 }
+#: Commands that share a module.
+ABOUT = ("cite", "completion", "explore")
 
 
 class Commands(Program):
-    """A group that lists its commands without importing them: each needs other parts of the package."""
+    """A group that lists its commands without importing them."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(COMMANDS)
@@ -33,7 +35,8 @@ class Commands(Program):
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
         if name not in COMMANDS:
             return None
-        command = getattr(import_module(f".{name}", __name__), name)
+        module = import_module(f".{'about' if name in ABOUT else name}", __name__)
+        command = getattr(module, name)
         assert isinstance(command, click.Command)
         return command
 
@@ -61,16 +64,15 @@ class Commands(Program):
 def main(context: click.Context, version: bool, verbose: bool) -> None:
     """How far can you trust an event-driven simulation?
 
-    Columns of balls as instantaneous collisions and under Newton's equations, side by side; boxes of grains as
-    hard spheres. Quantities are in SI units, or bear their unit: 1e-3 or 1mm. Each command explains its options
-    and shows an example: hardlimit COMMAND --help.
+    Compares instantaneous collisions with Newton's equations for columns of balls and boxes of grains. Numbers are in
+    SI units or have a unit: 1e-3 or 1mm. For the options of a command and an example, run hardlimit COMMAND --help.
     """
     if verbose and not version:
         raise click.UsageError("--verbose: only with --version", context)
     if version:
-        from . import version as report
+        from . import about
 
-        click.echo(report.verbose() if verbose else report.brief())
+        click.echo(about.verbose() if verbose else about.brief())
         context.exit()
     if context.invoked_subcommand is None:
         click.echo(context.get_help())

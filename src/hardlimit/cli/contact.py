@@ -17,41 +17,44 @@ from ..contact.approximations import usual_damping
 from ..contact.balls import FLOOR, Ball
 from ..contact.contact import Contact, Law, law_parameters
 from ..support import validation
-from .drop_report import law_text
+from ..support.formatting import digits, length, quantity
 from .options import (
     F,
     dpi_option,
-    given_law_parameters,
+    json_option,
     law_options,
+    law_text,
     options,
     output_option,
     picture,
     quantity_option,
+    take_law,
 )
-from .printing import console, digits, length, print_json, quantity, show, table
+from .printing import console, print_json, sentence, show, table
 from .program import Command
 
+#: Impact speeds of the table [m/s], if the contact depends on the speed.
 SPEEDS = (0.01, 0.1, 1.0, 10.0)
 
 
 def body_options(radius: str, density: str) -> Callable[[F], F]:
-    """The options of two bodies in contact, with what the help of radius and density says besides."""
+    """The options of two bodies in contact; the arguments end the help of ``--radius`` and ``--density``."""
     return options(
         quantity_option("--radius", unit="m", help=f"Radius of the ball [m]{radius}"),
-        quantity_option("--density", unit="kg/m3", help=f"Its density [kg/m³]{density}"),
-        quantity_option("--mass", unit="kg", help="Its mass [kg], instead of the density."),
+        quantity_option("--density", unit="kg/m3", help=f"Density of the ball [kg/m³]{density}"),
+        quantity_option("--mass", unit="kg", help="Mass of the ball [kg] instead of the density."),
         quantity_option(
             "--other-radius",
             unit="m",
-            help="Radius of a second ball [m]; without it, the ball meets the floor.",
+            help="Radius of a second ball [m]; without a second ball, the first one meets the floor.",
         ),
         quantity_option(
             "--other-density",
             unit="kg/m3",
-            help="Density of the second ball [kg/m³].  [default: as the first]",
+            help="Density of the second ball [kg/m³].  [default: that of the first]",
         ),
         quantity_option(
-            "--other-mass", unit="kg", help="Mass of the second ball [kg], instead of the density."
+            "--other-mass", unit="kg", help="Mass of the second ball [kg] instead of the density."
         ),
     )
 
@@ -62,13 +65,12 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
 @body_options(".  [default: 0.01]", ".  [default: 840]")
 @law_options()
 @quantity_option(
-    "--speed", "speeds", unit="m/s", multiple=True, help="Speed of impact [m/s]; repeat for a table."
+    "--speed", "speeds", unit="m/s", multiple=True, help="Impact speed [m/s]; repeat it for a table."
 )
 @output_option("--plot", "Restitution as a picture (png, pdf, svg, …).")
 @dpi_option
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@json_option()
 def contact(
-    law: str | None,
     speeds: tuple[float, ...],
     plot: str | None,
     dpi: float | None,
@@ -77,12 +79,12 @@ def contact(
 ) -> None:
     """One contact: its duration, restitution and damping.
 
-    Beside them stands what the usual formula for the damping would give. Without options, a ball of radius 1 cm and
-    density 840 kg/m³ meets the floor under the linear law with stiffness 5e7 N/m and restitution 0.7. A number may
-    bear a unit, such as 1cm.
+    The output also has the restitution that the usual formula for the damping would give. Without options, a ball of
+    radius 1 cm and density 840 kg/m³ meets the floor under the linear law with stiffness 5e7 N/m and restitution 0.7.
+    Numbers may have a unit, such as 1cm.
     """
     path = picture("plot", plot)
-    rule = chosen_law(law, given_law_parameters(given))
+    rule = law_from(given)
     ball = make_ball("", given["radius"], given["density"], given["mass"], 0.01, 840.0)
     partner = other_ball(ball, given["other_radius"], given["other_density"], given["other_mass"])
     made = rule.between(ball, partner)
@@ -98,12 +100,9 @@ def contact(
         print_report(made, ball, partner, v, depth, usual)
 
 
-def chosen_law(name: str | None, parameters: dict[str, float]) -> Law:
-    """The law of Fig. 2, or what the options make of it."""
-    base = files.of_column(Column.paper())
-    if name is not None or parameters:
-        base = files.with_law(base, name, parameters)
-    return base.laws[0]
+def law_from(given: dict[str, Any]) -> Law:
+    """The law of Fig. 2 changed by the options, which are taken out."""
+    return files.changed_law(Column.paper().laws[0], *take_law(given))
 
 
 def make_ball(
@@ -114,6 +113,7 @@ def make_ball(
     default_radius: float,
     default_density: float,
 ) -> Ball:
+    """A ball with defaults for what is not given; ``which`` is the prefix of its options."""
     size = default_radius if radius is None else radius
     if density is None and mass is None:
         density = default_density
@@ -121,14 +121,14 @@ def make_ball(
 
 
 def other_ball(ball: Ball, radius: float | None, density: float | None, mass: float | None) -> Any:
-    """The second ball; the floor if nothing of it is given."""
+    """The second ball, or the floor if none of its options is given."""
     if radius is None and density is None and mass is None:
         return FLOOR
     return make_ball("other_", radius, density, mass, ball.radius, ball.density)
 
 
 def depends_on_speed(made: Contact) -> bool:
-    """Whether restitution or duration changes with the speed of impact."""
+    """Whether restitution or duration depends on the impact speed."""
     slow, fast = SPEEDS[0], SPEEDS[-1]
     return not (
         math.isclose(made.restitution(slow), made.restitution(fast), rel_tol=1e-12)
@@ -137,26 +137,26 @@ def depends_on_speed(made: Contact) -> bool:
 
 
 def default_speeds(made: Contact) -> list[float]:
-    """One speed where nothing depends on it, else some decades and the one given."""
+    """One speed if nothing depends on it, else several decades and the law's own impact speed."""
     if not depends_on_speed(made):
         return [1.0]
     return sorted({*SPEEDS, made.law.parameters.get("impact_speed", 1.0)})
 
 
 def compressions(made: Contact, ball: Ball, partner: Any, speeds: Any) -> Any:
-    """Greatest compression over the smaller radius at each speed of impact."""
+    """Largest compression over the smaller radius at each impact speed."""
     radius = min(ball.radius, partner.radius)
     return made.compression(speeds) / radius
 
 
 def takes_usual_formula(law: Law) -> bool:
-    """Whether the law is a spring and a dashpot, for whose damping the usual formula is made."""
+    """Whether the law is a linear spring and dashpot, as the usual formula for the damping assumes."""
     units = {name: p["unit"] for name, p in law_parameters(type(law)).items()}
     return units.get("stiffness") == "N/m" and units.get("damping") == "N s/m"
 
 
 def usual_formula(made: Contact) -> dict[str, float] | None:
-    """What the usual formula's damping gives; only where one ε was asked of a spring and a dashpot."""
+    """The result of the usual formula; None unless a spring and dashpot were given by ε."""
     asked = made.law.specified_restitution
     if not takes_usual_formula(made.law) or math.isnan(asked):
         return None
@@ -164,7 +164,7 @@ def usual_formula(made: Contact) -> dict[str, float] | None:
 
 
 def obtained(made: Contact, asked: float) -> dict[str, float]:
-    """Damping by the usual formula and the restitution it leads to, for a contact of a spring and a dashpot."""
+    """Damping by the usual formula, and the restitution that it gives."""
     damping = usual_damping(asked, made.stiffness, made.effective_mass)
     law = type(made.law)(stiffness=made.stiffness, damping=damping)
     ball = Ball(radius=made.effective_radius, mass=made.effective_mass)
@@ -179,6 +179,7 @@ def constants(made: Contact) -> dict[str, float]:
 def print_report(
     made: Contact, ball: Ball, partner: Any, speeds: Any, depth: Any, usual: dict[str, float] | None
 ) -> None:
+    """The contact, a table over the speed, and the usual formula."""
     out = console()
     bodies = f"ball of radius {length(ball.radius)}, {quantity(ball.mass * 1e3, 'g')}, and "
     if isinstance(partner, Ball):
@@ -191,33 +192,33 @@ def print_report(
         unit = "" if constant["unit"] == "1" else constant["unit"]
         value = f"{digits(getattr(made, constant['name']))} {unit}".strip()
         rows.append([constant["name"].replace("_", " "), value])
-    name = made.law.record["name"]
-    show(out, f"Contact of {bodies}", table(["", name], rows), f"{name} law: {law_text(made.law)}")
+    show(out, f"Contact of {bodies}", table(["", made.law.record["name"]], rows), law_text(made.law))
     by_speed = [
         [digits(v), digits(made.restitution(v)), quantity(made.duration(v), "s"), digits(d)]
         for v, d in zip(speeds, depth, strict=True)
     ]
-    title = (
-        "Over the speed of impact" if depends_on_speed(made) else "At any speed, the compression at this one"
-    )
-    names = ["speed [m/s]", "restitution ε", "duration", "compression [smaller radius]"]
+    title = "At several impact speeds"
+    if not depends_on_speed(made):
+        title = "At any impact speed (the compression at this speed)"
+    names = ["impact speed [m/s]", "restitution ε", "duration", "compression [smaller radius]"]
     show(out, title, table(names, by_speed))
     if said := compression.too_soft(float(depth.max())):
-        out.print(f"{said[0].upper()}{said[1:]}.", style="yellow")
+        out.print(sentence(said), style="yellow")
     if usual:
         print_usual(out, made, usual)
 
 
 def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
+    """The damping of this package and that of the usual formula."""
     formula = "ζ = −ln ε/√(π² + ln² ε), the usual formula"
     rows = [
-        ["this force, never attractive", digits(made.damping), digits(made.restitution())],
+        ["hardlimit, for a force that never attracts", digits(made.damping), digits(made.restitution())],
         [formula, digits(usual["damping"]), digits(usual["restitution"])],
     ]
     asked = digits(usual["asked"])
-    show(out, f"Asked for ε = {asked}", table(["damping chosen by", "γ [N s/m]", "ε obtained"], rows))
-    sentence = f"Asked for {asked}, the usual DEM formula gives {usual['restitution']:.4f}"
-    out.print(f"{sentence}: it assumes a contact that ends in attraction.")
+    show(out, f"Asked for ε = {asked}", table(["damping chosen by", "γ [N s/m]", "resulting ε"], rows))
+    result = f"Asked for {asked}, the usual DEM formula gives {usual['restitution']:.4f}"
+    out.print(f"{result}: it assumes a force that attracts at the end of the contact.")
 
 
 def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] | None) -> dict[str, Any]:
@@ -236,7 +237,7 @@ def as_mapping(made: Contact, speeds: Any, depth: Any, usual: dict[str, float] |
 
 
 def draw(made: Contact, path: Path, dpi: float | None) -> None:
-    """Restitution over speed, or, for a spring and a dashpot, obtained over asked."""
+    """Draw restitution over speed, or, for a spring and dashpot, the resulting over the requested restitution."""
     from .. import plots
 
     if not takes_usual_formula(made.law):

@@ -17,8 +17,9 @@ from ..convert.codes import code, names
 from ..convert.conversion import ContactNumbers, Conversion, ModelConversion, ModelNumbers, Obtained
 from ..convert.wanted import LAWS
 from ..support import validation
-from .options import options, quantity_option
-from .printing import console, digits, length, print_json, quantity, show, table
+from ..support.formatting import digits, length, quantity
+from .options import json_option, options, quantity_option
+from .printing import console, print_json, sentence, show, table
 from .program import Command
 
 EXAMPLES = """\b
@@ -29,10 +30,10 @@ Example:
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
       --input 'hooke 1e5 0.7 damping coeff_restitution limit_damping'"""
 
-USUAL = "Usual: the wanted ε itself, or the damping of the usual formula. Input to paste: --code NAME"
-#: What the damping of each law is measured in.
+USUAL = "Usual input: the desired ε itself, or the damping of the usual formula. For input to paste, add --code NAME"
+#: Units of damping and stiffness for each law.
 DAMPING_UNITS = {"linear": "N s/m", "tsuji": "N s/m^1.25", "viscoelastic": "N s/m^1.5"}
-#: Heads of columns.
+#: Short names of numbers in the heads of columns.
 SHORT = {
     "youngs_modulus": "Y [Pa]",
     "poisson_ratio": "ν",
@@ -47,68 +48,72 @@ bed = options(
         "radii",
         unit="m",
         multiple=True,
-        help="Radius of a ball [m]; repeat for each size of a bed.",
+        help="Radius of a ball [m]; repeat it for each size of a bed.",
     ),
     quantity_option(
         "--density",
         "densities",
         unit="kg/m3",
         multiple=True,
-        help="Density [kg/m³], of all balls; or repeated.",
+        help="Density [kg/m³]; repeat it for each size if they differ.",
     ),
-    quantity_option("--mass", "masses", unit="kg", multiple=True, help="Mass [kg], instead of the density."),
-    click.option("--wall/--no-wall", default=None, help="Contacts with a wall as well.  [default: yes]"),
+    quantity_option("--mass", "masses", unit="kg", multiple=True, help="Mass [kg] instead of the density."),
+    click.option("--wall/--no-wall", default=None, help="Include contacts with a wall.  [default: yes]"),
 )
 contact_options = options(
-    quantity_option("--restitution", unit="1", help="Restitution ε that is wanted."),
-    quantity_option("--speed", unit="m/s", help="Speed of impact at which it is wanted [m/s].  [default: 1]"),
+    quantity_option("--restitution", unit="1", help="Desired restitution ε."),
+    quantity_option("--speed", unit="m/s", help="Impact speed at which ε is desired [m/s].  [default: 1]"),
     quantity_option("--stiffness", unit="N/m", help="Stiffness of a linear spring [N/m]."),
     quantity_option(
-        "--youngs-modulus", unit="Pa", help="Instead of it, Young's modulus of the material [Pa]."
+        "--youngs-modulus", unit="Pa", help="Young's modulus of the material [Pa], instead of the stiffness."
     ),
-    quantity_option("--poisson-ratio", unit="1", help="Poisson's ratio of the material, beside the modulus."),
-    quantity_option("--duration", unit="s", help="Or the duration of each contact [s]."),
-    quantity_option("--compression", unit="m", help="Or the greatest compression in each contact [m]."),
+    quantity_option(
+        "--poisson-ratio", unit="1", help="Poisson's ratio of the material, together with the modulus."
+    ),
+    quantity_option("--duration", unit="s", help="Duration of each contact [s], instead of the stiffness."),
+    quantity_option(
+        "--compression", unit="m", help="Largest compression in a contact [m], instead of the stiffness."
+    ),
     click.option(
         "--law",
         type=click.Choice(list(LAWS)),
-        help="Contact law: linear, or Hertz with one of two dampings.  [default: tsuji with a modulus, else linear]",
+        help="Contact law: linear, or Hertz with either damping.  [default: tsuji with a modulus, else linear]",
     ),
 )
 
 
 def models_of_code(context: click.Context, _: click.Parameter, begun: str) -> list[str]:
-    """For the shell: the models of the code that stands before."""
+    """Shell completion: the models of the code given before."""
     named = context.params.get("code")
     return [m.name for m in code(named).models if m.name.startswith(begun)] if named else []
 
 
 code_options = options(
     click.option(
-        "--code", type=click.Choice(names()), help="Code whose input is wanted.  [default: a table of all]"
+        "--code", type=click.Choice(names()), help="Code to write input for.  [default: a table of all codes]"
     ),
     click.option(
-        "--model", shell_complete=models_of_code, help="Model of the code.  [default: all of the law]"
+        "--model",
+        shell_complete=models_of_code,
+        help="Contact model of the code.  [default: all models of the law]",
     ),
     click.option(
         "--attraction",
         is_flag=True,
-        help="Where a code leaves the choice, a force that attracts at the end of a contact.",
+        help="Let the force attract at the end of a contact, if the code has both.",
     ),
-    click.option(
-        "--input", "text", help="Lines of the code's input: what they really give. '-' reads standard input."
-    ),
-    click.option("--read", metavar="FILE", help="The same from a file."),
+    click.option("--input", "text", help="Lines of the code's input to evaluate; '-' reads standard input."),
+    click.option("--read", metavar="FILE", help="File with the code's input to evaluate."),
     click.option(
         "--contact",
         metavar="NAME",
-        help="Contact of an input that has several, such as 1-2 or 1-wall.  [default: the only one]",
+        help="Contact to evaluate if the input has several, such as 1-2 or 1-wall.",
     ),
     quantity_option(
-        "--restitution-error", unit="1", help="Error of ε that the time step may make.  [default: 0.001]"
+        "--restitution-error", unit="1", help="Error of ε that the time step may cause.  [default: 0.001]"
     ),
     quantity_option(
-        "--time-step", unit="s", help="Instead of that error, a time step [s] whose error is wanted."
+        "--time-step", unit="s", help="Time step [s] whose error is computed, instead of the reverse."
     ),
 )
 
@@ -117,7 +122,7 @@ code_options = options(
 @bed
 @contact_options
 @code_options
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@json_option()
 def convert(
     radii: tuple[float, ...],
     densities: tuple[float, ...],
@@ -130,20 +135,20 @@ def convert(
 ) -> None:
     """A restitution as the input of particle codes, and back.
 
-    Every code turns a restitution into a force in a way of its own, and some let the force attract where others cut it
-    off, so that the same number gives another ε in each. This gives each code the number with which ε is the one that
-    is wanted, says what the usual number would give, and how long a time step may be. With --input, it says what lines
-    of input really give. Numbers may bear a unit, such as 0.5mm or 210GPa.
+    Particle codes convert a restitution to a damping force by different formulas, and some let the force attract at
+    the end of a contact. The same input therefore gives different restitutions. This command finds the input with
+    which each code has the desired ε, the ε that the usual input would give, and the longest time step. With --input,
+    it finds the ε that lines of a code's input give. Numbers may have a unit, such as 0.5mm or 210GPa.
     """
     balls = bed_of(radii, densities, masses)
     if text is not None or read is not None:
         given_text = input_text(text, read)
-        show_obtained(back(given_text, balls, wall, given), balls, given, as_json)
+        show_obtained(back(given_text, balls, wall, given), given, as_json)
         return
     if given.pop("contact") is not None:
-        raise ValueError("contact: must be given beside input, of which it is one")
+        raise ValueError("contact: must be left out without input")
     if given["restitution"] is None:
-        raise ValueError("restitution: missing, must be given, or --input")
+        raise ValueError("restitution: missing, must be given unless there is an input")
     given["speed"] = 1.0 if given["speed"] is None else given["speed"]
     found = converted(balls, wall=wall is not False, **given)
     if as_json:
@@ -153,13 +158,13 @@ def convert(
 
 
 def bed_of(radii: tuple[float, ...], densities: tuple[float, ...], masses: tuple[float, ...]) -> list[Ball]:
-    """The sizes of a bed; one density for all of them, or as many as radii."""
+    """A ball for each size of a bed, with one density for all or one for each."""
     if not radii:
         raise ValueError("radius: missing, must be given")
     validation.exactly_one(density=densities or None, mass=masses or None)
     name, values = ("density", densities) if densities else ("mass", masses)
     if len(values) not in (1, len(radii)):
-        raise ValueError(f"{name}: got {len(values)} values, must be 1 or {len(radii)}, as of radius")
+        raise ValueError(f"{name}: got {len(values)} values, must be 1 or {len(radii)}, one for each radius")
     each = values * len(radii) if len(values) == 1 else values
     which = ["" if len(radii) == 1 else f"ball {i + 1}: " for i in range(len(radii))]
     return [
@@ -185,7 +190,7 @@ def input_text(text: str | None, read: str | None) -> str:
 
 
 def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any]) -> Obtained:
-    """What an input gives for one or two balls, or with ``--wall`` for one ball and a wall."""
+    """The contact that an input gives for one or two balls, or with ``--wall`` for a ball and a wall."""
     for name in (
         "restitution",
         "stiffness",
@@ -196,11 +201,11 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
         "law",
     ):
         if given[name] is not None:
-            raise ValueError(f"{name}: got {given[name]}, must not be given beside input, which says it")
+            raise ValueError(f"{name}: got {given[name]}, must be left out with input, which sets it")
     if given["code"] is None:
-        raise ValueError(f"code: missing, must be one of {', '.join(names())} beside input")
+        raise ValueError(f"code: missing, must be one of {', '.join(names())} with input")
     if len(balls) > (1 if wall else 2):
-        raise ValueError(f"radius: got {len(balls)} values, must be {1 if wall else '1 or 2'} beside input")
+        raise ValueError(f"radius: got {len(balls)} values, must be {1 if wall else '1 or 2'} with input")
     other = FLOOR if wall else balls[-1]
     speed = 1.0 if given["speed"] is None else given["speed"]
     options = {name: given[name] for name in ("code", "model", "restitution_error", "time_step", "contact")}
@@ -211,6 +216,7 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
 
 
 def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> None:
+    """The contacts, and the input of one code or a table of all codes."""
     out = console()
     wanted = found.wanted
     sizes = ", ".join(
@@ -218,15 +224,15 @@ def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> No
     )
     asked = f"ε = {digits(wanted.restitution)} at {digits(wanted.speed)} m/s, {wanted.law} law"
     units = f"Stiffness in {STIFFNESS_UNITS[wanted.law]}, damping in {DAMPING_UNITS[wanted.law]}."
-    below = f"Balls (radius, mass): {sizes}. {units} {step_words(found.contacts)}"
+    below = f"Balls (radius, mass): {sizes}. {units} {step_sentence(found.contacts)}"
     show(out, asked, contact_table(found), below)
     if one_code:
         for model in found.models:
             print_model(out, model)
     else:
         rows = [row for model in found.models for row in overview_rows(model)]
-        head = ["code and model", "contact", "usual: ε", "give it", "then ε"]
-        show(out, "What the codes make of it", table(head, rows), USUAL)
+        head = ["code and model", "contact", "ε of usual input", "corrected input", "its ε"]
+        show(out, "Input of the codes", table(head, rows), USUAL)
 
 
 def contact_table(found: Conversion) -> Any:
@@ -247,18 +253,18 @@ def contact_row(contact: ContactNumbers) -> list[str]:
 
 
 def step_of(row: ContactNumbers | ModelNumbers | Obtained) -> str:
-    """A time step, or a dash where the bodies stay together."""
+    """A time step, or a dash if the bodies do not separate."""
     return "–" if math.isnan(row.time_step) else quantity(row.time_step, "s", 4)
 
 
-def step_words(rows: tuple[ContactNumbers, ...] | tuple[ModelNumbers, ...]) -> str:
-    """What the time step does to ε."""
+def step_sentence(rows: tuple[ContactNumbers, ...] | tuple[ModelNumbers, ...]) -> str:
+    """A sentence on the error of ε that the time step causes."""
     errors = [row.restitution_error for row in rows if not math.isnan(row.restitution_error)]
-    return f"With the time step, ε errs by {digits(max(errors), 2)} at most." if errors else ""
+    return f"With this time step the error of ε is at most {digits(max(errors), 2)}." if errors else ""
 
 
 def overview_rows(model: ModelConversion) -> list[list[str]]:
-    """Of one model: one line where all contacts agree, else one for each."""
+    """The rows of a model: one if all contacts agree, else one for each contact."""
     rows = [
         [
             row.pair,
@@ -274,9 +280,9 @@ def overview_rows(model: ModelConversion) -> list[list[str]]:
 
 
 def main_number(model: ModelConversion, row: ModelNumbers) -> str:
-    """The number that makes the damping, by its name."""
+    """The number that sets the damping, with its name."""
     if row.numbers is None:
-        return "not to be had"
+        return "impossible"
     name = model.model.damping.number
     if not name:
         return "no damping"
@@ -284,8 +290,9 @@ def main_number(model: ModelConversion, row: ModelNumbers) -> str:
 
 
 def print_model(out: Any, model: ModelConversion) -> None:
+    """The numbers of a model for each contact, and its input to paste."""
     given = list(next((row.numbers for row in model.contacts if row.numbers is not None), {}))
-    head = ["contact", *(SHORT.get(name, name) for name in given), "then ε", "usual: ε", "time step"]
+    head = ["contact", *(SHORT.get(name, name) for name in given), "ε", "ε of usual input", "time step"]
     rows = []
     for row in model.contacts:
         values = ["–"] * len(given) if row.numbers is None else [digits(row.numbers[n], 6) for n in given]
@@ -299,32 +306,32 @@ def print_model(out: Any, model: ModelConversion) -> None:
     if model.model.keyword:
         end += f" (with {model.model.keyword}; --attraction leaves it out)" if not model.attraction else ""
     note = model.model.note
-    note = f"{note[0].upper()}{note[1:]}" if note[0].isascii() else note  # no capital ζ
-    below = f"{note}. This force {end}. Mass at a wall: {model.code.walls}. Checked {checked}."
+    below = f"{sentence(note)} The force {end}. Mass at a wall: {model.code.walls}. Checked {checked}."
     show(out, f"{model.code.title} {model.model.name}: {model.model.title}", table(head, rows), below)
     if model.text:
         click.echo(model.text + "\n")
 
 
-def show_obtained(found: Obtained, balls: list[Ball], given: dict[str, Any], as_json: bool) -> None:
+def show_obtained(found: Obtained, given: dict[str, Any], as_json: bool) -> None:
+    """The contact that an input gives."""
     if as_json:
         print_json(found.to_dict())
         return
     rows = [[name.replace("_", " "), digits(value)] for name, value in found.numbers.items()]
-    rows += [["restitution ε, really", digits(found.restitution)]]
+    rows += [["restitution ε", digits(found.restitution)]]
     if found.numerical_damping:
         rows += [["numerical damping", digits(found.numerical_damping)]]
     else:
         rows += [["duration", quantity(found.duration, "s")]]
-    rows += [["greatest compression", quantity(found.compression, "m")]]
-    rows += [["greatest force", quantity(found.force, "N")], ["time step", step_of(found)]]
+    rows += [["largest compression", quantity(found.compression, "m")]]
+    rows += [["largest force", quantity(found.force, "N")], ["time step", step_of(found)]]
     end = "attracts at its end" if found.attraction else "never attracts"
-    below = f"This force {end}. " + (
-        f"With the time step, ε errs by {digits(found.restitution_error, 2)}."
+    below = f"The force {end}. " + (
+        f"With this time step the error of ε is {digits(found.restitution_error, 2)}."
         if found.restitution > 0.0
-        else "The bodies stay together."
+        else "The bodies do not separate."
     )
-    below = " ".join([below, *(f"{note[0].upper()}{note[1:]}." for note in found.notes)])
+    below = " ".join([below, *map(sentence, found.notes)])
     speed = 1.0 if given["speed"] is None else given["speed"]
     title = f"{found.code.title} {found.model.name} at {digits(speed)} m/s"
     show(console(), title, table(["", "value"], rows), below)

@@ -2,40 +2,120 @@
 
 from __future__ import annotations
 
+import math
+import tomllib
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..column import files
 from ..column.comparison import Comparison, compare
-from ..column.result import Result
+from ..column.models import MODELS
+from ..column.result import Result, quantities
+from ..column.scenario import Column
 from ..column.solvers import newton
-from ..contact.compression import CompressionWarning
+from ..contact import compression
+from ..support import saving
+from ..support.formatting import digits, length, quantity
 from ..support.progress import bar
-from .drop_report import as_mapping, print_report, save_results
 from .options import (
-    column_from,
-    column_options,
+    LAW_PARAMETERS,
+    F,
     dpi_option,
     film,
+    json_option,
+    law_options,
+    law_text,
     options,
     output_option,
     picture,
     quantity_option,
+    take_law,
     writable,
 )
-from .printing import print_json
+from .printing import console, plain, print_json, sentence, show, table
 from .program import Command
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+BALL_OPTIONS = ("radii", "radius_1", "radius_2", "radius_ratio", "densities", "masses")
+MOTION_OPTIONS = ("gaps", "velocities", "height", "gravity")
+#: The most factors of 10 by which a stiffness is raised in search of one that is stiff enough.
+MOST_DECADES = 30
+
+
+def column_options(function: F) -> F:
+    """The options that describe a column; :func:`column_from` reads them."""
+    decorate = options(
+        quantity_option(
+            "--gap",
+            "gaps",
+            unit="m",
+            multiple=True,
+            help="Gap Δh between neighbours [m]; repeat it for each gap, the lowest first.",
+        ),
+        quantity_option(
+            "--radius-ratio", unit="1", help="R1/R2 of the two lowest balls; changes the lower radius."
+        ),
+        quantity_option("--radius-1", unit="m", help="Radius R1 of the lowest ball [m]."),
+        quantity_option("--radius-2", unit="m", help="Radius R2 of the ball above it [m]."),
+        quantity_option(
+            "--radius",
+            "radii",
+            unit="m",
+            multiple=True,
+            help="Radius [m]; repeat it for each ball, the lowest first, for any number of balls.",
+        ),
+        quantity_option(
+            "--density",
+            "densities",
+            unit="kg/m3",
+            multiple=True,
+            help="Density [kg/m³]; repeat it for each ball if they differ.",
+        ),
+        quantity_option(
+            "--mass",
+            "masses",
+            unit="kg",
+            multiple=True,
+            help="Mass [kg] instead of the density; repeat it for each ball.",
+        ),
+        quantity_option(
+            "--height", unit="m", help="Height of the centre of the lowest ball at release, z1(0) [m]."
+        ),
+        quantity_option(
+            "--velocity",
+            "velocities",
+            unit="m/s",
+            multiple=True,
+            help="Velocity at release [m/s], upwards; repeat it for each ball if they differ.",
+        ),
+        quantity_option("--gravity", unit="m/s2", help="Acceleration of gravity g [m/s²]."),
+        law_options(),
+    )
+    return decorate(function)
+
+
+def column_from(file: str | None, given: dict[str, Any]) -> Column:
+    """The column of the file, or of Fig. 2 without a file, changed by the options, which are taken out."""
+    base = files.read_with(file)[0] if file else files.of_column(Column.paper())
+    law, parameters = take_law(given)
+    if law is not None or parameters:
+        base = files.with_law(base, law, parameters)
+    base = files.with_balls(base, **{name: given.pop(name) for name in BALL_OPTIONS})
+    return files.with_motion(base, **{name: given.pop(name) for name in MOTION_OPTIONS}).column()
+
 
 output_options = options(
     output_option("--plot", "Forces and heights over time (png, pdf, svg, …)."),
     dpi_option,
     output_option("--animate", "Slow-motion film (gif; mp4 with the extra hardlimit[film])."),
     output_option("--save", "Trajectory and contacts of all models as NetCDF.", "FILE.nc"),
-    output_option("--toml", "The column as a TOML file that this command reads.", "FILE.toml"),
-    click.option("--json", "as_json", is_flag=True, help="Print JSON."),
+    output_option("--toml", "Column as a TOML file that this command can read.", "FILE.toml"),
+    json_option(),
 )
 
 
@@ -46,15 +126,15 @@ output_options = options(
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options
 @quantity_option(
-    "--until", unit="s", help="Follow the contacts to this time [s] after the first floor touch."
+    "--until", unit="s", help="Follow the contacts until this time [s] after the first floor contact begins."
 )
 @output_options
 def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **given: Any) -> None:
-    """Drop a column of balls: Newton beside event-driven.
+    """Drop a column of balls: Newton's equations and event-driven.
 
     Without a file, the column is that of Fig. 2 of the paper: radii 10 cm and 1 cm, density 840 kg/m³, gap
     0.1 mm, height 0.6 m, linear law with stiffness 5e7 N/m and restitution 0.7. Options override the file.
-    A number may bear a unit, such as 1mm or 7g/cm^3.
+    Numbers may have a unit, such as 1mm or 7g/cm^3.
     """
     outputs = {
         "plot": picture("plot", given.pop("plot")),
@@ -63,7 +143,9 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
         "toml": writable("toml", given.pop("toml"), ".toml"),
     }
     column = column_from(file, given)
-    with warnings.catch_warnings(action="ignore", category=CompressionWarning):  # the report says so
+    with warnings.catch_warnings(
+        action="ignore", category=compression.CompressionWarning
+    ):  # the report has it
         found = compare(column)
         shown = newton(column, until) if until is not None else found.newton
     write_outputs(found, shown, outputs, dpi)
@@ -76,7 +158,7 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
 def write_outputs(
     found: Comparison, shown: Result, outputs: dict[str, Path | None], dpi: float | None
 ) -> None:
-    """The files asked for; ``shown`` is Newton's result, to the time asked for."""
+    """Write the files that were asked for; ``shown`` is Newton's result up to ``--until``."""
     if outputs["toml"]:
         files.write(shown.column, outputs["toml"])
     if outputs["plot"]:
@@ -90,3 +172,176 @@ def write_outputs(
             animate(shown, outputs["animate"], ghost=found.independent, progress=report)
     if outputs["save"]:
         save_results((shown, *found.results[1:]), outputs["save"])
+
+
+# --- as a table ---------------------------------------------------------------------------------------------
+
+
+def print_report(found: Comparison, shown: Result) -> None:
+    """Column, contacts, comparison and verdict."""
+    out = console()
+    column = found.newton.column
+    since = "the first floor touch" if column.floor else "release"
+    show(out, "Column", column_table(column), column_line(column))
+    show(out, f"Contacts under Newton’s equations [µs after {since}]", contact_table(shown))
+    show(out, "Newton’s equations and event-driven", comparison_table(found))
+    if depth := depth_line(shown):
+        out.print(depth, style="yellow")
+    answer, verdict = found.verdict
+    colour = {"yes": "green", "no": "red", "by luck": "yellow"}.get(answer, "default")
+    out.print("[bold]May you use event-driven here?[/bold]")
+    out.print(verdict, style=colour)
+
+
+def depth_line(result: Result) -> str:
+    """A sentence on contacts that are too deep for a contact law; empty if none is."""
+    said = compression.too_soft(result.largest_compression)
+    if said is None or result._core.too_deep < 0:
+        return sentence(said) if said else ""
+    return f"{sentence(result.outcome)}{stiff_enough(result)}"
+
+
+def stiff_enough(result: Result) -> str:
+    """A sentence with a stiffness for which contacts are not too deep; empty if none is found."""
+    column = result.column
+    law = column.laws[0]
+    name = next(iter(law.parameters))  # the elastic constant
+    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+        for decade in range(1, MOST_DECADES + 1):
+            stiffer = [each.replace(**{name: each.parameters[name] * 10.0**decade}) for each in column.laws]
+            if newton(column.replace(law=stiffer), result.until)._core.too_deep < 0:
+                break
+        else:
+            return ""
+    unit = LAW_PARAMETERS[name][0]["unit"]
+    value = law.parameters[name] * 10.0**decade
+    enough = (
+        f"of {digits(value)} {unit}" if len(set(column.laws)) == 1 else f"{10.0**decade:g} times as large"
+    )
+    return f" With a {name.replace('_', ' ')} {enough}, contacts are not too deep."
+
+
+def column_table(column: Column) -> Table:
+    rows = []
+    moving = any(column.velocities)
+    for i in reversed(range(len(column.balls))):
+        ball = column.balls[i]
+        gap = column.gaps[i - 1] if i else column.drop_height
+        where = f"{length(gap)}" if i or column.floor else ""
+        row = [f"ball {i + 1}", length(ball.radius), quantity(ball.mass * 1e3, "g"), where]
+        if moving:
+            row.append(digits(column.velocities[i]))
+        if len(set(column.laws)) > 1:
+            law = i if column.floor else i - 1
+            row.append(law_text(column.laws[law]) if law >= 0 else "")
+        rows.append(row)
+    names = ["", "radius", "mass", "gap below"]
+    names += ["velocity [m/s]"] if moving else []
+    return table(names + (["law below"] if len(set(column.laws)) > 1 else []), rows)
+
+
+def column_line(column: Column) -> str:
+    """What is the same for all balls, in a line."""
+    parts = []
+    if len(set(column.laws)) == 1:
+        parts.append(law_text(column.laws[0]))
+    if column.floor:
+        parts += [
+            f"g {digits(column.gravity)} m/s²",
+            f"speed at the floor V {digits(column.impact_speed)} m/s",
+        ]
+    return "; ".join(parts)
+
+
+def pair_name(pair: int) -> str:
+    return "floor – ball 1" if pair == 0 else f"ball {pair} – ball {pair + 1}"
+
+
+def microseconds(seconds: float) -> str:
+    return f"{seconds * 1e6:.3f}" if abs(seconds) < 1e3 else digits(seconds * 1e6)
+
+
+def contact_table(result: Result, most: int = 40) -> Table:
+    """Begin, end and duration of the contacts; a long list is cut in the middle."""
+    rows = [
+        [pair_name(int(pair)), microseconds(begin), microseconds(end), microseconds(end - begin)]
+        for pair, begin, end in zip(*result.contact_times, strict=True)
+    ]
+    if len(rows) > most:
+        half = most // 2
+        rows = [*rows[:half], [f"… {len(rows) - most} more", "", "", ""], *rows[-half:]]
+    return table(["pair", "begin", "end", "duration"], rows)
+
+
+def comparison_table(found: Comparison) -> Table:
+    """The numbers of all models side by side; those that no model has are left out."""
+    results = found.results
+    rows = []
+    for row in zip(*map(quantities, results), strict=True):
+        label, values = row[0][0], [value for _, value in row]
+        if all(map(math.isnan, values)):
+            continue
+        if label.endswith("[s]"):
+            rows.append([label.replace("[s]", "[µs]"), *map(microseconds, values)])
+        else:
+            rows.append([label, *map(digits, values)])
+    rows.append(["outcome", *(r.outcome.split(":")[0] for r in results)])
+    return table(["", *(MODELS[r.model].short for r in results)], rows)
+
+
+# --- for machines -------------------------------------------------------------------------------------------
+
+
+def as_mapping(found: Comparison, shown: Result) -> dict[str, Any]:
+    """Everything the tables show, in SI units."""
+    answer, verdict = found.verdict
+    return {
+        "column": tomllib.loads(files.dumps(found.newton.column)),
+        "impact_speed": found.newton.column.impact_speed,
+        "models": {r.model: result_mapping(shown if r is found.newton else r, r) for r in found.results},
+        "verdict": {"event_driven": answer, "sentence": verdict},
+    }
+
+
+def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
+    """A result; contacts and final state up to ``--until`` are those of ``shown``."""
+    names = (
+        "n_contacts",
+        "t_end",
+        "t_floor_end",
+        "relative_velocity",
+        "separation_velocity",
+        "effective_restitution",
+        "effective_restitution_at_separation",
+        "restitution_ratio",
+        "restitution_ratio_at_separation",
+        "largest_compression",
+        "outcome",
+        "method",
+    )
+    values = {name: getattr(result, name) for name in names}
+    contacts = dict(zip(("pair", "begin", "end"), shown.contact_times, strict=True))
+    state = {"positions": shown.positions, "velocities": shown.velocities}
+    heights = {"rebound_heights": result.rebound_heights}
+    mapping: dict[str, Any] = plain({**values, **state, **heights, "contacts": contacts})
+    return mapping
+
+
+def save_results(results: tuple[Result, ...], path: Path) -> Path:
+    """Save the trajectory and the contacts of each model as groups of a NetCDF file, such as ``newton/trajectory``.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    import xarray as xr
+
+    column = results[0].column
+    about = {"title": "hardlimit drop", "column": repr(column), "toml": files.dumps(column)}
+    groups: dict[str, xr.Dataset] = {"/": xr.Dataset(attrs=about)}
+    for result in results:
+        facts = {"model": result.model, "method": result.method, "outcome": result.outcome}
+        groups[f"{result.model}/trajectory"] = result.trajectory().assign_attrs(facts)
+        groups[f"{result.model}/contacts"] = result.contacts.assign_attrs(facts)
+    return saving.groups(groups, path)

@@ -16,22 +16,24 @@ from ..contact.contact import Law, law_parameters
 from ..contact.laws import LAWS
 from ..fitting import fit as fitted
 from ..fitting.files import read_measurements
-from ..fitting.likelihood import Estimate
 from ..fitting.measurements import Measured
 from ..fitting.result import Fit, as_mapping
+from ..support.estimate import Estimate
+from ..support.formatting import digits
 from .contact import body_options, make_ball, other_ball
 from .options import (
     dpi_option,
-    given_law_parameters,
+    json_option,
     law_options,
     output_option,
     picture,
     quantity_option,
+    take_law,
 )
-from .printing import console, digits, print_json, show, table
+from .printing import console, print_json, print_warnings, sentence, show, table
 from .program import Command
 
-#: The law of the example, and the error of its values.
+#: The law of the example file, and the error of its values.
 EXAMPLE = {"youngs_modulus": 1e9, "poisson_ratio": 0.3, "restitution": 0.8, "impact_speed": 1.0}
 EXAMPLE_ERROR = 0.005
 
@@ -42,30 +44,30 @@ EXAMPLE_ERROR = 0.005
 )
 @click.argument("file", required=False, metavar="[FILE.csv]")
 @law_options(law="Law to fit.  [default: viscoelastic for impacts, linear for a column]")
-@click.option("--free", multiple=True, metavar="NAME", help="Parameter to fit; repeat for more.")
-@click.option("--scatter", is_flag=True, help="Fit how much ε varies beyond the errors of the measurement.")
+@click.option("--free", multiple=True, metavar="NAME", help="Parameter to fit; repeat it for more.")
+@click.option("--scatter", is_flag=True, help="Fit the scatter of ε beyond the errors of the measurement.")
 @quantity_option(
     "--confidence", unit="1", help="Confidence of the intervals, between 0 and 1.  [default: 0.68]"
 )
-@click.option("--compare/--no-compare", default=True, help="Try the other laws too.")
-@body_options("; only where more than ε is fitted.", ".")
-@quantity_option(
-    "--gravity", unit="m/s2", help="Acceleration of gravity, for heights and times [m/s²].  [default: 9.81]"
-)
-@click.option("--column", metavar="FILE.toml", help="The column whose rebounds were measured.")
-@output_option("--plot", "Data, laws and deviations as a picture (png, pdf, svg, …).")
+@click.option("--compare/--no-compare", default=True, help="Fit the other laws as well.")
+@body_options("; needed if more than ε is fitted.", ".")
+@quantity_option("--gravity", unit="m/s2", help="Gravity [m/s²], for heights and times.  [default: 9.81]")
+@click.option("--column", metavar="FILE.toml", help="Column whose rebounds were measured.")
+@output_option("--plot", "Picture of data, laws and residuals (png, pdf, svg, …).")
 @dpi_option
-@click.option("--example", is_flag=True, help="Print a file of impacts, computed from a law with noise.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given: Any) -> None:
-    """Fit a contact law to measurements, and say whether it holds.
+@click.option(
+    "--example", is_flag=True, help="Print an example file: impacts computed from a law with noise."
+)
+@json_option()
+def fit(file: str | None, example: bool, as_json: bool, **given: Any) -> None:
+    """Fit a contact law to measurements and test whether it holds.
 
-    The header of the file tells what was measured: speed and restitution; drop_height and rebound_height;
-    height (peaks of a ball that bounces on, the release first); time (its impacts); or separation_velocity,
-    top_velocity or top_height of a column. Cells are separated by commas, semicolons or tabs; other columns are
-    ignored, which is said. Each may have a column of errors, such as height_error, and a unit,
-    such as height [cm]. Parameters of the law that are given are held. Printed are the fitted ones with their
-    intervals, χ² with its probability, and a verdict. Numbers of options may bear a unit, such as 5mm.
+    The header of the file says what was measured: speed and restitution; drop_height and rebound_height; height (peaks
+    of a bouncing ball, the release first); time (its impacts); or separation_velocity, top_velocity or top_height of a
+    column. Cells are separated by commas, semicolons or tabs. A column may have a unit, such as height [cm], and a
+    column of errors, such as height_error; unknown columns are ignored with a warning. Parameters of the law that are
+    given as options are not fitted. The output has the fitted parameters with their intervals, χ² with its
+    probability, and a verdict. Numbers of options may have a unit, such as 5mm.
     """
     if example:
         if file is not None:
@@ -75,14 +77,13 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
     if file is None:
         raise ValueError("FILE: missing, must be a CSV file; --example prints one")
     plot = picture("plot", given["plot"])
-    fixed = given_law_parameters(given)
+    law, fixed = take_law(given)
     gravity = STANDARD_GRAVITY if given["gravity"] is None else given["gravity"]
     column = files.read(given["column"]) if given["column"] else None
     with warnings.catch_warnings(record=True) as ignored:
         warnings.simplefilter("always", UserWarning)
         data = read_measurements(file, column=column, gravity=gravity)
-    for warning in ignored:
-        console(stderr=True).print(f"hardlimit fit: {warning.message}", markup=False, soft_wrap=True)
+    print_warnings("fit", ignored)
     found = computed(data, law, fixed, given)
     if plot:
         from .. import plots
@@ -95,7 +96,7 @@ def fit(file: str | None, law: str | None, example: bool, as_json: bool, **given
 
 
 def computed(data: Measured, law: str | None, fixed: dict[str, float], given: dict[str, Any]) -> Fit:
-    """The fit, of the law that suits the kind of the data unless one was given."""
+    """The fit of the law that was given, or of the usual law for data of this kind."""
     ball, other = bodies(given)
     return fitted(
         data,
@@ -112,7 +113,7 @@ def computed(data: Measured, law: str | None, fixed: dict[str, float], given: di
 
 
 def bodies(given: dict[str, Any]) -> tuple[Ball | None, Any]:
-    """The ball, if anything of it is given, and what it meets."""
+    """The ball, or None if it is not described, and its partner."""
     names = ("radius", "density", "mass")
     radius, density, mass = (given[name] for name in names)
     others = [given[f"other_{name}"] for name in names]
@@ -125,7 +126,7 @@ def bodies(given: dict[str, Any]) -> tuple[Ball | None, Any]:
 
 
 def example_file() -> str:
-    """Impacts computed from a law with normal noise: what a file looks like."""
+    """A file of measurements: impacts computed from a law with normal noise."""
     law = LAWS["viscoelastic"](**EXAMPLE)
     speeds = np.geomspace(0.1, 3.0, 16)
     noise = np.random.default_rng(12).normal(0.0, EXAMPLE_ERROR, speeds.size)
@@ -139,6 +140,7 @@ def example_file() -> str:
 
 
 def print_report(found: Fit) -> None:
+    """Parameters, the other laws and the verdict."""
     out = console()
     percent = f"{100.0 * found.confidence:g} %"
     rows = [
@@ -163,14 +165,16 @@ def print_report(found: Fit) -> None:
             for trial in found.trials
         ]
         show(out, "All laws", table(["", "χ²", "degrees of freedom", "p", "AIC − best"], trials))
-    out.print(found.verdict[0].upper() + found.verdict[1:] + ".", markup=False)
+    out.print(sentence(found.verdict), markup=False)
 
 
 def unit_of(law: type[Law], name: str) -> str:
+    """The unit of a parameter; empty if it has none."""
     unit = str(law_parameters(law)[name]["unit"])
     return "" if unit == "1" else unit
 
 
-def row(name: str, e: Estimate, unit: str) -> list[str]:
+def row(name: str, e: Estimate[float], unit: str) -> list[str]:
+    """A row of the table of parameters."""
     interval = f"{digits(e.lower)} … {digits(e.upper)}"
     return [name, digits(e.value), digits(e.error, 2), interval, unit]

@@ -1,88 +1,83 @@
-"""``hardlimit gas``: a box of grains as hard spheres, or under Newton's equations."""
+"""``hardlimit gas``: a box of grains as hard spheres or under Newton's equations."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+import math
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 from click.shell_completion import CompletionItem
 
-from ..boxes import files
-from ..boxes.files.frame import Append
-from ..boxes.hard_spheres import RULES
-from ..boxes.result import ParticleResult
-from ..boxes.run import Course
-from ..boxes.system import BOUNDARIES, ParticleSystem
-from ..support.progress import Report, bar
-from .gas_compare import make_command
-from .gas_contacts import engine_options, refuse_without_engine, run_contacts
-from .gas_job import make_job
-from .gas_report import as_mapping, print_report, save
-from .options import dpi_option, law_options, options, output_option, quantity_option
-from .printing import print_json
+import hardlimit as hl
+
+from ..boxes import files as box_files
+from ..boxes import theory
+from ..boxes.newton import NAMES as ENGINES
+from ..boxes.system import described
+from ..support import saving
+from ..support.formatting import digits, listed
+from .compare import compare
+from .gas_job import OUTPUT, RUN, START, GasJob, checked_outputs, make_job, usual_end
+from .job import Entry, entry_options
+from .options import dpi_option, json_option, law_options, law_text, options, output_option, spelled
+from .printing import console, plain, print_json, print_outcome, sentence, show, table
 from .program import Command, no_such_command
 
-start_options = options(
-    click.option("--n", type=int, help="Number of particles.  [default: 1000]"),
-    quantity_option("--packing-fraction", unit="1", help="Share of the box that they fill.  [default: 0.3]"),
-    quantity_option(
-        "--radius", unit="m", multiple=True, help="Radius [m]; twice: smallest and largest.  [default: 0.001]"
+#: Options of Newton's equations that are arguments of ``hl.molecular_dynamics``.
+SOLVER = (
+    Entry(
+        "restitution_error",
+        "Error of ε that the time step may cause (steps, lammps); with steps also that of energies and positions.  "
+        "[default: 0.001]",
+        unit="1",
     ),
-    quantity_option("--density", unit="kg/m3", help="Density [kg/m³].  [default: 2500]"),
-    quantity_option(
-        "--rms-speed", unit="m/s", help="Root mean square of the speeds at the start [m/s].  [default: 1]"
+    Entry("time_step", "Longest time step [s] (steps, lammps), instead of that error.", unit="s"),
+    Entry(
+        "threads",
+        "Number of threads (steps).  [default: one for each 1000 particles, at most all processors]",
+        kind=int,
     ),
-    click.option("--dimension", type=int, help="Dimension, 3 for spheres and 2 for disks.  [default: 3]"),
+    Entry("ranks", "Number of MPI processes (lammps).  [default: 1]", kind=int),
+)
+newton_options = options(
     click.option(
-        "--seed", type=int, help="Seed of the random start; the same one gives the same start.  [default: 0]"
+        "--engine",
+        type=click.Choice(ENGINES),
+        help="Solve Newton's equations, with a --law; auto: events or steps, whichever is estimated to be faster.",
     ),
-    click.option(
-        "--boundary",
-        multiple=True,
-        help=f"Sides of the box: {' | '.join(BOUNDARIES)}; repeat it for each axis.  [default: periodic]",
-    ),
-    quantity_option(
-        "--gravity",
-        unit="m/s2",
-        multiple=True,
-        help="Gravity [m/s²], down the last axis; or repeated, one for each axis.  [default: 0]",
+    entry_options(SOLVER),
+    output_option(
+        "--write-input", "Write the input of LAMMPS to a folder and run nothing (lammps).", "FOLDER"
     ),
 )
-run_options = options(
-    click.option(
-        "--rule",
-        help=f"Rule of collision: {' | '.join(sorted({r for rules in RULES.values() for r in rules}))}.",
-    ),
-    quantity_option("--contact-duration", unit="s", help="Contact duration of the rule tc [s]."),
-    quantity_option(
-        "--until", unit="s", help="End of the run [s].  [default: some 20 collisions per particle]"
-    ),
-    click.option("--max-collisions", type=int, help="End of the run, at this collision."),
-    click.option(
-        "--samples", type=int, help="Equal spacings in time of series, trajectory and film.  [default: 100]"
-    ),
-    output_option("--checkpoint", "File from which --resume goes on, written every minute and at Ctrl-C."),
-    quantity_option(
-        "--checkpoint-every", unit="s", help="Time between checkpoints, by the clock [s].  [default: 60]"
-    ),
-    output_option("--resume", "Checkpoint to go on from."),
-)
-file_options = options(
-    output_option("--out", "Trajectory (xyz; gsd with the extra hardlimit[files])."),
-    output_option("--save", "Series, collisions and final state as NetCDF.", "FILE.nc"),
-    output_option("--plot", "Temperature, rate and pressure over time, with theory (png, pdf, …)."),
-    dpi_option,
-    output_option("--animate", "Film (gif; mp4 with the extra hardlimit[film]), of spheres in a slice."),
-    click.option("--json", "as_json", is_flag=True, help="Print JSON."),
-)
+#: Options that have no meaning for Newton's equations.
+HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
+PICTURES = ("out", "plot", "animate")
+#: Numbers of a result in the JSON, with the attribute of the result.
+HARD_SPHERES_NUMBERS = {
+    "n_collisions": "n_collisions",
+    "n_pair_collisions": "n_pairs",
+    "n_wall_collisions": "n_walls",
+    "n_elastic_by_tc": "n_elastic_by_tc",
+    "n_soft": "n_soft",
+    "n_soft_third_body": "n_soft_third_body",
+}
+NEWTON_NUMBERS = {
+    name: name
+    for name in (
+        *("engine", "engine_reason", "n_contacts", "n_pairs", "n_ended", "n_overlapped", "overlapped_share"),
+        *("energy_error", "time_step", "n_steps", "largest_cluster", "cluster_share"),
+    )
+}
 
 
 class WithCompare(Command):
-    """``gas FILE`` runs, ``gas compare FILE`` is another command."""
+    """``gas FILE`` is this command, ``gas compare FILE`` is another one."""
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
@@ -103,12 +98,11 @@ class WithCompare(Command):
             formatter.write_dl([(COMPARE, compare.get_short_help_str(formatter.width))])
 
 
-compare = make_command(start_options)
 COMPARE = compare.name or ""
 
 
 def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-    """What may stand first: a file, or ``compare``."""
+    """Completions of the first argument: a file or ``compare``."""
     files = CompletionItem(incomplete, type="file")
     return [CompletionItem(COMPARE), files] if COMPARE.startswith(incomplete) else [files]
 
@@ -118,63 +112,287 @@ def completions(ctx: click.Context, param: click.Parameter, incomplete: str) -> 
     epilog="\b\nExample:\n  hardlimit gas --n 2000 --packing-fraction 0.2 --restitution 0.8 --until 0.2 --plot gas.png",
 )
 @click.argument("file", required=False, metavar="[FILE]", shell_complete=completions)
-@start_options
+@entry_options(START)
 @law_options()
-@run_options
-@engine_options
-@file_options
+@entry_options(RUN)
+@output_option("--resume", "Checkpoint of a run to continue.")
+@newton_options
+@entry_options(OUTPUT)
+@dpi_option
+@json_option()
 def gas(file: str | None, resume: str | None, dpi: float | None, as_json: bool, **given: Any) -> None:
-    """Let grains collide in a box as hard spheres, beside theory.
+    """Simulate a box of grains as hard spheres.
 
-    FILE is a job (.toml), or particles to start from (.xyz, .gsd, .data). Without one: 1000 spheres of radius
-    1 mm and density 2500 kg/m³ in a periodic box, filled to 0.3, with restitution 0.9. A restitution alone is that
-    of all collisions; with other parameters of a law it depends on pair and speed. Numbers may bear a unit.
-    With --engine the contacts of that law last. Another command, hardlimit gas compare, sets the rules for hard
-    spheres beside Newton's equations.
+    FILE is a job (.toml) or a state to start from (.xyz, .gsd, .data). Without a file, 1000 spheres of radius 1 mm and
+    density 2500 kg/m³ start at random in a periodic box with a packing fraction of 0.3 and a restitution of 0.9. With
+    --restitution alone, all collisions have this ε; with the parameters of a contact law, ε depends on the pair and
+    the impact speed. With --engine, Newton's equations are solved for this law instead. Results of equal spheres come
+    with the predictions of kinetic theory. Numbers may have a unit, such as 1mm.
+
+    hardlimit gas compare solves one start under Newton's equations and each collision rule.
     """
-    if given["engine"] is not None:
-        return run_contacts(file, resume, as_json, given)
-    refuse_without_engine(given)
-    job = make_job(file, resume, given)
-    start = job.course.current()
-    result = carry_out(job.course, job.outputs)
-    written = [path for path in (job.outputs["out"], job.outputs["animate"]) if path]
-    if job.outputs["save"]:
-        how = {"rule": result.settings.words()}
-        written.append(save(result, job.outputs["save"], how, "collisions"))
-    if job.outputs["plot"]:
+    if resume is not None:
+        start, (result, outputs) = None, resumed(file, resume, given)
+    else:
+        newton = {name: given.pop(name) for name in ("engine", "write_input", *(e.name for e in SOLVER))}
+        job = make_job(file, given)
+        outputs = job.outputs
+        if newton["engine"] is None:
+            refuse(newton, "without --engine")
+            start, result = run_hard_spheres(job)
+        elif newton["write_input"] is not None:
+            click.echo(f"written to {write_lammps_input(job, newton)}")
+            return
+        else:
+            start, result = run_newton(job, newton)
+    written = [path for path in (outputs["out"], outputs["animate"]) if path]
+    if outputs["save"]:
+        written.append(save(result, outputs["save"]))
+    if outputs["plot"]:
         from .. import plots
 
-        written.append(plots.save(plots.gas(result), job.outputs["plot"], dpi))
+        written.append(plots.save(plots.gas(result), outputs["plot"], dpi))
     if as_json:
-        print_json(as_mapping(start, result, written))
+        print_json(as_mapping(result, written))
     else:
         print_report(start, result, written)
 
 
-def carry_out(course: Course, outputs: dict[str, Path | None]) -> ParticleResult:
-    """The run, with a frame for the trajectory and the film at every sample."""
+# --- runs ---------------------------------------------------------------------------------------------------
+
+
+def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
+    """Start and result of :func:`hardlimit.event_driven`."""
+    rule = job.rule()
+    if job.run.get("until") is None and job.run.get("max_collisions") is not None:
+        for name in ("out", "animate"):
+            if job.outputs[name] is not None:
+                raise ValueError(f"--{name}: needs --until for frames at equal times")
+    start = job.start()
+    if "max_collisions" not in job.run:
+        job.run.setdefault("until", usual_end(start))
+    arguments = {**rule, **job.run, "log": job.outputs["save"] is not None, "progress": True}
+    return start, with_frames(lambda **observe: hl.event_driven(start, **arguments, **observe), job.outputs)
+
+
+def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[Any, dict[str, Path | None]]:
+    """The result of a run that goes on from its checkpoint, and the files to write.
+
+    Raises
+    ------
+    ValueError
+        If anything else is given than a new end and files to write: the checkpoint has all the rest.
+    """
+    outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
+    end = {name: given.pop(name) for name in ("until", "max_collisions")}
+    refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
+    return with_frames(
+        lambda **observe: hl.resume(checkpoint, **end, **observe, progress=True), outputs
+    ), outputs
+
+
+def with_frames(solve: Callable[..., Any], outputs: dict[str, Path | None]) -> Any:
+    """The result of ``solve``, with a frame of the trajectory and of the film at each sample."""
+    states: list[tuple[float, hl.ParticleSystem]] = []
     with ExitStack() as open_files:
-        report = open_files.enter_context(bar("event-driven", "collisions"))
-        append = open_files.enter_context(files.appender(outputs["out"])) if outputs["out"] else None
-        if append is None and not outputs["animate"]:
-            return course.run(report)
-        instants = frames(course, report, append)
-        if outputs["animate"]:
-            from ..plots.grain_film import film
+        path = outputs["out"]
+        append = None if path is None else open_files.enter_context(box_files.appender(path))
 
-            film(outputs["animate"], instants, course.target.span)
-        for _ in instants:
-            pass
-    return course.result()
+        def observe(time: float, system: hl.ParticleSystem) -> dict[str, float]:
+            if append is not None:
+                append(system.as_frame(time))
+            if outputs["animate"] is not None:
+                states.append((time, system))
+            return {}
+
+        frames = append is not None or outputs["animate"] is not None
+        result = solve(**({"observe": observe} if frames else {}))
+    if outputs["animate"] is not None:
+        from ..plots.grain_film import film
+
+        at = np.searchsorted(result.series["time"].values, [time for time, _ in states])
+        collisions = result.series["n_collisions"].values[at].tolist()
+        instants = ((time, system, n) for (time, system), n in zip(states, collisions, strict=True))
+        film(outputs["animate"], instants, result.time)
+    return result
 
 
-def frames(
-    course: Course, report: Report, append: Append | None
-) -> Iterator[tuple[float, ParticleSystem, int]]:
-    """Time, state and number of collisions at every sample, each written to the trajectory."""
-    for time in course.steps(report):
-        system = course.current()
-        if append is not None:
-            append(system.as_frame(time))
-        yield time, system, course.engine.n_contacts
+def run_newton(job: GasJob, newton: dict[str, Any]) -> tuple[hl.ParticleSystem, Any]:
+    """Start and result of :func:`hardlimit.molecular_dynamics`."""
+    refuse({name: job.run.get(name) for name in HARD_SPHERES_ONLY}, "with --engine")
+    refuse({name: job.outputs[name] for name in PICTURES}, "with --engine")
+    law = job.contact_law()
+    if law is None:
+        raise ValueError("--law: missing, must be given with --engine, with its parameters")
+    start = job.start()
+    job.run.setdefault("until", usual_end(start))
+    solver = {
+        name: newton[name] for name in ("engine", *(e.name for e in SOLVER)) if newton[name] is not None
+    }
+    keep = job.outputs["save"] is not None
+    return start, hl.molecular_dynamics(start, law=law, **job.run, **solver, log=keep, progress=True)
+
+
+def write_lammps_input(job: GasJob, newton: dict[str, Any]) -> Path:
+    """Write the input of LAMMPS.
+
+    Raises
+    ------
+    ValueError
+        If another engine is given, or an option that has a meaning in a run only.
+    """
+    if newton["engine"] != "lammps":
+        raise ValueError(f"--write-input: must be left out with --engine {newton['engine']}")
+    run_only = {"save": job.outputs["save"], **{name: newton[name] for name in ("threads", "ranks")}}
+    run_only |= {name: job.run.get(name) for name in ("checkpoint", "checkpoint_every")}
+    refuse(run_only, "with --write-input")
+    steps = {name: newton[name] for name in ("restitution_error", "time_step") if newton[name] is not None}
+    law = job.contact_law()
+    if law is None:
+        raise ValueError("--law: missing, must be given with --engine, with its parameters")
+    start = job.start()
+    job.run.setdefault("until", usual_end(start))
+    folder: Path = hl.lammps_input(start, newton["write_input"], law=law, **job.run, **steps)
+    return folder
+
+
+def refuse(given: dict[str, Any], why: str) -> None:
+    """Refuse options that are given.
+
+    Raises
+    ------
+    ValueError
+        If one of them is.
+    """
+    for name, value in given.items():
+        if value not in (None, ()):
+            raise ValueError(f"{name if name == 'FILE' else spelled(name)}: must be left out {why}")
+
+
+# --- what is printed and saved ------------------------------------------------------------------------------
+
+
+def print_report(start: hl.ParticleSystem | None, result: Any, files: list[Path]) -> None:
+    """The system at the start, or of a resumed run at the end, the results with theory, the outcome."""
+    out = console()
+    shown = result.system if start is None else start
+    title = f"{shown.n} {'spheres' if shown.dimension == 3 else 'disks'}"
+    show(out, title if start else f"{title}, final state", table(["", ""], described(shown)))
+    if isinstance(result, hl.ContactResult):
+        print_newton(out, result)
+    else:
+        print_hard_spheres(out, result)
+    print_outcome(out, result.outcome, files)
+
+
+def print_newton(out: Any, result: hl.ContactResult) -> None:
+    """The numbers of a run under Newton's equations."""
+    rows = [[label, digits(value)] for label, value in result.quantities()]
+    title = f"Newton's equations, {law_text(result.law)}"
+    reason = sentence(result.choice()) if result.engine_reason else ""
+    show(out, title, table(["", result.engine], rows), reason)
+
+
+def print_hard_spheres(out: Any, result: hl.ParticleResult) -> None:
+    """The numbers of a run of hard spheres with those of theory."""
+    theories = predictions(result)
+    rows = [
+        [label, digits(value), *([digits(theories.get(label, math.nan))] if theories else [])]
+        for label, value in result.quantities()
+    ]
+    names = ["", "event-driven", *(["theory"] if theories else [])]
+    show(out, f"Hard spheres, rule {result.settings.report()}", table(names, rows), note(result))
+
+
+def predictions(result: hl.ParticleResult) -> dict[str, float]:
+    """The predictions of theory for quantities of a result, by label; none if theory does not apply."""
+    series, system = result.series, result.system
+    time, temperature = series["time"].values, series["granular_temperature"].values
+    if theory.why_not(system) is not None or not time[-1] > time[0]:
+        return {}
+    gas = theory.gas(system)
+    found = {"mean collision rate [1/s]": _mean(gas.collision_rate(temperature), time)}
+    e = result.settings.restitution
+    if e is not None:
+        unit = "N/m" if system.dimension == 2 else "Pa"
+        found[f"mean pressure [{unit}]"] = _mean(gas.pressure(temperature, e), time)
+        cooled = float(gas.cooling(np.array(result.time), float(temperature[0]), e))
+        found["granular temperature at the end [m²/s²]"] = cooled
+    return found
+
+
+def _mean(values: Any, time: Any) -> float:
+    """Mean over time by the trapezoidal rule."""
+    return float(np.average(0.5 * (values[1:] + values[:-1]), weights=np.diff(time)))
+
+
+def note(result: hl.ParticleResult) -> str:
+    """The sources of the theory in the table, or the reason why there is none."""
+    reason = theory.why_not(result.system)
+    if reason is not None:
+        return f"No theory: {reason}."
+    e = result.settings.restitution
+    names = ["Enskog’s rate"]
+    if e is not None:
+        names.append(
+            "Carnahan and Starling’s pressure" if result.system.dimension == 3 else "Henderson’s pressure"
+        )
+        names += ["Haff’s law"] if e < 1.0 else []
+    return (
+        f"Theory: {listed(names)}, with the measured temperatures in rate and pressure. A random start is not in "
+        f"equilibrium: expect differences during the first {theory.RELAXED} collisions per particle."
+    )
+
+
+def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
+    """The numbers of the tables and the series, in SI units."""
+    system, series = result.system, result.series
+    found: dict[str, Any] = {
+        "system": {
+            name: getattr(system, name)
+            for name in ("n", "dimension", "box", "boundary", "gravity", "packing_fraction")
+        }
+    }
+    if isinstance(result, hl.ContactResult):
+        law, names = result.law, NEWTON_NUMBERS
+    else:
+        settings, law, names = result.settings, result.settings.law, HARD_SPHERES_NUMBERS
+        found |= {name: getattr(settings, name) for name in ("rule", "restitution", "contact_duration")}
+    found |= {"law": None if law is None else {"name": law.record["name"], **law.parameters}}
+    found |= {key: getattr(result, name) for key, name in names.items()}
+    if not isinstance(result, hl.ContactResult):
+        found["theory"] = predictions(result)
+    mapping: dict[str, Any] = plain(
+        found
+        | {
+            "outcome": {"name": result.outcome_name, "message": result.outcome},
+            "early_end": None if result.early_end is None else result.early_end._asdict(),
+            "time": result.time,
+            "series": {"time": series["time"].values, **{k: v.values for k, v in series.data_vars.items()}},
+            "files": files,
+        }
+    )
+    return mapping
+
+
+def save(result: Any, path: Path) -> Path:
+    """Save series, the log if there is one, and the final state as groups of a NetCDF file.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    import xarray as xr
+
+    newton = isinstance(result, hl.ContactResult)
+    about = {"title": "hardlimit gas", "outcome": result.outcome}
+    if newton:
+        about |= {"engine": result.engine, "engine_reason": result.engine_reason}
+    else:
+        about["rule"] = result.settings.report()
+    groups = {"/": xr.Dataset(attrs=about), "series": result.series, "final": result.system.dataset}
+    if result.log is not None:
+        log = "contacts" if newton else "collisions"
+        groups[log] = getattr(result, log)
+    return saving.groups(groups, path)

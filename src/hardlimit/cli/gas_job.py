@@ -1,292 +1,231 @@
-"""The job of ``hardlimit gas``: a start, the rules of collision, an end, files; from a file and from options."""
+"""The job of ``hardlimit gas`` and ``gas compare``: start, law, run and files, from a job file and from options."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from ..boxes import hard_spheres as runs
-from ..boxes.checkpoint import checked_path
+import hardlimit as hl
+
+from ..boxes.box import BOUNDARIES
 from ..boxes.files import FORMATS
-from ..boxes.result import Settings
-from ..boxes.run import Course, load
-from ..boxes.system import ParticleSystem
+from ..boxes.hard_spheres import expected_duration
+from ..boxes.rules import RULES
 from ..column import files as columns
-from ..column.scenario import Column
-from ..contact.contact import Law
-from ..support import toml, units, validation
-from .options import film, given_law_parameters, picture, writable
+from ..support import toml, validation
+from ..support.formatting import listed
+from .job import Entry, changed, table_of
+from .options import film, picture, take_law, writable
 
-#: Units of what a random start takes; None where it takes no quantity.
-RANDOM: Final = {
-    "n": None,
-    "packing_fraction": "1",
-    "radius": "m",
-    "density": "kg/m3",
-    "rms_speed": "m/s",
-    "dimension": None,
-    "seed": None,
-    "boundary": None,
-    "gravity": "m/s2",
-}
-#: The gas without options: glass beads.
-USUAL: Final = {"n": 1000, "packing_fraction": 0.3, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
-USUAL_RESTITUTION: Final = 0.9
-#: Collisions per particle that a run without an end is given time for, at the rate of its start.
-USUAL_COLLISIONS: Final = 20
-#: What changes a start from a file.
+#: A start without options: glass beads.
+GLASS_BEADS: Final = {"n": 1000, "packing_fraction": 0.3, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
+RESTITUTION: Final = 0.9
+#: Collisions per particle, at the initial rate, in a run whose end is not given.
+COLLISIONS: Final = 20
+
+
+def default(function: Any, name: str) -> str:
+    """The default of an argument of a function, as help shows it."""
+    return f"  [default: {inspect.signature(function).parameters[name].default}]"
+
+
+def _of_beads(name: str) -> str:
+    return f"  [default: {GLASS_BEADS[name]:g}]"
+
+
+def _of_random(name: str) -> str:
+    return default(hl.ParticleSystem.random, name)
+
+
+#: The table [random]: the start, and what may be changed of the box of a start from a file.
+START: Final = (
+    Entry("n", f"Number of particles.{_of_beads('n')}", kind=int),
+    Entry(
+        "packing_fraction",
+        f"Fraction of the box that particles fill.{_of_beads('packing_fraction')}",
+        unit="1",
+    ),
+    Entry(
+        "radius",
+        f"Radius [m]; give it twice for radii between two limits.{_of_beads('radius')}",
+        unit="m",
+        many=True,
+    ),
+    Entry("density", f"Density [kg/m³].{_of_beads('density')}", unit="kg/m3"),
+    Entry("rms_speed", f"Root mean square of the initial speeds [m/s].{_of_beads('rms_speed')}", unit="m/s"),
+    Entry("dimension", f"Dimension: 3 for spheres, 2 for disks.{_of_random('dimension')}", kind=int),
+    Entry(
+        "seed", f"Seed of the random start; the same seed gives the same start.{_of_random('seed')}", kind=int
+    ),
+    Entry(
+        "boundary",
+        f"Boundary: {' | '.join(BOUNDARIES)}; repeat it for each axis.{_of_random('boundary')}",
+        many=True,
+    ),
+    Entry(
+        "gravity",
+        f"Gravity [m/s²] against the last axis; or repeat it for each component.{_of_random('gravity')}",
+        unit="m/s2",
+        many=True,
+    ),
+)
 OF_THE_BOX: Final = ("boundary", "gravity")
-#: Units of the arguments of ``hardlimit.event_driven``.
-RUN: Final = {
-    "restitution": "1",
-    "rule": None,
-    "contact_duration": "s",
-    "until": "s",
-    "max_collisions": None,
-    "samples": None,
-    "checkpoint": None,
-    "checkpoint_every": "s",
+
+SAMPLES: Final = Entry(
+    "samples",
+    f"Number of equal time intervals between samples.{default(hl.event_driven, 'samples')}",
+    kind=int,
+)
+UNTIL: Final = Entry(
+    "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", unit="s"
+)
+#: The table [event_driven], which also has the restitution of all collisions.
+RUN: Final = (
+    Entry("rule", f"Collision rule: {' | '.join(RULES)}.  [default: constant, or law with a contact law]"),
+    Entry("contact_duration", "Contact duration of the rule tc [s].", unit="s"),
+    UNTIL,
+    Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),
+    SAMPLES,
+    Entry("checkpoint", "File for --resume, written at regular times and at Ctrl-C.", metavar="FILE"),
+    Entry(
+        "checkpoint_every",
+        f"Time between checkpoints [s], by the clock.{default(hl.event_driven, 'checkpoint_every')}",
+        unit="s",
+    ),
+)
+#: The table [output].
+OUTPUT: Final = (
+    Entry("out", "Trajectory (xyz; gsd with the extra hardlimit[files]).", metavar="FILE"),
+    Entry("save", "Series, collisions or contacts, and final state as NetCDF.", metavar="FILE.nc"),
+    Entry("plot", "Temperature, rate and pressure over time, with theory (png, pdf, …).", metavar="FILE"),
+    Entry(
+        "animate",
+        "Film (gif; mp4 with the extra hardlimit[film]); of spheres, a slice is shown.",
+        metavar="FILE",
+    ),
+)
+#: The keys of a job file.
+KINDS: Final[Mapping[str, toml.Kind]] = {
+    "start": toml.text,
+    "random": table_of(START),
+    "law": columns.law_table,
+    "event_driven": table_of(RUN, {"restitution": toml.quantity("1")}),
+    "output": table_of(OUTPUT),
 }
-OUTPUTS: Final = ("out", "save", "plot", "animate")
-
-
-@dataclass(frozen=True)
-class Job:
-    """A run at its beginning, or where a checkpoint left it, and where its results go."""
-
-    course: Course
-    outputs: dict[str, Path | None]  #: "out", "save", "plot" and "animate"
-
-
-def make_job(file: str | None, resume: str | None, given: dict[str, Any]) -> Job:
-    """The job of a file, or of glass beads without one, changed by the options.
-
-    Raises
-    ------
-    ValueError
-        For anything that no run can be made of.
-    """
-    law_name, parameters = given.pop("law"), given_law_parameters(given)
-    options = {name: value for name, value in given.items() if value not in (None, ())}
-    if resume is not None:
-        return _resumed(file, resume, options | parameters | ({"law": law_name} if law_name else {}))
-    content = _changed(read(file), options)
-    outputs = _checked_outputs(content["output"])
-    settings, run = _rules(content, law_name, parameters)
-    checkpoint = None if run["checkpoint"] is None else checked_path(run["checkpoint"])
-    every = 60.0 if run["checkpoint_every"] is None else run["checkpoint_every"]
-    every = validation.number("checkpoint_every", every, 0.0)
-    samples = 100 if run["samples"] is None else run["samples"]
-    end = runs.checked_end(run["until"], run["max_collisions"], samples)
-    _refuse_frames_without_end(outputs, end.until, end.max_collisions)
-    system = start(content)
-    if end.until is None and end.max_collisions is None:
-        end = end._replace(until=usual_end(system))
-    keep = outputs["save"] is not None
-    return Job(runs.start(system, settings, end.target(system), keep, checkpoint, every), outputs)
-
-
-@dataclass(frozen=True)
-class ContactJob:
-    """A run under Newton's equations."""
-
-    system: ParticleSystem
-    law: Law
-    until: float  #: [s]
-    options: dict[str, Any]  #: samples and checkpoint, as far as they are given
-    save: Path | None
-
-
-def make_contact_job(file: str | None, given: dict[str, Any]) -> ContactJob:
-    """The job of a file, or of glass beads without one, changed by the options.
-
-    Raises
-    ------
-    ValueError
-        For anything that no run can be made of.
-    """
-    law_name, parameters = given.pop("law"), given_law_parameters(given)
-    content = _changed(read(file), {name: v for name, v in given.items() if v not in (None, ())})
-    run = content["event_driven"]
-    for name in ("restitution", "rule", "contact_duration", "max_collisions"):
-        if name in run:
-            raise ValueError(f"{name}: must be left out with --engine")
-    outputs = _checked_outputs(content["output"])
-    for name in ("out", "plot", "animate"):
-        if outputs[name] is not None:
-            raise ValueError(f"--{name}: must be left out with --engine")
-    law = content["law"]
-    if law_name is not None or parameters:
-        law = law_of(law, law_name, parameters)
-    if law is None:
-        raise ValueError("--law: must be given with --engine, with its parameters")
-    system = start(content)
-    until = run.pop("until", None)
-    return ContactJob(system, law, usual_end(system) if until is None else until, run, outputs["save"])
-
-
-def _changed(content: dict[str, Any], options: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a job, changed by options."""
-    for table, names in (("random", RANDOM), ("event_driven", RUN), ("output", dict.fromkeys(OUTPUTS))):
-        content[table] |= {name: options[name] for name in names if name in options}
-    return content
-
-
-def _resumed(file: str | None, path: str, options: dict[str, Any]) -> Job:
-    """A run from its checkpoint, which holds everything but a new end and the files to write."""
-    outputs = _checked_outputs({name: options.pop(name, None) for name in OUTPUTS})
-    end = {name: options.pop(name, None) for name in ("until", "max_collisions")}
-    strange = "FILE" if file is not None else f"--{next(iter(options), '').replace('_', '-')}"
-    if file is not None or options:
-        raise ValueError(f"{strange}: must be left out with --resume: the checkpoint holds it")
-    course = load(path)
-    if any(value is not None for value in end.values()):
-        course.set_end(*runs.later_end(course, **end))
-    _refuse_frames_without_end(outputs, course.target.until, course.target.max_collisions)
-    return Job(course, outputs)
-
-
-# --- files --------------------------------------------------------------------------------------------------
 
 
 def read(file: str | None) -> dict[str, Any]:
-    """The content of a job file by table; a start from a file of particles is under "start"."""
-    content: dict[str, Any] = {"start": None, "law": None, "random": {}, "event_driven": {}, "output": {}}
+    """The tables of a job file; a file of particles is the start of an empty job.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or is neither.
+    """
     if file is None:
-        return content
+        return {}
     ending = Path(file).suffix.lower()
     if ending in FORMATS:
-        return content | {"start": file}
+        return {"start": file}
     if ending != ".toml":
         raise ValueError(
-            f"FILE: got {validation.shown(file)}, must end in {validation.any_of(['.toml', *FORMATS])}"
+            f"FILE: got {validation.shown(file)}, must end in {listed(['.toml', *FORMATS], 'or')}"
         )
-    found = toml.read(file)
-    return columns.prefixed(f"{file}: ", lambda: _from_tables(found, Path(file).parent, content))
+    content = toml.read(file)
+    tables = columns.prefixed(f"{file}: ", lambda: toml.table("", content, KINDS))
+    if "start" in tables:
+        if tables.get("random", {}).keys() - set(OF_THE_BOX):
+            raise ValueError(f"{file}: start | random: got both, must be one file or one random start")
+        tables["start"] = str(Path(file).parent / tables["start"])
+    return tables
 
 
-def _from_tables(found: Mapping[str, Any], folder: Path, content: dict[str, Any]) -> dict[str, Any]:
-    """The tables of a job file; names of files in it are relative to its folder."""
-    from msgspec import structs
+@dataclass(frozen=True)
+class GasJob:
+    """What a job file and options say of a box of grains."""
 
-    table = toml.convert(found, _schema())
-    for name, kinds in (("random", RANDOM), ("event_driven", RUN), ("output", dict.fromkeys(OUTPUTS))):
-        inner = getattr(table, name)
-        if inner is not None:
-            given = {key: value for key, value in structs.asdict(inner).items() if value is not None}
-            content[name] = {key: _quantity(f"{name}.{key}", v, kinds[key]) for key, v in given.items()}
-    if table.law is not None:
-        content["law"] = columns.law_from_table("law.", table.law)
-    if table.start is not None:
-        if content["random"].keys() - set(OF_THE_BOX):
-            raise ValueError("start | random: got both, must be one file or one random start")
-        content["start"] = str(folder / table.start)
-    return content
+    file: str | None  #: particles to start from; None for a random start
+    random: dict[str, Any]  #: arguments of ``ParticleSystem.random``, or changes of the box of a file
+    law: hl.Law | None  #: of the job file
+    restitution: float | None  #: of the job file, for all collisions
+    law_option: tuple[str | None, dict[str, Any]]  #: name and parameters of the law in the options
+    run: dict[str, Any]  #: arguments of the solver
+    outputs: dict[str, Path | None]  #: "out", "save", "plot" and "animate"
+
+    def start(self, **changes: Any) -> hl.ParticleSystem:
+        """The start, from a file or at random; ``changes`` are arguments of a random one.
+
+        Raises
+        ------
+        ValueError
+            If the file or an argument is refused.
+        """
+        given = {name: single(value) for name, value in self.random.items()} | changes
+        if self.file is None:
+            return hl.ParticleSystem.random(**(GLASS_BEADS | given), progress=not changes)
+        for name in given:
+            if name not in OF_THE_BOX:
+                raise ValueError(f"{name}: must be left out with a start from a file")
+        system = hl.ParticleSystem.read(self.file)
+        return system.replace(**given) if given else system
+
+    def contact_law(self) -> hl.Law | None:
+        """The law of the job file, changed by the options; None if there is neither."""
+        name, parameters = self.law_option
+        if name is None and not parameters:
+            return self.law
+        return columns.changed_law(self.law, name, parameters)
+
+    def rule(self) -> dict[str, Any]:
+        """The argument ``law`` or ``restitution`` of :func:`hardlimit.event_driven`.
+
+        Raises
+        ------
+        ValueError
+            If the job file has both.
+        """
+        name, parameters = self.law_option
+        if self.law is not None and self.restitution is not None:
+            raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
+        if name is not None or self.law is not None or parameters.keys() - {"restitution"}:
+            return {"law": self.contact_law()}
+        usual = RESTITUTION if self.restitution is None else self.restitution
+        return {"restitution": parameters.get("restitution", usual)}
 
 
-def _schema() -> Any:
-    """The structure of a job file."""
-    from msgspec import defstruct
+def make_job(file: str | None, given: dict[str, Any]) -> GasJob:
+    """The job of a file, or of glass beads without a file, changed by the options, which are taken out.
 
-    from ..column.schema import Quantity, any_law
-
-    whole, text = int | None, str | None
-    kinds: dict[str, Any] = {
-        "n": whole,
-        "dimension": whole,
-        "seed": whole,
-        "samples": whole,
-        "max_collisions": whole,
-        "rule": text,
-        "checkpoint": text,
-        "boundary": str | list[str] | None,
-        "radius": Quantity | list[Quantity] | None,
-        "density": Quantity | list[Quantity] | None,
-        "gravity": Quantity | list[Quantity] | None,
-    }
-
-    def of(name: str, keys: Any) -> Any:
-        fields = [
-            (key, kinds.get(key, text if name == "OutputTable" else Quantity | None), None) for key in keys
-        ]
-        return defstruct(name, fields, forbid_unknown_fields=True)
-
-    return defstruct(
-        "GasTable",
-        [
-            ("start", text, None),
-            ("random", of("RandomTable", RANDOM) | None, None),
-            ("law", any_law() | None, None),
-            ("event_driven", of("RunTable", RUN) | None, None),
-            ("output", of("OutputTable", OUTPUTS) | None, None),
-        ],
-        forbid_unknown_fields=True,
+    Raises
+    ------
+    ValueError
+        If file or options are refused.
+    """
+    law = take_law(given)
+    tables = read(file)
+    run = changed(tables.get("event_driven", {}), RUN, given)
+    return GasJob(
+        file=tables.get("start"),
+        random=changed(tables.get("random", {}), START, given),
+        law=tables.get("law"),
+        restitution=run.pop("restitution", None),
+        law_option=law,
+        run=run,
+        outputs=checked_outputs(changed(tables.get("output", {}), OUTPUT, given)),
     )
 
 
-def _quantity(name: str, value: Any, unit: str | None) -> Any:
-    """The number, or the one that a text gives with its unit; of a list each."""
-    if unit is None:
-        return value
-    if isinstance(value, list):
-        return [_quantity(f"{name}[{i}]", one, unit) for i, one in enumerate(value)]
-    return units.with_unit(name, value, unit) if isinstance(value, str) else value
+def checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
+    """The files to write, checked before anything is computed.
 
-
-# --- the parts of a job -------------------------------------------------------------------------------------
-
-
-def start(content: Mapping[str, Any]) -> ParticleSystem:
-    """The particles: from a file, its box changed by options, or at random."""
-    given = {name: single(value) for name, value in content["random"].items()}
-    if content["start"] is not None:
-        strange = [name for name in given if name not in OF_THE_BOX]
-        if strange:
-            raise ValueError(f"{strange[0]}: must be left out with a start from a file")
-        system = ParticleSystem.read(content["start"])
-        return system.replace(**given) if given else system
-    return ParticleSystem.random(**(USUAL | given), progress=True)
-
-
-def single(value: Any) -> Any:
-    """A list of one, which an option that may be repeated makes, is that one."""
-    return value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
-
-
-def _rules(
-    content: Mapping[str, Any], law_name: str | None, parameters: dict[str, float]
-) -> tuple[Settings, dict[str, Any]]:
-    """What the collisions obey, and the rest of what a run takes."""
-    run: dict[str, Any] = dict.fromkeys(RUN) | content["event_driven"]
-    law, restitution = content["law"], run.pop("restitution")
-    if law is not None and restitution is not None:
-        raise ValueError("law | event_driven.restitution: got both, must be exactly one of them")
-    if law_name is not None or law is not None or parameters.keys() - {"restitution"}:
-        law, restitution = law_of(law, law_name, parameters), None
-    else:
-        restitution = parameters.get("restitution", USUAL_RESTITUTION if restitution is None else restitution)
-    return runs.checked_settings(law, restitution, run.pop("rule"), run.pop("contact_duration")), run
-
-
-def law_of(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
-    """Another law, or other parameters of the present one."""
-    base = columns.of_column(Column.paper())
-    scenario = replace(base, laws=() if present is None else (present,))
-    if name is None and not parameters:
-        return scenario.laws[0]
-    if present is not None or name is not None:
-        return columns.with_law(scenario, name, parameters).laws[0]
-    return columns.law_with(None, parameters)(**parameters)
-
-
-def usual_end(system: ParticleSystem) -> float:
-    """Time [s] for some collisions of every particle, as a round number."""
-    return float(f"{runs.expected_duration(system, USUAL_COLLISIONS * system.n // 2):.2g}")
-
-
-def _checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
+    Raises
+    ------
+    ValueError
+        If one of them cannot be written or has an unknown ending.
+    """
     trajectories = [ending for ending, kind in FORMATS.items() if kind is not FORMATS[".data"]]
     return {
         "out": writable("out", given.get("out"), *trajectories),
@@ -296,8 +235,11 @@ def _checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
     }
 
 
-def _refuse_frames_without_end(outputs: Mapping[str, Path | None], until: Any, max_collisions: Any) -> None:
-    """Frames are equally spaced, which takes an end in time."""
-    for name in ("out", "animate"):
-        if outputs[name] is not None and until is None and max_collisions is not None:
-            raise ValueError(f"--{name}: needs --until, must have an end in time to space the frames by")
+def single(value: Any) -> Any:
+    """The member of a list of one, and everything else as it is: an option that may be repeated makes a list."""
+    return value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
+
+
+def usual_end(system: hl.ParticleSystem) -> float:
+    """The time [s], rounded, in which each particle collides about 20 times at the initial rate."""
+    return float(f"{expected_duration(system, COLLISIONS * system.n // 2):.2g}")

@@ -1,4 +1,4 @@
-"""Options that several commands share: quantities with units, the column, its law, files to write."""
+"""Options that several commands share: quantities with units, the contact law, files to write."""
 
 from __future__ import annotations
 
@@ -10,22 +10,18 @@ from typing import Any, TypeVar
 
 import click
 
-from ..column import files
-from ..column.scenario import Column
 from ..contact.contact import Law, law_parameters
 from ..contact.laws import LAWS
 from ..support import units, validation
+from ..support.formatting import digits, listed
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-BALL_OPTIONS = ("radii", "radius_1", "radius_2", "radius_ratio", "densities", "masses")
-MOTION_OPTIONS = ("gaps", "velocities", "height", "gravity")
-
 
 class Quantity(click.ParamType[float]):
-    """A number in the SI unit of the option, or one with a unit such as ``1mm``.
+    """A number in the SI unit of the option, or a number with a unit such as ``1mm``.
 
-    Its range is checked where its meaning is known.
+    Its range is checked by the function that gets it.
     """
 
     name = "number"
@@ -43,8 +39,13 @@ class Quantity(click.ParamType[float]):
 
 
 def option_name(param: click.Parameter | None) -> str:
-    """The option as it is typed."""
+    """The option as the user types it."""
     return param.opts[0] if param is not None else "number"
+
+
+def spelled(name: str) -> str:
+    """The option of a parameter: ``--time-step`` for ``time_step``."""
+    return f"--{name.replace('_', '-')}"
 
 
 def options(*made: Callable[[Any], Any]) -> Callable[[F], F]:
@@ -63,107 +64,65 @@ def quantity_option(option: str, *names: str, unit: str, help: str, **more: Any)
     return click.option(option, *names, type=Quantity(unit), help=help, **more)
 
 
+def json_option(help: str = "Print JSON.") -> Callable[[F], F]:
+    """``--json``."""
+    return click.option("--json", "as_json", is_flag=True, help=help)
+
+
 # --- the law ------------------------------------------------------------------------------------------------
 
 
-def all_law_parameters() -> dict[str, list[tuple[type[Law], dict[str, Any]]]]:
-    """Every parameter of a registered law, with the laws that know it."""
-    found: dict[str, list[tuple[type[Law], dict[str, Any]]]] = {}
+def _all_law_parameters() -> dict[str, tuple[dict[str, Any], list[str]]]:
+    """The record of each parameter of a registered law, and the names of the laws that have it."""
+    found: dict[str, tuple[dict[str, Any], list[str]]] = {}
     for law in LAWS.values():
         for name, record in law_parameters(law).items():
-            found.setdefault(name, []).append((law, record))
+            found.setdefault(name, (record, []))[1].append(law.record["name"])
     return found
+
+
+#: All parameters of contact laws: their options, and what may be swept of a law, follow from this table.
+LAW_PARAMETERS = _all_law_parameters()
 
 
 def law_options(
     kind: Callable[[str], click.ParamType[Any]] = Quantity, law: str = "Law of every contact."
 ) -> Callable[[F], F]:
-    """``--law`` and one option for each parameter of a registered law; ``kind`` makes its type from the unit."""
+    """``--law`` and an option for each parameter of a law; ``kind`` makes its type from the unit."""
     made = [click.option("--law", type=click.Choice(list(LAWS)), help=law)]
-    for name, uses in all_law_parameters().items():
-        record = uses[0][1]
-        laws = ", ".join(known.record["name"] for known, _ in uses)
+    for name, (record, laws) in LAW_PARAMETERS.items():
         unit = f" [{record['unit']}]" if record["unit"] != "1" else ""
         meaning = record["meaning"].split(";")[0].split(",")[0]
-        made.append(
-            click.option(
-                f"--{name.replace('_', '-')}",
-                name,
-                type=kind(record["unit"]),
-                help=f"{meaning[0].upper()}{meaning[1:]}{unit} ({laws}).",
-            )
-        )
+        text = f"{meaning[0].upper()}{meaning[1:]}{unit} ({', '.join(laws)})."
+        made.append(click.option(spelled(name), name, type=kind(record["unit"]), help=text))
     return options(*made)
 
 
-def given_law_parameters(given: dict[str, Any]) -> dict[str, Any]:
-    """Takes the parameters of laws out of the options; those that were given."""
-    taken = {name: given.pop(name) for name in all_law_parameters()}
-    return {name: value for name, value in taken.items() if value is not None}
+def take_law(given: dict[str, Any]) -> tuple[str | None, dict[str, Any]]:
+    """Take the options of the law out of all options: its name, and the parameters that were given."""
+    taken = {name: given.pop(name) for name in LAW_PARAMETERS}
+    return given.pop("law"), {name: value for name, value in taken.items() if value is not None}
 
 
-# --- the column ---------------------------------------------------------------------------------------------
+#: Symbols of law parameters; others are written out.
+SYMBOLS = {
+    "restitution": "ε",
+    "stiffness": "k",
+    "damping": "γ",
+    "youngs_modulus": "Y",
+    "poisson_ratio": "ν",
+    "dissipative_time": "A",
+    "impact_speed": "v",
+}
 
 
-def column_options(function: F) -> F:
-    """The options that describe a column; :func:`column_from` reads them."""
-    decorate = options(
-        quantity_option(
-            "--gap",
-            "gaps",
-            unit="m",
-            multiple=True,
-            help="Gap Δh between neighbours [m], of all; or repeated, the lowest first.",
-        ),
-        quantity_option("--radius-ratio", unit="1", help="R1/R2 of two balls; changes the lower radius."),
-        quantity_option("--radius-1", unit="m", help="Radius R1 of the lowest ball [m]."),
-        quantity_option("--radius-2", unit="m", help="Radius R2 of the next one [m]."),
-        quantity_option(
-            "--radius",
-            "radii",
-            unit="m",
-            multiple=True,
-            help="Radius [m], repeated for each ball of a column of any number, the lowest first.",
-        ),
-        quantity_option(
-            "--density",
-            "densities",
-            unit="kg/m3",
-            multiple=True,
-            help="Density [kg/m³], of all balls; or repeated.",
-        ),
-        quantity_option(
-            "--mass",
-            "masses",
-            unit="kg",
-            multiple=True,
-            help="Mass [kg], instead of the density; repeated for each ball.",
-        ),
-        quantity_option(
-            "--height", unit="m", help="Height of the centre of the lowest ball at release, z1(0) [m]."
-        ),
-        quantity_option(
-            "--velocity",
-            "velocities",
-            unit="m/s",
-            multiple=True,
-            help="Velocity at release, upwards [m/s], of all balls; or repeated.",
-        ),
-        quantity_option("--gravity", unit="m/s2", help="Acceleration of gravity g [m/s²]."),
-        law_options(),
-    )
-    return decorate(function)
-
-
-def column_from(file: str | None, given: dict[str, Any]) -> Column:
-    """The column of the file, or that of Fig. 2 without one, changed by the options, which are taken out."""
-    base = files.read_with(file)[0] if file else files.of_column(Column.paper())
-    law = given.pop("law")
-    parameters = given_law_parameters(given)
-    if law is not None or parameters:
-        base = files.with_law(base, law, parameters)
-    base = files.with_balls(base, **{name: given.pop(name) for name in BALL_OPTIONS})
-    return files.with_motion(base, **{name: given.pop(name) for name in MOTION_OPTIONS}).column()
+def law_text(law: Law) -> str:
+    """A law with its parameters as the user gave them: ``linear law: k 5e7 N/m, ε 0.7``."""
+    parts = []
+    for name, value in law.parameters.items():
+        unit = LAW_PARAMETERS[name][0]["unit"]
+        parts.append(f"{SYMBOLS.get(name, name)} {digits(value)}{'' if unit == '1' else f' {unit}'}")
+    return f"{law.record['name']} law: {', '.join(parts)}"
 
 
 # --- files to write -----------------------------------------------------------------------------------------
@@ -175,33 +134,31 @@ def output_option(option: str, help: str, metavar: str = "FILE") -> Callable[[F]
 
 
 def writable(option: str, path: str | None, *endings: str) -> Path | None:
-    """The path, if a file can be written there; checked before anything is computed.
+    """The path, checked before anything is computed.
 
     Raises
     ------
     ValueError
-        If its folder does not exist, it cannot be written, or a file has another ending than these.
+        If its folder does not exist, it cannot be written, or its ending is not one of these.
     """
     if path is None:
         return None
     target = file_name(option, path)
-    special = target.exists() and not target.is_file()  # a device is written as it is, a file replaced
+    special = target.exists() and not target.is_file()  # a device is written in place, a file is replaced
     if not special and target.suffix.lower() not in endings:
-        raise ValueError(
-            f"--{option}: got {validation.shown(path)}, must end in {validation.any_of(endings)}"
-        )
+        raise ValueError(f"--{option}: got {validation.shown(path)}, must end in {listed(endings, 'or')}")
     if target.is_dir() or not os.access(target if special else target.parent, os.W_OK):
         raise ValueError(f"--{option}: got {path!r}, must be writable")
     return target
 
 
 def picture(option: str, path: str | None) -> Path | None:
-    """The path, if a picture can be written there.
+    """The path of a picture, with the endings that matplotlib knows.
 
     Raises
     ------
     ValueError
-        As :func:`writable`, with the endings that matplotlib knows.
+        As :func:`writable`.
     """
     if path is None:
         return None
@@ -211,12 +168,12 @@ def picture(option: str, path: str | None) -> Path | None:
 
 
 def film(option: str, path: str | None) -> Path | None:
-    """The path, if a film can be written there.
+    """The path of a film.
 
     Raises
     ------
     ValueError
-        As :func:`writable`; if nothing that writes MP4 is installed.
+        As :func:`writable`, and for MP4 without ffmpeg.
     """
     target = writable(option, path, ".mp4", ".gif")
     if target is not None and target.suffix.lower() == ".mp4":
@@ -226,31 +183,8 @@ def film(option: str, path: str | None) -> Path | None:
     return target
 
 
-def dpi_option(function: F) -> F:
-    """``--dpi`` of the pictures a command writes; None takes the usual resolution."""
-    option = click.option(
-        "--dpi",
-        type=Quantity(),
-        callback=_resolution,
-        help="Resolution of the pictures, dots per inch.  [default: 200]",
-    )
-    return option(function)
-
-
-def _resolution(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
-    """Refused before anything is computed."""
-    if value is None:
-        return None
-    from ..plots.style import RESOLUTIONS
-
-    try:
-        return validation.number("--dpi", value, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)
-    except ValueError as error:
-        raise click.UsageError(str(error), ctx) from None
-
-
 def file_name(option: str, path: str) -> Path:
-    """The path, if the system takes the name and its folder exists.
+    """The path, if the system accepts the name and its folder exists.
 
     Raises
     ------
@@ -270,3 +204,21 @@ def file_name(option: str, path: str) -> Path:
     if not target.name:
         raise ValueError(f"--{option}: got {shown}, must be the name of a file")
     raise ValueError(f"--{option}: got {shown}, must be in an existing folder")
+
+
+def dpi_option(function: F) -> F:
+    """``--dpi`` of the pictures that a command writes; None means the default resolution."""
+    help = "Resolution of the pictures [dots per inch].  [default: 200]"
+    return click.option("--dpi", type=Quantity(), callback=_resolution, help=help)(function)
+
+
+def _resolution(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
+    """Refuse a bad resolution before anything is computed."""
+    if value is None:
+        return None
+    from ..plots.style import RESOLUTIONS
+
+    try:
+        return validation.number("--dpi", value, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)
+    except ValueError as error:
+        raise click.UsageError(str(error), ctx) from None

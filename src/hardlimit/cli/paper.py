@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..column.scenario import PAPER_DENSITY
-from .options import dpi_option, quantity_option
+from .options import dpi_option, json_option, quantity_option
 from .printing import console, print_json
 from .program import Command
 
@@ -25,28 +25,28 @@ MARKS = {
 
 
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit paper --figures 2,3 --out figures --format pdf")
-@click.option("--figures", metavar="LIST", help="Which figures, such as 2,3,4.  [default: all]")
+@click.option("--figures", metavar="LIST", help="Figures to compute, such as 2,3,4.  [default: all]")
 @click.option(
     "--out",
     metavar="FOLDER",
     default="hardlimit-paper",
     show_default=True,
-    help="Where pictures, data and report go.",
+    help="Folder for pictures, data and report.",
 )
 @quantity_option(
     "--density",
     unit="kg/m3",
     default=PAPER_DENSITY,
     show_default=True,
-    help="Density of the balls [kg/m³]; inferred, for the paper prints none.",
+    help="Density of the balls [kg/m³]; inferred, since the paper does not state it.",
 )
 @click.option(
     "--format", "picture", default="png", show_default=True, help="Format of the pictures: png, pdf or svg."
 )
 @dpi_option
 @click.option("--infer-density", is_flag=True, help="Repeat the inference of the density.")
-@click.option("--all", "everything", is_flag=True, help="Print every statement, also those that agree.")
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@click.option("--all", "everything", is_flag=True, help="Print all statements, including those that agree.")
+@json_option()
 def paper(
     figures: str | None,
     out: str,
@@ -57,10 +57,11 @@ def paper(
     everything: bool,
     as_json: bool,
 ) -> None:
-    """Compute Figures 2–8 of the paper, and check its statements.
+    """Compute Figures 2–8 of the paper and check its statements.
 
-    Müller and Pöschel, Phys. Rev. E 83, 041304 (2011). Writes every figure as a picture and as data (NetCDF),
-    and report.md with every statement and what comes out; prints those that agree only in part, or not.
+    The paper is Müller and Pöschel, Phys. Rev. E 83, 041304 (2011). This writes each figure as a picture and as data
+    (NetCDF), and report.md with every statement and its result. It prints the statements that do not agree, or agree
+    only in part.
     """
     from ..paper import run
 
@@ -74,7 +75,7 @@ def paper(
 
 @contextmanager
 def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
-    """A progress bar on stderr, fed with (part from 0 to 1, what is being done)."""
+    """A progress bar on stderr; it is told the completed fraction and the current step."""
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     out = console(stderr=True)
@@ -90,13 +91,15 @@ def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
 
 
 def print_report(found: Report, everything: bool = False) -> None:
-    """What deviates from the paper first; with ``everything`` also what agrees; the summary last."""
+    """Statements that do not agree, with ``everything`` also those that agree, and a summary."""
     from rich.text import Text
 
     out = console()
     out.print(legend())
     out.print()
-    tables = [("Statements that do not agree, or only in part", found.chosen("statement", "no", "partly"))]
+    tables = [
+        ("Statements that do not agree, or agree only in part", found.chosen("statement", "no", "partly"))
+    ]
     if everything:
         tables.append(("Statements that agree", found.chosen("statement", "yes")))
     tables += [("Density", found.chosen("density")), ("Misprints", found.chosen("misprint"))]
@@ -115,7 +118,7 @@ def print_report(found: Report, everything: bool = False) -> None:
 
 
 def legend() -> Any:
-    """What the marks of the tables mean."""
+    """The meaning of the marks in the tables."""
     from rich.text import Text
 
     from ..paper.report import VERDICTS
@@ -125,7 +128,7 @@ def legend() -> Any:
 
 
 def statement_table(rows: list[Row]) -> Any:
-    """Verdict, statement, place in the paper and result, as wide as the terminal allows."""
+    """Statements with verdict, place in the paper and result."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -134,7 +137,7 @@ def statement_table(rows: list[Row]) -> Any:
     made.add_column("verdict", width=8)
     made.add_column("statement", ratio=4)
     made.add_column("where", ratio=1, min_width=9)
-    made.add_column("what comes out", ratio=4)
+    made.add_column("result", ratio=4)
     for row in rows:
         mark, colour = MARKS[row.agrees]
         verdict = Text(f"{mark} {row.agrees}" if row.agrees != "misprint" else mark, style=colour)

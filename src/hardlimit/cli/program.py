@@ -1,4 +1,4 @@
-"""How a command ends: one line on stderr and an exit code, never a traceback."""
+"""Errors of commands: one line on stderr and an exit code, never a traceback."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from click.core import ParameterSource
 
 from ..contact.compression import CompressionWarning
 
-#: What a message is about: a parameter, its place in a list, or several.
+#: A parameter in a message, such as ``gaps[1]``, and the one or more parameters with which a message begins.
 PARAMETER = re.compile(r"(\w+)((?:\[\d+\])*)")
 SUBJECT = re.compile(rf"{PARAMETER.pattern}(?: \| {PARAMETER.pattern})*")
 
@@ -28,7 +28,7 @@ INTERRUPTED = 130
 
 
 class Program(click.Group):
-    """Ends with one line on stderr: exit code 2 for bad input, 130 for Ctrl-C, 1 for everything else."""
+    """A group whose commands end with exit code 2 for bad input, 130 for Ctrl-C and 1 for other errors."""
 
     def main(
         self,
@@ -43,16 +43,16 @@ class Program(click.Group):
             return run()
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
-                stream.reconfigure(errors="replace")  # Greek letters and signs on a terminal without them
-        with compression_told():
-            code = ended(run)
+                stream.reconfigure(errors="replace")  # a terminal may lack Greek letters
+        with compression_warnings_in_one_line():
+            code = exit_code(run)
         for stream in (sys.stdout, sys.stderr):
-            give_up_if_full(stream)
+            discard_if_full(stream)
         sys.exit(code)
 
 
 class Command(click.Command):
-    """A command whose bad input, missing extras and failing disks end in one line, not in a traceback."""
+    """A command that reports bad input, missing extras and full disks in one line."""
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
@@ -68,9 +68,9 @@ class Command(click.Command):
 
 
 def with_options(ctx: click.Context, message: str) -> str:
-    """The message with the options of the command in place of the parameters that it is about.
+    """The message with options instead of the parameters with which it begins.
 
-    ``n: got 1`` is then ``--balls: got 1``. What may stand in a file keeps its name there unless it was typed.
+    ``n: got 1`` becomes ``--balls: got 1``. If the command reads a file, only options that were typed are named.
     """
     subject, colon, rest = message.partition(": ")
     if not SUBJECT.fullmatch(subject):
@@ -95,23 +95,23 @@ def with_options(ctx: click.Context, message: str) -> str:
 
 
 def no_such_command(ctx: click.Context, name: str, commands: Iterable[str]) -> click.UsageError:
-    """What is said of a command that there is not, with the nearest one."""
+    """The error for an unknown command, with the most similar command if there is one."""
     near = difflib.get_close_matches(name, commands, 1)
     suggestion = f" Did you mean {near[0]!r}?" if near else ""
     return click.UsageError(f"No such command {name!r}.{suggestion}", ctx)
 
 
 def reason(error: Exception) -> str:
-    """What went wrong, in words without numbers; the system names no file if it was standard output."""
+    """The message of an error, without the number that the system gives it."""
     if isinstance(error, OSError) and error.strerror and error.filename is None:
-        return f"output: cannot be written: {error.strerror}"
+        return f"output: cannot be written: {error.strerror}"  # standard output has no name
     if isinstance(error, OSError) and error.strerror and isinstance(error.filename, str):
         return f"{error.filename}: {error.strerror}"
     return str(error) or type(error).__name__
 
 
-def ended(run: Callable[[], Any]) -> int:
-    """The exit code of a run; what went wrong is said on stderr."""
+def exit_code(run: Callable[[], Any]) -> int:
+    """The exit code of a run, whose error is printed on stderr."""
     try:
         code = run()
         if sys.stdout is not None:
@@ -130,9 +130,9 @@ def ended(run: Callable[[], Any]) -> int:
 
 
 @contextlib.contextmanager
-def compression_told() -> Iterator[None]:
-    """Contacts that are deep are told in one line on stderr, without a place in the code."""
-    usual = warnings.showwarning
+def compression_warnings_in_one_line() -> Iterator[None]:
+    """Print warnings of deep contacts as one line on stderr, without the line of code."""
+    default = warnings.showwarning
 
     def show(
         message: Warning | str, category: type[Warning], filename: str, lineno: int, *rest: Any, **more: Any
@@ -140,7 +140,7 @@ def compression_told() -> Iterator[None]:
         if issubclass(category, CompressionWarning):
             complain(f"warning: {message}")
         else:
-            usual(message, category, filename, lineno, *rest, **more)
+            default(message, category, filename, lineno, *rest, **more)
 
     with warnings.catch_warnings():
         warnings.showwarning = show
@@ -148,13 +148,13 @@ def compression_told() -> Iterator[None]:
 
 
 def complain(message: str) -> None:
-    """One line on stderr, if that can be written."""
+    """Print one line on stderr if that is possible."""
     with contextlib.suppress(OSError):
         click.echo(" ".join(message.split()), err=True)
 
 
-def give_up_if_full(stream: TextIO | None) -> None:
-    """What is left for a full device goes nowhere: Python would try again at its end, and complain."""
+def discard_if_full(stream: TextIO | None) -> None:
+    """Discard output that a full device does not take; Python would try again at exit and print a traceback."""
     if stream is None:
         return
     try:

@@ -11,13 +11,13 @@ from ..contact.contact import Law
 from ..stacks import MOST_BALLS, Stack
 from ..stacks import stack as best
 from ..support import validation
-from .contact import chosen_law
-from .drop_report import law_text
-from .options import dpi_option, given_law_parameters, law_options, output_option, picture, quantity_option
-from .printing import console, digits, print_json, quantity, show, table
+from ..support.formatting import digits, quantity
+from .contact import law_from
+from .options import dpi_option, json_option, law_options, law_text, output_option, picture, quantity_option
+from .printing import console, print_json, show, table
 from .program import Command
 
-#: Gaps of the table, in units of V t_c.
+#: Gaps of the table in units of V t_c.
 GAPS = (0.0, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0)
 MODELS = {"newton": "Newton's equations", "independent": "collisions"}
 
@@ -30,51 +30,55 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
     "--balls", "n", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MOST_BALLS}."
 )
 @quantity_option("--bottom-mass", unit="kg", help="Mass of the lowest ball [kg].  [default: 1]")
-@quantity_option("--top-mass", unit="kg", help="Mass of the top ball [kg]; without it, free as well.")
+@quantity_option("--top-mass", unit="kg", help="Mass of the top ball [kg].  [default: optimised as well]")
 @quantity_option(
-    "--least-ratio", unit="1", help="Least mass of a ball over that of the one below.  [default: 0.001]"
+    "--least-ratio",
+    unit="1",
+    help="Smallest ratio of a ball's mass to that of the ball below.  [default: 0.001]",
 )
 @quantity_option(
-    "--largest-ratio", unit="1", help="Largest mass of a ball over that of the one below.  [default: 1]"
+    "--largest-ratio",
+    unit="1",
+    help="Largest ratio of a ball's mass to that of the ball below.  [default: 1]",
 )
-@quantity_option("--gap", "gaps", unit="m", help="Gap between neighbours at the impact [m].  [default: 0]")
+@quantity_option("--gap", "gaps", unit="m", help="Gap between neighbours at impact [m].  [default: 0]")
 @quantity_option("--density", unit="kg/m3", help="Density of the balls [kg/m³].  [default: 1000]")
-@quantity_option("--speed", unit="m/s", help="Speed of impact [m/s].  [default: 1]")
+@quantity_option("--speed", unit="m/s", help="Impact speed [m/s].  [default: 1]")
 @law_options()
-@output_option("--plot", "Masses and speed over the gap as a picture (png, pdf, svg, …).")
+@output_option("--plot", "Picture of masses and top speed over the gap (png, pdf, svg, …).")
 @dpi_option
-@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
-def stack(law: str | None, n: int, as_json: bool, plot: str | None, **given: Any) -> None:
-    """Masses with which a stack throws its top ball fastest.
+@json_option()
+def stack(n: int, as_json: bool, plot: str | None, **given: Any) -> None:
+    """Find the masses with which a stack throws its top ball fastest.
 
-    They are found under Newton's equations and, beside them, for collisions one at a time. Balls that touch or nearly
-    touch push each other at the same time; then the masses that are best for collisions are poor, and so is what they
-    promise. A number may bear a unit, such as 10g.
+    The masses are optimised under Newton's equations and for successive collisions. Balls that touch or nearly touch
+    are in contact at the same time; the masses that are best for successive collisions are then far from optimal.
+    Numbers may have a unit, such as 10g.
     """
     path = picture("plot", plot)
-    rule = chosen_law(law, given_law_parameters(given))
-    found = computed(rule, n, given)
+    law = law_from(given)
+    found = computed(law, n, given)
     if path:
         from .. import plots
 
         plots.save(plots.stack(*found.values()), path, given["dpi"])
     if as_json:
-        print_json(as_mapping(found, rule))
+        print_json(as_mapping(found, law))
     else:
-        print_report(found, rule)
+        print_report(found, law)
 
 
-def computed(rule: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
-    """The best stack under each model."""
-    usual = {"bottom_mass": 1.0, "gaps": 0.0, "density": 1000.0, "speed": 1.0}
-    usual |= {"least_ratio": 1e-3, "largest_ratio": 1.0}
-    taken = {name: value if given[name] is None else given[name] for name, value in usual.items()}
-    for name in ("least_ratio", "largest_ratio", "speed"):  # which the function calls otherwise
+def computed(law: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
+    """The optimal stack under each model."""
+    defaults = {"bottom_mass": 1.0, "gaps": 0.0, "density": 1000.0, "speed": 1.0}
+    defaults |= {"least_ratio": 1e-3, "largest_ratio": 1.0}
+    taken = {name: value if given[name] is None else given[name] for name, value in defaults.items()}
+    for name in ("least_ratio", "largest_ratio", "speed"):  # other names in the function
         validation.number(name, taken[name], 0.0)
     return {
         model: best(
             n,
-            rule,
+            law,
             bottom_mass=taken["bottom_mass"],
             top_mass=given["top_mass"],
             ratio_limits=(taken["least_ratio"], taken["largest_ratio"]),
@@ -88,7 +92,8 @@ def computed(rule: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
     }
 
 
-def print_report(found: dict[str, Stack], rule: Law) -> None:
+def print_report(found: dict[str, Stack], law: Law) -> None:
+    """The masses, and the top speed over the gap."""
     out = console()
     n = found["newton"].masses.size
     rows = [
@@ -98,20 +103,22 @@ def print_report(found: dict[str, Stack], rule: Law) -> None:
     for model, name in MODELS.items():
         rows.append([f"top speed / V, {name}", *(digits(one.speed_under(model)) for one in found.values())])
     columns = ["best masses for", *MODELS.values()]
-    show(out, f"Stack of {n} balls", table(columns, rows), f"{rule.record['name']} law: {law_text(rule)}")
+    show(out, f"Stack of {n} balls", table(columns, rows), law_text(law))
     rows = []
     for gap in GAPS:
         speeds = [one.speed_under("newton", gap * one.contact_way) for one in found.values()]
         rows.append([digits(gap), *map(digits, speeds)])
     way = quantity(found["newton"].contact_way, "m", 3)
-    title = "Top speed / V under Newton's equations over the gap"
-    below = f"V t_c = {way}, the way of a ball while the lowest one alone touches the floor."
+    title = "Top speed / V under Newton's equations for other gaps"
+    below = (
+        f"V t_c = {way}: distance that a ball moves during a contact of the lowest ball alone with the floor."
+    )
     show(out, title, table(["gap / (V t_c)", *(f"best for {name}" for name in MODELS.values())], rows), below)
 
 
-def as_mapping(found: dict[str, Stack], rule: Law) -> dict[str, Any]:
-    """Everything in plain values, SI units; speeds in units of the speed of impact."""
-    content: dict[str, Any] = {"law": {"name": rule.record["name"], **rule.parameters}}
+def as_mapping(found: dict[str, Stack], law: Law) -> dict[str, Any]:
+    """The same as the tables, in SI units; speeds are relative to the impact speed."""
+    content: dict[str, Any] = {"law": {"name": law.record["name"], **law.parameters}}
     for model, one in found.items():
         gaps = np.array(GAPS) * one.contact_way
         over = one.over_gaps(gaps)

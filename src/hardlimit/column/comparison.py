@@ -1,4 +1,4 @@
-"""One column as instantaneous collisions and under Newton's equations: what differs, does it matter?"""
+"""Comparison of event-driven collisions with Newton's equations for one column, and the verdict."""
 
 from __future__ import annotations
 
@@ -12,70 +12,54 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..support import html
+from ..support.formatting import digits
 from .models import ADIABATIC, MODELS
 from .result import Result, quantities
 from .scenario import Column
 from .solvers import adiabatic, independent, newton
 
-#: Differences of the final velocities up to this, relative, are taken as agreement.
+#: Relative differences of the velocities up to this count as agreement.
 TOLERANCE: Final = 0.01
 
 
 class Verdict(NamedTuple):
-    """May this drop be simulated event-driven? Returned by :attr:`Comparison.verdict`.
+    """Is an event-driven simulation good enough for this column? Returned by :attr:`Comparison.verdict`."""
 
-    Examples
-    --------
-    >>> answer, sentence = hl.compare(hl.Column.paper(gap=0.01)).verdict
-    >>> answer
-    'yes'
-    >>> print(sentence)
-    Yes: one contact follows the other, and event-driven gets the separation velocity
-    right to 0.2 %.
-    """
-
-    answer: Literal["yes", "by luck", "no", "undecided"]  #: in a word
-    sentence: str  #: what happens, and what event-driven makes of it
+    answer: Literal["yes", "by luck", "no", "undecided"]  #: one word
+    sentence: str  #: the reason, with numbers
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """One column under all models that apply to it; made by :func:`compare`.
-
-    Examples
-    --------
-    >>> both = hl.compare(hl.Column.paper(gap=1e-3))
-    >>> [round(result.separation_velocity, 2) for result in both.results]
-    [2.13, 2.14, 3.73]
-    """
+    """One column under all models that apply to it; returned by :func:`compare`."""
 
     newton: Result  #: Newton's equations
     independent: Result  #: instantaneous collisions
-    adiabatic: Result | None  #: Appendix A; None where it does not apply
+    adiabatic: Result | None  #: Appendix A; None if it does not apply
 
     @property
     def results(self) -> tuple[Result, ...]:
-        """The models in the order in which they are shown."""
+        """The results in the order in which they are shown."""
         return tuple(r for r in (self.newton, self.adiabatic, self.independent) if r is not None)
 
     @property
     def verdict(self) -> Verdict:
-        """Whether independent collisions suffice for this column, in one sentence."""
+        """Whether independent collisions are good enough for this column, in one sentence."""
         return _verdict(self)
 
     def _repr_html_(self) -> str:
         columns = [quantities(result) for result in self.results]
-        rows = [[row[0][0], *(html.number(value) for _, value in row)] for row in zip(*columns, strict=True)]
+        rows = [[row[0][0], *(digits(value) for _, value in row)] for row in zip(*columns, strict=True)]
         rows.append(["outcome", *(result.outcome.split(":")[0] for result in self.results)])
         head = ["", *(MODELS[result.model].short for result in self.results)]
         return html.table("Newton’s equations and event-driven", head, rows, self.verdict.sentence)
 
 
 def compare(column: Column) -> Comparison:
-    """Solve the column under Newton's equations, independent collisions and, where it applies, Appendix A.
+    """Solve the column under Newton's equations, as independent collisions and, where it applies, by Appendix A.
 
-    The verdict compares the separation velocity of two balls on a floor, and else the velocities with which the balls
-    leave their last contacts of the sequence, before the floor is met again (see :doc:`/definitions`).
+    For two balls on a floor, the verdict compares the separation velocity. Otherwise it compares the velocities of the
+    balls after their last contacts before the second floor contact (see :doc:`/definitions`).
 
     Parameters
     ----------
@@ -93,15 +77,15 @@ def compare(column: Column) -> Comparison:
     Examples
     --------
     >>> print(hl.compare(hl.Column.paper()).verdict.sentence)
-    No: all 4 contacts of the balls happen while another contact lasts; for the
-    separation velocity event-driven gives 3.73 m/s instead of 0.125 m/s.
+    No: all 4 ball–ball contacts overlap another contact in time; the event-driven
+    separation velocity is 3.73 m/s instead of 0.125 m/s.
     """
     fast, hard = newton(column), independent(column)
     return Comparison(fast, hard, adiabatic(column) if ADIABATIC.applies(column) else None)
 
 
 def overlapping_contacts(result: Result) -> int:
-    """Ball–ball contacts of the sequence during which another contact lasts as well."""
+    """Number of ball–ball contacts of the sequence that overlap another contact in time."""
     pair, begin, end = result.contact_times
     end = np.where(np.isnan(end), math.inf, end)
     return sum(
@@ -111,13 +95,13 @@ def overlapping_contacts(result: Result) -> int:
 
 
 def _of_balls(result: Result) -> NDArray[np.int64]:
-    """Indices of the ball–ball contacts of the sequence: the first ones, in the order of their begins."""
+    """Indices of the ball–ball contacts of the sequence, ordered by their begins."""
     return np.flatnonzero(result.contact_times[0])[: result.n_contacts]
 
 
 # --- the verdict --------------------------------------------------------------------------------------------
 
-#: Outcomes of event-driven that are its failure, in words.
+#: Outcomes that are failures of the event-driven model.
 _FAILURES: Final = {
     "collapse": "ends in an inelastic collapse, infinitely many collisions in a finite time",
     "at_rest": "comes to rest by infinitely many collisions in a finite time",
@@ -131,64 +115,70 @@ def _verdict(c: Comparison) -> Verdict:
         return Verdict("undecided", f"No verdict: {unclear}.")
     if true == "at_rest":
         return Verdict(
-            "no", "No: under Newton’s equations a contact never ends, and event-driven has none that last."
+            "no",
+            "No: under Newton’s equations a contact never ends, but event-driven collisions are instantaneous.",
         )
     if hard in _FAILURES:
-        return Verdict("no", f"No: event-driven {_FAILURES[hard]}, Newton’s equations do not.")
+        return Verdict(
+            "no", f"No: the event-driven sequence {_FAILURES[hard]}; that of Newton’s equations does not."
+        )
     found = _difference(c)
     meetings = [r.n_contacts for r in (c.newton, c.independent)]
     if 0 in meetings and any(meetings) and not found.error <= TOLERANCE:
-        met, missed = (
-            ("Newton’s equations", "event-driven") if meetings[0] else ("event-driven", "Newton’s equations")
-        )
-        before = " before the floor is met again" if c.newton.column.floor else ""
-        return Verdict("no", f"No: the balls meet under {met} but not under {missed}{before}.")
+        models = ["under Newton’s equations", "in the event-driven model"]
+        met, missed = models if meetings[0] else models[::-1]
+        before = " before the second floor contact" if c.newton.column.floor else ""
+        return Verdict("no", f"No: the balls meet {met} but not {missed}{before}.")
     return _by_numbers(c, found)
 
 
 def _unclear(c: Comparison, true: str, hard: str) -> str | None:
-    """Why there is nothing to compare, if so."""
-    for who, name, result in (("Newton’s equations", true, c.newton), ("event-driven", hard, c.independent)):
+    """The reason if there is nothing to compare."""
+    for model, name, result in (
+        ("Newton’s equations", true, c.newton),
+        ("the event-driven model", hard, c.independent),
+    ):
         if name in ("invalid", "unresolved", "never_lands", "too_deep"):
-            return f"{who} ended in “{result.outcome.split(':')[0]}”"
+            return f"the outcome of {model} is “{result.outcome.split(':')[0]}”"
     if true == hard == "no_contact" and len(c.newton.column.balls) > 1:
-        return "the balls do not meet before the floor is met again"
+        return "the balls do not meet before the second floor contact"
     return None
 
 
 class _Difference(NamedTuple):
-    error: float  #: of the event-driven model, relative; NaN if a model has no such value
-    clause: str  #: that states it
+    error: float  #: relative error of the event-driven model; NaN if a model has no such value
+    clause: str  #: states the error
     later: bool = False  #: whether contacts of the upper balls after the second floor contact count
 
 
 def _by_numbers(c: Comparison, found: _Difference) -> Verdict:
-    """The verdict where both models have followed the sequence to its end."""
+    """The verdict if both models reached the end of the sequence."""
     overlap, n = overlapping_contacts(c.newton), c.newton.n_contacts
     if len(c.newton.column.balls) == 1:
-        course = "there is no contact but that with the floor"
+        contacts = "the only contact is that with the floor"
     elif overlap:
-        verb = "happens" if 1 in (overlap, n) else "happen"
-        course = f"{_share(overlap, n)} of the balls {verb} while another contact lasts"
+        verb = "overlaps" if 1 in (overlap, n) else "overlap"
+        contacts = f"{_count(overlap, n)} {verb} another contact in time"
     else:
-        course = "one contact follows the other"
+        contacts = "no contacts overlap in time"
     if found.later:
-        course += ", under one of the two a last one after the floor is met again"
+        contacts += ", under one model the last one follows the second floor contact"
     if found.error <= TOLERANCE:
         if overlap:
-            return Verdict("by luck", f"Only by luck: {course}, and yet {found.clause}.")
-        return Verdict("yes", f"Yes: {course}, and {found.clause}.")
-    return Verdict("no", f"No: {course}{';' if overlap else ', and yet'} {found.clause}.")
+            return Verdict("by luck", f"Only by luck: {contacts}, yet {found.clause}.")
+        return Verdict("yes", f"Yes: {contacts}, and {found.clause}.")
+    return Verdict("no", f"No: {contacts}{';' if overlap else ', yet'} {found.clause}.")
 
 
-def _share(overlap: int, n: int) -> str:
+def _count(overlap: int, n: int) -> str:
     if overlap < n:
-        return f"{overlap} of {n} contacts"
-    return "the contact" if n == 1 else "both contacts" if n == 2 else f"all {n} contacts"
+        return f"{overlap} of {n} ball–ball contacts"
+    number = {1: "the", 2: "both"}.get(n, f"all {n}")
+    return f"{number} ball–ball contact{'s' * (n > 1)}"
 
 
 def _difference(c: Comparison) -> _Difference:
-    """What event-driven makes of the velocities at the end of the sequence."""
+    """Difference of the velocities at the end of the sequence."""
     if len(c.newton.column.balls) == 2 and c.newton.column.floor:
         return _of_separation(c)
     found = _of_velocities(c)
@@ -202,17 +192,18 @@ def _difference(c: Comparison) -> _Difference:
 def _of_separation(c: Comparison) -> _Difference:
     true, hard = c.newton.separation_velocity, c.independent.separation_velocity
     if math.isnan(true) or math.isnan(hard):
-        who = "under Newton’s equations" if math.isnan(true) else "event-driven"
-        return _Difference(math.nan, f"{who} the floor is met again before the balls part")
-    return _stated("the separation velocity", hard, true, abs(true))
+        model = "under Newton’s equations" if math.isnan(true) else "in the event-driven model"
+        return _Difference(math.nan, f"{model} the second floor contact begins before the balls separate")
+    return _stated("separation velocity", hard, true, abs(true))
 
 
 def _of_velocities(c: Comparison, counts: Sequence[NDArray[np.int64]] = ()) -> _Difference:
-    """By the ball whose velocities differ most.
+    """Difference for the ball whose velocities differ most.
 
-    Each is that with which the ball leaves its last contact, when that may be. A ball that one of the models leaves
-    without any falls in the other, too, up to it. With ``counts``, the contacts of the upper pairs under both, the
-    upper balls go on after the second floor contact until they have met as often as under the other model.
+    Velocities after the last contact of each ball are compared, whenever it ends: in the freely falling frame, less
+    the fall during the delay between both ends (none for a ball without contacts under one model). With ``counts``, the
+    numbers of contacts of the upper pairs under both models, the upper balls continue after the second floor contact
+    until they have met as often as under the other model.
     """
     missing = [(counts[1 - i] - counts[i]).clip(0).tolist() for i in range(len(counts))] or [[], []]
     (moves, since), (hard, hard_since) = (
@@ -222,12 +213,12 @@ def _of_velocities(c: Comparison, counts: Sequence[NDArray[np.int64]] = ()) -> _
     apart = hard - moves - c.newton.column.gravity * delay
     worst = int(np.argmax(np.abs(apart)))
     true = float(c.newton.final_velocities[worst])
-    what = f"the final velocity of ball {worst + 1}"
+    what = f"final velocity of ball {worst + 1}"
     return _stated(what, true + float(apart[worst]), true, _speed(c.newton.column), later=bool(counts))
 
 
 def _upper_contacts(result: Result) -> NDArray[np.int64]:
-    """Contacts of the sequence between the balls above the lowest one, of each pair."""
+    """Number of contacts of the sequence for each pair above the lowest ball."""
     pair = result.contact_times[0][_of_balls(result)]
     return np.bincount(pair, minlength=len(result.column.balls))[2:]
 
@@ -235,26 +226,26 @@ def _upper_contacts(result: Result) -> NDArray[np.int64]:
 def _stated(what: str, hard: float, true: float, scale: float, later: bool = False) -> _Difference:
     error = 0.0 if hard == true else abs(hard - true) / scale if scale > 0.0 else math.inf
     if error <= TOLERANCE:
-        return _Difference(error, f"event-driven gets {what} right to {_percent(error)}", later)
-    return _Difference(error, f"for {what} event-driven gives {_both(hard, true)}", later)
+        return _Difference(error, f"the event-driven {what} is right to {_percent(error)}", later)
+    return _Difference(error, f"the event-driven {what} is {_both(hard, true)}", later)
 
 
 def _speed(column: Column) -> float:
-    """The speed [m/s] that velocities are measured by: that of the impact, of a cradle the largest approach."""
+    """Reference speed [m/s] of errors: the impact speed, for a cradle the largest difference of velocities."""
     return column.impact_speed if column.floor else max(column.velocities) - min(column.velocities)
 
 
 def _both(hard: float, true: float) -> str:
-    """Two velocities that differ, with as many digits as it takes to see it."""
-    for digits in range(3, 18):
-        texts = [f"{value:.{digits}g}".replace("-", "−") for value in (hard, true)]
+    """Two velocities with as many digits as needed to tell them apart."""
+    for significant in range(3, 18):
+        texts = [f"{value:.{significant}g}".replace("-", "−") for value in (hard, true)]
         if texts[0] != texts[1]:
             break
     return f"{texts[0]} m/s instead of {texts[1]} m/s"
 
 
 def _percent(error: float) -> str:
-    """An error in per cent with one digit, rounded up, so that it is never made smaller than it is."""
+    """An error in per cent with one digit, rounded up."""
     percent = 100.0 * error
     if percent <= 0.001:
         return "0.001 %"

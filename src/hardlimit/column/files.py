@@ -1,10 +1,9 @@
-"""A column as a TOML file, and a column changed by named parameters: what the command line reads and writes.
+"""Columns as TOML files, and columns changed by named parameters, as the command line reads and writes them.
 
-The file has the top-level keys ``height`` and ``gravity``, ``gaps``, ``velocities``, one ``[[balls]]`` table
-for each ball, bottom first (``radius``, and ``density`` or ``mass``), and one ``[law]`` (``name`` and its
-parameters) or one ``[[laws]]`` for each contact, the floor's first. ``cradle = true`` leaves out floor,
-height and gravity (which may stand there as 0). A quantity is a number in SI units or a text with its unit,
-such as ``"1 mm"``.
+A file has the top-level keys ``height``, ``gravity``, ``gaps`` and ``velocities``, one table ``[[balls]]`` per ball,
+bottom first (``radius``, and ``density`` or ``mass``), and one ``[law]`` (``name`` and its parameters) or one
+``[[laws]]`` per contact, the floor's first. With ``cradle = true`` there is no floor, no height and no gravity (a
+``gravity`` of 0 may be written). A quantity is a number in SI units or a text with a unit, such as ``"1 mm"``.
 """
 
 from __future__ import annotations
@@ -12,23 +11,20 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from ..contact.balls import Ball
 from ..contact.contact import Law, law_parameters
 from ..contact.laws import LAWS
-from ..support import saving, toml, units, validation
+from ..support import saving, toml, validation
 from .scenario import STANDARD_GRAVITY, Column
-
-if TYPE_CHECKING:
-    from msgspec import Struct
 
 T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """The parameters of a column before they are checked together, so that they can be changed one by one."""
+    """The parameters of a column, which may be changed one by one before they are checked together."""
 
     balls: tuple[Ball, ...]
     gaps: tuple[float, ...]
@@ -39,7 +35,7 @@ class Scenario:
     cradle: bool = False
 
     def column(self) -> Column:
-        """The column, checked.
+        """The column.
 
         Raises
         ------
@@ -47,14 +43,15 @@ class Scenario:
             If the parameters do not make a column.
         """
         law: Law | Sequence[Law] = self.laws[0] if len(set(self.laws)) == 1 else self.laws
-        gaps = _one_for_all(self.gaps, len(self.balls) - 1)
-        velocities = _one_for_all(self.velocities, len(self.balls))
+        gaps = _repeated(self.gaps, len(self.balls) - 1)
+        velocities = _repeated(self.velocities, len(self.balls))
         if self.cradle:
             return Column.cradle(self.balls, velocities, law, gaps)
         return Column(self.balls, gaps, self.height, law, velocities, self.gravity)
 
 
-def _one_for_all(values: tuple[float, ...], count: int) -> list[float]:
+def _repeated(values: tuple[float, ...], count: int) -> list[float]:
+    """A single value ``count`` times, several values as they are."""
     return list(values) * count if len(values) == 1 else list(values)
 
 
@@ -86,7 +83,7 @@ def read(path: str | Path) -> Column:
 
 
 def read_with(path: str | Path, *other: str) -> tuple[Scenario, dict[str, Any]]:
-    """The scenario in a TOML file, and its top-level entries named in ``other`` as they stand."""
+    """The scenario in a TOML file, and the entries named in ``other``, unchecked."""
     content = toml.read(path)
     extra = {name: content.pop(name) for name in other if name in content}
     return prefixed(f"{path}: ", lambda: from_mapping(content)), extra
@@ -146,87 +143,79 @@ def from_mapping(content: Mapping[str, Any]) -> Scenario:
     ValueError
         For an unknown or missing key, a value of another type and one outside its range.
     """
-    from .schema import ColumnTable
-
-    table = toml.convert(content, ColumnTable)
-    balls = tuple(_ball(i, ball) for i, ball in enumerate(table.balls))
-    laws = _laws(table)
-    n = len(balls)
-    if table.cradle:
-        _check_cradle(table)
-    elif table.height is None:
+    found = toml.table("", content, COLUMN)
+    if not found.get("balls"):
+        raise ValueError("balls: missing, must be one table [[balls]] for each ball")
+    n = len(found["balls"])
+    cradle = found.get("cradle", False)
+    if cradle:
+        _check_cradle(found)
+    elif "height" not in found:
         raise ValueError("height: missing, must be the height [m] of the lowest centre at release")
-    elif table.gaps is None and n > 1:
+    elif "gaps" not in found and n > 1:
         raise ValueError(f"gaps: missing, must be a list of {n - 1}")
-    gravity = STANDARD_GRAVITY if table.gravity is None else _quantity("gravity", table.gravity, "m/s2")
+    laws = [found["law"]] if "law" in found else found.get("laws")
+    if not laws or ("law" in found and "laws" in found):
+        count = "both" if laws else "neither"
+        raise ValueError(f"law | laws: got {count}, must be one [law] or one [[laws]] for each contact")
+    gaps, gravity = found.get("gaps", 0.0), found.get("gravity", STANDARD_GRAVITY)
     return Scenario(
-        balls=balls,
-        gaps=_quantities("gaps", table.gaps, "m", n - 1, lowest=0.0, lowest_allowed=True),
-        laws=laws,
-        height=0.0 if table.cradle else validation.number("height", _quantity("height", table.height, "m")),
-        velocities=_quantities("velocities", table.velocities, "m/s", n),
+        balls=tuple(found["balls"]),
+        gaps=validation.numbers("gaps", gaps, n - 1, lowest=0.0, lowest_allowed=True),
+        laws=tuple(laws),
+        height=0.0 if cradle else validation.number("height", found["height"]),
+        velocities=validation.numbers("velocities", found.get("velocities", 0.0), n),
         gravity=validation.number("gravity", gravity, 0.0, lowest_allowed=True),
-        cradle=table.cradle,
+        cradle=cradle,
     )
 
 
-def _check_cradle(table: Any) -> None:
-    if table.height is not None:
-        raise ValueError(f"height: got {table.height!r}, must be left out for a cradle")
-    if table.gravity is not None and _quantity("gravity", table.gravity, "m/s2") != 0.0:
-        raise ValueError(f"gravity: got {table.gravity!r}, must be 0 or left out for a cradle")
+def _check_cradle(found: Mapping[str, Any]) -> None:
+    if "height" in found:
+        raise ValueError(f"height: got {found['height']!r}, must be left out for a cradle")
+    if found.get("gravity", 0.0) != 0.0:
+        raise ValueError(f"gravity: got {found['gravity']!r}, must be 0 or left out for a cradle")
 
 
-def _quantity(name: str, value: float | str, unit: str) -> float:
-    """The number, or the one that a text gives with its unit."""
-    return units.with_unit(name, value, unit) if isinstance(value, str) else value
+def _ball(name: str, content: Any) -> Ball:
+    """Kind of a table of a ball."""
+    kinds = {"radius": toml.quantity("m"), "density": toml.quantity("kg/m3"), "mass": toml.quantity("kg")}
+    given = toml.table(name, content, kinds)
+    if "radius" not in given:
+        raise ValueError(f"{name}.radius: missing, must be given")
+    return prefixed(f"{name}.", lambda: Ball(**given))
 
 
-def _quantities(name: str, values: Any, unit: str, count: int, **limits: Any) -> tuple[float, ...]:
-    """``count`` numbers; one value stands for all of them, none at all means 0."""
-    if isinstance(values, list):
-        numbers: Any = [_quantity(f"{name}[{i}]", value, unit) for i, value in enumerate(values)]
-    else:
-        numbers = 0.0 if values is None else _quantity(name, values, unit)
-    return validation.numbers(name, numbers, count, **limits)
-
-
-def _given(table: Struct, where: str, units_of: Mapping[str, str]) -> dict[str, float]:
-    """The entries of a table that are given, as numbers."""
-    entries = {name: getattr(table, name) for name in units_of}
-    return {
-        name: _quantity(f"{where}{name}", value, units_of[name])
-        for name, value in entries.items()
-        if value is not None
-    }
-
-
-def _ball(i: int, table: Any) -> Ball:
-    given = _given(table, f"balls[{i}].", {"radius": "m", "density": "kg/m3", "mass": "kg"})
-    return prefixed(f"balls[{i}].", lambda: Ball(**given))
-
-
-def _laws(table: Any) -> tuple[Law, ...]:
-    if (table.law is None) == (table.laws is None):
-        count = "neither" if table.law is None else "both"
-        raise ValueError(f"law | laws: got {count}, must be one [law] or one [[laws]] for each contact")
-    if table.law is not None:
-        return (law_from_table("law.", table.law),)
-    return tuple(law_from_table(f"laws[{i}].", one) for i, one in enumerate(table.laws))
-
-
-def law_from_table(where: str, table: Struct) -> Law:
-    """The law that a table describes; ``where`` stands before its keys in messages.
+def law_table(name: str, content: Any) -> Law:
+    """Kind of a table of a law.
 
     Raises
     ------
     ValueError
-        If its parameters do not make a law.
+        If it has no name, or its parameters do not make a law.
     """
-    kind = LAWS[str(table.__struct_config__.tag)]
-    units_of = {name: record["unit"] for name, record in law_parameters(kind).items()}
-    given = _given(table, where, units_of)
-    return prefixed(where, lambda: kind(**given))
+    kind = None
+    if isinstance(content, dict):
+        if "name" not in content:
+            raise ValueError(f"{name}.name: missing, must be one of {', '.join(LAWS)}")
+        kind = law_class(content["name"], f"{name}.name")
+    records = {} if kind is None else law_parameters(kind)
+    kinds = {"name": toml.text} | {key: toml.quantity(record["unit"]) for key, record in records.items()}
+    given = toml.table(name, content, kinds)
+    return prefixed(f"{name}.", lambda: LAWS[given.pop("name")](**given))
+
+
+#: The keys of a file of a column.
+COLUMN: Final[Mapping[str, toml.Kind]] = {
+    "balls": toml.list_of(_ball),
+    "cradle": validation.flag,
+    "height": toml.quantity("m"),
+    "gravity": toml.quantity("m/s2"),
+    "gaps": toml.one_or_list_of(toml.quantity("m")),
+    "velocities": toml.one_or_list_of(toml.quantity("m/s")),
+    "law": law_table,
+    "laws": toml.list_of(law_table),
+}
 
 
 def law_class(name: Any, parameter: str = "law") -> type[Law]:
@@ -237,13 +226,11 @@ def law_class(name: Any, parameter: str = "law") -> type[Law]:
     ValueError
         If there is none.
     """
-    if not isinstance(name, str) or name not in LAWS:
-        raise ValueError(f"{parameter}: got {name!r}, must be one of {', '.join(LAWS)}")
-    return LAWS[name]
+    return LAWS[validation.one_of(parameter, name, list(LAWS))]
 
 
 def prefixed(where: str, make: Callable[[], T]) -> T:
-    """``make()``, with ``where`` put before the message if it refuses its input."""
+    """``make()``; if it raises a ValueError, ``where`` is put before the message."""
     try:
         return make()
     except ValueError as error:
@@ -253,26 +240,23 @@ def prefixed(where: str, make: Callable[[], T]) -> T:
 # --- changes ------------------------------------------------------------------------------------------------
 
 
-def with_law(scenario: Scenario, name: str | None, parameters: Mapping[str, float]) -> Scenario:
-    """Another law, or other parameters of the present one.
-
-    Without ``name`` the parameters decide: those of another law only mean that law.
-    """
-    kind = type(scenario.laws[0]) if scenario.laws else None
-    wanted = law_class(name) if name is not None else law_with(kind, parameters)
-    if wanted is not kind:
-        return replace(scenario, laws=(wanted(**parameters),))
-    return replace(scenario, laws=tuple(law.replace(**parameters) for law in scenario.laws))
-
-
-def law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
-    """The law that takes parameters of these names, the present one first.
+def changed_law(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
+    """The present law with other parameters, or another law: the one named, or the first that has the parameters.
 
     Raises
     ------
     ValueError
-        If there is none.
+        If the parameters do not make a law.
     """
+    kind = None if present is None else type(present)
+    wanted = law_class(name) if name is not None else _law_with(kind, parameters)
+    if present is not None and wanted is kind:
+        return present.replace(**parameters)
+    return wanted(**parameters)
+
+
+def _law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
+    """The first law that has parameters of these names, beginning with the present one."""
     laws = [law for law in (present, *LAWS.values()) if law is not None]
     for law in laws:
         if set(names) <= law_parameters(law).keys():
@@ -281,6 +265,15 @@ def law_with(present: type[Law] | None, names: Collection[str]) -> type[Law]:
     strange = next(name for name in names if name not in known)
     law = laws[0].record["name"]
     raise ValueError(f"{strange}: unknown for the law {law}, must be one of {', '.join(known)}")
+
+
+def with_law(scenario: Scenario, name: str | None, parameters: Mapping[str, float]) -> Scenario:
+    """Another law, or other parameters of the present laws; see :func:`changed_law`."""
+    first = scenario.laws[0]
+    changed = changed_law(first, name, parameters)
+    if type(changed) is not type(first):
+        return replace(scenario, laws=(changed,))
+    return replace(scenario, laws=tuple(law.replace(**parameters) for law in scenario.laws))
 
 
 def with_balls(
@@ -293,9 +286,9 @@ def with_balls(
     densities: Sequence[float] = (),
     masses: Sequence[float] = (),
 ) -> Scenario:
-    """Other radii, densities or masses. One density stands for all balls.
+    """Other radii, densities or masses; one density is that of all balls.
 
-    ``radii`` replaces all radii and may change the number of balls; ``radius_ratio`` R1/R2 sets the lowest.
+    ``radii`` replaces all radii and may change the number of balls. ``radius_ratio`` R1/R2 changes the lowest radius.
     """
     if densities and masses:
         raise ValueError("density | mass: got both, must be at most one of them")
@@ -321,7 +314,7 @@ def with_balls(
 def _made_of(
     balls: tuple[Ball, ...], sizes: list[float], densities: Sequence[float], masses: Sequence[float]
 ) -> list[Ball]:
-    """Balls of these sizes: of the densities or masses given, else of what the present ones are made of."""
+    """Balls of these radii with the densities or masses given, or with the densities of the present balls."""
     if densities:
         values = densities[0] if len(densities) == 1 else densities
         rho = validation.numbers("density", values, len(sizes), lowest=0.0)
@@ -345,7 +338,7 @@ def with_motion(
     height: float | None = None,
     gravity: float | None = None,
 ) -> Scenario:
-    """Other gaps, velocities at release (one stands for all), height or gravity."""
+    """Other gaps, velocities at release, height or gravity; one gap or velocity is that of all balls."""
     if scenario.cradle and height is not None:
         raise ValueError("height: a cradle has none, must be left out")
     if scenario.cradle and gravity is not None:
@@ -363,7 +356,7 @@ def with_motion(
 
 
 def _fitting(name: str, given: Sequence[float], present: tuple[float, ...], count: int) -> tuple[float, ...]:
-    """The values given, or those present, which may stretch to more balls if they are all the same."""
+    """The values given, or the present ones, which are repeated for more balls if all are equal."""
     if given:
         limits = {"lowest": 0.0, "lowest_allowed": True} if name == "gap" else {}
         return validation.numbers(name, given[0] if len(given) == 1 else given, count, **limits)

@@ -1,6 +1,6 @@
-"""The models of a column: what the core says of them, what each applies to, and its solver.
+"""The models of a column: description, applicability and solver of each.
 
-Names, labels and limits stand in ``core/column/model.hpp``, where the page reads them, too.
+Names, labels and limits come from ``core/column/model.hpp``, which the page also reads.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .. import _core
 
 
 class Scenario(Protocol):
-    """What decides whether a model applies to a column."""
+    """The part of a column that decides whether a model applies."""
 
     @property
     def solvable_exactly(self) -> bool: ...
@@ -23,32 +23,32 @@ class Scenario(Protocol):
 
 @dataclass(frozen=True)
 class Model:
-    """One way to compute what a column does."""
+    """One model of a column."""
 
-    number: int  #: of the core's enum ``Model``
+    number: int  #: in the core's enum ``Model``
     name: str  #: as in ``hardlimit.sweep(model=…)``
-    label: str  #: in a legend
-    short: str  #: at the head of a column of a table
-    limits: str  #: what it leaves out, or where it fails
-    solve: Callable[..., _core.Solution]  #: (core column, until or NaN, …) → solution
+    label: str  #: for legends
+    short: str  #: for table headers
+    limits: str  #: what it neglects or where it fails
+    solve: Callable[..., _core.Solution]  #: (core column, ``until`` or NaN, …) → solution
     applies: Callable[[Scenario], bool] = lambda column: True
-    needs: str = "any column"  #: ``applies`` in words
+    needs: str = "any column"  #: describes ``applies``
 
 
 def _model(number: int, solve: Callable[..., _core.Solution], **applies: Any) -> Model:
     return Model(number=number, solve=solve, **_core.model_records()[number], **applies)
 
 
-#: Newton's equations (Eq. 14), with a force for as long as a contact lasts.
+#: Newton's equations (Eq. 14) with contact forces.
 NEWTON: Final = _model(0, _core.newton)
-#: Appendix A: the upper ball does not act on the lower one.
+#: The upper ball does not act on the lower one (Appendix A).
 ADIABATIC: Final = _model(
     1,
     _core.adiabatic,
     applies=attrgetter("solvable_exactly"),
     needs="two balls on a floor under the linear law",
 )
-#: Instantaneous collisions of two bodies at a time (Eqs. 1–6): the event-driven sequence.
+#: Instantaneous collisions, as in an event-driven simulation (Eqs. 1–6).
 INDEPENDENT: Final = _model(2, _core.independent)
 
 #: Name → model, in the order of the core's numbers.

@@ -1,4 +1,4 @@
-"""What a solver found about one column: contacts, velocities, trajectories (see docs/definitions.md)."""
+"""Results of one column under one model: contacts, velocities, trajectories (see docs/definitions.md)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import _core
 from ..contact import compression
 from ..support import html, validation
+from ..support.formatting import digits
 from .models import MODELS, Model
 from .scenario import Column
 
@@ -28,11 +29,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """Outcome of one drop under one model, returned by its solver. Times in s after the first floor touch.
+    """Result of one column under one model, returned by its solver. Times in s after the first floor touch.
 
-    Those of a cradle are times after its release. A result never changes, and its arrays are read-only. A copy, or a
-    result that was sent to another process, is solved again when it is first asked for a value, and has the same bits.
-    :doc:`/definitions` says exactly what each number means.
+    Times of a cradle are counted from its release. A result is immutable, and its arrays are read-only. A copy, or a
+    result that was sent to another process, is solved again at first use and has the same bits. :doc:`/definitions`
+    defines each number exactly.
 
     Notes
     -----
@@ -51,17 +52,17 @@ class Result:
 
     column: Column  #: what was solved
     model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
-    method: str  #: how it was solved, in words
-    until: float | None  #: the time asked for [s], if any
-    options: tuple[Any, ...] = ()  #: what the model's solver takes besides column and time
+    method: str  #: describes the solver
+    until: float | None  #: the requested end time [s], if any
+    options: tuple[Any, ...] = ()  #: further arguments of the model's solver
 
     @classmethod
     def _solved(
         cls, column: Column, model: Model, method: str, until: float | None, options: tuple[Any, ...] = ()
     ) -> Result:
-        """A result that is solved now, so that errors and interrupts come from the call that asked for it."""
+        """Solve at once, so that errors and interrupts are raised by the caller's call."""
         core = model.solve(column.core, math.nan if until is None else until, *options)
-        # One by one and not through the constructor: a solve takes microseconds, and a frozen dataclass one more.
+        # The constructor of a frozen dataclass would take a microsecond, as long as a solve.
         result = object.__new__(cls)
         values = result.__dict__
         values["column"] = column
@@ -90,21 +91,22 @@ class Result:
         return f"<Result of {self.model} ({self.method}): {found}>"
 
     def _repr_html_(self) -> str:
-        rows = [[label, html.number(value)] for label, value in quantities(self)]
+        rows = [[label, digits(value)] for label, value in quantities(self)]
         rows.append(["outcome", self.outcome])
         model = MODELS[self.model]
         return html.table(f"{model.label}: {self.method}", ["", ""], rows, f"Limits: {model.limits}.")
 
     @property
     def n_contacts(self) -> int:
-        """Ball–ball contacts of the sequence, re-engagements of the clipped force included."""
+        """Number of ball–ball contacts of the sequence, including re-engagements of the clipped force."""
         return self._core.n_contacts
 
     @property
     def t_end(self) -> float:
         """t_f [s]: end of the last ball–ball contact that began before the second floor contact.
 
-        For a single ball, the end of its first bounce: the last time the floor's force vanishes before the gap opens.
+        For a single ball, the end of its first bounce: the last time at which the floor's force vanishes before the gap
+        opens.
         """
         return self._core.t_end
 
@@ -115,12 +117,12 @@ class Result:
 
     @property
     def relative_velocity(self) -> float:
-        """The paper's v'_r = v2 − v1 at ``t_end`` [m/s], when the floor may still push. Two balls, else NaN."""
+        """The paper's v'_r = v2 − v1 [m/s] at ``t_end``, when the floor may still push. NaN except for two balls."""
         return self._core.relative_velocity
 
     @property
     def separation_velocity(self) -> float:
-        """v2 − v1 at the first instant after ``t_end`` when no force acts and the gap is not closing [m/s]."""
+        """v2 − v1 [m/s] at the first instant after ``t_end`` at which no force acts and the gap is not closing."""
         return self._core.separation_velocity
 
     @property
@@ -150,16 +152,16 @@ class Result:
 
     @cached_property
     def largest_compression(self) -> float:
-        """Greatest compression of all contacts, over the smaller radius of the two bodies.
+        """Largest compression of all contacts, divided by the smaller radius of the two bodies.
 
-        Contact laws describe small compressions: from 0.05 on a warning says so, and at 0.5 a run ends (see
+        Contact laws describe small compressions. From 0.05 on there is a warning, and at 0.5 a run ends (see
         :doc:`/limits`). NaN for instantaneous collisions.
         """
         return self._core.largest_compression()
 
     @property
     def outcome(self) -> str:
-        """``"ok"``, or one sentence that says what happened instead."""
+        """``"ok"``, or a sentence that says how the run ended instead."""
         message = str(_core.outcome_messages[self._core.outcome])
         pair = self._core.too_deep
         if pair < 0:
@@ -170,12 +172,12 @@ class Result:
 
     @property
     def outcome_code(self) -> int:
-        """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
+        """The outcome as an index of ``hardlimit.OUTCOMES``; 0 is ok."""
         return self._core.outcome
 
     @property
     def known_until(self) -> float:
-        """Time [s] up to which the motion is known: infinite unless the run was not resolved or too deep."""
+        """Time [s] up to which the motion is known: infinite unless the outcome is not resolved or too deep."""
         unresolved = _core.outcome_names[self.outcome_code] == "unresolved"
         return self._core.t_last if unresolved or self._core.too_deep >= 0 else math.inf
 
@@ -183,29 +185,29 @@ class Result:
     def final_velocities(self) -> NDArray[np.float64]:
         """Velocities [m/s], upwards, bottom first, at the end of the last contact that ended.
 
-        NaN at rest, and where a contact became too deep. Without ``until`` the second floor contact does not count: it
-        is no part of the sequence.
+        NaN at rest, and if a contact became too deep. Without ``until`` the second floor contact does not count, since
+        it is not part of the sequence.
         """
         return _fixed(np.asarray(self._core.final_velocities()))
 
     @cached_property
     def rebound_heights(self) -> NDArray[np.float64]:
-        """Greatest height of each centre above the floor [m] after the ball's first bounce, bottom first.
+        """Largest height of each centre above the floor [m] after the ball's first bounce, bottom first.
 
-        With ``until``, the greatest up to that time. Without it, the lowest ball is taken away when it meets the floor
-        for the second time, and the contacts still to come between the others count (see :doc:`/definitions`). NaN for
-        a ball that does not bounce, and for a cradle.
+        With ``until``, the largest up to that time. Without it, the lowest ball is removed at its second floor contact,
+        and later contacts between the others count (see :doc:`/definitions`). NaN for a ball that does not bounce, and
+        for a cradle.
         """
         return _fixed(np.asarray(self._core.rebound_heights()))
 
     @property
     def energy_error(self) -> float:
-        """Largest error of the energy balance relative to the initial energy; NaN unless integrated."""
+        """Largest error of the energy balance relative to the initial energy; NaN unless the run was integrated."""
         return self._core.energy_error
 
     @property
     def contact_times(self) -> tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
-        """Pair, begin [s] and end [s] of each contact: ``contacts`` as plain arrays, without loading xarray."""
+        """Pair, begin [s] and end [s] of each contact: ``contacts`` as plain arrays, without importing xarray."""
         pair, begin, end = self._core.contacts()
         if self.until is None:
             return pair, begin, end
@@ -216,8 +218,8 @@ class Result:
     def contacts(self) -> xr.Dataset:
         """Dataset over ``contact``: ``pair`` (0 = floor–lowest, 1 = lowest–second, …), ``begin``, ``end`` [s].
 
-        ``end`` is NaN for a contact that never ends, or that was not followed: the floor contact that ends the run
-        of more than two balls. With ``until``, the contacts that began up to it.
+        ``end`` is NaN for a contact that never ends, and for the floor contact that ends a run of more than two balls.
+        With ``until``, the contacts that began up to that time.
         """
         return self._contacts.copy()
 
@@ -241,7 +243,7 @@ class Result:
         return f"time after {'the first floor touch' if self.column.floor else 'release'}"
 
     def _attributes(self, what: str) -> dict[str, Any]:
-        """Attributes of a Dataset in the names of the CF conventions, and how to compute it again."""
+        """Attributes of a Dataset: names of the CF conventions, and what is needed to compute it again."""
         facts: dict[str, Any] = {
             "title": f"{what} of a {'column' if self.column.floor else 'cradle'} of balls",
             "source": f"hardlimit {_core.version}, {MODELS[self.model].label}",
@@ -262,7 +264,7 @@ class Result:
             at = self.until
         if math.isnan(at):
             at = self._core.t_last
-        if self.until is not None and at > self._core.t_last:  # what was not solved is not known
+        if self.until is not None and at > self._core.t_last:  # the motion after t_last is unknown
             unknown = _fixed(np.full(len(self.column.balls), math.nan))
             return unknown, unknown
         sampled = self._sample(np.array([max(at, self._core.t_first)]))
@@ -270,7 +272,7 @@ class Result:
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Centres [m], bottom first: at ``until`` if given, else at the end (``t_end`` for two balls).
+        """Centres [m], bottom first, at ``until`` if given, else at the end (``t_end`` for two balls).
 
         NaN where the solution ends before ``until``; ``outcome`` says why.
         """
@@ -284,22 +286,16 @@ class Result:
     def _sample(self, times: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
         core = self._core
         last = float(times.max(initial=-math.inf))
-        if last > core.t_last:  # beyond what was solved: go on
+        if last > core.t_last:  # continue the solution
             core = self._solve(last)
         return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
-        """Times that show the contacts well: evenly spaced over the sequence, and every begin and end.
+        """Times that resolve the contacts: evenly spaced over the sequence, and every begin and end.
 
         Returns
         -------
         N numbers [s]
-
-        Examples
-        --------
-        >>> times = hl.newton(hl.Column.paper()).default_times()
-        >>> f"{times.min() * 1e3:.2f} to {times.max() * 1e3:.2f} ms"
-        '-0.04 to 0.81 ms'
         """
         _, begin, end = self._core.contacts()
         marks = np.concatenate([begin, end])
@@ -320,12 +316,12 @@ class Result:
     def trajectory(self, times: ArrayLike | None = None) -> xr.Dataset:
         """Positions, velocities, contact forces and energies over time.
 
-        The attribute ``known_until`` is there if the run was not resolved or too deep.
+        The attribute ``known_until`` is set if the outcome is not resolved or too deep.
 
         Parameters
         ----------
         times : number or N numbers [s], optional
-            Any time from release on. By default times that show the contacts, as far as the motion is known.
+            Any times after the release. By default :meth:`default_times`, as far as the motion is known.
 
         Returns
         -------
@@ -337,8 +333,8 @@ class Result:
         Raises
         ------
         ValueError
-            If ``times`` is not a number or a one-dimensional array of them, or if one of them is not finite or lies
-            before release or after the end of the solution.
+            If ``times`` is not a number or a one-dimensional array of numbers, or if one of them is not finite, before
+            the release or after the end of the solution.
 
         Examples
         --------
@@ -387,45 +383,33 @@ class Result:
         Returns
         -------
         matplotlib.figure.Figure
-
-        Examples
-        --------
-        >>> figure = hl.newton(hl.Column.paper()).plot()
-        >>> figure.savefig("forces.svg")
         """
         from .. import plots
 
         return plots.forces(self)
 
     def animate(self, path: str | Path, **options: Any) -> Path:
-        """Write a slow-motion film of the drop as MP4 or GIF, by the ending of ``path``.
+        """Write a slow-motion film of the drop as MP4 or GIF, by the suffix of ``path``.
 
         Parameters
         ----------
         path : path
-            A file is only there when it is complete.
+            The file appears when it is complete.
         **options
-            ``ghost``: a second Result of the same column, shown beside; independent collisions by default. ``width`` in
-            pixels, 160 to 3840. ``frames_per_second``, 1 to 120. ``progress``, a callable(done, total).
+            ``ghost``: a second Result of the same column to show; independent collisions by default. ``width`` in
+            pixels, 160 to 3840. ``frames_per_second``, 1 to 120. ``progress``: callable(done, total).
 
         Returns
         -------
         Path
-            Of the film.
 
         Raises
         ------
         ValueError
-            If the ending is unknown, an option is outside its range, ``ghost`` is of another column, or MP4 is asked
-            for without ``pip install 'hardlimit[film]'``; GIF needs nothing more.
+            If the suffix is unknown, an option is outside its range, ``ghost`` is of another column, or the suffix is
+            MP4 without ``pip install 'hardlimit[film]'``; GIF needs no extra.
         OSError
             If the file cannot be written; names it.
-
-        Examples
-        --------
-        >>> drop = hl.newton(hl.Column.paper())
-        >>> print(drop.animate("drop.gif", width=160, frames_per_second=1))
-        drop.gif
         """
         from ..plots import animation
 
@@ -433,13 +417,13 @@ class Result:
 
 
 def _fixed(array: NDArray[Any]) -> NDArray[Any]:
-    """The array, read-only: a result remembers it."""
+    """Make the array read-only, because a result caches it."""
     array.flags.writeable = False
     return array
 
 
 def quantities(result: Result) -> list[tuple[str, float]]:
-    """What a result says in numbers, in SI units: label and value of each, as a table shows them."""
+    """Labels and values (SI units) of a result, for tables."""
     column = result.column
     found: list[tuple[str, float]] = [("ball–ball contacts", result.n_contacts)]
     if len(column.balls) > 1:
@@ -451,7 +435,9 @@ def quantities(result: Result) -> list[tuple[str, float]]:
             ("relative velocity v'r at t_f [m/s]", result.relative_velocity),
             ("separation velocity [m/s]", result.separation_velocity),
             ("effective ε at t_f", result.effective_restitution),
+            ("effective ε at separation", result.effective_restitution_at_separation),
             ("effective ε / ε at t_f", result.restitution_ratio),
+            ("effective ε / ε at separation", result.restitution_ratio_at_separation),
         ]
     found += compression.rows(result.largest_compression)
     for i in reversed(range(len(column.balls))):

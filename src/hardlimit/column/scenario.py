@@ -1,4 +1,4 @@
-"""The scenario: balls on one vertical line above a floor, or a cradle without floor and gravity."""
+"""The scenario of a column: balls on a vertical line above a floor, or a cradle without floor and gravity."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from ..contact.contact import Contact, Law
 from ..contact.laws import LinearDashpot
 from ..support import html, validation
 
-#: Density with which the paper's stated facts come out [kg/m³]; inferred, the paper prints none.
+#: Density that reproduces the facts stated in the paper [kg/m³]. It is inferred; the paper gives none.
 PAPER_DENSITY: Final = 840.0
 
 STANDARD_GRAVITY: Final = 9.81
 
-#: Lengths, speeds and accelerations beyond this are refused: their squares would overflow.
+#: Largest length, speed and acceleration; the squares of larger values could overflow.
 LARGEST: Final = 1e100
 
 T = TypeVar("T")
@@ -31,31 +31,31 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, init=False, repr=False)
 class Column:
-    """Balls with their centres on one vertical line, released above a floor.
+    """Balls with their centres on a vertical line, released above a floor.
 
-    A column never changes; :meth:`replace` makes another one. Two columns are equal if all their values are.
+    A column is immutable; :meth:`replace` returns a changed copy. Two columns are equal if all their values are.
 
     Parameters
     ----------
     balls : sequence of Ball, bottom first
-        One ball alone bounces.
+        One or more.
     gaps : sequence of float [m]
         Between neighbouring balls, bottom first; ``len(balls) - 1`` values or one for all.
     height : float [m]
         Centre of the lowest ball at release, z1(0); at least its radius.
     law : Law, or one Law for each contact (floor first)
     velocities : float or sequence of float [m/s]
-        At release, upwards.
+        At release, positive upwards; one value for all balls or one for each.
     gravity : float [m/s²]
 
     Raises
     ------
     ValueError
-        If a value is outside its range (no length, speed or acceleration may exceed 1e100), or nothing would ever move.
+        If a value is outside its range (lengths, speeds and accelerations up to 1e100), or nothing would ever move.
 
     Notes
     -----
-    Symbols, and what is computed of a column: Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), the paper.
+    The symbols are those of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), "the paper".
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Column:
     balls: tuple[Ball, ...]  #: bottom first
     gaps: tuple[float, ...]  #: between neighbours, bottom first [m]
     height: float  #: of the centre of the lowest ball at release [m]
-    laws: tuple[Law, ...]  #: one for each contact, the floor's first (a cradle has none with a floor)
+    laws: tuple[Law, ...]  #: one for each contact, the floor's first (a cradle has no floor contact)
     velocities: tuple[float, ...]  #: at release, upwards, bottom first [m/s]
     gravity: float  #: [m/s²]
     floor: bool  #: False for a cradle
@@ -141,24 +141,18 @@ class Column:
             R1/R2; changes the lower radius.
         radius_1, radius_2 : float [m]
         density : float [kg/m³]
-            840: inferred from the paper's stated facts, since it prints none.
+            840 is inferred from the facts stated in the paper, which gives none.
         stiffness : float [N/m]
         height : float [m]
             z1(0).
         gravity : float [m/s²]
         law : Law, or one Law for each contact
-            Replaces the linear dashpot with ``stiffness`` and ``restitution``.
+            Instead of the linear dashpot with ``stiffness`` and ``restitution``.
 
         Raises
         ------
         ValueError
             If a value is outside its range, or a radius or the law is given twice.
-
-        Examples
-        --------
-        >>> drop = hl.Column.paper(restitution=0.9, gap=1e-3)
-        >>> drop.balls[1], drop.laws[0].restitution
-        (Ball(radius=0.01, density=840.0), 0.9)
         """
         if radius_1 is not None and radius_ratio is not None:
             raise ValueError("radius_ratio | radius_1: got both, must be at most one of them")
@@ -186,13 +180,13 @@ class Column:
         law: Law | Sequence[Law],
         gaps: float | Sequence[float] = 0.0,
     ) -> Column:
-        """Balls in a row without floor and gravity (Newton's cradle); time zero is release.
+        """Newton's cradle: balls in a row without floor and gravity. Time zero is the release.
 
         Parameters
         ----------
         balls : sequence of Ball, two or more
         velocities : sequence of float [m/s]
-            At release; a ball moves towards the next one if positive.
+            At release, positive towards the next ball.
         law : Law, or one Law for each ball–ball contact
         gaps : float or sequence of float [m]
 
@@ -231,31 +225,15 @@ class Column:
         velocities: float | Sequence[float] | None = None,
         gravity: float | None = None,
     ) -> Column:
-        """The column with other values; what is not given stays.
+        """A column with the given parameters changed.
 
-        If the number of balls changes, a law, gap or velocity that all of them share is kept for all.
-
-        Parameters
-        ----------
-        balls : sequence of Ball, bottom first, optional
-        gaps : float or sequence of float [m], optional
-        height : float [m], optional
-        law : Law, or one Law for each contact, optional
-        velocities : float or sequence of float [m/s], optional
-        gravity : float [m/s²], optional
+        If the number of balls changes, a law, gap or velocity that all share is kept for all.
 
         Raises
         ------
         ValueError
-            If a value is outside its range, or what stays does not fit the number of balls. A cradle takes
-            neither height nor gravity.
-
-        Examples
-        --------
-        >>> drop = hl.Column.paper()
-        >>> softer = drop.replace(law=drop.laws[0].replace(stiffness=1e6), height=0.3)
-        >>> hl.newton(softer).n_contacts
-        4
+            If a value is outside its range, or a kept value does not fit the number of balls. A cradle has neither
+            height nor gravity.
         """
         kept = self.balls if balls is None else balls
         law = _shared(self.laws) if law is None else law
@@ -301,21 +279,21 @@ class Column:
 
     @property
     def impact_speed(self) -> float:
-        """V [m/s]: speed of the lowest ball at the floor, √(v1² + 2 g H); of a cradle, the largest speed."""
+        """V [m/s]: speed of the lowest ball at the floor, √(v1² + 2 g H); for a cradle, the largest speed."""
         if not self.floor:
             return max(abs(v) for v in self.velocities)
         return _core.impact_speed(self.drop_height, self.velocities[0], self.gravity)
 
     @property
     def release_time(self) -> float:
-        """When the balls are released [s] on the clock of the results: before the first floor touch at 0."""
+        """Time of the release [s], relative to the first floor touch at 0."""
         if not self.floor:
             return 0.0
         return -_core.fall_time(self.drop_height, self.velocities[0], self.gravity)
 
     @property
     def specified_restitution(self) -> float:
-        """The one ε given for all contacts, else NaN."""
+        """ε if one value was given for all contacts, else NaN."""
         values = {law.specified_restitution for law in self.laws}
         return values.pop() if len(values) == 1 else math.nan
 
@@ -332,20 +310,20 @@ class Column:
 
     @cached_property
     def contacts(self) -> tuple[Contact, ...]:
-        """All contacts, the floor's first (a cradle has none with a floor)."""
+        """All contacts, the floor's first (a cradle has no floor contact)."""
         lower: list[Ball | Floor] = [FLOOR, *self.balls[:-1]] if self.floor else list(self.balls[:-1])
         upper = self.balls if self.floor else self.balls[1:]
         return tuple(law.between(b, a) for law, a, b in zip(self.laws, lower, upper, strict=True))
 
     @cached_property
     def core(self) -> _core.Column:
-        """The column as the core sees it.
+        """The column in the core's representation.
 
         :meta private:
         """
         contacts = [c.core for c in self.contacts]
         if not self.floor:
-            contacts.insert(0, contacts[0])  # pair 0 exists in the core and never closes
+            contacts.insert(0, contacts[0])  # the core has a pair 0, which never closes here
         return _core.make_column(
             self.floor,
             self.gravity,
@@ -398,7 +376,7 @@ def _checked_laws(law: Any, contacts: int) -> tuple[Law, ...]:
 
 
 def _shared(values: tuple[T, ...]) -> T | tuple[T, ...]:
-    """The one value that all have, else all values."""
+    """The common value of all, else all values."""
     return values[0] if len(set(values)) == 1 else values
 
 

@@ -1,4 +1,4 @@
-"""The three models of one column."""
+"""The solvers of a column under its three models: ``newton``, ``adiabatic`` and ``independent``."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ Method = Literal["auto", "exact", "general"]
 METHODS: Final = get_args(Method)
 AUTO: Final = "auto"
 
-#: Local error of the general solver, in units of the impact.
+#: Default local error of the general solver, relative to the impact.
 TOLERANCE: Final = 1e-14
 
 
 def newton(
     column: Column, until: float | None = None, *, method: Method = AUTO, tolerance: float = TOLERANCE
 ) -> Result:
-    """Newton's equations (Eq. 14): exact where the law allows, else integrated with every switch located.
+    """Solve Newton's equations (Eq. 14), exactly where the law allows, else by integration with located switches.
 
     Parameters
     ----------
     column : Column
     until : float [s], optional
-        Go on to this time after the first floor touch and record every contact up to it; not before release.
+        Continue to this time after the first floor touch and record every contact up to it. Not before the release.
     method : {"auto", "exact", "general"}
-        ``"exact"``: piecewise closed form, two balls on a floor under the linear law. ``"general"``: adaptive
-        Runge–Kutta method of order 8, and an implicit one of order 9 (Radau IIA) for up to 16 balls while they creep.
-        ``"auto"`` takes the exact one where it applies.
+        ``"exact"``: piecewise closed form for two balls on a floor under the linear law. ``"general"``: adaptive
+        Runge–Kutta method of order 8, and an implicit one of order 9 (Radau IIA) while up to 16 balls creep.
+        ``"auto"``: the exact one where it applies.
     tolerance : float
-        Local error of the general solver, in units of the impact, 1e-15 to 1e-2.
+        Local error of the general solver, relative to the impact, 1e-15 to 1e-2.
 
     Returns
     -------
@@ -58,26 +58,20 @@ def newton(
     """
     end = _checked(NEWTON, column, until)
     general = not column.solvable_exactly
-    if method is not AUTO:  # a default needs no check: a solve takes microseconds
+    if method is not AUTO:  # the default is not checked: a solve takes microseconds
         general = _is_general(method, general)
     if tolerance is not TOLERANCE:
         tolerance = validation.number(
             "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
         )
-    words = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
-    return Result._solved(column, NEWTON, words, end, (general, tolerance))
+    description = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
+    return Result._solved(column, NEWTON, description, end, (general, tolerance))
 
 
 def adiabatic(column: Column, until: float | None = None) -> Result:
-    """Appendix A: the upper ball does not act on the lower one. Two balls on a floor, linear law.
+    """Solve two balls on a floor under the linear law as if the upper did not act on the lower (Appendix A).
 
-    Exact for R1 ≫ R2; the error falls as the mass ratio m2/m1.
-
-    Parameters
-    ----------
-    column : Column
-    until : float [s], optional
-        As for :func:`newton`.
+    Exact for R1 ≫ R2; the error is proportional to the mass ratio m2/m1. Parameters as for :func:`newton`.
 
     Returns
     -------
@@ -86,67 +80,42 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
     Raises
     ------
     ValueError
-        If the column is not two balls on a floor under the linear law, or ``until`` lies before release or is not
-        finite.
-
-    Examples
-    --------
-    >>> drop = hl.Column.paper(radius_ratio=10)
-    >>> both = hl.adiabatic(drop), hl.newton(drop)
-    >>> [round(result.relative_velocity, 4) for result in both]
-    [0.1711, 0.1717]
+        If the column is not two balls on a floor under the linear law, or ``until`` is outside its range.
     """
     end = _checked(ADIABATIC, column, until)
     return Result._solved(column, ADIABATIC, "piecewise exact, lower ball unaffected", end)
 
 
 def independent(column: Column, until: float | None = None) -> Result:
-    """Independent-collisions model (Eqs. 1–6): instantaneous collisions, the whole event-driven sequence.
+    """Compute the whole sequence of instantaneous collisions (independent-collisions model, Eqs. 1–6).
 
-    Each contact has the restitution of its law at the speed of the collision; ``begin`` and ``end`` of a contact
-    coincide.
-
-    Parameters
-    ----------
-    column : Column
-    until : float [s], optional
-        As for :func:`newton`.
+    Each collision has the restitution of the law at its speed. ``begin`` and ``end`` of a contact coincide. Parameters
+    and errors as for :func:`newton`.
 
     Returns
     -------
     Result
-
-    Raises
-    ------
-    ValueError
-        If ``column`` is not a Column, or ``until`` lies before release or is not finite.
-
-    Examples
-    --------
-    >>> drop = hl.independent(hl.Column.paper(restitution=0.7))
-    >>> round(drop.relative_velocity, 3), round(drop.effective_restitution, 3)
-    (3.727, 0.7)
     """
     end = _checked(INDEPENDENT, column, until)
     return Result._solved(column, INDEPENDENT, "event-driven", end)
 
 
 def _is_general(method: Any, only: bool) -> bool:
-    """Whether ``method`` means the general solver, which is the ``only`` one where no exact one applies."""
+    """Whether ``method`` selects the general solver, which is the ``only`` one if the exact one does not apply."""
     validation.one_of("method", method, METHODS)
     if method == "exact" and only:
         raise ValueError(
-            "method: got 'exact', must be auto or general unless two balls fall on a floor, linear law"
+            "method: got 'exact', must be auto or general except for two balls on a floor under the linear law"
         )
     return method == "general" or only
 
 
 def _checked(model: Model, column: Any, until: Any) -> float | None:
-    """The time to solve to, once the model is known to apply to the column."""
+    """Check column and model and return the checked ``until``."""
     if not isinstance(column, Column):
         raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
     if not model.applies(column):
-        raise ValueError(f"column: the {model.name} model is that of {model.needs}")
+        raise ValueError(f"column: the {model.name} model applies only to {model.needs}")
     if until is None:
         return None
     end, first = validation.number("until", until), column.release_time

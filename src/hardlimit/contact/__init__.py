@@ -1,1 +1,1 @@
-"""One contact: balls and the floor, contact laws, approximations, the largest compression."""
+"""One contact: balls and floor, contact laws, published approximations, limits of the compression."""

@@ -1,4 +1,4 @@
-"""The bodies that touch: solid spheres and the floor."""
+"""Bodies in contact: solid spheres and the floor."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Final
 from .. import _core
 from ..support import validation
 
-#: Masses [kg] whose products neither vanish nor overflow.
+#: Limits of a mass [kg]; products of two masses neither underflow nor overflow.
 LIGHTEST: Final = 1e-150
 HEAVIEST: Final = 1e150
 
@@ -22,31 +22,21 @@ class Ball:
     ----------
     radius : float [m]
     density : float [kg/m³]
-        The mass is then (4/3) π density radius³.
+        The mass is (4/3) π density radius³.
     mass : float [kg]
         Give exactly one of ``density`` and ``mass``.
 
     Raises
     ------
     ValueError
-        If a value is not positive and finite, the mass is beyond all reason, or both or neither of the
-        alternatives are given.
-
-    Examples
-    --------
-    >>> hl.Ball(0.033, mass=0.058)  # a tennis ball
-    Ball(radius=0.033, mass=0.058)
-    >>> glass = hl.Ball(0.005, density=2500.0)
-    >>> f"{glass.mass * 1e3:.3f} g"
-    '1.309 g'
-    >>> glass.resized(0.01)
-    Ball(radius=0.01, density=2500.0)
+        If a value is not positive and finite, the mass is not between 1e-150 and 1e150 kg, or not exactly one of the
+        alternatives is given.
     """
 
     radius: float  #: [m]
     mass: float  #: [kg]
     density: float  #: [kg/m³]
-    given: str  #: which one stays when the radius is changed, ``"density"`` or ``"mass"``
+    given: str  #: what :meth:`resized` keeps, ``"density"`` or ``"mass"``
 
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)
@@ -64,24 +54,14 @@ class Ball:
                 f"radius | {what}: got {size:.16g} and {value:.16g}, a mass of {weight:g} kg, "
                 f"must be in [{LIGHTEST:g}, {HEAVIEST:g}]"
             )
-        for name, of_it in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
-            object.__setattr__(self, name, of_it)
+        for name, entry in (("radius", size), ("mass", weight), ("density", rho), ("given", given)):
+            object.__setattr__(self, name, entry)
 
     def __repr__(self) -> str:
         return f"Ball(radius={self.radius!r}, {self.given}={getattr(self, self.given)!r})"
 
     def resized(self, radius: float) -> Ball:
-        """The ball with another radius and the same density (or mass, if that was given).
-
-        Parameters
-        ----------
-        radius : float [m]
-
-        Raises
-        ------
-        ValueError
-            If the radius is not positive and finite.
-        """
+        """A ball with another radius and the same density (or the same mass if the mass was given)."""
         if self.given == "density":
             return Ball(radius, density=self.density)
         return Ball(radius, mass=self.mass)

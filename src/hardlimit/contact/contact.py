@@ -1,7 +1,6 @@
-"""Contact laws and one contact between two bodies.
+"""The base class of contact laws, and the contact of two bodies.
 
-The laws themselves are C++ headers (``core/contact``); this module turns their records into Python classes
-and hands the physics back to the core.
+The laws are C++ headers (``core/contact``). This module makes Python classes from their records; the core computes.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from .balls import FLOOR, Ball, Floor
 
 RESTITUTION: Final = "restitution"
 
-#: Values in the examples of laws, by unit: those of a stiff grain.
+#: Values in the examples of laws by unit, for a stiff grain.
 TYPICAL: Final = {"N/m": 1e6, "N/m^1.5": 1e9, "Pa": 7e10, "s": 1e-6}
 
 #: Numbers that give an array of the same shape; a single float gives a float.
@@ -30,10 +29,10 @@ Floats = NDArray[np.float64]
 
 
 class Contact:
-    """One contact of two bodies under a law; made by :meth:`Law.between`.
+    """A contact of two bodies under a law; returned by :meth:`Law.between`.
 
-    The law's own constants are attributes, such as ``stiffness`` and ``damping`` under :class:`LinearDashpot`; the
-    documentation of the law names them. ``law`` is the law.
+    ``law`` is the law. The constants of the contact are attributes, such as ``stiffness`` and ``damping`` under
+    :class:`LinearDashpot`; the documentation of each law lists them.
 
     Examples
     --------
@@ -81,17 +80,17 @@ class Contact:
     @overload
     def restitution(self, speed: Values) -> Floats: ...
     def restitution(self, speed: float | Values = 1.0) -> float | Floats:
-        """Coefficient of restitution of an isolated collision (Eqs. 13, B3).
+        """Coefficient of restitution of an isolated head-on collision (Eqs. 13, B3).
 
         Parameters
         ----------
         speed : number or array [m/s]
-            Of impact, > 0.
+            Impact speed, > 0.
 
         Returns
         -------
         float or array
-            ε, of the same shape.
+            Same shape as ``speed``.
 
         Raises
         ------
@@ -114,29 +113,9 @@ class Contact:
     @overload
     def duration(self, speed: Values) -> Floats: ...
     def duration(self, speed: float | Values = 1.0) -> float | Floats:
-        """Time from first touch to zero force of one isolated collision (Eq. 11).
+        """Duration [s] of an isolated collision, from first touch to zero force (Eq. 11).
 
-        Parameters
-        ----------
-        speed : number or array [m/s]
-            Of impact, > 0.
-
-        Returns
-        -------
-        float or array [s]
-            Of the same shape.
-
-        Raises
-        ------
-        ValueError
-            If a speed is not positive and finite.
-
-        Examples
-        --------
-        >>> law = hl.Tsuji(elastic_prefactor=1e9, restitution=0.8)
-        >>> contact = law.between(hl.Ball(0.01, density=2500.0))
-        >>> (contact.duration([0.1, 1.0]) * 1e6).round(1)  # [µs]
-        array([196.2, 123.8])
+        Argument, shape and errors as for :meth:`Contact.restitution`.
         """
         return _over_speeds(self.core.duration, speed)
 
@@ -145,34 +124,14 @@ class Contact:
     @overload
     def compression(self, speed: Values) -> Floats: ...
     def compression(self, speed: float | Values = 1.0) -> float | Floats:
-        """Greatest compression of an isolated head-on collision.
+        """Largest compression [m] of an isolated head-on collision.
 
-        Parameters
-        ----------
-        speed : number or array [m/s]
-            Of impact, > 0.
-
-        Returns
-        -------
-        float or array [m]
-            Of the same shape.
-
-        Raises
-        ------
-        ValueError
-            If a speed is not positive and finite.
+        Argument, shape and errors as for :meth:`Contact.restitution`.
 
         Notes
         -----
-        By integration of m_eff d²ξ/dt² = −F to dξ/dt = 0 (Eq. 8). Without damping v √(m_eff/k) under the linear law
-        and (5 m_eff v²/(4 ρ))^(2/5) under that of Hertz. Laws describe small compressions: see the limits.
-
-        Examples
-        --------
-        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
-        >>> contact = law.between(hl.Ball(0.01, mass=0.01))
-        >>> f"{contact.compression(1.0) * 1e3:.3f} mm"
-        '0.100 mm'
+        By integration of m_eff d²ξ/dt² = −F to dξ/dt = 0 (Eq. 8). Without damping it is v √(m_eff/k) under the linear
+        law and (5 m_eff v²/(4 ρ))^(2/5) under Hertz' law. Laws describe small compressions (:doc:`/limits`).
         """
         return _over_speeds(self.core.compression, speed)
 
@@ -190,9 +149,9 @@ class Contact:
         Parameters
         ----------
         compression : number or array [m]
-            ξ; without compression there is no force.
+            ξ; the force is zero for ξ ≤ 0.
         rate : number or array [m/s]
-            dξ/dt, positive while the bodies approach.
+            dξ/dt, positive on approach.
 
         Returns
         -------
@@ -201,7 +160,7 @@ class Contact:
         Raises
         ------
         ValueError
-            If a value is not finite, or the shapes do not go together.
+            If a value is not finite, or the shapes cannot be broadcast.
 
         Examples
         --------
@@ -217,57 +176,37 @@ class Contact:
             shapes = f"shapes {depth.shape} and {closing.shape}"
             raise ValueError(f"compression | rate: got {shapes}, must be broadcastable") from None
         flat = self.core.force(np.ascontiguousarray(depth.ravel()), np.ascontiguousarray(closing.ravel()))
-        return _as_given(flat, depth.shape)
+        return shaped(flat, depth.shape)
 
     @overload
     def energy(self, compression: float) -> float: ...
     @overload
     def energy(self, compression: Values) -> Floats: ...
     def energy(self, compression: float | Values) -> float | Floats:
-        """Elastic energy, zero without compression.
-
-        Parameters
-        ----------
-        compression : number or array [m]
-            ξ.
-
-        Returns
-        -------
-        float or array [J]
-
-        Raises
-        ------
-        ValueError
-            If a value is not finite.
-
-        Examples
-        --------
-        >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
-        >>> f"{law.between(hl.Ball(0.01, density=2500.0)).energy(1e-5):.2g} J"
-        '5e-05 J'
-        """
+        """Elastic energy [J] at a compression; zero for ξ ≤ 0. Argument as for :meth:`Contact.force`."""
         depth = _numbers("compression", compression)
-        return _as_given(self.core.energy(depth.ravel()), depth.shape)
+        return shaped(self.core.energy(depth.ravel()), depth.shape)
 
 
 def _numbers(name: str, values: float | Values, **limits: float) -> Floats:
     return validation.array(name, values, ndim=None, empty_allowed=True, **limits)  # type: ignore[arg-type]
 
 
-def _as_given(flat: Floats, shape: tuple[int, ...]) -> float | Floats:
+def shaped(flat: Floats, shape: tuple[int, ...]) -> float | Floats:
+    """The values in this shape; a float if the shape is that of a number."""
     return float(flat[0]) if shape == () else flat.reshape(shape)
 
 
 def _over_speeds(function: Callable[[Floats], Floats], speed: float | Values) -> float | Floats:
     array = _numbers("speed", speed, lowest=0.0)
-    return _as_given(function(array.ravel()), array.shape)
+    return shaped(function(array.ravel()), array.shape)
 
 
 class Law:
-    """A contact law with its parameters, the base of the classes in :data:`LAWS`.
+    """A contact law with its parameters: the base of the classes in :data:`LAWS`.
 
-    Each class is made by the package from what the compiled core says of the law. A law never changes, and laws of the
-    same class and parameters are equal. Its parameters are attributes.
+    The classes are made by the package from records of the compiled core. A law is immutable. Laws of the same class
+    with the same parameters are equal. Parameters are attributes.
 
     Examples
     --------
@@ -285,12 +224,10 @@ class Law:
         common = record["common"]
         choices = record["alternatives"]
         named = {k: v for k, v in given.items() if v is not None}
-        known = [p["name"] for p in common] + [p["name"] for choice in choices for p in choice]
+        known = law_parameters(type(self))
         for name in named:
             if name not in known:
-                raise ValueError(
-                    f"{name}: unknown, {type(self).__name__} takes {', '.join(dict.fromkeys(known))}"
-                )
+                raise ValueError(f"{name}: unknown, {type(self).__name__} takes {', '.join(known)}")
         for p in common:
             if p["name"] not in named:
                 raise ValueError(f"{p['name']}: missing, must be {_range_of(p)}")
@@ -312,10 +249,10 @@ class Law:
         self.__dict__.update(alternative=matching[0], parameters=MappingProxyType(checked))
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{name}: a law does not change, replace({name}=…) makes another one")
+        raise AttributeError(f"{name}: a law is immutable, use replace({name}=…)")
 
     def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"{name}: a law does not change")
+        raise AttributeError(f"{name}: a law is immutable")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _law, (type(self), dict(self.parameters))
@@ -336,19 +273,19 @@ class Law:
         return hash((type(self).__name__, tuple(self.parameters.items())))
 
     def replace(self, **changes: float) -> Self:
-        """The law with some parameters changed.
+        """A law with some parameters changed.
 
-        A parameter of another alternative selects that one, and what it does not share with the present one is dropped.
+        A parameter of another alternative selects this alternative. Parameters that it does not use are dropped.
 
         Parameters
         ----------
         **changes : float
-            Parameters of the law by name, with their new values.
+            New values of parameters by name.
 
         Raises
         ------
         ValueError
-            As for the law itself.
+            As for the law.
 
         Examples
         --------
@@ -361,7 +298,7 @@ class Law:
         return type(self)(**(kept | changes))
 
     def _alternative_for(self, changed: set[str]) -> list[dict[str, Any]]:
-        """The alternative that the changed parameters and the present ones complete, else the present one."""
+        """The alternative that changed and present parameters complete, else the present one."""
         choices: list[list[dict[str, Any]]] = self.record["alternatives"]
         present = choices[self.alternative]
         common = {p["name"] for p in self.record["common"]}
@@ -374,7 +311,7 @@ class Law:
 
     @property
     def specified_restitution(self) -> float:
-        """The one ε given for all contacts, or NaN if the law was given by material constants."""
+        """ε if it was given for all contacts, NaN if the law was given by material constants."""
         return self.parameters.get(RESTITUTION, math.nan)
 
     def between(self, ball: Ball, other: Ball | Floor = FLOOR) -> Contact:
@@ -392,13 +329,13 @@ class Law:
         Raises
         ------
         ValueError
-            If ``ball`` is no Ball or ``other`` neither a Ball nor FLOOR.
+            If ``ball`` is not a Ball or ``other`` is neither a Ball nor FLOOR.
 
         Examples
         --------
         >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
         >>> big, small = hl.Ball(0.02, density=2500.0), hl.Ball(0.01, density=2500.0)
-        >>> round(law.between(small, big).damping, 2)
+        >>> round(law.between(small, big).damping, 2)  # each contact has its own damping
         49.26
         >>> round(law.between(small, hl.FLOOR).damping, 2)
         52.25
@@ -425,7 +362,7 @@ def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
 
 
 def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[str]) -> str:
-    """Which sets of parameters there are for what was given: those that complete it, or all."""
+    """The message for a wrong set of parameters: it lists the sets that complete what was given, or all sets."""
     sets = [[str(p["name"]) for p in choice] for choice in choices]
     fitting = [names for names in sets if given <= set(names)] or sets
     names = dict.fromkeys(name for one in fitting for name in one)
@@ -446,40 +383,35 @@ def _range_of(parameter: dict[str, Any]) -> str:
 
 
 def make_law(record: dict[str, Any]) -> type[Law]:
-    """The Python class of one registered law."""
+    """Make the Python class of a registered law."""
     made = type(record["class_name"], (Law,), {"record": record, "__module__": "hardlimit"})
     made.__signature__ = _signature(record)  # type: ignore[attr-defined]
-    made.__doc__ = _documentation(record, _example(made))
+    made.__doc__ = _documentation(made)
     return made
 
 
 def _signature(record: dict[str, Any]) -> Signature:
-    """Keywords only: what every contact needs, then the parameters of the alternatives, which may be left out."""
+    """Keyword-only parameters: required ones, then the optional ones of the alternatives."""
     common = [p["name"] for p in record["common"]]
     chosen = dict.fromkeys(p["name"] for choice in record["alternatives"] for p in choice)
-    needed = [Parameter(name, Parameter.KEYWORD_ONLY, annotation=float) for name in common]
+    required = [Parameter(name, Parameter.KEYWORD_ONLY, annotation=float) for name in common]
     optional = [
         Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=float | None) for name in chosen
     ]
-    return Signature([*needed, *optional])
+    return Signature([*required, *optional])
 
 
-def _documentation(record: dict[str, Any], example: Sequence[str]) -> str:
+def _documentation(law: type[Law]) -> str:
+    record = law.record
     choices = record["alternatives"]
-    every = {p["name"]: p for group in (record["common"], *choices) for p in group}
-    lines = [record["summary"], ""]
-    besides = ", ".join(f"``{p['name']}``" for p in record["common"])
-    lines += [
-        f"Besides {besides}, give exactly one of these sets:"
-        if besides
-        else "Give exactly one of these sets:",
-        "",
-    ]
+    common = ", ".join(f"``{p['name']}``" for p in record["common"])
+    give = f"Besides {common}, give" if common else "Give"
+    lines = [record["summary"], "", f"{give} exactly one of these sets:", ""]
     lines += ["* " + ", ".join(f"``{p['name']}``" for p in choice) for choice in choices]
     lines += ["", "A contact has the attributes:", ""]
     lines += [f"* ``{c['name']}``, {c['meaning']}{_unit(c)}" for c in record["constants"]]
     lines += ["", "Parameters", "----------"]
-    for name, p in every.items():
+    for name, p in law_parameters(law).items():
         lines += [
             f"{name} : float{_unit(p)}",
             f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}.",
@@ -487,7 +419,7 @@ def _documentation(record: dict[str, Any], example: Sequence[str]) -> str:
     lines += ["", "Raises", "------", "ValueError"]
     lines += ["    If a value is outside its range or not exactly one of the sets is given."]
     lines += ["", "Notes", "-----", f"Source: {record['source']}."]
-    return "\n".join([*lines, "", "Examples", "--------", *example])
+    return "\n".join([*lines, "", "Examples", "--------", *_example(law)])
 
 
 def _unit(parameter: dict[str, Any]) -> str:
@@ -495,7 +427,7 @@ def _unit(parameter: dict[str, Any]) -> str:
 
 
 def _example(law: type[Law]) -> list[str]:
-    """A ball that falls on the floor under this law, with a value for each parameter of the first alternative."""
+    """An example with a ball on the floor and the parameters of the first alternative."""
     given = [*law.record["common"], *law.record["alternatives"][0]]
     values = {p["name"]: _typical(p) for p in given}
     contact = law(**values).between(Ball(0.01, density=2500.0))
@@ -512,7 +444,7 @@ def _short(value: float) -> str:
 
 
 def _typical(parameter: dict[str, Any]) -> float:
-    """Half the largest value of what is bounded, else that of a stiff grain."""
+    """Half of the upper limit if there is one, else the value for a stiff grain."""
     if math.isfinite(parameter["highest"]):
         return float(0.5 * parameter["highest"])
     return TYPICAL.get(parameter["unit"], 1.0)

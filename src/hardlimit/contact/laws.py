@@ -1,9 +1,9 @@
-"""The contact laws, one class for each line of ``core/contact/registry.hpp``; types are in ``laws.pyi``."""
+"""The contact laws, one class for each line of ``core/contact/registry.hpp``. Their types are in ``laws.pyi``."""
 
 from .. import _core
 from .contact import Law, make_law
 
-#: The contact laws by the names that files and the command line use.
+#: Contact laws by their names in files and on the command line.
 LAWS: dict[str, type[Law]] = {record["name"]: make_law(record) for record in _core.law_records()}
 globals().update({law.__name__: law for law in LAWS.values()})
 

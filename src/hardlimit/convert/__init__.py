@@ -1,6 +1,6 @@
-"""Restitution into the damping, time step and input of particle codes, and back.
+"""Convert a restitution into damping, time step and input of particle codes, and back.
 
-The work is imported when it is called: files of codes need what ``import hardlimit`` does not.
+The functions import their modules when called, which keeps ``import hardlimit`` fast.
 """
 
 from __future__ import annotations
@@ -34,59 +34,58 @@ def convert(
     restitution_error: float | None = None,
     time_step: float | None = None,
 ) -> Conversion:
-    """A coefficient of restitution as damping, time step and the input of particle codes, for every pair of sizes.
+    """Convert a coefficient of restitution into damping, time step and input of particle codes, for all pairs of sizes.
 
     Parameters
     ----------
     balls : Ball or sequence of Ball
-        The sizes in a bed, at most 30. Contacts are those of each with itself, with every other one, and with a wall.
+        The sizes in a bed, at most 30. There is a contact for every pair of sizes, and for each size with a wall.
     restitution : float
-        Coefficient of restitution ε that is wanted, in [0.001, 1].
+        Wanted coefficient of restitution ε, in [0.001, 1].
     speed : float [m/s]
-        Of the impact at which it is wanted.
+        Impact speed at which it is wanted.
     stiffness : float [N/m]
-        Of a linear spring. Exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and ``compression`` is given.
+        Of a linear spring. Give exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and ``compression``.
     youngs_modulus : float [Pa]
-        Of the material of balls and wall. Under the linear law, the spring is one that an undamped impact at ``speed``
-        compresses as far as the Hertz contact.
+        Of the material of balls and wall. Under the linear law, an undamped impact at ``speed`` compresses the spring
+        as far as the Hertz contact.
     poisson_ratio : float
-        Of that material, beside ``youngs_modulus``; in (-1, 0.5].
+        Of this material, together with ``youngs_modulus``; in (-1, 0.5].
     duration : float [s]
         Of each contact.
     compression : float [m]
-        The greatest in each contact.
+        Largest compression in each contact.
     law : str
-        "linear", "tsuji" (Hertz, with a restitution that does not depend on the speed) or "viscoelastic". By default
-        "tsuji" with a modulus, else "linear".
+        "linear", "tsuji" (Hertz, with a restitution independent of the speed) or "viscoelastic". The default is "tsuji"
+        with a modulus, else "linear".
     wall : bool
-        Whether contacts with a wall are wanted.
+        Whether to include contacts with a wall.
     code : str
-        A code; by default all.
+        Name of a code; all by default.
     model : str
-        One of its models; by default all of this law.
+        Name of one of its models; all of this law by default.
     attraction : bool
-        For codes that leave the choice: whether the force attracts at the end of a contact.
+        Whether the force attracts at the end of a contact, for codes with this option.
     restitution_error : float
-        The error of ε that the time step may make, by default 1e-3.
+        Error of ε allowed for the time step, 1e-3 by default.
     time_step : float [s]
-        Instead, a time step whose error of ε is wanted.
+        Instead, a time step for which to compute the error of ε.
 
     Returns
     -------
     Conversion
-        ``.contacts`` under our own law; ``.models`` with the numbers that each code must be given and what the usual
-        number would give there; ``.text`` to paste.
+        ``.contacts`` under our own law; ``.models`` with the numbers for each code and what the usual number would give
+        there; ``.text`` to paste.
 
     Raises
     ------
     ValueError
-        If a value is outside its range, or alternatives do not go together.
+        If a value is outside its range, or alternatives are combined.
 
     Notes
     -----
-    Why the usual damping gives another ε where a force never attracts: Schwager & Pöschel, Granular Matter 9, 465
-    (2007).
-    Source of each code's formulas: the files in ``hardlimit/convert/codes``.
+    Schwager & Pöschel, Granular Matter 9, 465 (2007), explain why the usual damping gives another ε if a force never
+    attracts. The files in ``hardlimit/convert/codes`` name the source of each code's formulas.
 
     Examples
     --------
@@ -95,7 +94,7 @@ def convert(
     ...     ball, restitution=0.7, stiffness=1e4, code="chrono", wall=False
     ... )
     >>> one = found.models[0].contacts[0]
-    >>> round(one.usual_restitution, 3)  # what 0.7 in the input would give
+    >>> round(one.usual_restitution, 3)  # restitution if the input had 0.7
     0.718
     >>> print(found.models[0].text)
     // Chrono 9 (ChDefaultContactForceTorqueSMC): ChSystemSMC::Hooke with material properties
@@ -110,8 +109,8 @@ def convert(
     from .conversion import converted
     from .wanted import wanted
 
-    asked = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
-    return converted(balls, asked, wall, code, model, attraction, restitution_error, time_step)
+    target = wanted(restitution, speed, law, stiffness, youngs_modulus, poisson_ratio, duration, compression)
+    return converted(balls, target, wall, code, model, attraction, restitution_error, time_step)
 
 
 def convert_back(
@@ -126,28 +125,26 @@ def convert_back(
     time_step: float | None = None,
     contact: str | None = None,
 ) -> Obtained:
-    """The restitution that an input of a code really gives.
+    """Compute the restitution that an input of a code really produces.
+
+    ``restitution_error`` and ``time_step`` are those of :func:`convert`.
 
     Parameters
     ----------
     text : str
-        Lines of input, such as ``convert(…).text`` holds.
+        Lines of input, such as ``convert(…).text``.
     ball : Ball
     other : Ball or FLOOR, optional
-        The other body; by default one like ``ball``.
+        The other body; by default another ``ball``.
     code : str
-        Of which code the input is.
+        Name of the code.
     model : str, optional
-        Found in the input unless it is given.
+        Name of the contact model; by default it is found in the input.
     speed : float [m/s]
-        Of impact.
-    restitution_error : float
-        As for :func:`convert`.
-    time_step : float [s]
-        As for :func:`convert`.
+        Impact speed.
     contact : str, optional
-        Which contact is meant, where an input has several with different numbers: ``"1-2"`` or ``"1-wall"`` by types,
-        or the name of an object, as the refusal lists them.
+        Selects a contact if the input has several with different numbers: ``"1-2"`` or ``"1-wall"`` by types, or the
+        name of an object, as listed in the error message.
 
     Returns
     -------
@@ -156,15 +153,15 @@ def convert_back(
     Raises
     ------
     ValueError
-        If a value is outside its range, the input has no model of the code or several, a statement that decides on a
-        contact is not understood (quoted with its line), or contacts have different numbers and none is named.
+        If a value is outside its range, the input has no model of the code or several, a statement that affects a
+        contact is not understood (quoted with its line), or contacts have different numbers and none is selected.
 
     Notes
     -----
-    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). Source of
-    each code's formulas: as for :func:`convert`. The text is cut into words as the code does it, with its comments,
-    continued lines, quotes, variables and units; nothing in it is executed. YADE's numerical damping d brakes with
-    1 + d of a force and drives with 1 − d of it: an elastic contact gives √((1 − d)/(1 + d)).
+    A force that never attracts ends the contact early: Schwager & Pöschel, Granular Matter 9, 465 (2007). The text is
+    split into words as by the code, with its comments, continuation lines, quotes, variables and units; nothing in it
+    is executed. YADE's numerical damping d multiplies decelerating forces by 1 + d and accelerating forces by 1 − d; an
+    elastic contact then gives √((1 − d)/(1 + d)).
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""What particle codes do with a normal contact, as data: one file for each code in ``codes``.
+"""Normal contact models of particle codes, read from one data file per code in the folder ``codes``.
 
-A model's force is F = K ξ^p + C ξ^q dξ/dt. Its file says p and q, how the code comes to K and C, whether the force may
-attract, and how its input is written and read. A code is added by a file.
+The force of a model is F = K ξ^p + C ξ^q dξ/dt. The file gives p and q, how the code computes K and C, whether the
+force may attract, and how its input is written and read. To add a code, add a file.
 """
 
 from __future__ import annotations
@@ -16,11 +16,10 @@ from typing import Any, Final, Literal
 
 from ..support import toml, validation
 from .force import Force, Powers
-from .formulas import FORMULAS, inverse
+from .formulas import DEFAULT_POISSON_RATIO, FORMULAS, SPRINGS, Numbers, Where, inverse
 from .readers import READERS
-from .springs import DEFAULT_POISSON_RATIO, SPRINGS, Numbers, Where
 
-#: Of models that a message lists.
+#: Largest number of models that a message lists.
 MOST_NAMES: Final = 8
 #: Four times p of the elastic force.
 ELASTIC: Final = {"hooke": 4, "hertz": 6}
@@ -28,41 +27,41 @@ ELASTIC: Final = {"hooke": 4, "hertz": 6}
 
 @dataclass(frozen=True)
 class Spring:
-    """K = factor · X · R^radius, where ``given`` (of ``SPRINGS``) says which numbers make X."""
+    """K = factor · X · R^radius, where ``given`` (a key of ``SPRINGS``) says how X follows from the numbers."""
 
     given: str
     factor: float = 1.0
-    wall_factor: float | None = None  #: at a wall, where it is another one
+    wall_factor: float | None = None  #: at a wall, if different
     radius: float = 0.0
-    shortest: float = 0.0  #: √(m/K) [s] below which the code has another spring
+    shortest: float = 0.0  #: √(m/K) [s] below which the code uses another spring
 
 
 @dataclass(frozen=True)
 class Damping:
-    """C = factor · f(number) · m^mass · K^stiffness · R^radius, f one of ``FORMULAS``; q = power."""
+    """C = factor · f(number) · m^mass · K^stiffness · R^radius, with f from ``FORMULAS``; q = power."""
 
-    number: str  #: its name in the input; none where there is no damping
+    number: str  #: its name in the input; empty without damping
     formula: str = "given"
     factor: float = 1.0
     mass: float = 0.0
     stiffness: float = 0.0
     radius: float = 0.0
     power: float = 0.0
-    tolerance: float = 1e-9  #: to which ε can be reached, by the code's own rounding of the formula
+    tolerance: float = 1e-9  #: accuracy of ε, limited by the code's own rounding of the formula
 
 
 @dataclass(frozen=True)
 class Mass:
-    """The mass that enters the code's formulas, where it is not the effective one of the contact."""
+    """The mass in the code's formulas, if it is not the effective mass of the contact."""
 
-    wall_factor: float = 1.0  #: of the true one, at a wall
-    number: str = ""  #: name in the input, where the user hands it over
-    share: float = 1.0  #: effective mass by that number
+    wall_factor: float = 1.0  #: relative to the effective mass at a wall
+    number: str = ""  #: name in the input, if the user gives it
+    share: float = 1.0  #: effective mass divided by that number
 
 
 @dataclass(frozen=True)
 class Extra:
-    """A line that the code asks for where a number is above or below a limit of its own."""
+    """A line that the code requires if a number is above or below a limit."""
 
     number: str
     line: str
@@ -72,45 +71,32 @@ class Extra:
 
 @dataclass(frozen=True)
 class Input:
-    """Texts with places such as {stiffness}; ``reads`` is what the code's reader finds in an input.
+    """Templates with places such as {stiffness}; ``reads`` is what the code's reader finds in an input.
 
-    Each name of ``reads`` has its words, some of them places. {unsigned:timeconst} is a number without a sign,
-    {negative:stiffness} one that is negative or 0, less its sign.
+    Each name in ``reads`` has words, some of which are places. {unsigned:timeconst} is a number without a sign,
+    {negative:stiffness} the absolute value of a number that is negative or 0.
     """
 
     reads: dict[str, str]
     pair: str
-    reads_wall: dict[str, str] = field(default_factory=dict)  #: where a wall is written with other words
+    reads_wall: dict[str, str] = field(default_factory=dict)  #: for a wall, if different
     wall: str = ""
     head: str = ""
     foot: str = ""
-    shared: bool = False  #: whether what is written holds for all contacts, not for one pair of types
-    once: list[str] = field(
-        default_factory=list
-    )  #: numbers of which there is only one, where others are not shared
-    apart: bool = False  #: whether walls have numbers of their own beside those of balls
+    shared: bool = False  #: whether the lines hold for all contacts, not for one pair of types
+    once: list[str] = field(default_factory=list)  #: numbers that hold for all contacts, if others do not
+    apart: bool = False  #: whether walls have their own numbers
     extra: list[Extra] = field(default_factory=list)  #: lines for extreme numbers
-    least: dict[str, float] = field(default_factory=dict)  #: below which the code refuses a number
-    #: Instead of ``pair`` and ``wall``, where contacts need different numbers: {types} is their count,
-    #: {matrix:stiffness} a number for each two types, {matches:stiffness} the same as triples. Each size is a type,
-    #: the wall the last one.
+    least: dict[str, float] = field(default_factory=dict)  #: lowest numbers that the code accepts
+    #: Used instead of ``pair`` and ``wall`` if contacts need different numbers. {types} is the number of types,
+    #: {matrix:stiffness} a number for each pair of types, {matches:stiffness} the same as triples. Each size is a type;
+    #: the wall is the last.
     matrix: str = ""
 
 
 @dataclass(frozen=True)
 class Model:
-    """One contact model of a code; made by :func:`hardlimit.convert`.
-
-    Examples
-    --------
-    >>> found = hl.convert(
-    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
-    ... )
-    >>> [one.model.name for one in found.models]
-    ['viscel', 'viscel-tc-en', 'viscel-young-en']
-    >>> found.models[0].model.elastic, found.models[0].model.attracts
-    ('hooke', 'never')
-    """
+    """One contact model of a code; returned by :func:`hardlimit.convert`."""
 
     name: str  #: as in ``hardlimit.convert(model=…)``
     title: str  #: as the code's users know it
@@ -119,31 +105,27 @@ class Model:
     spring: Spring  #: how the elastic force follows from the input
     damping: Damping  #: how the damping follows from it
     input: Input  #: how it is written and read
-    keyword: str = ""  #: which keeps the force from attracting, where ``attracts`` is "unless"
-    mass: Mass = Mass()  #: that enters the formulas, where it is not the effective one
-    note: str = ""  #: what to know of it
-    checked: Literal["", "source"] = ""  #: where it was checked less than its code
+    keyword: str = ""  #: prevents attraction, if ``attracts`` is "unless"
+    mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
+    note: str = ""  #: remark
+    checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
 
     def unit(self, name: str) -> tuple[float, float, float]:
-        """Powers of mass, length and time in the unit of one of its numbers.
+        """Powers of mass, length and time in the unit of a number.
 
         :meta private:
         """
         p, q = 0.25 * ELASTIC[self.elastic], self.damping.power
         if name == self.damping.number and self.damping.formula == "given":
             rule = self.damping
-            of_stiffness = rule.stiffness
-            return (
-                1.0 - rule.mass - of_stiffness,
-                -q - of_stiffness * (1.0 - p) - rule.radius,
-                -1.0 + 2.0 * of_stiffness,
-            )
+            power = rule.stiffness
+            return 1.0 - rule.mass - power, -q - power * (1.0 - p) - rule.radius, -1.0 + 2.0 * power
         given = {"youngs_modulus": (1.0, -1.0, -2.0), "characteristic_speed": (0.0, 1.0, -1.0)}
         stiffness = (1.0, 1.0 - p - self.spring.radius, -2.0)
         return {**given, "stiffness": stiffness}.get(name, (0.0, 0.0, 0.0))
 
     def powers(self, attraction: bool) -> Powers:
-        """p, q, and whether the force attracts: as the code is, or, where it leaves the choice, as wanted.
+        """p, q, and whether the force attracts; ``attraction`` decides if the code has the option.
 
         :meta private:
         """
@@ -153,34 +135,24 @@ class Model:
 
 @dataclass(frozen=True)
 class Code:
-    """A particle code, as its file in ``hardlimit/convert/codes`` describes it; made by :func:`hardlimit.convert`.
-
-    Examples
-    --------
-    >>> found = hl.convert(
-    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
-    ... )
-    >>> code = found.models[0].code
-    >>> code.title, code.version, code.checked
-    ('YADE', '2023.02a (Debian)', 'run')
-    >>> code.model("viscel").title
-    'ViscElMat(kn, cn)'
-    """
+    """A particle code as described by its file in the folder ``codes``; returned by :func:`hardlimit.convert`."""
 
     name: str  #: as in ``hardlimit.convert(code=…)``
-    title: str  #: its name
-    version: str  #: that was looked at
-    sources: list[str]  #: of the formulas
-    checked: Literal["run", "source"]  #: whether its numbers were compared with runs, or only with its source
-    walls: str  #: the effective mass at a wall, in words
-    scheme: Literal["half step"]  #: damping at the velocity of half a step before
+    title: str  #: full name
+    version: str  #: version that was examined
+    sources: list[str]  #: sources of the formulas
+    checked: Literal[
+        "run", "source"
+    ]  #: whether its numbers were compared with runs or only with its source code
+    walls: str  #: description of the effective mass at a wall
+    scheme: Literal["half step"]  #: the damping uses the velocity of half a step before
     models: list[Model]  #: its contact models
-    reader: str = "c++"  #: how its input is read, one of ``READERS``
-    defaults: dict[str, str] = field(default_factory=dict)  #: what an input sets that does not say so
-    sticky: list[str] = field(default_factory=list)  #: what would make bodies stick, which is not read
+    reader: str = "c++"  #: reader of its input, a key of ``READERS``
+    defaults: dict[str, str] = field(default_factory=dict)  #: settings if the input does not set them
+    sticky: list[str] = field(default_factory=list)  #: settings of adhesion, which are refused
     least_inertia: float = 0.0  #: moment of inertia [kg m²] that a ball must exceed
     comment: str = "#"  #: begins a comment of its input
-    comment_end: str = ""  #: ends it, where the end of the line does not
+    comment_end: str = ""  #: ends a comment, if not the end of the line
 
     def model(self, name: str) -> Model:
         """The model of this name.
@@ -196,7 +168,7 @@ class Code:
         Raises
         ------
         ValueError
-            If there is none.
+            If there is no such model.
         """
         by_name = {model.name: model for model in self.models}
         like = name if isinstance(name, str) else ""
@@ -208,7 +180,7 @@ class Code:
 
 
 def listed(names: Sequence[str], like: str = "") -> str:
-    """Names for a message: all, or of many the closest, which is told."""
+    """Names for a message: all, or the closest of many."""
     if len(names) <= MOST_NAMES:
         return ", ".join(names)
     closest = difflib.get_close_matches(like, names, MOST_NAMES, 0.0) if like else names[:MOST_NAMES]
@@ -241,7 +213,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Written:
-    """A model in one contact: what the code makes of its numbers, and the numbers for a force that is wanted."""
+    """A model in one contact: the force for given numbers, and the numbers for a given force."""
 
     model: Model
     pair: Pair
@@ -251,11 +223,11 @@ class Written:
 
     @cached_property
     def powers(self) -> Powers:
-        """Of the force."""
+        """Powers of the force."""
         return self.model.powers(self.attraction)
 
     def force(self, numbers: Mapping[str, float]) -> Force:
-        """The force that the code makes of these numbers."""
+        """The force for these numbers."""
         damping = self.model.damping
         number = numbers.get(damping.number, 0.0)
         mass = self._mass(numbers)
@@ -266,7 +238,7 @@ class Written:
         return Force(self.powers, stiffness, ratio * self._damping_scale(mass, stiffness), self.pair.mass)
 
     def numbers(self, stiffness: float, restitution: float) -> Numbers | None:
-        """The numbers with which K is ``stiffness`` and ε is ``restitution``; None if the model cannot have that ε."""
+        """The numbers for K = ``stiffness`` and ε = ``restitution``; None if the model cannot have this ε."""
         mass = self._mass({})
         force = Force.with_restitution(self.powers, stiffness, self.pair.mass, restitution, self.speed)
         damping = self.model.damping
@@ -274,9 +246,9 @@ class Written:
         return None if number is None else self._all_numbers(stiffness, number)
 
     def usual_numbers(self, stiffness: float, restitution: float) -> Numbers | None:
-        """The numbers that one would take who does not know the code; None where there is no usual way.
+        """The usual numbers, without knowledge of the code; None if there are none.
 
-        The wanted restitution as it is, or for a coefficient the damping of the formula in common use.
+        They are the wanted restitution, or for a coefficient the damping by the formula in common use.
         """
         damping = self.model.damping
         if damping.formula == "none":
@@ -305,7 +277,7 @@ class Written:
         return found if all(value >= least.get(name, -math.inf) for name, value in found.items()) else None
 
     def _mass(self, numbers: Mapping[str, float]) -> float:
-        """As the code's formulas have it."""
+        """The mass in the code's formulas."""
         rule = self.model.mass
         if rule.number and rule.number in numbers:
             return rule.share * numbers[rule.number]
@@ -328,7 +300,7 @@ class Written:
 
 @lru_cache(maxsize=1)
 def names() -> list[str]:
-    """Of all codes, in alphabetical order: those of their files."""
+    """Names of all codes in alphabetical order."""
     return sorted(f.name.removesuffix(".toml") for f in FOLDER.iterdir() if f.name.endswith(".toml"))
 
 
@@ -338,14 +310,14 @@ def code(name: Any) -> Code:
     Raises
     ------
     ValueError
-        If there is none.
+        If there is no such code.
     """
     return _read(validation.one_of("code", name, names()))
 
 
 @lru_cache
 def _read(name: str) -> Code:
-    """The code that a file describes, which names nothing that is not there."""
+    """Read and check the file of a code."""
     content = toml.parse((FOLDER / f"{name}.toml").read_text("utf-8"))
     _refuse_unknown(name, content, Code)
     found = toml.convert(content, Code, f"{name}: ")
@@ -357,7 +329,7 @@ def _read(name: str) -> Code:
 
 
 def _refuse_unknown(where: str, content: Any, kind: Any) -> None:
-    """Refuse keys that a table of a file must not have."""
+    """Refuse unknown keys of a table in a file."""
     if isinstance(content, list):
         for part in content:
             _refuse_unknown(where, part, kind)

@@ -1,4 +1,4 @@
-"""From a restitution to the numbers of a contact and to the input of particle codes; and back."""
+"""Conversion of a restitution into the numbers of contacts and the input of particle codes, and back."""
 
 from __future__ import annotations
 
@@ -14,83 +14,46 @@ from ..support import validation
 from . import texts
 from .codes import Code, Model, Pair, Written, code, names
 from .force import Force, Powers
+from .formulas import DEFAULT_POISSON_RATIO, Numbers
 from .readers import NUMERICAL_DAMPING
-from .springs import DEFAULT_POISSON_RATIO, Numbers
 from .wanted import LAWS, Wanted
 
-#: More sizes than this make a table that nobody reads.
+#: Largest number of sizes.
 MOST_BODIES: Final = 30
 
 
 @dataclass(frozen=True)
 class ContactNumbers:
-    """One contact under our own law, which is never attractive; made by :func:`hardlimit.convert`.
+    """One contact under our own law, which is never attractive; returned by :func:`hardlimit.convert`."""
 
-    Examples
-    --------
-    >>> found = hl.convert(
-    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
-    ... )
-    >>> for contact in found.contacts:
-    ...     print(
-    ...         f"{contact.pair}: {contact.damping:.4f} N s/m, {contact.time_step:.2g} s"
-    ...     )
-    1 – 1: 0.0559 N s/m, 2.1e-07 s
-    1 – wall: 0.0791 N s/m, 2.9e-07 s
-    """
-
-    pair: str  #: which bodies, such as ``1 – 2`` or ``1 – wall``
+    pair: str  #: the bodies, such as ``1 – 2`` or ``1 – wall``
     effective_mass: float  #: [kg]
     effective_radius: float  #: [m]
     stiffness: float  #: k [N/m], or K of K ξ^(3/2) [N/m^1.5]
-    damping: float  #: the factor of ξ^q dξ/dt, of the linear law γ [N s/m], else [N s/m^(1 + q)]
+    damping: float  #: factor of ξ^q dξ/dt: γ [N s/m] of the linear law, else [N s/m^(1 + q)]
     duration: float  #: [s]
-    compression: float  #: the greatest [m]
-    force: float  #: the greatest [N]
-    time_step: float  #: [s], with which ε errs by ``restitution_error``; NaN where the bodies stay together
-    restitution_error: float  #: that the time step makes
+    compression: float  #: largest [m]
+    force: float  #: largest [N]
+    time_step: float  #: [s], with the error ``restitution_error`` of ε; NaN if the bodies stay together
+    restitution_error: float  #: error of ε by the time step
 
 
 @dataclass(frozen=True)
 class ModelNumbers:
-    """One contact in a model of a code; made by :func:`hardlimit.convert`.
+    """One contact in a model of a code; returned by :func:`hardlimit.convert`."""
 
-    Examples
-    --------
-    >>> found = hl.convert(
-    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
-    ... )
-    >>> one = found.models[0].contacts[0]
-    >>> {name: round(value, 4) for name, value in one.numbers.items()}
-    {'stiffness': 20000.0, 'damping': 0.1119}
-    >>> round(one.restitution, 4)
-    0.7
-    """
-
-    pair: str  #: which bodies, such as ``1 – 2`` or ``1 – wall``
-    numbers: Numbers | None  #: that the code is to be given; None if it cannot have this restitution
-    restitution: float  #: that they really give; NaN without them
-    usual: Numbers | None  #: what one would take who does not know the code
-    usual_restitution: float  #: what that gives; NaN without
-    time_step: float  #: [s], with which ε errs by ``restitution_error``
-    restitution_error: float  #: that the time step makes
+    pair: str  #: the bodies, such as ``1 – 2`` or ``1 – wall``
+    numbers: Numbers | None  #: for the input of the code; None if it cannot have this restitution
+    restitution: float  #: that they produce; NaN without numbers
+    usual: Numbers | None  #: the usual numbers, without knowledge of the code
+    usual_restitution: float  #: that these produce; NaN without numbers
+    time_step: float  #: [s], with the error ``restitution_error`` of ε
+    restitution_error: float  #: error of ε by the time step
 
 
 @dataclass(frozen=True)
 class ModelConversion:
-    """All contacts in a model of a code, and its input; made by :func:`hardlimit.convert`.
-
-    Examples
-    --------
-    >>> found = hl.convert(
-    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
-    ... )
-    >>> for one in found.models:
-    ...     print(one.code.title, one.model.name, len(one.contacts))
-    YADE viscel 2
-    YADE viscel-tc-en 2
-    YADE viscel-young-en 2
-    """
+    """All contacts in a model of a code, and its input; returned by :func:`hardlimit.convert`."""
 
     code: Code  #: its name, title, version and sources
     model: Model  #: its name, title and formulas
@@ -105,22 +68,11 @@ class ModelConversion:
 
 @dataclass(frozen=True)
 class Conversion:
-    """A restitution in the numbers of particle codes; made by :func:`hardlimit.convert`.
-
-    Examples
-    --------
-    >>> found = hl.convert(
-    ...     hl.Ball(1e-3, density=2500.0), restitution=0.7, stiffness=1e4, code="yade"
-    ... )
-    >>> print(found.text.splitlines()[0])
-    # YADE 2023.02a (Debian): ViscElMat(kn, cn)
-    >>> sorted(found.to_dict())
-    ['contacts', 'models', 'wanted']
-    """
+    """A restitution in the numbers of particle codes; returned by :func:`hardlimit.convert`."""
 
     wanted: Wanted  #: what was asked for
     contacts: tuple[ContactNumbers, ...]  #: each pair of sizes, and each size with a wall
-    models: tuple[ModelConversion, ...]  #: of the code that was named, or of all
+    models: tuple[ModelConversion, ...]  #: of the named code, or of all
 
     @property
     def text(self) -> str:
@@ -160,30 +112,20 @@ class Conversion:
 
 @dataclass(frozen=True)
 class Obtained:
-    """What an input of a code really gives in one contact; made by :func:`hardlimit.convert_back`.
-
-    Examples
-    --------
-    >>> line = "hooke 1e4 0.7 damping coeff_restitution limit_damping"
-    >>> found = hl.convert_back(line, hl.Ball(1e-3, density=2500.0), code="lammps")
-    >>> found
-    <Obtained from lammps hooke-restitution: restitution 0.718201>
-    >>> f"{found.to_dict()['compression'] * 1e6:.1f} µm"
-    '19.4 µm'
-    """
+    """What an input of a code really gives in one contact; returned by :func:`hardlimit.convert_back`."""
 
     code: Code  #: its name, title, version and sources
     model: Model  #: its name, title and formulas
     attraction: bool  #: whether the force attracts at the end of a contact
     numbers: Numbers  #: as read, in SI units
-    numerical_damping: float  #: that the integrator adds to every force, as a part of it
-    restitution: float  #: 0 where the bodies stay together
+    numerical_damping: float  #: damping of the integrator, as a fraction of every force
+    restitution: float  #: 0 if the bodies stay together
     duration: float  #: [s]; NaN with numerical damping
-    compression: float  #: the greatest [m]
-    force: float  #: the greatest [N]
-    time_step: float  #: [s]; NaN where the bodies stay together
-    restitution_error: float  #: that the time step makes
-    notes: tuple[str, ...]  #: what to know of it
+    compression: float  #: largest [m]
+    force: float  #: largest [N]
+    time_step: float  #: [s]; NaN if the bodies stay together
+    restitution_error: float  #: error of ε by the time step
+    notes: tuple[str, ...]  #: remarks
 
     def __repr__(self) -> str:
         return f"<Obtained from {self.code.name} {self.model.name}: restitution {self.restitution:.6g}>"
@@ -201,13 +143,13 @@ class Obtained:
 
 @dataclass(frozen=True)
 class Stepping:
-    """How the time step is found: the longest with an error of ε, or one that is given."""
+    """The choice of the time step: the longest with a given error of ε, or a given one."""
 
     error: float
     time_step: float | None
 
     def of(self, force: Force, speed: float) -> tuple[float, float]:
-        """The step [s] and the error of ε."""
+        """The step [s] and its error of ε."""
         if self.time_step is None:
             return force.longest_step(speed, self.error), self.error
         return self.time_step, force.error_of_step(speed, self.time_step)
@@ -286,29 +228,29 @@ def obtained(
 
 
 def _notes(found: Code, read: texts.Read, force: Force, speed: float) -> Iterator[str]:
-    """What to know of numerical damping, where the code has one."""
+    """Remarks on numerical damping, for a code that has one."""
     if found.reader != "yade":
         return
     if read.numerical_damping is None:
         default = force.numerically_damped(speed, NUMERICAL_DAMPING).restitution
         yield (
             f"without NewtonIntegrator in the input, its damping is taken as 0; its default, {NUMERICAL_DAMPING}, "
-            f"would give ε = {default:.4g}"
+            f"gives ε = {default:.4g}"
         )
     elif read.numerical_damping > 0.0:
         yield (
-            f"NewtonIntegrator's damping is {read.numerical_damping:g}: of each body by itself, so that this ε is that "
-            "at a wall, or of two whose common centre of mass rests"
+            f"NewtonIntegrator's damping of {read.numerical_damping:g} acts on each body separately: this ε holds at a "
+            "wall, or for two bodies whose common centre of mass is at rest"
         )
 
 
 def _refuse_light(found: Code, body: Any) -> None:
-    """Refuse a ball that the code takes for none."""
+    """Refuse a ball that is too light for the code."""
     if isinstance(body, Ball) and _too_light(found, body):
         inertia = 0.4 * body.mass * body.radius**2
         raise ValueError(
             f"radius | mass: got a ball with a moment of inertia of {inertia:.3g} kg m², must be > "
-            f"{found.least_inertia:g} kg m² in {found.title}, which refuses lighter bodies: take other units there"
+            f"{found.least_inertia:g} kg m² in {found.title}, which refuses lighter bodies: use other units there"
         )
 
 
@@ -317,7 +259,7 @@ def _too_light(found: Code, ball: Ball) -> bool:
 
 
 def _pairs(balls: Any, wall: bool) -> list[Pair]:
-    """Every contact, first those of balls."""
+    """All contacts, those of balls first."""
     listed = (balls,) if isinstance(balls, Ball) else validation.instances("balls", balls, Ball, "Ball")
     if not 1 <= len(listed) <= MOST_BODIES:
         raise ValueError(f"balls: got {len(listed)}, must be 1 to {MOST_BODIES}")
@@ -351,7 +293,7 @@ def _stepping(error: Any, time_step: Any) -> Stepping:
 
 
 def _chosen(name: Any, model: Any, powers: Powers) -> list[tuple[Code, Model]]:
-    """The models that are wanted: one by its name, or those with the powers of the law."""
+    """The selected models: one by its name, or those with the powers of the law."""
     if name is None and model is not None:
         raise ValueError("code: missing, must be given beside model")
     if name is not None and model is not None:

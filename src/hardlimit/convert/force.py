@@ -13,7 +13,7 @@ from .. import _core
 from ..boxes.lammps import half_steps
 from ..contact.contact import Floats
 
-#: With more damping than this in units of the spring, no code's contact is meant.
+#: Largest damping in units of the spring; no code uses more.
 MOST_DAMPING: Final = 1e6
 
 
@@ -27,13 +27,13 @@ class Powers:
 
     @property
     def arguments(self) -> tuple[int, int, bool]:
-        """For the core."""
+        """Arguments for the core."""
         return self.elastic, self.damping, self.attracts
 
 
 @dataclass(frozen=True)
 class Force:
-    """The force in one contact. It has what the search of a time step asks of a ``Contact``."""
+    """The force in one contact. The search for a time step can use it like a ``Contact``."""
 
     powers: Powers
     stiffness: float  #: K [N/m^p]
@@ -44,23 +44,23 @@ class Force:
     def with_restitution(
         cls, powers: Powers, stiffness: float, effective_mass: float, restitution: float, speed: float
     ) -> Force:
-        """The force whose restitution at ``speed`` [m/s] is ``restitution``, in (0, 1]."""
+        """The force with this restitution in (0, 1] at ``speed`` [m/s]."""
         undamped = cls(powers, stiffness, 0.0, effective_mass)
         return cls(
             powers, stiffness, damping_for(powers, restitution) * undamped._unit(speed), effective_mass
         )
 
     def collision(self, speed: float) -> Collision:
-        """What a collision at ``speed`` [m/s] does; the bodies stay together where its restitution is 0."""
+        """The collision at ``speed`` [m/s]. Its restitution is 0 if the bodies stay together."""
         length, time = self._scales(speed)
         return _collision(self.powers, self.relative_damping(speed)).scaled(length, time, self.effective_mass)
 
     def numerically_damped(self, speed: float, damping: float) -> Collision:
-        """The collision where a program adds to each body the part ``damping`` of its force, against its velocity.
+        """The collision with a numerical damping: a fraction d of the force on each body acts against its velocity.
 
-        It brakes with 1 + d of the force and drives with 1 − d of it, as if the mass were 1/(1 + d) and 1/(1 − d) of
-        itself. Without other damping that makes ε = √((1 − d)/(1 + d)). For forces whose ε does not depend on the
-        speed, q = (p − 1)/2; of their duration nothing is said.
+        Decelerating forces are multiplied by 1 + d and accelerating forces by 1 − d, as if the mass were divided by
+        these factors. Without other damping this gives ε = √((1 − d)/(1 + d)). Requires an ε that does not depend on
+        the speed, q = (p − 1)/2. The duration is NaN.
         """
         loading, unloading = (
             replace(self, effective_mass=self.effective_mass / part).collision(speed)
@@ -71,35 +71,35 @@ class Force:
         return replace(loading, restitution=released * unloading.restitution, duration=math.nan)
 
     def relative_damping(self, speed: float) -> float:
-        """C in units in which K, the mass and the speed are 1: all that the restitution depends on."""
+        """C in units in which K, the mass and the speed are 1. The restitution depends on it alone."""
         return min(self.damping / self._unit(speed), MOST_DAMPING)
 
     def force(self, compression: Floats, rate: Floats) -> Floats:
-        """[N], repulsive ones positive, same shape."""
+        """Force [N], positive if repulsive, in the same shape."""
         p, q = 0.25 * self.powers.elastic, 0.25 * self.powers.damping
         push = self.stiffness * compression**p + self.damping * compression**q * rate
         return np.where(compression > 0.0, push if self.powers.attracts else np.maximum(push, 0.0), 0.0)
 
     def restitution(self, speed: Floats) -> Floats:
-        """At each speed [m/s]."""
+        """Restitution at each speed [m/s]."""
         return np.array([self.collision(v).restitution for v in speed.tolist()])
 
     def duration(self, speed: Floats) -> Floats:
-        """[s], at each speed [m/s]."""
+        """Duration [s] at each speed [m/s]."""
         return np.array([self.collision(v).duration for v in speed.tolist()])
 
     def longest_step(self, speed: float, error: float) -> float:
-        """The longest time step [s] whose error of ε is at most ``error``; NaN where the bodies stay together."""
-        # Rounded, so that pairs and codes with the same damping share one search.
+        """The longest time step [s] with an error of ε of at most ``error``; NaN if the bodies stay together."""
+        # Rounding lets pairs and codes with the same damping share one search.
         damping = float(f"{self.relative_damping(speed):.10g}")
         return float(self._scales(speed)[1] * _longest_step(self.powers, damping, error))
 
     def error_of_step(self, speed: float, time_step: float) -> float:
-        """The error of ε that a time step [s] makes; infinite where the contact does not end with it."""
+        """The error of ε by a time step [s]; infinite if the contact does not end with this step."""
         collision = self.collision(speed)
         if collision.restitution == 0.0:
             return math.nan
-        # With more steps than are tried, the error is taken to fall with the step.
+        # Beyond the largest number of steps tried, the error is taken as proportional to the step.
         tried = max(time_step, collision.duration / half_steps.MOST)
         scaled = Force(self.powers, 1.0, self.relative_damping(speed), 1.0)
         error = half_steps.restitution_error(scaled, 1.0, tried / self._scales(speed)[1])
@@ -112,7 +112,7 @@ class Force:
         return length, length / speed
 
     def _unit(self, speed: float) -> float:
-        """Of the damping C."""
+        """Unit of the damping C."""
         length, time = self._scales(speed)
         return float(self.effective_mass / (time * length ** (0.25 * self.powers.damping)))
 
@@ -123,11 +123,11 @@ class Collision:
 
     restitution: float
     duration: float  #: [s]
-    compression: float  #: the greatest [m]
-    force: float  #: the greatest [N]
+    compression: float  #: largest [m]
+    force: float  #: largest [N]
 
     def scaled(self, length: float, time: float, mass: float) -> Collision:
-        """In these units of length [m], time [s] and mass [kg]."""
+        """The collision in SI units, from units of length [m], time [s] and mass [kg]."""
         force = self.force * mass * length / (time * time)
         return Collision(self.restitution, self.duration * time, self.compression * length, force)
 

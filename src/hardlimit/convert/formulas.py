@@ -1,19 +1,111 @@
-"""The formulas by which particle codes turn a coefficient of restitution into damping, each under a name that the
-files in ``codes`` select. None of them is used for our own numbers.
+"""How particle codes turn the numbers of their input into stiffness and damping.
 
-Each gives a damping ratio, as a function of the number that the code is given.
+The files in ``codes`` select a spring and a formula by name. A spring gives K of F = K ξ^p + … from the numbers of an
+input, and these numbers from K. A formula gives a damping ratio from the number of the input. None of them is used for
+our own contacts.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Final
 
 from .. import _core
 from .force import Powers
 
-SMALLEST: Final = 1e-12  #: of the numbers that are tried
+# --- springs ------------------------------------------------------------------------------------------------
+
+DEFAULT_POISSON_RATIO: Final = 0.3
+
+
+@dataclass(frozen=True)
+class Where:
+    """Quantities on which a spring may depend besides its numbers."""
+
+    mass: float  #: effective mass in the code's formula [kg]
+    radius: float  #: effective radius [m]
+    speed: float  #: impact speed [m/s]
+    number: float | None  #: the number that gives the damping, such as a restitution
+    poisson_ratio: float
+
+
+Numbers = dict[str, float]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """One way to specify a stiffness."""
+
+    value: Callable[[Mapping[str, float], Where], float]
+    numbers: Callable[[float, Where], Numbers | None]  #: None if no numbers give this stiffness
+    damped: bool = False  #: whether it requires damping
+
+
+def modulus(youngs_modulus: float, poisson_ratio: float) -> float:
+    """The effective modulus [Pa] of two bodies of one material: Y/(2 (1 − ν²))."""
+    return 0.5 * youngs_modulus / ((1.0 - poisson_ratio) * (1.0 + poisson_ratio))
+
+
+def impact_stiffness(effective_modulus: float, where: Where) -> float:
+    """Stiffness [N/m] of the linear spring that an undamped impact compresses as far as a Hertz contact."""
+    hertz = 16.0 / 15.0 * math.sqrt(where.radius) * effective_modulus
+    return float(hertz * (where.mass * where.speed**2 / hertz) ** 0.2)
+
+
+def _of_modulus(effective_modulus: float, where: Where) -> Numbers:
+    nu = where.poisson_ratio
+    return {"youngs_modulus": 2.0 * (1.0 - nu) * (1.0 + nu) * effective_modulus, "poisson_ratio": nu}
+
+
+def _modulus_of(numbers: Mapping[str, float], where: Where) -> float:
+    return modulus(numbers["youngs_modulus"], numbers["poisson_ratio"])
+
+
+def _impact(numbers: Mapping[str, float], where: Where) -> float:
+    moved = Where(where.mass, where.radius, numbers["characteristic_speed"], None, where.poisson_ratio)
+    return impact_stiffness(_modulus_of(numbers, where), moved)
+
+
+def _impact_numbers(stiffness: float, where: Where) -> Numbers:
+    energy = where.mass * where.speed**2
+    hertz = (stiffness**5 / energy) ** 0.25
+    found = _of_modulus(15.0 / 16.0 * hertz / math.sqrt(where.radius), where)
+    return {**found, "characteristic_speed": where.speed}
+
+
+def _decay(where: Where) -> float:
+    assert where.number is not None
+    return where.mass * (math.pi**2 + math.log(where.number) ** 2)
+
+
+def _relaxation(stiffness: float, where: Where) -> Numbers | None:
+    """τ of K = m/(τζ)²; None without damping."""
+    return {"timeconst": math.sqrt(where.mass / stiffness) / where.number} if where.number else None
+
+
+SPRINGS: Final[dict[str, Spring]] = {
+    "stiffness": Spring(lambda n, _: n["stiffness"], lambda value, _: {"stiffness": value}),
+    "modulus": Spring(_modulus_of, _of_modulus),
+    "young": Spring(lambda n, _: n["youngs_modulus"], lambda value, _: {"youngs_modulus": value}),
+    "impact": Spring(_impact, _impact_numbers),
+    "contact_time": Spring(
+        lambda n, where: _decay(where) / n["contact_time"] ** 2,
+        lambda value, where: {"contact_time": math.sqrt(_decay(where) / value)},
+    ),
+    "stiffness_by_mass": Spring(
+        lambda n, where: n["stiffness"] * where.mass, lambda value, where: {"stiffness": value / where.mass}
+    ),
+    "relaxation": Spring(
+        lambda n, where: where.mass / (n["timeconst"] * n["dampratio"]) ** 2, _relaxation, damped=True
+    ),
+}
+
+
+# --- damping ------------------------------------------------------------------------------------------------
+
+SMALLEST: Final = 1e-12  #: smallest number that ``inverse`` tries
 CLIPPED: Final = Powers(4, 0)
 
 
@@ -28,7 +120,7 @@ def none(number: float) -> float:
 
 
 def usual(restitution: float) -> float:
-    """ζ = −ln ε/√(π² + ln² ε): a linear contact that attracts at its end."""
+    """ζ = −ln ε/√(π² + ln² ε), for a linear contact that attracts at its end."""
     logarithm = abs(math.log(restitution))
     return logarithm / math.hypot(math.pi, logarithm)
 
@@ -39,9 +131,9 @@ def tsuji_polynomial(restitution: float) -> float:
 
 
 def thornton(restitution: float) -> float:
-    """The fit of Thornton, Cummins & Cleary, Powder Technology 233, 30 (2013), Eq. B7 and Table 2, as YADE has it.
+    """The fit of Thornton, Cummins & Cleary, Powder Technology 233, 30 (2013), Eq. B7 and Table 2, as in YADE.
 
-    It stays above 0.0045 up to ε = 1.
+    It is above 0.0045 for all ε < 1.
     """
     if restitution == 1.0:
         return 0.0
@@ -51,12 +143,12 @@ def thornton(restitution: float) -> float:
 
 
 def thornton_limited(restitution: float) -> float:
-    """The same fit as Kratos has it: as at 0.001 below that, and no damping above 0.999."""
+    """The same fit as in Kratos: constant below 0.001, and no damping above 0.999."""
     return 0.0 if restitution > 0.999 else thornton(max(restitution, 0.001))
 
 
 def bisection(restitution: float) -> float:
-    """Kratos' solution for a linear force that is never attractive: bisection of [0, 16] down to 1e-4."""
+    """Kratos' solution for a linear force that is never attractive: bisection in [0, 16] to 1e-4."""
     e = max(restitution, 0.001)
     if e > 0.999:
         return 0.0
@@ -68,7 +160,7 @@ def bisection(restitution: float) -> float:
 
 
 def newton(restitution: float) -> float:
-    """YADE's solution for a linear force that is never attractive: Newton's method from 0, until ε is within 1 %."""
+    """YADE's solution for a linear force that is never attractive: Newton's method from 0 until ε is within 1 %."""
     ratio, found, small = 0.0, 1.0, 1e-7
     for _ in range(15):
         if abs(found - restitution) <= 1e-2 * restitution:
@@ -98,9 +190,9 @@ FORMULAS: Final[dict[str, Callable[[float], float]]] = {
 
 
 def inverse(name: str, ratio: float) -> float | None:
-    """The number for which the formula gives this ratio, or the nearest that it can; None if it never gives so much.
+    """The number for which a formula gives this ratio, or the nearest one; None if all ratios are smaller.
 
-    A formula of a code may jump: it may give no number the very ratio.
+    A formula may jump, so that no number gives exactly this ratio.
     """
     formula = FORMULAS[name]
     if formula is given:

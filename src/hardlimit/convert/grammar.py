@@ -1,8 +1,8 @@
-"""Input of particle codes cut into words as each code does it. Nothing in it is executed.
+"""Parsers that split the input of particle codes into words, as each code does. Nothing in it is executed.
 
-LAMMPS and LIGGGHTS: lines that ``&`` continues, comments, quotes, variables (docs.lammps.org/Commands_parse.html).
-YADE: Python, of which literals, arithmetic and names with one value are understood. C++, Fortran namelists, JSON and
-XML: calls, assignments, members and attributes.
+LAMMPS and LIGGGHTS: continuation lines with ``&``, comments, quotes, variables (docs.lammps.org/Commands_parse.html).
+YADE: literals, arithmetic and names with one value, in Python. C++, Fortran namelists, JSON and XML: calls,
+assignments, members and attributes.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ NUMBER: Final = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 @dataclass(frozen=True)
 class Statement:
-    """A command, a call or an assignment: its words, the first of which names it."""
+    """A command, a call or an assignment. The first word is its name."""
 
-    line: int  #: on which it begins, from 1
+    line: int  #: first line, counted from 1
     words: tuple[str, ...]
     text: str
-    owner: str = ""  #: to which it belongs: the object of a call, the bodies of an element
+    owner: str = ""  #: object of a call or bodies of an element
 
 
 def refusal(line: int, text: str, must: str) -> ValueError:
-    """What to raise for a part of an input: where it stands, as it stands there."""
+    """The error for a part of an input, with its line and text."""
     shown = validation.shown(" ".join(text.split()))
     return ValueError(f"input: line {line}: got {shown}, must {must}")
 
@@ -57,7 +57,7 @@ FUNCTIONS: Final[dict[str, Callable[[float], float]]] = {
 
 
 def value(formula: str, names: Names) -> float | None:
-    """Of numbers, names, + − * / ** and parentheses; None for anything else."""
+    """Value of a formula with numbers, names, + − * / ** and parentheses; None for anything else."""
     try:
         return value_of(ast.parse(formula.strip(), mode="eval").body, names)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -65,7 +65,7 @@ def value(formula: str, names: Names) -> float | None:
 
 
 def value_of(tree: ast.AST, names: Names) -> float | None:
-    """The same of parsed Python. A power of a power or of −x is None: codes disagree on what comes first."""
+    """The same for parsed Python. Powers of powers and of −x are None: codes differ in their precedence."""
     try:
         found = _value(tree, names)
     except (ValueError, TypeError, KeyError, ZeroDivisionError, OverflowError, RecursionError):
@@ -101,12 +101,12 @@ def _is_power(tree: ast.AST) -> bool:
 QUOTES: Final = ('"""', '"', "'")
 WORD: Final = re.compile(r'"""(.*?)"""(?!\S)|"([^"]*)"(?!\S)|\'([^\']*)\'(?!\S)|(\S+)', re.DOTALL)
 VARIABLE: Final = re.compile(r"\$(?:\{(\w+)\}|(\w)|\(([^()]*(?:\([^()]*\)[^()]*)*)\))", re.ASCII)
-#: Styles that a variable of the same name, defined before, keeps from being set.
+#: Styles that do not redefine an existing variable.
 KEPT: Final = ("index", "loop", "world", "universe", "uloop", "file", "getenv")
 
 
 def script(text: str) -> Iterator[Statement]:
-    """Commands of LAMMPS and LIGGGHTS, with their variables replaced where their values are known."""
+    """Commands of LAMMPS and LIGGGHTS; variables are replaced by their values if these are known."""
     variables: dict[str, tuple[str, str]] = {}
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     stepped = {name for line in lines if line.split()[:1] == ["next"] for name in line.split()[1:]}
@@ -132,7 +132,7 @@ def script(text: str) -> Iterator[Statement]:
 
 
 def _without_comment(line: str, variables: Mapping[str, tuple[str, str]]) -> tuple[str, str]:
-    """A line up to a # outside quotes, with its variables outside quotes replaced; the quote that is still open."""
+    """A line up to # outside quotes, with variables outside quotes replaced; and the quote that is still open."""
     done, quote, i = "", "", 0
     while i < len(line):
         begun = next((q for q in QUOTES if line.startswith(q, i)), "")
@@ -155,7 +155,7 @@ def _without_comment(line: str, variables: Mapping[str, tuple[str, str]]) -> tup
 
 
 def _replaced(found: re.Match[str], variables: Mapping[str, tuple[str, str]]) -> str:
-    """What stands for a variable; itself where it is not known."""
+    """The text that replaces a variable; the variable itself if its value is unknown."""
     if found[3] is not None:
         formula, _, form = found[3].partition(":")
         number = _formula(formula, variables)
@@ -181,7 +181,7 @@ def _formula(formula: str, variables: Mapping[str, tuple[str, str]], depth: int 
 
 
 def _define(words: Sequence[str], variables: dict[str, tuple[str, str]], stepped: Collection[str]) -> None:
-    """One of several values, through which ``next`` steps, is none."""
+    """Define a variable. If ``next`` steps through its values, it has no known value."""
     if len(words) < 2:
         return
     name, style, *values = words
@@ -198,7 +198,7 @@ def _define(words: Sequence[str], variables: dict[str, tuple[str, str]], stepped
 
 @dataclass(frozen=True)
 class Call:
-    """A call in Python with its keywords: a number, the numbers of pairs, or what stands there."""
+    """A Python call with its keyword arguments: a number, numbers of pairs, or source text."""
 
     line: int
     name: str
@@ -207,7 +207,7 @@ class Call:
 
 
 def python_calls(text: str) -> list[Call]:
-    """All calls, in their order, and the attributes that are set, as calls of ``=`` with one keyword."""
+    """All calls in order. An assignment to an attribute counts as a call of ``=`` with one keyword."""
     try:
         tree = ast.parse(textwrap.dedent(text))
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -261,7 +261,7 @@ class _Calls(ast.NodeVisitor):
                     self.names.pop(one.id, None)
 
     def _nested(self, node: ast.AST) -> None:
-        """What may not happen, or several times: names that it sets have no known value, before or after."""
+        """Code that may run any number of times: names that it assigns have no known value, before or after."""
         for one in ast.walk(node):
             if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store):
                 self.names.pop(one.id, None)
@@ -286,7 +286,7 @@ class _Calls(ast.NodeVisitor):
         return self._matches(node) or ast.unparse(node)
 
     def _matches(self, node: ast.expr) -> dict[tuple[int, int], float] | None:
-        """Of MatchMaker(matches=[(id, id, number), …])."""
+        """Numbers of MatchMaker(matches=[(id, id, number), …])."""
         match node:
             case ast.Call(
                 ast.Name("MatchMaker"), [], [ast.keyword("matches", ast.List(entries) | ast.Tuple(entries))]
@@ -318,7 +318,7 @@ C_TOKEN: Final = re.compile(
 
 @dataclass(frozen=True)
 class Token:
-    """A piece of C++ or JSON."""
+    """A token of C++ or JSON."""
 
     kind: str
     text: str
@@ -326,7 +326,7 @@ class Token:
 
 
 def tokens(text: str) -> list[Token]:
-    """Pieces of C++ or JSON without blanks and comments."""
+    """Tokens of C++ or JSON without blanks and comments."""
     found, line = [], 1
     for one in C_TOKEN.finditer(text):
         kind = str(one.lastgroup)
@@ -337,7 +337,7 @@ def tokens(text: str) -> list[Token]:
 
 
 def c_calls(text: str) -> Iterator[Statement]:
-    """Calls ``object->name(number, …)``; names that were given a number before stand for it."""
+    """Calls ``object->name(number, …)``, with variables that were assigned a number replaced by it."""
     pieces, names = tokens(text), dict[str, float]()
     for k, piece in enumerate(pieces):
         after = pieces[k + 1].text if k + 1 < len(pieces) else ""
@@ -362,7 +362,7 @@ def c_calls(text: str) -> Iterator[Statement]:
 
 
 def _arguments(pieces: Sequence[Token], k: int, ends: Sequence[str]) -> list[list[Token]]:
-    """What stands between commas, up to the end."""
+    """Arguments between commas, up to the end."""
     found: list[list[Token]] = [[]]
     depth = 0
     for piece in pieces[k:]:
@@ -377,12 +377,12 @@ def _arguments(pieces: Sequence[Token], k: int, ends: Sequence[str]) -> list[lis
 
 
 def _plain(pieces: Sequence[Token]) -> str:
-    """A formula as Python has it: numbers without the f of a float."""
+    """A formula in Python: numbers without suffixes such as f."""
     return "".join(one.text.rstrip("fFlL") if one.kind == "number" else one.text for one in pieces)
 
 
 def json_members(text: str) -> Iterator[Statement]:
-    """Members ``"name": value`` with a number or a text, wherever they stand."""
+    """Members ``"name": value`` with a number or a string, at any depth."""
     pieces = tokens(text)
     for k, piece in enumerate(pieces):
         if piece.kind == "string" and [one.text for one in pieces[k + 1 : k + 2]] == [":"]:
@@ -400,7 +400,7 @@ ATTRIBUTE: Final = re.compile(r"([\w:]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 
 
 def xml_attributes(text: str) -> Iterator[Statement]:
-    """Attributes of elements, their values split at blanks; the owner is the two geoms of a pair."""
+    """Attributes of elements with their values split at blanks. The owner is the pair of geoms."""
     plain = re.sub(r"<!--.*?-->", lambda found: "\n" * found[0].count("\n"), text, flags=re.DOTALL)
     for element in ELEMENT.finditer(plain):
         listed = [
@@ -417,7 +417,7 @@ NAMELIST: Final = re.compile(r"\s*(\w+)\s*(?:\(\s*([\d\s,]+)\s*\))?\s*=\s*(.*?)\
 
 
 def namelist(text: str) -> Iterator[Statement]:
-    """Assignments ``NAME(index) = value …`` in upper case; the index is the second word, 1 where there is none."""
+    """Assignments ``NAME(index) = value …`` in upper case. The second word is the index, by default 1."""
     for number, line in enumerate(text.replace("\r\n", "\n").split("\n"), 1):
         code = re.split(r"[!#](?=(?:[^']*'[^']*')*[^']*$)", line)[0]
         found = NAMELIST.fullmatch(code)

@@ -1,8 +1,7 @@
-"""What an input of a code sets in each contact: one reader for each way in which codes are told, under the name that
-the files in ``codes`` select.
+"""Readers of the input of particle codes. The files in ``codes`` select a reader by name.
 
-A reader knows every word of the statements that decide on a normal contact, and quotes one that it does not know. It
-passes over statements that do not concern one.
+A reader returns what an input sets in each contact. It understands every word of the statements that affect a normal
+contact, or refuses the word with a quotation. It skips other statements.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from .grammar import Call, Statement, refusal
 
 @dataclass(frozen=True)
 class Setting:
-    """One thing that is set, and where."""
+    """A setting and its place in the input."""
 
     words: tuple[str, ...]
     line: int
@@ -30,19 +29,19 @@ Settings = dict[str, Setting]
 
 @dataclass(frozen=True)
 class Contact:
-    """What is set for two bodies: numbers of types, ranges of them such as ``1*3``, or names."""
+    """The settings of a contact of two bodies: types, ranges of types such as ``1*3``, or names."""
 
     bodies: tuple[str, ...]
     settings: Settings
-    wall: bool | None = None  #: None: whatever they are
+    wall: bool | None = None  #: None if it holds for both
 
     @property
     def name(self) -> str:
-        """Such as ``1-2`` or ``1-wall``."""
+        """A name such as ``1-2`` or ``1-wall``."""
         return "-".join(self.bodies)
 
     def covers(self, name: str) -> bool:
-        """Whether a contact of this name, such as ``1-2``, is one of these."""
+        """Whether these settings hold for a contact of this name, such as ``1-2``."""
         if name == self.name.replace(" ", ""):
             return True
         asked = name.split("-")
@@ -54,20 +53,20 @@ class Contact:
 
 @dataclass(frozen=True)
 class Reading:
-    """All contacts of an input, what its numbers are measured in, and damping that is no part of a contact."""
+    """All contacts of an input, its units, and the damping of its integrator."""
 
     contacts: list[Contact]
     units: str = "si"
-    numerical_damping: float | None = None  #: None: the input does not say
+    numerical_damping: float | None = None  #: None if the input does not set it
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What a file tells its reader."""
+    """What the file of a code tells the reader."""
 
-    names: frozenset[str]  #: what its models read
-    defaults: Mapping[str, str] = field(default_factory=dict)  #: what is set where the input does not say
-    sticky: Sequence[str] = ()  #: what would make bodies stick
+    names: frozenset[str]  #: settings that its models read
+    defaults: Mapping[str, str] = field(default_factory=dict)  #: settings if the input does not set them
+    sticky: Sequence[str] = ()  #: settings that cause adhesion
 
 
 def _within(one: str, these: str) -> bool:
@@ -80,7 +79,7 @@ def _within(one: str, these: str) -> bool:
 
 # --- LAMMPS ---------------------------------------------------------------------------------------------------
 
-#: Words behind a normal model of ``pair_style granular``: how many numbers they take.
+#: Normal models of ``pair_style granular`` and their number of parameters.
 NORMAL: Final = {"hooke": 2, "hertz": 2, "hertz/material": 3}
 DAMPING: Final = ("velocity", "mass_velocity", "viscoelastic", "tsuji", "coeff_restitution")
 TANGENTIAL: Final = {
@@ -99,12 +98,12 @@ BESIDE: Final = {
 }
 GRAN: Final = ("hooke", "hooke/history", "hertz/history")
 WALLS: Final = ("xplane", "yplane", "zplane", "zcylinder", "region")
-#: Words in a command that another command holds, and commands that bring in what is not there.
+#: Commands that may be hidden inside another command.
 HIDDEN: Final = re.compile(r"\b(?:pair_style|pair_coeff|wall/gran|property/global)\b|^\s*units\b")
 
 
 def lammps(text: str, asked: Asked) -> Reading:
-    """``pair_style``, ``pair_coeff`` and ``fix … wall/gran``; a normal model alone stands for ``pair_coeff``."""
+    """``pair_style``, ``pair_coeff`` and ``fix … wall/gran``; a line may also be a normal model alone."""
     contacts, units, style, types = list[Contact](), "si", "", dict[str, str]()
     for statement in grammar.script(text):
         command, *words = statement.words
@@ -138,7 +137,9 @@ def lammps(text: str, asked: Asked) -> Reading:
                 Contact((f"line {statement.line}",), _granular(statement, statement.words, WALLS))
             )
         elif command == "fix" and words[2:3] and words[2].startswith("damping/"):
-            raise refusal(statement.line, statement.text, "be without this damping, which is not read")
+            raise refusal(
+                statement.line, statement.text, "be without this damping, which cannot be converted"
+            )
     return Reading(contacts, units)
 
 
@@ -152,12 +153,12 @@ def _refuse_hidden(statement: Statement) -> None:
 def _unit(statement: Statement) -> str:
     if len(statement.words) != 2 or statement.words[1] not in UNITS:
         raise refusal(
-            statement.line, statement.text, f"be units {', '.join(UNITS)}, of which numbers in SI can be made"
+            statement.line, statement.text, f"be units {', '.join(UNITS)}, which can be converted to SI"
         )
     return statement.words[1]
 
 
-#: Units of mass [kg], length [m] and time [s].
+#: Units of mass [kg], length [m] and time [s] by name.
 UNITS: Final = {
     "si": (1.0, 1.0, 1.0),
     "cgs": (1e-3, 1e-2, 1.0),
@@ -176,7 +177,7 @@ def _ordered(first: str, second: str) -> tuple[str, str]:
 
 
 def _gran(statement: Statement, words: Sequence[str], ends: Sequence[str]) -> Settings:
-    """``STYLE Kn Kt gamma_n gamma_t xmu dampflag [limit_damping]``, and for walls what they are."""
+    """``STYLE Kn Kt gamma_n gamma_t xmu dampflag [limit_damping]``, and for walls their shape."""
     if not words or words[0] not in GRAN or len(words) < 7:
         raise refusal(statement.line, statement.text, f"be {', '.join(GRAN)} with six numbers")
     name = "gran/hertz" if words[0] == "hertz/history" else "gran/hooke"
@@ -193,7 +194,7 @@ def _gran(statement: Statement, words: Sequence[str], ends: Sequence[str]) -> Se
 
 
 def _granular(statement: Statement, words: Sequence[str], ends: Sequence[str]) -> Settings:
-    """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to what a wall is."""
+    """``MODEL numbers [damping …] [tangential …] … [limit_damping]``, up to the shape of a wall."""
     found: dict[str, tuple[str, ...]] = {"damping": ("viscoelastic",)}
     k = 0
     while k < len(words) and words[k] not in ends:
@@ -216,7 +217,7 @@ def _granular(statement: Statement, words: Sequence[str], ends: Sequence[str]) -
                 f"be words of pair granular without adhesion: {', '.join(NORMAL)}, damping, tangential, …",
             )
         if k + step > len(words):
-            raise refusal(statement.line, statement.text, f"have {step - 1} words behind {word}")
+            raise refusal(statement.line, statement.text, f"have {step - 1} words after {word}")
         k += step
     return _settings(statement, found)
 
@@ -227,7 +228,7 @@ def _settings(statement: Statement, found: Mapping[str, tuple[str, ...]]) -> Set
 
 # --- LIGGGHTS -------------------------------------------------------------------------------------------------
 
-#: Words of ``pair_style gran`` and ``fix … wall/gran``: what they may say. None: anything.
+#: Words of ``pair_style gran`` and ``fix … wall/gran`` with their allowed values; None allows any value.
 LIGGGHTS: Final[dict[str, tuple[str, ...] | None]] = {
     "tangential": None,
     "rolling_friction": None,
@@ -287,7 +288,7 @@ def liggghts(text: str, asked: Asked) -> Reading:
 
 
 def _gran_model(statement: Statement, words: Sequence[str]) -> Settings:
-    """``model NAME word value …``, up to what a wall is."""
+    """``model NAME word value …``, up to the shape of a wall."""
     if len(words) < 2 or words[0] != "model":
         raise refusal(statement.line, statement.text, "begin with model NAME")
     found: dict[str, tuple[str, ...]] = {"model": (words[1],)}
@@ -295,25 +296,25 @@ def _gran_model(statement: Statement, words: Sequence[str]) -> Settings:
     while k < len(words):
         word, after = words[k], words[k + 1 : k + 2]
         wall = wall or word in ("primitive", "mesh")
-        if wall and word not in LIGGGHTS:  # what the wall is
+        if wall and word not in LIGGGHTS:  # shape of the wall
             k += 1
             continue
         if word not in LIGGGHTS or not after or after[0] not in (LIGGGHTS[word] or after):
             known = LIGGGHTS.get(word)
             must = f"be {word} {' or '.join(known)}" if known else f"be a setting of model {words[1]}"
-            raise refusal(statement.line, " ".join([word, *after]), f"{must}: nothing else is read")
+            raise refusal(statement.line, " ".join([word, *after]), f"{must}: nothing else is supported")
         found[word] = (after[0],)
         k += 2
     return _settings(statement, found)
 
 
 def _types(statement: Statement, kind: str, given: Sequence[str]) -> int:
-    """How many types a property is given for."""
+    """Number of types for which a property is given."""
     if kind == "peratomtypepair":
         count = int(given[0]) if given and given[0].isdigit() else 0
         if count < 1 or len(given) != 1 + count * count:
             raise refusal(
-                statement.line, statement.text, "be a number of types and one number for each two of them"
+                statement.line, statement.text, "be a number of types and one number for each pair of types"
             )
         return count
     if not given or (kind == "scalar" and len(given) != 1):
@@ -322,7 +323,7 @@ def _types(statement: Statement, kind: str, given: Sequence[str]) -> int:
 
 
 def _between(properties: Mapping[str, tuple[Statement, str, list[str]]], i: int, j: int) -> Settings | None:
-    """What holds for two types; None where a property that is one number for each type differs, or is missing."""
+    """The settings of two types; None if a property per type differs between them or is missing."""
     found: Settings = {}
     for name, (statement, kind, given) in properties.items():
         if kind == "peratomtypepair":
@@ -358,30 +359,17 @@ LAWS: Final = (
     "Law2_ScGeom_FrictPhys_CundallStrack",
     "Law2_ScGeom_ViscElPhys_Basic",
 )
-#: What does not change a normal contact.
+#: Keywords that do not affect a normal contact.
 HARMLESS: Final = (
-    *(
-        "frictionAngle",
-        "frictAngle",
-        "density",
-        "label",
-        "id",
-        "ks",
-        "cs",
-        "et",
-        "es",
-        "betas",
-        "poisson",
-        "mR",
-        "mRtype",
-    ),
-    *("krot", "eta", "ktwist", "calcEnergy", "neverErase", "preventGranularRatcheting", "traceEnergy"),
+    *("frictionAngle", "frictAngle", "density", "label", "id", "ks", "cs", "et", "es", "betas", "poisson"),
+    *("mR", "mRtype", "krot", "eta", "ktwist", "calcEnergy", "neverErase", "preventGranularRatcheting"),
+    "traceEnergy",
 )
 NUMERICAL_DAMPING: Final = 0.2  #: NewtonIntegrator's default
 
 
 def yade(text: str, asked: Asked) -> Reading:
-    """Materials, the ``Ip2_…`` that makes contacts of them, and ``NewtonIntegrator``'s damping."""
+    """Materials, the ``Ip2_…`` functors that create contacts, and the damping of ``NewtonIntegrator``."""
     materials, physics, damping = list[tuple[str, Settings]](), None, None
     over: dict[str, dict[tuple[int, int], float]] = {}
     lines: dict[str, Call] = {}
@@ -391,7 +379,7 @@ def yade(text: str, asked: Asked) -> Reading:
         if call.name == "NewtonIntegrator":
             damping = _number(call, "damping", NUMERICAL_DAMPING)
         elif call.name == "=" and set(call.keywords) & {*asked.names, "damping", "massMultiply", "gamma"}:
-            raise refusal(call.line, call.text, "be given where the object is made")
+            raise refusal(call.line, call.text, "be given in the constructor")
         elif call.name in MATERIALS:
             _refuse_words(call, MATERIALS[call.name])
             materials.append((call.name, _keywords(call, MATERIALS[call.name])))
@@ -416,7 +404,7 @@ def yade(text: str, asked: Asked) -> Reading:
     contacts = []
     paired = sorted({pair for matches in over.values() for pair in matches})
     for i, j in (paired or [(i, i) for i in range(len(materials))]) if materials else []:
-        kind, settings = materials[min(i, len(materials) - 1)]  # a loop makes several of one line
+        kind, settings = materials[min(i, len(materials) - 1)]  # a loop creates several from one line
         found = {**settings, **common}
         if kind == "ViscElMat" and physics is None:
             found["physics"] = Setting(("ViscElPhys",), 0, "")
@@ -454,7 +442,7 @@ def _number(call: Call, name: str, default: float) -> float:
 
 
 def _flat(read: Callable[[str], Iterator[Statement]]) -> Callable[[str, Asked], Reading]:
-    """A reader of settings that hold for all contacts, but for those that are set for several owners."""
+    """A reader of settings that hold for all contacts, except those that are set for several owners."""
 
     def reader(text: str, asked: Asked) -> Reading:
         owned: dict[str, dict[str, Setting]] = {}
@@ -489,7 +477,7 @@ def _flat(read: Callable[[str], Iterator[Statement]]) -> Callable[[str, Asked], 
 
 
 def same(one: Setting, other: Setting) -> bool:
-    """Whether two settings say the same, however their numbers are written."""
+    """Whether two settings are equal, however their numbers are written."""
     pairs = zip(one.words, other.words, strict=False)
     return len(one.words) == len(other.words) and all(_canonical(a) == _canonical(b) for a, b in pairs)
 
@@ -499,7 +487,7 @@ def _canonical(word: str) -> str | float:
 
 
 def mfix(text: str, asked: Asked) -> Reading:
-    """Keywords with indices: of a solid, or of two, row by row of the upper triangle."""
+    """Keywords with the index of a solid, or of a pair of solids in the upper triangle, row by row."""
     found: dict[tuple[str, int], Setting] = {}
     for statement in grammar.namelist(text):
         name, index, *words = statement.words
@@ -527,7 +515,7 @@ def mfix(text: str, asked: Asked) -> Reading:
 
 
 def _solids(found: Mapping[tuple[str, int], Setting], i: int, j: int, entry: int) -> Settings | None:
-    """Of two solids, or of one and a wall where ``entry`` is 0."""
+    """The settings of two solids, or of a solid and a wall if ``entry`` is 0."""
     settings: Settings = {}
     for name, _ in found:
         if name == "DES_EN_INPUT":
@@ -543,7 +531,9 @@ def _solids(found: Mapping[tuple[str, int], Setting], i: int, j: int, entry: int
         if entry == 0 and {name, of_wall} <= settings.keys() and not same(settings[name], settings[of_wall]):
             wall, ball = settings[of_wall], settings[name]
             raise refusal(
-                wall.line, wall.text, f"be as on line {ball.line}: walls of another material are not read"
+                wall.line,
+                wall.text,
+                f"be as on line {ball.line}: walls of another material are not supported",
             )
     needed = "DES_EN_WALL_INPUT" if entry == 0 else "DES_EN_INPUT"
     return settings if needed in settings else None

@@ -1,4 +1,4 @@
-"""The input of a code as text: written for the numbers of each contact, and read back."""
+"""Write the numbers of contacts as the input of a code, and read them back."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from decimal import ROUND_FLOOR, Context
 
 from ..support import validation
 from .codes import Code, Model, Pair, listed
+from .formulas import SPRINGS, Numbers
 from .grammar import NUMBER, refusal
 from .readers import READERS, UNITS, Asked, Reading, Setting, Settings, same
-from .springs import SPRINGS, Numbers
 
 
 def written(
@@ -21,10 +21,10 @@ def written(
     attraction: bool,
     time_step: float,
 ) -> str:
-    """Lines ready to paste; what several contacts share stands once.
+    """Input lines ready to paste, without duplicates.
 
-    Where one set of numbers holds for all contacts, and they need different ones, these are a matrix over types, or all
-    but the first are commented out.
+    If one set of numbers holds for all contacts but they need different ones, the text has a matrix over types, or
+    comments out all numbers but those of the first contact.
     """
     texts = model.input
     keyword = f" {model.keyword}" if model.attracts == "unless" and not attraction else ""
@@ -43,14 +43,14 @@ def written(
 
 
 def _rounded_down(time_step: float) -> str:
-    """To four digits, and no longer than it is."""
+    """The time step rounded down to four digits."""
     return f"{float(Context(prec=4, rounding=ROUND_FLOOR).create_decimal(time_step)):.4g}"
 
 
 def _contacts(
     code: Code, model: Model, contacts: Sequence[tuple[Pair, Numbers]], before: Sequence[str]
 ) -> list[str]:
-    """The lines of contacts that share what there is only one of."""
+    """The lines of a group of contacts, except those in ``before``."""
     texts = model.input
     shared = texts.shared and not (texts.apart and all(pair.wall for pair, _ in contacts))
     places = [{name: f"{value:.12g}" for name, value in numbers.items()} for _, numbers in contacts]
@@ -61,14 +61,14 @@ def _contacts(
     lines = []
     if choice:
         lines.append(
-            _comment(code, "these numbers hold for all contacts: choose those of one, or separate types")
+            _comment(code, "these numbers hold for all contacts: choose those of one, or different types")
         )
     bodies = max((pair.second for pair, _ in contacts), default=1)
     for k, (pair, _) in enumerate(contacts):
         new: list[str] = []
         for template in (texts.wall if pair.wall else texts.pair).splitlines():
             line = _filled(template, pair, bodies, places[k])
-            # A line without numbers, such as that of the wall itself, is needed whichever are chosen.
+            # A line without numbers, such as the wall itself, is always needed.
             other = choice and k > 0 and any(f"{{{name}}}" in template for name in places[k])
             line = _comment(code, line) if other else line
             if template and line not in (*before, *lines, *new):
@@ -86,24 +86,24 @@ def _comment(code: Code, text: str) -> str:
 
 @dataclass(frozen=True)
 class Read:
-    """What an input says of one contact."""
+    """One contact as read from an input."""
 
     model: Model
     numbers: Numbers  #: in SI units
     attracts: bool
-    numerical_damping: float | None  #: None: the input does not say
+    numerical_damping: float | None  #: None if the input does not set it
 
 
 def read(
     code: Code, text: str, wall: bool = False, contact: str | None = None, model: str | None = None
 ) -> Read:
-    """The model in an input, its numbers and whether its force attracts.
+    """Read the model of an input, its numbers and whether its force attracts.
 
     Raises
     ------
     ValueError
-        If a statement that decides on a contact is not understood, there is no model or several, or contacts differ and
-        none is named.
+        If a statement that affects a contact is not understood, there is no model or several, or contacts differ and
+        none is selected.
     """
     models = [code.model(model)] if model is not None else code.models
     names = {name for one in models for reads in (one.input.reads, one.input.reads_wall) for name in reads}
@@ -139,7 +139,7 @@ def _number(name: str, word: str, setting: Setting) -> float:
 
 
 def _checked(model: Model, name: str, value: float, setting: Setting) -> float:
-    """A number within what the model means by it."""
+    """Check the range of a number."""
     try:
         if name == "restitution":
             return validation.number(name, value, 0.0, 1.0, highest_allowed=True)
@@ -154,24 +154,24 @@ def _checked(model: Model, name: str, value: float, setting: Setting) -> float:
 def _contact(
     code: Code, models: Sequence[Model], reading: Reading, wall: bool, wanted: str | None, names: set[str]
 ) -> Settings:
-    """What is set in the contact that is asked for: the last that was named so, or the only one."""
-    asked = None if wanted is None else wanted.replace("–", "-").replace(" ", "")
+    """The settings of the selected contact (the last of that name), or of the only one."""
+    selected = None if wanted is None else wanted.replace("–", "-").replace(" ", "")
     fitting = [one for one in reading.contacts if one.wall in (None, wall)]
-    if asked is not None:
-        named = [one for one in fitting if one.covers(asked)]
+    if selected is not None:
+        named = [one for one in fitting if one.covers(selected)]
         if not named:
             choices = ", ".join(dict.fromkeys(one.name for one in fitting)) or "none"
             raise ValueError(f"contact: got {validation.shown(wanted)}, must be one of {choices}")
         return named[-1].settings
     if reading.contacts and not fitting:
         kind = "balls" if not wall else "a ball and a wall"
-        raise ValueError(f"input: got no contact of {kind} in it, only {reading.contacts[0].name}")
+        raise ValueError(f"input: got no contact of {kind}, only {reading.contacts[0].name}")
     words = {name for one in models for name in one.keyword.split()[:1]} | names
     kept = [{name: one.settings[name] for name in words if name in one.settings} for one in fitting]
     if any(set(one) != set(kept[0]) or not all(same(one[n], kept[0][n]) for n in one) for one in kept):
         choices = ", ".join(dict.fromkeys(one.name for one in fitting))
         raise ValueError(
-            f"contact: missing, must be one of {choices}, which the input gives different numbers"
+            f"contact: missing, must be one of {choices}, which have different numbers in the input"
         )
     return kept[0] if kept else {}
 
@@ -182,17 +182,17 @@ def _only_model(code: Code, models: Sequence[Model], settings: Settings, wall: b
         return matching[0]
     names = listed([one.name for one in (matching or models)])
     if matching:
-        raise ValueError(f"input: got several models of {code.title} in it, must be one of {names}")
+        raise ValueError(f"input: got several models of {code.title}, must be one of {names}")
     nearest = min(models, key=lambda one: len(_missing(one, settings, wall)) / len(_reads(one, wall)))
     missing = _missing(nearest, settings, wall)
     lacks = (
         f"; {nearest.name} lacks {', '.join(missing)}" if len(missing) < len(_reads(nearest, wall)) else ""
     )
-    raise ValueError(f"input: got no model of {code.title} in it, must be one of {names}{lacks}")
+    raise ValueError(f"input: got no model of {code.title}, must be one of {names}{lacks}")
 
 
 def _missing(model: Model, settings: Settings, wall: bool) -> list[str]:
-    """What of a model is not set, in words."""
+    """Words of a model that are not set."""
     reads = _reads(model, wall)
     return [
         f"{name} {words}"
@@ -224,9 +224,9 @@ def _reads(model: Model, wall: bool) -> dict[str, str]:
 
 
 def _filled(text: str, pair: Pair, bodies: int, places: dict[str, str]) -> str:
-    """A text with its places filled; of numbers in braces, only known ones, for JSON has braces too."""
+    """Fill the known places of a text. Other braces stay, since JSON has braces."""
     first, second = sorted((pair.first, pair.second))
-    # Of the upper triangle of a matrix, row by row.
+    # Index in the upper triangle of a matrix, row by row.
     entry = str((first - 1) * (2 * bodies - first) // 2 + second)
     for name, value in {"i": str(first), "j": str(second), "entry": entry, **places}.items():
         text = text.replace(f"{{{name}}}", value)
@@ -236,9 +236,9 @@ def _filled(text: str, pair: Pair, bodies: int, places: dict[str, str]) -> str:
 def _matrix(
     model: Model, contacts: Sequence[tuple[Pair, Numbers]], places: Sequence[dict[str, str]]
 ) -> list[str]:
-    """Lines with a number for each two types, and before them which type is what.
+    """Lines with a number for each pair of types, after a line that explains the types.
 
-    None if the model has no such input, or if contacts differ in a number that it has only one of.
+    Empty if the model has no such input, or if contacts differ in a number of which it has only one.
     """
     bodies = max(pair.second for pair, _ in contacts)
     walls = any(pair.wall for pair, _ in contacts)
@@ -248,7 +248,7 @@ def _matrix(
         first, second = pair.first, types if pair.wall else pair.second
         values[first, second] = values[second, first] = one
     if walls:
-        values[types, types] = places[-1]  # walls do not meet
+        values[types, types] = places[-1]  # needed for a full matrix; walls do not touch
     ends = [(i + 1, j + 1) for i in range(types) for j in range(types)]
     if not all(pair in values for pair in ends):
         return []
@@ -261,7 +261,11 @@ def _matrix(
         if wide == text and len(set(each)) > 1:
             return []
         text = wide
-    who = f"types 1 to {bodies}: the balls in the order given" + (f", {types}: the wall" if walls else "")
+    explained = f"types 1 to {bodies}: the balls in the order given" + (
+        f", {types}: the wall" if walls else ""
+    )
     return (
-        [who, *text.replace("{types}", str(types)).replace("{wall}", str(types)).split("\n")] if text else []
+        [explained, *text.replace("{types}", str(types)).replace("{wall}", str(types)).split("\n")]
+        if text
+        else []
     )

@@ -1,4 +1,4 @@
-"""What is wanted of a contact: its restitution, and its stiffness given in one of four ways."""
+"""The wanted restitution and stiffness of a contact."""
 
 from __future__ import annotations
 
@@ -8,34 +8,26 @@ from typing import Any, Final
 
 from ..support import validation
 from .force import Force, Powers
-from .springs import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
+from .formulas import DEFAULT_POISSON_RATIO, Where, impact_stiffness, modulus
 
-#: Our own laws as powers: never attractive.
+#: Powers of our own laws, which are never attractive.
 LAWS: Final = {"linear": Powers(4, 0), "tsuji": Powers(6, 1), "viscoelastic": Powers(6, 2)}
-LOWEST: Final = 1e-3  #: restitution
+LOWEST: Final = 1e-3  #: smallest restitution
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What was asked for; made by :func:`hardlimit.convert`.
-
-    Examples
-    --------
-    >>> ball = hl.Ball(1e-3, density=2500.0)
-    >>> hl.convert(ball, restitution=0.7, duration=1e-4, code="yade").wanted
-    Wanted(restitution=0.7, speed=1.0, law='linear', given='duration', value=0.0001,
-    poisson_ratio=0.3)
-    """
+    """The wanted restitution and stiffness; returned by :func:`hardlimit.convert`."""
 
     restitution: float  #: ε
-    speed: float  #: of impact [m/s]
+    speed: float  #: impact speed [m/s]
     law: str  #: "linear", "tsuji" or "viscoelastic"
-    given: str  #: how the stiffness was given, by ``stiffness``, ``youngs_modulus``, ``duration`` or ``compression``
-    value: float  #: of it [N/m], [Pa], [s] or [m]
+    given: str  #: "stiffness", "youngs_modulus", "duration" or "compression"
+    value: float  #: value of ``given`` [N/m], [Pa], [s] or [m]
     poisson_ratio: float  #: ν
 
     def force(self, mass: float, radius: float) -> Force:
-        """Our own law in a contact of this effective mass [kg] and radius [m].
+        """The force of our own law for this effective mass [kg] and radius [m].
 
         :meta private:
         """
@@ -56,7 +48,7 @@ class Wanted:
         return self._stiffness_of_collision(powers, mass)
 
     def _stiffness_of_collision(self, powers: Powers, mass: float) -> float:
-        """From how long, or how far, the contact goes: both are powers of K."""
+        """K from the duration or the largest compression, which are powers of K."""
         unit = Force.with_restitution(powers, 1.0, mass, self.restitution, self.speed).collision(self.speed)
         exponent = 0.25 * powers.elastic + 1.0
         found = unit.duration if self.given == "duration" else unit.compression
@@ -73,12 +65,12 @@ def wanted(
     duration: Any,
     compression: Any,
 ) -> Wanted:
-    """What is wanted, checked.
+    """Check the arguments of :func:`hardlimit.convert`.
 
     Raises
     ------
     ValueError
-        If a value is outside its range, or not exactly one way to give the stiffness is taken.
+        If a value is outside its range, or the stiffness is not given exactly once.
     """
     epsilon = validation.number(
         "restitution", restitution, LOWEST, 1.0, lowest_allowed=True, highest_allowed=True

@@ -1,4 +1,4 @@
-"""The explorer: the built page and a server for it. Its sources are in web/."""
+"""The explorer: the built web page, whose sources are in web/, and a local server for it."""
 
 from .server import serve
 

@@ -1,4 +1,4 @@
-"""Serves the explorer page on this machine: static files, nothing computed, nothing fetched."""
+"""Local server of the explorer page: static files only."""
 
 import contextlib
 import sys
@@ -10,21 +10,21 @@ from urllib.parse import parse_qs
 
 HOST = "127.0.0.1"
 
-#: Names under which a browser on this machine may ask for the page. Any other name in the Host header is that of
-#: a foreign site that was made to resolve to this machine (DNS rebinding).
+#: Host names that the server accepts. Any other name in the Host header belongs to a foreign site that was made to
+#: resolve to this machine (DNS rebinding).
 OWN_NAMES = (HOST, "localhost")
 
-#: Seconds after which a connection that says nothing is closed.
+#: Seconds after which a silent connection is closed.
 SILENCE = 30.0
 
-# The page's own <meta> says the same, for copies served by others.
+# The <meta> of the page has the same policy, for copies on other servers.
 PAGE_POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; "
     "img-src 'self' data: blob:; connect-src 'self'; base-uri 'none'; form-action 'none'"
 )
 
-# Who may show the page in a frame, which only a header can say: nobody the whole page, pages on this machine a single
-# panel (slides, notebooks, the documentation).
+# Framing, which only a header can control: the whole page in no frame, single panels in pages on this machine (slides,
+# notebooks, the documentation).
 WHOLE_PAGE_IN_FRAMES = "frame-ancestors 'none'"
 PANEL_IN_FRAMES = "frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
 
@@ -38,7 +38,7 @@ TYPES = {
 
 
 def page_files() -> dict[str, bytes]:
-    """The files of the page by name."""
+    """The files of the page, by name."""
     folder = resources.files("hardlimit.explorer") / "page"
     return {
         entry.name: entry.read_bytes()
@@ -48,14 +48,14 @@ def page_files() -> dict[str, bytes]:
 
 
 class PageServer(ThreadingHTTPServer):
-    """Holds the files in memory: no request can reach anything else.
+    """A server that holds the files in memory, so that no request can reach any other file.
 
     Parameters
     ----------
     port : int
-        0 takes a free one.
+        0 takes a free port.
     silence : float [s]
-        After this time without a byte a connection is closed.
+        A connection is closed after this time without data.
 
     Raises
     ------
@@ -76,13 +76,13 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def own_hosts(self) -> frozenset[str]:
-        """The Host headers that mean this server; browsers leave out port 80."""
+        """Accepted Host headers; browsers omit port 80."""
         port = self.server_address[1]
         names = {f"{name}:{port}" for name in OWN_NAMES}
         return frozenset(names | set(OWN_NAMES) if port == 80 else names)
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """A browser that goes away in the middle of an answer is no error; everything else is reported."""
+        """Report errors, except that of a browser that closes the connection during a response."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
             super().handle_error(request, client_address)  # type: ignore[arg-type]
 
@@ -105,7 +105,7 @@ class PageHandler(BaseHTTPRequestHandler):
 
     @property
     def policy(self) -> str:
-        """The Content-Security-Policy of the answer."""
+        """The Content-Security-Policy of the response."""
         query = parse_qs(self.path.partition("#")[0].partition("?")[2])
         return f"{PAGE_POLICY}; {PANEL_IN_FRAMES if 'panel' in query else WHOLE_PAGE_IN_FRAMES}"
 
@@ -136,11 +136,11 @@ class PageHandler(BaseHTTPRequestHandler):
             self.wfile.write(body)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Requests are not logged."""
+        """Log no requests."""
 
 
 def serve(port: int, open_browser: bool) -> None:
-    """Serve the page until interrupted. Port 0 takes a free one.
+    """Serve the page until interrupted. Port 0 takes a free port.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def serve(port: int, open_browser: bool) -> None:
         server = PageServer(port)
     except OSError as error:
         raise ValueError(
-            f"port: got {port}, must be free (0 takes any that is): {error.strerror or error}"
+            f"port: got {port}, must be free (0 takes a free one): {error.strerror or error}"
         ) from None
     with server:
         print(f"The explorer is at {server.url} (Ctrl-C ends it)", flush=True)

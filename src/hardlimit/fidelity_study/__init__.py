@@ -1,4 +1,4 @@
-"""One initial state through Newton's equations and each rule for hard spheres: ``hl.fidelity``."""
+"""Comparison of rules for hard spheres with Newton's equations: ``hl.fidelity``."""
 
 from __future__ import annotations
 
@@ -12,14 +12,17 @@ from typing import Any, Final
 import numpy as np
 
 from .. import _core
-from ..boxes import engine_choice, engines
+from ..boxes import engine_choice
+from ..boxes.falling_frame import law_arguments
+from ..boxes.rules import RULES
+from ..boxes.run import checked_samples
 from ..boxes.system import ParticleSystem
 from ..contact import compression
 from ..contact.contact import Law
 from ..support import validation
 from ..support.progress import Report, reporter
 from . import statistics
-from .replica import NEWTON, RESTITUTION_ERROR, RULES, Plan, digest
+from .replica import NEWTON, RESTITUTION_ERROR, Plan, digest
 from .result import RESOLUTION, Fidelity
 from .starts import Starts, checked_starts
 from .store import Store, facts_of
@@ -49,69 +52,69 @@ def fidelity(
     store: str | Path | None = None,
     progress: bool | Report | None = None,
 ) -> Fidelity:
-    """How far can each rule for hard spheres be trusted here? The same start through Newton's equations and each rule.
+    """Compare rules for hard spheres with Newton's equations, for one initial state and over replicas.
 
-    All models of a replica start from the same state, so that their differences are known better than their values;
-    error bars are standard errors over replicas. One replica has none, and gives no verdict.
+    All models of a replica start from the same state, so that their differences are known better than their values.
+    Errors are standard errors over replicas. One replica gives no errors and no verdict.
 
     Parameters
     ----------
     system : ParticleSystem or callable(seed)
-        The start of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: velocities
-        are drawn anew (Maxwell) with the seed ``seed`` + k, each particle undergoes some 20 elastic collisions as a
-        hard sphere, and velocities are shifted and scaled to the mean velocity and the granular temperature of
-        ``system``. That is no replica of a start out of equilibrium, or under gravity (refused): for those give a
-        function, which is called with ``seed`` + k for replica k and makes the start.
+        Initial state of replica 0. Replica k > 0 starts from another equilibrium state of the same particles: new
+        velocities (Maxwell, seed ``seed`` + k), about 20 elastic collisions per particle, then a shift and a scaling
+        of the velocities to the mean velocity and granular temperature of ``system``. States out of equilibrium or
+        under gravity need a function instead, which is called with ``seed`` + k and returns the initial state of
+        replica k.
     law : Law
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
-        ``"newton"`` must be among them; see :func:`event_driven` for the rules.
+        ``"newton"`` must be included; see :func:`event_driven` for the rules.
     replicas : int
-        How many starts are followed.
+        Number of initial states.
     samples : int
-        Spacings in time.
+        Number of sampling intervals.
     restitution : float, optional
-        ε of the rules constant and tc. By default that of the law at the mean impact speed of the start, √(πT), for
-        a pair of particles of mean mass and radius: for laws given by a restitution just that.
+        ε of the rules constant and tc. Default: that of the law for two particles of mean mass and radius at the mean
+        impact speed of the initial state, √(πT); for laws that are given by a restitution, that restitution.
     contact_duration : float [s], optional
-        t_c of the rule tc and of t_c ν. By default that of the law at the same impact.
+        t_c of the rule tc and of t_c ν. Default: that of the law for the same impact.
     resolution : float
-        Relative difference that should be told apart, 1e-5 to 1. A rule counts as not told apart only where the bars,
-        99 % of Student's distribution, are not longer than this; else it is not resolved, and the sentence says how
-        many replicas that would take.
+        Relative difference that must be resolved, 1e-5 to 1. A rule agrees with Newton's equations only if the
+        half-width of the 99 % confidence interval (Student's distribution) is at most this. Otherwise it is not
+        resolved, and the sentence says how many replicas would be needed.
     engine : {"auto", "events", "steps"}
-        How Newton's equations are solved: see :func:`molecular_dynamics`. ``"auto"`` is decided by the start of
-        replica 0, for all. ``"steps"`` is for long contacts (t_c ν of 0.1 and more, where large groups hang together)
-        and heaps; its steps change ε by at most 1e-4.
+        Engine for Newton's equations: see :func:`molecular_dynamics`. ``"auto"`` chooses for the initial state of
+        replica 0, and keeps the choice. ``"steps"`` suits long contacts (t_c ν above about 0.1, with large clusters)
+        and heaps; it changes ε by at most 1e-4.
     seed : int
-        The same seed gives the same starts.
+        The same seed gives the same initial states.
     workers : int
-        Processes. With 1, all is computed in this one. The result does not depend on it.
+        Number of processes; 1 computes in this one. The result does not depend on it.
     scheduler : str, distributed.Client or cluster object, optional
-        Computes on a cluster of dask.distributed instead (extra ``hardlimit[cluster]``).
+        Compute on a cluster of dask.distributed instead (extra ``hardlimit[cluster]``).
     store : path, optional
-        A file that keeps every replica once it is finished. The same call computes only those that are missing; with
-        more ``replicas`` it adds to them.
+        File that keeps the finished replicas. The same call computes only missing ones; a call with more ``replicas``
+        adds to them.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is told the samples so far, of all models and replicas, and how many there are.
+        True shows a bar. A function is called with the number of samples of all models and replicas.
 
     Returns
     -------
     Fidelity
-        An inelastic collapse is an outcome, no error.
+        An inelastic collapse is an outcome, not an error.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range, two do not go together, two replicas start the same, or the store was made
-        with other arguments.
+        If an argument is outside its range, two arguments exclude each other, two replicas start from the same state,
+        or the store was made with other arguments.
     OSError
         If the store cannot be written; names it.
     ImportError
         If ``scheduler`` is given without dask.distributed.
     RuntimeError
-        If a process dies or the scheduler goes away.
+        If a process dies or the connection to the scheduler is lost.
 
     Notes
     -----
@@ -141,7 +144,7 @@ def fidelity(
         )
     chosen = _checked_models(models)
     end = validation.number("until", until, 0.0, lowest_allowed=True)
-    spacings = engines.checked_samples(samples)
+    spacings = checked_samples(samples)
     limits = {"lowest_allowed": True, "highest_allowed": True}
     resolved = validation.number("resolution", resolution, LEAST_RESOLUTION, 1.0, **limits)
     solver = validation.one_of("engine", engine, ENGINES)
@@ -156,7 +159,7 @@ def fidelity(
         kept = Store(store, facts_of(plan, digest(first).tobytes().hex(), starts.seed))
         wanted = [k for k in range(count) if k not in kept.replicas]
         _compute(starts, plan, kept, wanted, count, many if elsewhere else 1, scheduler, report)
-    _insist_on_different_starts(kept, count)
+    _refuse_equal_starts(kept, count)
     found = Fidelity(
         plan=plan,
         system=repr(first),
@@ -178,7 +181,7 @@ def _compute(
     scheduler: Any,
     report: Report,
 ) -> None:
-    """The replicas that are missing, each into the store as it is finished."""
+    """Compute the missing replicas and add each to the store as it finishes."""
     known = (count - len(wanted)) * plan.steps
 
     def tell(done: int) -> None:
@@ -187,17 +190,19 @@ def _compute(
     tell(0)
     if not wanted:
         return
-    from . import pool  # and with it processes, which take a tenth of a second
+    from . import pool  # multiprocessing takes 0.1 s to import
 
     if scheduler is not None:
-        found = pool.on_cluster(starts, plan, wanted, scheduler, tell)
+        found = pool.on_cluster(starts, plan, wanted, scheduler)
     elif workers > 1 and len(wanted) > 1:
         found = pool.processes(starts, plan, wanted, workers, tell)
     else:
         found = pool.here(starts, plan, wanted, tell)
     with closing(found):
-        for replica, arrays in found:
+        for place, (replica, arrays) in enumerate(found, 1):
             kept.add(replica, arrays)
+            if scheduler is not None:
+                tell(place * plan.steps)
     tell(len(wanted) * plan.steps)
 
 
@@ -205,24 +210,22 @@ def _compute(
 
 
 def _checked_models(models: Any) -> tuple[str, ...]:
-    """Newton's equations, and the rules in the order given."""
+    """Newton's equations first, then the rules in the given order."""
     names = validation.instances("models", models, str, "name")
     for i, name in enumerate(names):
         validation.one_of(f"models[{i}]", name, MODELS)
     if len(set(names)) < len(names):
         raise ValueError(f"models: got {', '.join(names)}, must be different ones")
     if NEWTON not in names:
-        raise ValueError(
-            f"models: got {', '.join(names) or 'none'}, must include {NEWTON}, what all are compared with"
-        )
+        raise ValueError(f"models: got {', '.join(names) or 'none'}, must include {NEWTON}, the reference")
     return (NEWTON, *(name for name in names if name != NEWTON))
 
 
 def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration: Any) -> tuple[float, float]:
-    """ε and t_c [s] of the rules that take one of each: as given, or those of a typical impact."""
+    """ε and t_c [s] of the rules constant and tc: as given, or those of a typical impact."""
     if restitution is None or contact_duration is None:
         mass, radius = float(system.mass.mean()), float(system.radius.mean())
-        typical = _core.make_contact(*engines.choice(law), 0.5 * mass, 0.5 * radius)
+        typical = _core.make_contact(*law_arguments(law), 0.5 * mass, 0.5 * radius)
         speed = np.array([typical_speed(system)])
     if restitution is None:
         given = law.specified_restitution
@@ -236,14 +239,14 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
 
 
 def typical_speed(system: ParticleSystem) -> float:
-    """Mean speed of impact [m/s] in a gas of this granular temperature, √(πT); of particles that do not move against
-    each other that of a fall over the box, and 1 m/s where nothing makes them fall."""
+    """Mean impact speed [m/s] in a gas of this granular temperature, √(πT). For particles at rest it is that after a
+    fall over the height of the box, and 1 m/s without gravity."""
     thermal = math.sqrt(math.pi * system.granular_temperature)
     fall = math.sqrt(2.0 * float(np.abs(system.gravity) @ system.box))
     return thermal or fall or 1.0
 
 
-def _insist_on_different_starts(kept: Store, count: int) -> None:
+def _refuse_equal_starts(kept: Store, count: int) -> None:
     seen: dict[bytes, int] = {}
     for k in range(count):
         start = kept.replicas[k]["start"].tobytes()

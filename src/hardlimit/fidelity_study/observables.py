@@ -1,43 +1,40 @@
-"""What a picture of a box shows at one instant: pairs near contact, clusters, how far paths have come apart."""
+"""Observables of a configuration: pairs near contact, clustering, distance between two trajectories."""
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes.box import Floats
+from ..boxes.system import ParticleSystem
 
-Indices = NDArray[np.int64]
-
-#: Pairs nearer than this, in sums of their radii, are near contact.
+#: Pairs closer than this, in units of R_i + R_j, are near contact.
 NEAR: Final = 1.1
-#: Particles for each cell in which they are counted.
+#: Mean number of particles in a cell of the density.
 CELL: Final = 8
 
 
 class Observer:
-    """Measures the places of the particles of one system, whatever they have become."""
+    """Observables of configurations of one system, whose unfolded positions are given."""
 
     def __init__(self, system: ParticleSystem) -> None:
         self.system = system
-        self._expected_near = _expected_near(system)
-        self._cells = _counting_cells(system)
+        self._expected_pairs = _expected_pairs(system)
+        edge = (float(np.prod(system.box)) * CELL / system.n) ** (1.0 / system.dimension)
+        self._cells = tuple(max(1, round(float(length) / edge)) for length in system.box)
 
     def pair_correlation(self, positions: Floats) -> float:
-        """g near contact: pairs nearer than 1.1 (R_i + R_j), those that overlap included, over how many there would be
-        of them between touch and there if places were independent. NaN for one particle."""
+        """g near contact: pairs closer than 1.1 (R_i + R_j), overlaps included, over the number expected between touch
+        and that distance for independent positions. NaN for one particle."""
         if self.system.n < 2:
             return math.nan
-        return near_pairs(self.system, positions) / self._expected_near
+        return near_pairs(self.system, positions) / self._expected_pairs
 
     def density_variance(self, positions: Floats) -> float:
-        """Variance over mean of the number of centres in cells of some 8 particles; 1 if places were independent,
-        less in a dense fluid, more where there are clusters. NaN where there is but one cell."""
+        """Variance over mean of the number of centres in cells of about 8 particles: 1 for independent positions, less
+        in a dense fluid, more with clusters. NaN for a single cell."""
         cells = self._cells
         if math.prod(cells) < 2:
             return math.nan
@@ -47,13 +44,13 @@ class Observer:
         return float(counts.var() / counts.mean())
 
     def divergence(self, positions: Floats, others: Floats) -> float:
-        """Root mean square distance of the same particles on two unfolded paths, in radii."""
+        """Root mean square distance, in radii, between the same particles on two unfolded trajectories."""
         apart = np.einsum("ij,ij->i", positions - others, positions - others)
         return math.sqrt(float(np.mean(apart / self.system.radius**2)))
 
 
 def folded(system: ParticleSystem, positions: Floats) -> Floats:
-    """Unfolded positions back in the box."""
+    """Unfolded positions mapped into the box."""
     found = positions.copy()
     for axis, side in enumerate(system.boundary):
         edge = system.box[axis]
@@ -63,14 +60,25 @@ def folded(system: ParticleSystem, positions: Floats) -> Floats:
     return found
 
 
-def _counting_cells(system: ParticleSystem) -> tuple[int, ...]:
-    """Cells along each axis, as cubic as the box allows."""
-    edge = (float(np.prod(system.box)) * CELL / system.n) ** (1.0 / system.dimension)
-    return tuple(max(1, round(float(length) / edge)) for length in system.box)
+def near_pairs(system: ParticleSystem, positions: Floats) -> int:
+    """Number of pairs closer than 1.1 (R_i + R_j), counting the nearest periodic image."""
+    from scipy.spatial import cKDTree
+
+    periodic = np.array([side == "periodic" for side in system.boundary])
+    edges = np.where(periodic, system.box, 0.0)
+    places = folded(system, positions)
+    places[:, periodic] %= system.box[periodic]  # an edge is its own image
+    pairs = cKDTree(places, boxsize=edges).query_pairs(
+        2.0 * NEAR * float(system.radius.max()), output_type="ndarray"
+    )
+    apart = places[pairs[:, 0]] - places[pairs[:, 1]]
+    apart -= np.where(periodic, system.box * np.round(apart / system.box), 0.0)
+    limit = NEAR * system.radius[pairs].sum(axis=1)
+    return int(np.count_nonzero(np.einsum("ij,ij->i", apart, apart) < limit**2))
 
 
-def _expected_near(system: ParticleSystem) -> float:
-    """Pairs between 1 and 1.1 sums of radii if places were independent, by power sums of the radii."""
+def _expected_pairs(system: ParticleSystem) -> float:
+    """Expected pairs between 1 and 1.1 (R_i + R_j) for independent positions, by power sums of the radii."""
     n, d = system.n, system.dimension
     one, two, three = (float(np.sum(system.radius**power)) for power in (1, 2, 3))
     if d == 2:
@@ -78,48 +86,3 @@ def _expected_near(system: ParticleSystem) -> float:
     else:
         unit, pairs = 4.0 / 3.0 * math.pi, 0.5 * (2.0 * n * three + 6.0 * one * two - 8.0 * three)
     return unit * (NEAR**d - 1.0) * pairs / float(np.prod(system.box))
-
-
-# --- near pairs ---------------------------------------------------------------------------------------------
-
-
-def near_pairs(system: ParticleSystem, positions: Floats) -> int:
-    """Pairs nearer than 1.1 sums of their radii, each once, the nearest images of periodic ones."""
-    places = folded(system, positions)
-    reach = 2.0 * NEAR * float(system.radius.max())
-    periodic = np.array([side == "periodic" for side in system.boundary])
-    count = 0
-    for first, second in _candidates(places, system.box, periodic, reach):
-        apart = places[first] - places[second]
-        apart -= np.where(periodic, system.box * np.round(apart / system.box), 0.0)
-        limit = NEAR * (system.radius[first] + system.radius[second])
-        count += int(np.count_nonzero(np.einsum("ij,ij->i", apart, apart) < limit**2))
-    return count
-
-
-def _candidates(
-    places: Floats, box: Floats, periodic: NDArray[np.bool_], reach: float
-) -> Iterator[tuple[Indices, Indices]]:
-    """All pairs that may be nearer than ``reach``, each once: those of a cell, and of a cell with each one beside it
-    on one side. An axis with room for fewer than three cells has one."""
-    cells = np.floor(box / reach).astype(np.int64)
-    cells = np.where(cells < 3, 1, np.minimum(cells, 1024))
-    at = np.minimum((places / box * cells).astype(np.int64), cells - 1)
-    cell = np.ravel_multi_index(tuple(at.T), tuple(cells))
-    order = np.argsort(cell, kind="stable")
-    counts = np.bincount(cell, minlength=int(np.prod(cells)))
-    begin = np.cumsum(counts) - counts
-    steps = [(0,) if n == 1 else (-1, 0, 1) for n in cells]
-    for step in itertools.product(*steps):
-        if step < (0,) * len(step):
-            continue
-        beside = at + np.array(step)
-        inside = (periodic | ((beside >= 0) & (beside < cells))).all(axis=1)
-        own = np.flatnonzero(inside)
-        other = np.ravel_multi_index(tuple((beside[own] % cells).T), tuple(cells))
-        first = np.repeat(own, counts[other])
-        within = np.arange(len(first)) - np.repeat(np.cumsum(counts[other]) - counts[other], counts[other])
-        second = order[np.repeat(begin[other], counts[other]) + within]
-        if not any(step):
-            first, second = first[first < second], second[first < second]
-        yield first, second

@@ -1,4 +1,4 @@
-"""Where replicas are computed: in this process, in several, or on a cluster."""
+"""Replicas computed in this process, in several processes, or on a cluster."""
 
 from __future__ import annotations
 
@@ -15,56 +15,47 @@ from typing import Any, Final
 
 from .. import _core
 from ..support import cluster
-from . import replica as lockstep
-from .replica import Arrays, Plan
+from .replica import Arrays, Call, Plan, compute
 from .starts import Starts
 
-#: Seconds [wall clock] between two looks at what the others have done.
+#: Seconds between two polls of the other processes.
 PAUSE: Final = 0.1
 
-#: Told how many samples have been computed of the replicas that are wanted.
+#: Called with the number of samples computed so far.
 Tell = Callable[[int], object]
 Found = Generator[tuple[int, Arrays], None, None]
 
 
 def here(starts: Starts, plan: Plan, wanted: Sequence[int], tell: Tell) -> Found:
     """One replica after the other."""
-    for place, replica in enumerate(wanted):
-        done = [place * plan.steps]
+    done = 0
 
-        def alive(done: list[int] = done) -> None:
-            tell(done[0])
+    def sampled() -> None:
+        nonlocal done
+        done += 1
+        tell(done)
 
-        def sampled(done: list[int] = done, alive: Callable[[], None] = alive) -> None:
-            done[0] += 1
-            alive()
-
-        yield replica, _replica(starts, plan, replica, sampled, alive)
+    for replica in wanted:
+        yield replica, _replica(starts, plan, replica, sampled, lambda: tell(done))
 
 
-def _replica(
-    starts: Starts,
-    plan: Plan,
-    replica: int,
-    sampled: Callable[[], object],
-    alive: Callable[[], object],
-) -> Arrays:
+def _replica(starts: Starts, plan: Plan, replica: int, sampled: Call, alive: Call) -> Arrays:
     system = starts.start(replica, lambda done, total: alive())
-    return lockstep.compute(plan, system, sampled, alive)
+    return compute(plan, system, sampled, alive)
 
 
 # --- processes ----------------------------------------------------------------------------------------------
 
 
 class Stopped(Exception):
-    """The caller wants no more."""
+    """Raised in a worker when the caller has stopped."""
 
 
-_shared: dict[str, Any] = {}  #: of a worker: the samples of each replica, and whether to stop
+_shared: dict[str, Any] = {}  #: in a worker: the number of samples of each replica, and whether to stop
 
 
 def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, tell: Tell) -> Found:
-    """Each replica in one of so many processes, in the order in which they are finished.
+    """Each replica in one of ``workers`` processes; yields them as they finish.
 
     Raises
     ------
@@ -76,7 +67,7 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
     pool = ProcessPoolExecutor(min(workers, len(wanted)), context, _begin, (done, stop))
     waiting: dict[Future[Arrays], int] = {}
     try:
-        with _born_deaf():
+        with sigint_blocked():
             waiting.update((pool.submit(_task, starts, plan, k), k) for k in wanted)
         while waiting:
             finished, _ = wait(waiting, PAUSE, FIRST_COMPLETED)
@@ -85,7 +76,7 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
             tell(sum(done[:]))
     except BrokenProcessPool:
         raise RuntimeError(
-            "workers: a process died; what is in a store is kept. In a script, the call must stand below "
+            "workers: a process died; a store keeps the finished replicas. In a script, the call must be inside "
             "if __name__ == '__main__'"
         ) from None
     finally:
@@ -94,10 +85,10 @@ def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, t
 
 
 @contextmanager
-def _born_deaf() -> Iterator[None]:
-    """Processes started meanwhile never hear Ctrl-C, not even while they import what could ignore it.
+def sigint_blocked() -> Iterator[None]:
+    """Processes started in the block ignore Ctrl-C from the first instruction: they inherit the signal mask.
 
-    They inherit what this thread blocks, and keep it; here it is heard at the end.
+    This process receives a Ctrl-C at the end of the block.
     """
     if sys.platform == "win32":
         yield
@@ -110,7 +101,7 @@ def _born_deaf() -> Iterator[None]:
 
 
 def _begin(done: Any, stop: Any) -> None:
-    """Of a worker: Ctrl-C is for the one that started it, and whoever loses that one ends."""
+    """Initialize a worker: it ignores Ctrl-C, which its parent handles, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _shared.update(done=done, stop=stop)
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -138,8 +129,8 @@ def _task(starts: Starts, plan: Plan, replica: int) -> Arrays:
 # --- cluster ------------------------------------------------------------------------------------------------
 
 
-def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any, tell: Tell) -> Found:
-    """Each replica as a task of dask.distributed, in the order in which they are finished.
+def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any) -> Found:
+    """Each replica as a task of dask.distributed; yields them as they finish.
 
     Raises
     ------
@@ -150,12 +141,6 @@ def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any
     RuntimeError
         If the scheduler goes away.
     """
-    for place, found in enumerate(_gathered(starts, plan, wanted, scheduler)):
-        yield found
-        tell((place + 1) * plan.steps)
-
-
-def _gathered(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any) -> Found:
     with cluster.connection(scheduler, "scheduler: got one") as client:
         from distributed import as_completed
 
@@ -168,16 +153,6 @@ def _gathered(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any)
 
 
 def _remote(starts: Starts, plan: Plan, replica: int, version: str) -> Arrays:
-    """A replica, on a worker."""
-    if _core.version != version:
-        raise RuntimeError(f"a worker has hardlimit {_core.version}, must be {version} as here")
-    from distributed import get_worker
-    from distributed.worker import thread_state
-
-    tasks, key = get_worker().state.tasks, thread_state.key
-
-    def stop_if_cancelled() -> None:
-        if key not in tasks or tasks[key].state == "cancelled":
-            raise RuntimeError("cancelled")
-
+    """Compute a replica on a worker."""
+    stop_if_cancelled = cluster.on_worker(version)
     return _replica(starts, plan, replica, stop_if_cancelled, stop_if_cancelled)

@@ -1,4 +1,4 @@
-"""Where replicas start: a system, other equilibrium states of it, or what a function makes of a seed."""
+"""Initial states of the replicas: a system and other equilibrium states of it, or a function of a seed."""
 
 from __future__ import annotations
 
@@ -9,38 +9,39 @@ from typing import Any, Final
 
 import numpy as np
 
+from ..boxes.box import Floats
 from ..boxes.engine_choice import check_box
 from ..boxes.hard_spheres import event_driven
-from ..boxes.system import Floats, ParticleSystem
+from ..boxes.system import ParticleSystem
 from ..support import validation
 from ..support.progress import Report
 
-#: Elastic collisions per particle between the given start and that of another replica.
+#: Elastic collisions per particle between the given state and that of another replica.
 COLLISIONS: Final = 20
 
 
 @dataclass(frozen=True)
 class Starts:
-    """The start of each replica."""
+    """The initial state of each replica."""
 
     source: ParticleSystem | Callable[[int], ParticleSystem]
     seed: int
-    engine: str = "events"  #: that solves Newton's equations for them
+    engine: str = "events"  #: engine for Newton's equations
 
     def start(self, replica: int, report: Report) -> ParticleSystem:
-        """Of one replica.
+        """The initial state of one replica.
 
         Raises
         ------
         ValueError
-            If the function made no system that Newton's equations can be solved for.
+            If the function returned no system, or one that the engine cannot simulate.
         """
         if isinstance(self.source, ParticleSystem):
             return self.source if replica == 0 else equilibrated(self.source, self.seed + replica, report)
         made = self.source(self.seed + replica)
         if not isinstance(made, ParticleSystem):
             raise ValueError(
-                f"system: the function made {validation.shown(made)}, must make a ParticleSystem"
+                f"system: the function returned {validation.shown(made)}, must return a ParticleSystem"
             )
         if self.engine == "events":
             check_box(made)
@@ -48,12 +49,12 @@ class Starts:
 
 
 def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engine: str) -> Starts:
-    """The starts of ``replicas`` replicas; ``elsewhere``: other processes make them.
+    """Check the argument ``system``; ``elsewhere`` says that other processes make the initial states.
 
     Raises
     ------
     ValueError
-        If there is no way to so many starts.
+        If so many initial states cannot be made.
     """
     if isinstance(source, ParticleSystem):
         source = _written_out(source)
@@ -66,7 +67,7 @@ def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engin
     elif not callable(source) or isinstance(source, type):
         shown = validation.shown(source)
         raise ValueError(
-            f"system: got {shown}, must be a ParticleSystem or a function of a seed that makes one"
+            f"system: got {shown}, must be a ParticleSystem or a function of a seed that returns one"
         )
     elif elsewhere:
         _check_importable(source)
@@ -74,8 +75,8 @@ def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engin
 
 
 def _written_out(system: ParticleSystem) -> ParticleSystem:
-    """The same with an entry for each particle, as other processes get it: sums over equal masses that share one
-    place in memory are rounded in another way."""
+    """The same system with arrays of full length, as other processes get it: sums over a broadcast array are rounded
+    differently."""
     values = {field.name: getattr(system, field.name) for field in fields(system)}
     for name in ("radius", "mass"):
         values[name] = np.ascontiguousarray(values[name])
@@ -91,7 +92,7 @@ def _check_redraw(system: ParticleSystem, replicas: int) -> None:
     if reason is not None:
         raise ValueError(
             f"system | replicas: got one start {reason} and {replicas} replicas, must be a function of a seed that "
-            "makes each start: such a start cannot be drawn anew"
+            "returns each start: other equilibrium states exist only for a gas without gravity"
         )
 
 
@@ -108,9 +109,11 @@ def _check_importable(source: Any) -> None:
 def equilibrated(
     system: ParticleSystem, seed: int, report: Report | None = None, collisions: int = COLLISIONS
 ) -> ParticleSystem:
-    """Another state of the same particles with the same energy: new velocities of an equilibrium (Maxwell), then
-    ``collisions`` elastic collisions per particle as hard spheres, then the velocities shifted and scaled to the mean
-    velocity and the granular temperature of ``system``, both exactly but for rounding."""
+    """Another equilibrium state of the same particles with the same energy.
+
+    Velocities are drawn from a Maxwell distribution, each particle undergoes ``collisions`` elastic collisions as a
+    hard sphere, and the velocities are shifted and scaled to the mean velocity and granular temperature of ``system``.
+    """
     chance = np.random.default_rng(np.random.SeedSequence([seed, system.n]))
     drawn = (
         chance.standard_normal((system.n, system.dimension))

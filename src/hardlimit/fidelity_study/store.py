@@ -1,4 +1,4 @@
-"""Finished replicas in one file, which is replaced as a whole whenever another one is finished."""
+"""File of finished replicas, rewritten when another one is finished."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from typing import Any, Final
 
 from .. import _core
 from ..boxes import checkpoint
-from ..support import locking, validation
+from ..support import saving, validation
 from .replica import Arrays
 
-#: In the header of the file.
+#: Kind of checkpoint in the header of the file.
 KIND: Final = "fidelity"
 
-#: How long others may take to write; more than the largest store needs.
-PATIENCE: Final = 60.0  # s
+#: Seconds to wait for other processes that write; longer than the largest store takes.
+PATIENCE: Final = 60.0
 
 
 class Store:
-    """The replicas that are known, by number; with a path they are kept there.
+    """Finished replicas by number, in memory and, with a path, in a file.
 
-    ``facts`` is all that a replica depends on, in words: a file with other facts is refused.
+    ``facts`` is everything that a replica depends on. A file with other facts is refused.
 
     Raises
     ------
     ValueError
-        If the file is none of ours, is damaged, of another version or of other facts; names it.
+        If the file is not a store, is damaged, or is of another version or other facts; names it.
     OSError
         If it cannot be written; names it.
     """
@@ -42,15 +42,15 @@ class Store:
                 self._keep()
 
     def add(self, replica: int, arrays: Arrays) -> None:
-        """One more, which is in the file when this returns, beside those that other processes have put there."""
+        """Add a replica, and write it to the file."""
         self.replicas[replica] = arrays
         self._keep()
 
     def _keep(self) -> None:
-        """Write what is known; one process at a time, and none loses what another one has written meanwhile."""
+        """Write all replicas, including those that other processes have added to the file."""
         if self.path is None:
             return
-        with locking.locked(self.path.parent, self.path, PATIENCE):
+        with saving.locked(self.path, PATIENCE):
             if self.path.exists():
                 self.replicas = self._read(self.path) | self.replicas
             flat = {
@@ -92,7 +92,7 @@ def _checked(path: Any) -> Path:
 
 
 def facts_of(plan: Any, start: str, seed: int) -> dict[str, Any]:
-    """All that a replica depends on beside its number."""
+    """Everything that a replica depends on, except its number."""
     return {
         "hardlimit_version": _core.version,
         "models": list(plan.models),

@@ -1,4 +1,4 @@
-"""Parameters of a contact law from what was measured (:func:`fit`)."""
+"""Fit of a contact law to measurements: ``hl.fit``."""
 
 from __future__ import annotations
 
@@ -30,34 +30,34 @@ def fit(
     compare: bool = True,
     progress: bool | Report | None = None,
 ) -> Fit:
-    """Fit a contact law to measured impacts or rebounds, and say whether it can describe them.
+    """Fit a contact law to measured impacts or rebounds, and test whether it describes them.
 
     Parameters
     ----------
     data : Impacts or Rebounds
-        Of a class method of ``hardlimit.Impacts`` or ``hardlimit.Rebounds``, or of ``hardlimit.read_measurements``.
+        From a class method of ``hardlimit.Impacts`` or ``hardlimit.Rebounds``, or from
+        ``hardlimit.read_measurements``.
     law : str or Law class
         A name of ``hardlimit.LAWS``, or the class.
     fixed : mapping, optional
-        Parameters that are known, by name, in SI units.
+        Known parameters by name, in SI units.
     free : sequence of str, optional
-        Parameters to fit. Impacts tell ε(v) and nothing else: by default ``restitution``, at the speed
-        ``impact_speed`` for a law in which it depends on speed; with a Young's modulus and a Poisson ratio in
-        ``fixed``, what is left. Rebounds tell the stiffness as well. What is neither free nor fixed is held, and
-        ``Fit.notes`` says at what.
+        Parameters to fit. Impacts determine only ε(v): by default ``restitution`` is fitted, at the speed
+        ``impact_speed`` if it depends on speed; with Young's modulus and Poisson's ratio in ``fixed``, the dissipative
+        parameter. Rebounds determine the stiffness as well. ``Fit.notes`` gives the values of all other parameters.
     ball : Ball, optional
-        The ball of the impacts; needed where more than ε is fitted.
+        The ball of the impacts; needed if more than ε is fitted.
     other : Ball or FLOOR
-        What it meets.
+        The other body of the contact.
     scatter : bool
-        Fit how much ε (or the rebound) varies from one impact to the next, beyond the errors of the measurement, as
-        a normal distribution of one width. The law then describes the mean, and χ² tests nothing.
+        Fit the scatter of ε (or of the rebound) between impacts, beyond the errors of the measurement, as a normal
+        distribution of one width. The law then describes the mean, and χ² is no test.
     confidence : float
-        Of the intervals, in (0, 1); they come from the profile of the likelihood.
+        Confidence level of the intervals, in (0, 1); they come from the profile likelihood.
     compare : bool
-        Fit the other laws too, and for rebounds collisions with one ε.
+        Fit the other laws too, and for rebounds independent collisions with one ε.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is told how many laws were fitted so far, and of how many.
+        True shows a bar. A function is called with the number of fitted laws and their total.
 
     Returns
     -------
@@ -67,12 +67,12 @@ def fit(
     ------
     ValueError
         If an argument is outside its range, the data have no errors and ``scatter`` is False, there are fewer values
-        than parameters, or the data cannot tell the parameters apart; names them.
+        than parameters, or the data do not determine the parameters; names them.
 
     Notes
     -----
     The likelihood is that of normal errors, with the covariance of speeds and coefficients of restitution that share a
-    reading. Minimum and profile are those of MINUIT: James & Roos, Comput. Phys. Commun. 10, 343 (1975).
+    reading. Maximum and profile are found by MINUIT: James & Roos, Comput. Phys. Commun. 10, 343 (1975).
 
     Examples
     --------
@@ -112,7 +112,7 @@ def fit(
 
 
 def _tried(data: Measured, rival: Any, scatter: bool, level: float) -> list[Trial]:
-    """A law for comparison; left out where the data cannot tell its parameters apart."""
+    """A law for comparison; left out if the data do not determine its parameters."""
     try:
         return [Trial(rival, minimum(data, rival, scatter, level))]
     except ValueError:

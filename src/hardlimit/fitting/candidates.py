@@ -1,4 +1,4 @@
-"""A law to be tried on data: which of its parameters are free, and at which values the others are held."""
+"""Candidates of a fit: a law, its free parameters, and the values at which the others are held."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from ..support import validation
 
 Floats = NDArray[np.float64]
 
-#: What a parameter is held at where the data do not depend on it, by its unit.
+#: Values of parameters on which the data do not depend, by unit.
 NEUTRAL: Final = {"N/m": 1e6, "Pa": 1e9, "N/m^1.5": 1e9, "N s/m": 1.0, "s": 1e-6}
-#: Between which powers of ten a positive parameter is looked for, by its unit.
+#: Range of the starting grid of a positive parameter in powers of ten, by unit.
 DECADES: Final = {"N/m": (1, 12), "Pa": (3, 13), "N/m^1.5": (2, 14), "N s/m": (-6, 6), "s": (-12, 0)}
 USUAL_DECADES: Final = (-6, 6)
-#: Poisson's ratio where none is given; only Y/(1 − ν²) enters a contact.
+#: Default of Poisson's ratio. Contacts depend on Y/(1 − ν²) only.
 USUAL_POISSON_RATIO: Final = 0.3
 POISSON_RATIO: Final = "poisson_ratio"
 IMPACT_SPEED: Final = "impact_speed"
-#: The smallest coefficient of restitution that is tried.
+#: Lower limit of a fitted coefficient of restitution.
 LEAST_RESTITUTION: Final = 1e-3
-#: Degree of ε in ln v, and how far beyond the data the polynomial reaches.
+#: Degree of the polynomial of ε in ln v, and its margin beyond the data.
 DEGREE: Final = 20
 MARGIN: Final = 0.05
-#: A ball for laws of which only ε is fitted: it does not enter.
+#: Ball for fits of ε alone, which do not depend on it.
 ANY_BALL: Final = Ball(0.01, density=1000.0)
 
 
 @dataclass(frozen=True)
 class Free:
-    """One free parameter: its range, and whether its logarithm is varied."""
+    """A free parameter: its range, and whether the fit varies its logarithm."""
 
     name: str
     unit: str
@@ -47,22 +47,22 @@ class Free:
     logarithmic: bool
 
     def inner(self, value: float) -> float:
-        """The variable of the fit."""
+        """The fitted variable that belongs to a value."""
         return math.log(value) if self.logarithmic else value
 
     def outer(self, variable: float) -> float:
-        """The parameter."""
+        """The value that belongs to a fitted variable."""
         return math.exp(variable) if self.logarithmic else variable
 
     @property
     def limits(self) -> tuple[float, float]:
-        """Of the variable of the fit."""
+        """Limits of the fitted variable."""
         if self.logarithmic:
             return -690.0, 690.0  # within the range of a double
         return self.lowest, self.highest
 
     def grid(self) -> Floats:
-        """Values at which a fit may start."""
+        """Values of the starting grid."""
         if not self.logarithmic:
             return np.linspace(self.lowest, self.highest, 17)[1:-1]
         low, high = DECADES.get(self.unit, USUAL_DECADES)
@@ -77,14 +77,14 @@ class Candidate:
     model: str  #: "newton" or "independent"
     free: tuple[Free, ...]
     held: Mapping[str, float]
-    notes: tuple[str, ...]  #: what was held, and why, one sentence each
+    notes: tuple[str, ...]  #: what is held and why, one sentence each
     ball: Ball
     other: Ball | Floor
-    alike: tuple[str, ...] = ()  #: laws with one ε at every speed, which impacts cannot tell from each other
+    alike: tuple[str, ...] = ()  #: laws with a constant ε, which impacts cannot distinguish
 
     @property
     def name(self) -> str:
-        """As tables call it."""
+        """Name in tables."""
         if self.model != "newton":
             return "collisions with one ε"
         return f"one ε ({', '.join(self.alike)})" if self.alike else str(self.law.record["name"])
@@ -95,7 +95,7 @@ class Candidate:
         return self.law(**{name: given[name] for name in law_parameters(self.law) if name in given})
 
     def curve(self, law: Law, slowest: float, fastest: float) -> Chebyshev:
-        """ε of one impact as a polynomial in ln v, between these speeds [m/s]: its error is below 1e-9."""
+        """ε of one impact as a polynomial in ln v between these speeds [m/s], with an error below 1e-9."""
         contact = law.between(self.ball, self.other)
         ends = [math.log(slowest) - MARGIN, math.log(fastest) + MARGIN]
         return Chebyshev.interpolate(
@@ -113,15 +113,15 @@ def candidate(
     other: Ball | Floor,
     model: str = "newton",
 ) -> Candidate:
-    """Choose the alternative of the law's parameters, and which of them are free.
+    """Choose the set of parameters of the law, and which of them are free.
 
-    Of the alternatives that know every name given, that with ``restitution`` comes first, because ε is what impacts
-    measure. Impacts free what is left of the alternative, rebounds also the stiffness.
+    Of the sets with all given names, one with ``restitution`` is preferred, because impacts measure ε. The remaining
+    parameters are free for rebounds, one of them for impacts.
 
     Raises
     ------
     ValueError
-        If no alternative of the law knows all the names, or nothing is left free.
+        If no set of parameters of the law has all the names, or none is left free.
     """
     chosen = _law(law)
     known = law_parameters(chosen)
@@ -150,7 +150,7 @@ def candidate(
 
 
 def _with_one_restitution() -> dict[str, type[Law]]:
-    """The laws in which ε can be given and is the same at every speed."""
+    """The laws with a parameter ε that does not depend on speed."""
     found = {}
     for name, law in LAWS.items():
         parameters = law_parameters(law)
@@ -178,7 +178,7 @@ def _checked(record: Mapping[str, Any], value: Any) -> float:
 
 
 def _alternative(law: type[Law], names: set[str]) -> dict[str, Any]:
-    """The records of all parameters of the alternative that is taken, by name."""
+    """The records of the chosen set of parameters, by name."""
     common = {p["name"]: p for p in law.record["common"]}
     choices = [common | {p["name"]: p for p in choice} for choice in law.record["alternatives"]]
     able = [choice for choice in choices if names <= set(choice)]
@@ -187,7 +187,7 @@ def _alternative(law: type[Law], names: set[str]) -> dict[str, Any]:
             f"fixed | free: got {', '.join(sorted(names))}, must be of one set of parameters of {law.__name__}: "
             + " | ".join(", ".join(choice) for choice in choices)
         )
-    # Material constants that are given call for the one that is left.
+    # With both elastic constants given, the dissipative parameter is fitted.
     if {"youngs_modulus", POISSON_RATIO} <= names:
         for choice in able:
             if RESTITUTION not in choice:
@@ -213,7 +213,7 @@ def _held(
     fixed: Mapping[str, float],
     reference_speed: float,
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Values of what is not free, and a sentence for each that was not given."""
+    """Values of the parameters that are not free, and a sentence for each that was not given."""
     held, notes = dict(fixed), []
     for name, record in parameters.items():
         if name in wanted or name in fixed:
@@ -226,12 +226,12 @@ def _held(
             notes.append(
                 f"poisson_ratio held at {USUAL_POISSON_RATIO:g}: only Y/(1 − ν²) enters a contact"
                 if kind == "rebounds"
-                else "poisson_ratio does not enter and cannot be told"
+                else "poisson_ratio has no effect on the data"
             )
         else:
             held[name] = NEUTRAL.get(record["unit"], 1.0)
             notes.append(
-                f"{name} does not enter and cannot be told"
+                f"{name} has no effect on the data"
                 if wanted == [RESTITUTION] and kind == "impacts"
                 else f"{name} held at {held[name]:g} {record['unit']}"
             )
@@ -249,9 +249,9 @@ def _variable(record: Mapping[str, Any]) -> Free:
 def rivals(
     chosen: Candidate, kind: str, reference_speed: float, fixed: Mapping[str, float]
 ) -> list[Candidate]:
-    """The other laws of the registry, and for rebounds collisions with one ε, each with what it leaves free.
+    """The other laws, and for rebounds independent collisions with one ε.
 
-    Impacts see laws with one ε at every speed as the same.
+    For impacts all laws with a constant ε are one candidate.
     """
     found: list[Candidate] = []
     for law in LAWS.values():

@@ -1,7 +1,7 @@
-"""Measurements in CSV files: a header with names and units, one row for each impact, height, time or drop.
+"""Measurements in CSV files: a header with names and units, and one row for each impact, height, time or drop.
 
-Lines that begin with ``#`` are comments. A unit stands behind its name, ``speed [cm/s]``; without one it is SI. Cells
-are separated by commas, semicolons or tabs. A column of another name is passed over, which a warning says.
+Lines that begin with ``#`` are comments. A unit follows a name, ``speed [cm/s]``; the default is SI. Cells are
+separated by commas, semicolons or tabs. Unknown columns are ignored with a warning.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..column.scenario import STANDARD_GRAVITY, Column
 from ..support import units, validation
 from .measurements import OBSERVED, Impacts, Measured, Rebounds
 
-#: Unit of each column a file may have.
+#: Unit of each known column.
 UNITS: Final = {
     "speed": "m/s",
     "speed_error": "m/s",
@@ -41,23 +41,23 @@ UNITS: Final = {
 }
 LARGEST_FILE: Final = 100_000_000  #: bytes
 SEPARATORS: Final = ",;\t"
-SNIFFED: Final = 20  #: lines from which they are told
+SNIFFED: Final = 20  #: lines from which the separator is guessed
 
 _HEADER: Final = re.compile(r"(\w+)(?:\s*\[([^\]]*)\])?", re.ASCII)
 
 
 @dataclass(frozen=True)
 class Table:
-    """Columns of a file in SI units, and the line of each row."""
+    """Columns of a file in SI units, and the line number of each row."""
 
     columns: dict[str, list[float]]
     lines: list[int]
-    header: int  #: its line
-    known: tuple[str, ...]  #: columns that it may have
-    ignored: tuple[str, ...]  #: others that it has
+    header: int  #: line number of the header
+    known: tuple[str, ...]  #: columns that are read
+    ignored: tuple[str, ...]  #: other columns of the file
 
     def groups(self) -> list[list[int]]:
-        """Rows of each drop, in the order of the file; one drop without a column that numbers them."""
+        """Rows of each drop in the order of the file; a single drop without the column ``drop``."""
         numbers = self.columns.get("drop", [0.0] * len(self.lines))
         found: dict[float, list[int]] = {}
         for row, number in enumerate(numbers):
@@ -65,7 +65,7 @@ class Table:
         return list(found.values())
 
     def grouped(self, name: str) -> list[list[float]]:
-        """A column by drops; empty if it is not there."""
+        """A column by drops; empty if the file does not have it."""
         if name not in self.columns:
             return []
         return [[self.columns[name][row] for row in rows] for rows in self.groups()]
@@ -74,21 +74,21 @@ class Table:
 def read_measurements(
     path: str | Path, *, column: Column | None = None, gravity: float = STANDARD_GRAVITY
 ) -> Measured:
-    r"""Measurements from a CSV file; what they are is told from the names in its header.
+    """Read measurements from a CSV file; the names in the header say what they are.
 
     ======================================  =========================================================
     header                                  one row is
     ======================================  =========================================================
     ``speed, restitution``                  an impact
     ``drop_height, rebound_height``         an impact after a fall from rest
-    ``height``                              a peak of a ball that bounces on; the release first
-    ``time``                                an impact of a ball that bounces on
+    ``height``                              a peak of a bouncing ball; the release first
+    ``time``                                an impact of a bouncing ball
     ``separation_velocity``,                a drop of ``column``; with ``gap`` and ``height`` where they
     ``top_velocity`` or ``top_height``      differ from drop to drop
     ======================================  =========================================================
 
-    Each may have its error in a column ``…_error``; ``drop`` numbers the drops of peaks or times. Cells are separated
-    by commas, semicolons or tabs. Columns of other names are passed over with a warning that names them.
+    Columns ``…_error`` hold standard errors; ``drop`` numbers the drops of peaks or times. Cells are separated by
+    commas, semicolons or tabs. Other columns are ignored with a warning.
 
     Parameters
     ----------
@@ -105,15 +105,8 @@ def read_measurements(
     Raises
     ------
     ValueError
-        If the file cannot be read or is not such a table; names line and column of the fault. If another argument is
-        outside its range.
-
-    Examples
-    --------
-    >>> with open("bounces.csv", "w") as file:
-    ...     _ = file.write("height [cm], height_error [mm]\n100, 5\n64, 5\n42, 5\n")
-    >>> hl.read_measurements("bounces.csv").restitution.round(3)
-    array([0.8 , 0.81])
+        If the file cannot be read or is not such a table (names line and column), or another argument is outside its
+        range.
     """
     if not isinstance(path, str | PathLike):
         raise ValueError(f"path: got {validation.shown(path)}, must be the path of a file")
@@ -125,7 +118,7 @@ def read_measurements(
         listed = ", ".join(map(validation.shown, table.ignored))
         known = ", ".join(table.known)
         warnings.warn(
-            f"{path}: line {table.header}: column {listed} is ignored: it is none of {known}", stacklevel=2
+            f"{path}: line {table.header}: column {listed} is ignored: it is not one of {known}", stacklevel=2
         )
     try:
         return build(table, column, gravity)
@@ -163,7 +156,7 @@ def _rebounds(table: Table, column: Column | None, gravity: float) -> Measured:
 
 
 Build = Callable[[Table, Column | None, float], Measured]
-#: By the names that must be there: how it is read, and what else may be there.
+#: By required columns: how the file is read, and its optional columns.
 KINDS: Final[dict[tuple[str, ...], tuple[Build, tuple[str, ...]]]] = {
     ("speed", "restitution"): (_impacts, ("restitution_error", "speed_error")),
     ("drop_height", "rebound_height"): (_rebound_heights, ("rebound_height_error", "drop_height_error")),
@@ -174,7 +167,7 @@ KINDS: Final[dict[tuple[str, ...], tuple[Build, tuple[str, ...]]]] = {
 
 
 def _kind(where: str, given: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
-    """What columns of these names are, and which they may be."""
+    """How a file with these columns is read, and the columns it may have."""
     for names, (build, allowed) in KINDS.items():
         if set(names) <= set(given):
             return build, (*names, *allowed)
@@ -186,7 +179,7 @@ def _kind(where: str, given: Sequence[str]) -> tuple[Build, tuple[str, ...]]:
 
 
 def _with_line(message: str, table: Table) -> str:
-    """The fault with its line where it names one of the rows: ``times[1][3]: …`` or ``speed[4]: …``."""
+    """The message with a line number instead of an index such as ``times[1][3]`` or ``speed[4]``."""
     found = re.match(r"(\w+)\[(\d+)\](?:\[(\d+)\])?: (.*)", message, re.ASCII | re.DOTALL)
     if found is None:
         return message
@@ -205,7 +198,7 @@ def _with_line(message: str, table: Table) -> str:
 
 
 def _read(path: str | Path) -> tuple[Table, Build]:
-    """The table of the file, every cell of a measurement a number in its range; what makes measurements of it."""
+    """The table of the file, with all values in their range, and the function that makes measurements of it."""
     source = Path(path)
     try:
         size = source.stat().st_size
@@ -215,7 +208,7 @@ def _read(path: str | Path) -> tuple[Table, Build]:
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: got bytes that are no UTF-8 at {error.start}, must be text") from None
+        raise ValueError(f"{path}: got bytes that are not UTF-8 at {error.start}, must be text") from None
     numbered = [(i + 1, line) for i, line in enumerate(text.splitlines())]
     kept = [(i, line) for i, line in numbered if line.strip() and not line.lstrip().startswith("#")]
     if len(kept) < 2:
@@ -238,7 +231,7 @@ def _read(path: str | Path) -> tuple[Table, Build]:
 
 
 def _separator(lines: Sequence[str]) -> str:
-    """Comma, semicolon or tab; a comma where lines are one cell."""
+    """Comma, semicolon or tab; a comma if each line is one cell."""
     try:
         return csv.Sniffer().sniff("\n".join(lines[:SNIFFED]), SEPARATORS).delimiter
     except csv.Error:
@@ -250,7 +243,7 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _header(where: str, cells: Sequence[str]) -> list[tuple[str, float]]:
-    """Names, and the factor that brings each column to SI units."""
+    """Names, and the factor that converts each column to SI units."""
     found: list[tuple[str, float]] = []
     for cell in cells:
         match = _HEADER.fullmatch(cell)
@@ -259,7 +252,7 @@ def _header(where: str, cells: Sequence[str]) -> list[tuple[str, float]]:
             found.append((cell, math.nan))
             continue
         if name in dict(found):
-            raise ValueError(f"{where}: got column {name} twice, must be there once")
+            raise ValueError(f"{where}: got column {name} twice, must appear once")
         try:
             found.append((name, units.number(name, f"1 {match[2]}", UNITS[name]) if match[2] else 1.0))
         except ValueError as error:

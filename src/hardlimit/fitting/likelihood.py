@@ -1,4 +1,4 @@
-"""Likelihood of a law given the data: minimum, intervals by profile, what can be told, and the probability of χ²."""
+"""Likelihood of a law: maximum, profile intervals, identifiable parameters, and the probability of χ²."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from ..support.estimate import Estimate
 from .candidates import Candidate
 from .measurements import HOPELESS, Measured
 
@@ -20,58 +21,35 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 SCATTER: Final = "scatter"
-#: A parameter that moves no value by more than this many errors when it grows by a factor e cannot be told.
+#: A parameter is not identifiable if a factor e changes all values by less than this many standard errors.
 FLAT: Final = 1e-3
-#: Of the direction in which the data say nothing: components beyond this share name their parameter.
+#: Components of an unidentifiable direction above this name their parameter in the message.
 SHARE: Final = 0.2
-#: Starts from which the minimum is sought, the best of a coarse grid.
+#: Number of starting points, the best of a coarse grid.
 STARTS: Final = 3
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A fitted value and its uncertainty; made by :func:`hardlimit.fit`.
-
-    Examples
-    --------
-    >>> impacts = hl.Impacts.of_restitution(
-    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
-    ... )
-    >>> epsilon = hl.fit(impacts, "linear", compare=False).parameters["restitution"]
-    >>> print(epsilon, f"in [{epsilon.lower:.4f}, {epsilon.upper:.4f}]")
-    0.940333 ± 0.0017 in [0.9386, 0.9421]
-    """
-
-    value: float  #: the most likely one
-    error: float  #: standard error, from the curvature of the likelihood
-    lower: float  #: lower end of the interval of the confidence asked for, from the profile of the likelihood
-    upper: float  #: its upper end
-
-    def __str__(self) -> str:
-        return f"{self.value:.6g} ± {self.error:.2g}"
 
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where the likelihood is largest."""
+    """The maximum of the likelihood."""
 
-    estimates: dict[str, Estimate]
-    covariance: Floats  #: of the free parameters, in their order; the scatter last if it is free
-    deviations: Floats  #: in units of their errors, independent
+    estimates: dict[str, Estimate[float]]
+    covariance: Floats  #: of the free parameters in their order, and of the scatter if it is free
+    deviations: Floats  #: decorrelated, in standard errors
     chi_square: float
     minus_two_log_likelihood: float
 
 
 class Likelihood:
-    """−2 ln L of one candidate, a function of its variables; the scatter is the last of them if it is free."""
+    """−2 ln L of a candidate as a function of its fitted variables; the last is the scatter if it is free."""
 
     def __init__(self, data: Measured, candidate: Candidate, scatter: bool) -> None:
         self.data, self.candidate, self.scatter = data, candidate, scatter
 
     def parts(self, variables: Any) -> tuple[Floats, float]:
-        """Deviations in units of their errors, and ln det of their covariance."""
+        """Decorrelated deviations in standard errors, and ln det of the covariance."""
         free = self.candidate.free
-        if not np.isfinite(variables).all():  # a step from where the likelihood is flat
+        if not np.isfinite(variables).all():  # a step of MINUIT where the likelihood is flat
             return np.full(self.data.n, HOPELESS), 0.0
         values = [p.outer(float(x)) for p, x in zip(free, variables, strict=False)]
         scatter = float(variables[len(free)]) if self.scatter else 0.0
@@ -89,7 +67,7 @@ class Likelihood:
         points = [[*point, *guess] for point in product(*grids)]
         return sorted(points, key=self)[: STARTS if len(points[0]) > 1 else 1]
 
-    def refuse_what_cannot_be_told(self, variables: Any) -> None:
+    def check_identifiable(self, variables: Any) -> None:
         """Refuse parameters, or combinations of them, on which the data do not depend.
 
         Raises
@@ -116,9 +94,11 @@ class Likelihood:
             return
         names = [p.name for p, share in zip(free, directions[-1], strict=True) if abs(share) > SHARE]
         if len(names) == 1:
-            raise ValueError(f"{names[0]}: cannot be told from {self.data.what}, must be given in fixed")
+            raise ValueError(
+                f"{names[0]}: cannot be determined from {self.data.what}, must be given in fixed"
+            )
         raise ValueError(
-            f"{' | '.join(names)}: only a combination of them can be told from {self.data.what}, "
+            f"{' | '.join(names)}: only a combination of them can be determined from {self.data.what}, "
             "all but one must be given in fixed"
         )
 
@@ -129,7 +109,7 @@ def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: flo
     Raises
     ------
     ValueError
-        If the data do not tell them apart.
+        If the data do not determine them.
     """
     from iminuit import Minuit
 
@@ -142,7 +122,7 @@ def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: flo
         if best is None or trial.fval < best.fval:
             best = trial
     assert best is not None
-    likelihood.refuse_what_cannot_be_told(best.values if np.isfinite(best.values).all() else starts[0])
+    likelihood.check_identifiable(best.values if np.isfinite(best.values).all() else starts[0])
     best.hesse()
     return _read(best, likelihood, confidence)
 
@@ -182,12 +162,12 @@ def _read(fit: Minuit, likelihood: Likelihood, confidence: float) -> Minimum:
 
 
 def _ends(fit: Minuit, i: int) -> tuple[float, float]:
-    """Ends of the interval of one variable; the end of its range where the likelihood does not fall that far."""
+    """Ends of the profile interval of one variable; a limit of its range if the likelihood stays above the level."""
     name = fit.parameters[i]
     low, high = fit.limits[i]
     try:
         fit.minos(name)
-    except RuntimeError:  # it has left the minimum; the curvature is what remains
+    except RuntimeError:  # MINOS has left the minimum; use the curvature
         return max(fit.values[i] - fit.errors[i], low), min(fit.values[i] + fit.errors[i], high)
     found = fit.merrors[name]
     lower = fit.values[i] + found.lower if found.lower_valid else low
@@ -196,15 +176,7 @@ def _ends(fit: Minuit, i: int) -> tuple[float, float]:
 
 
 def chi_square_probability(chi_square: float, degrees: int) -> float:
-    """Probability that χ² of so many degrees of freedom exceeds ``chi_square``; NaN without any.
+    """Probability that χ² with so many degrees of freedom exceeds ``chi_square``; NaN without degrees of freedom."""
+    from scipy.special import chdtrc
 
-    The incomplete gamma function Q(n/2, χ²/2) of whole and half orders is a finite sum (Abramowitz & Stegun 26.4.4–5).
-    """
-    if degrees < 1 or math.isnan(chi_square):
-        return math.nan
-    if chi_square <= 0.0:
-        return 1.0
-    half, odd = 0.5 * chi_square, degrees % 2
-    powers = np.arange(degrees // 2) + 0.5 * odd
-    terms = (math.exp(-half + p * math.log(half) - math.lgamma(p + 1.0)) for p in powers)
-    return min((math.erfc(math.sqrt(half)) if odd else 0.0) + math.fsum(terms), 1.0)
+    return float(chdtrc(degrees, chi_square)) if degrees > 0 else math.nan

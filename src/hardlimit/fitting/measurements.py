@@ -1,7 +1,7 @@
-"""What was measured: impacts of one ball, each a speed and a coefficient of restitution, or drops of a column.
+"""Measurements: impacts of one ball (speed and coefficient of restitution), or drops of a column.
 
-Speeds and coefficients of restitution follow from heights and from flight times by free fall alone. The same number
-then enters several of them, and its error with it: the covariance of the deviations is carried along, to first order.
+Speeds and coefficients of restitution follow from heights or flight times by free fall. One reading then enters several
+of them, so that their errors are correlated; the covariance is propagated to first order.
 """
 
 from __future__ import annotations
@@ -24,27 +24,26 @@ from .candidates import Candidate
 
 Floats = NDArray[np.float64]
 
-#: Relative errors beyond this cannot be carried along to first order.
+#: Largest relative error that is propagated to first order.
 LARGEST_ERROR: Final = 0.3
-#: A value may exceed its limit by so many standard errors.
+#: Number of standard errors by which a value may exceed its limit.
 SLACK: Final = 5.0
-#: What a column of two or more balls may be asked for in an experiment, in words and with its unit.
+#: Observables of a column in an experiment: description and unit.
 OBSERVED: Final = {
     "separation_velocity": ("separation velocity of two balls", "m/s"),
     "top_velocity": ("velocity of the top ball after the last contact", "m/s"),
     "top_height": ("greatest height of the centre of the top ball", "m"),
 }
-#: Deviation, in errors, of a drop in which the balls never part: no experiment finds it.
+#: Deviation, in standard errors, of a drop whose balls never separate under the law.
 HOPELESS: Final = 1e4
 
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Impacts whose errors belong together: those of one drop, or any number that share nothing (``chained`` false).
+    """Impacts with correlated errors (those of one drop, ``chained``), or any number with independent errors.
 
-    What was read off the instruments are the numbers y with errors σ. The speeds and coefficients of restitution have
-    the derivatives ``d_speed`` and ``d_restitution`` by them: of shape (n, m) for all the y of a chain, of shape
-    (n, q) for the q numbers that each impact has to itself.
+    The instruments give readings y with errors σ. ``d_speed`` and ``d_restitution`` are derivatives by y: of shape
+    (n, m) for the m readings of a chain, of shape (n, q) for q readings per impact otherwise.
     """
 
     speed: Floats  #: of impact [m/s]
@@ -56,21 +55,14 @@ class Block:
 
 
 class Measured:
-    """What was measured; made by the class methods of :class:`Impacts` and :class:`Rebounds`.
+    """Measurements; made by the class methods of :class:`Impacts` and :class:`Rebounds`."""
 
-    Examples
-    --------
-    >>> data = hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
-    >>> data.n, data.has_errors, data.reference_speed
-    (3, True, 1.0)
-    """
-
-    what: ClassVar[str]  #: what was measured, as a phrase
-    kind: ClassVar[str]  #: the same in a word
+    what: ClassVar[str]  #: what was measured
+    kind: ClassVar[str]  #: "impacts" or "rebounds"
 
     @property
     def n(self) -> int:
-        """Number of values that a law is compared with."""
+        """Number of values."""
         raise NotImplementedError
 
     @property
@@ -80,18 +72,18 @@ class Measured:
 
     @property
     def reference_speed(self) -> float:
-        """A speed of impact [m/s] in the middle of what was measured."""
+        """A typical impact speed [m/s] of the data."""
         raise NotImplementedError
 
     def deviations(self, candidate: Candidate, law: Law, scatter: float) -> tuple[Floats, float]:
-        """Deviations from the law in units of their errors, made independent, and ln det of their covariance.
+        """Deviations from the law, decorrelated and in standard errors, and ln det of their covariance.
 
         :meta private:
         """
         raise NotImplementedError
 
     def spread(self) -> float:
-        """A first guess at how much values scatter.
+        """First guess of the scatter of the values.
 
         :meta private:
         """
@@ -100,25 +92,28 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Impacts(Measured):
-    """Impacts of one ball on a floor or on another ball; made by one of its class methods.
+    """Impacts of one ball on a floor or on another ball; made by its class methods.
 
     Notes
     -----
-    Free fall alone connects heights, times and speeds: Bernstein, Am. J. Phys. 45, 41 (1977). Errors are carried along
-    to first order, with the covariances of what shares a reading.
+    Heights, times and speeds are related by free fall without air drag: Bernstein, Am. J. Phys. 45, 41 (1977). Errors
+    are propagated to first order, with the covariances of values that share a reading.
 
     Examples
     --------
     >>> impacts = hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
     >>> impacts.n, impacts.speeds, impacts.reference_speed
     (3, (0.1, 10.0), 1.0)
+    >>> heard = hl.Impacts.of_times([[0.0, 0.5, 0.9, 1.22]], time_error=0.001)
+    >>> heard.restitution.round(3)
+    array([0.8, 0.8])
     """
 
-    kind: ClassVar[str] = "impacts"  #: a word for what was measured
-    what: ClassVar[str] = "ε over the speed of impact"  #: the same as a phrase
+    kind: ClassVar[str] = "impacts"  #: kind of data
+    what: ClassVar[str] = "ε over the speed of impact"  #: what was measured
 
-    blocks: tuple[Block, ...]  #: impacts whose errors belong together
-    origin: str  #: what was read off the instruments, in words
+    blocks: tuple[Block, ...]  #: impacts with correlated errors
+    origin: str  #: what the instruments read
 
     @classmethod
     def of_restitution(
@@ -128,15 +123,15 @@ class Impacts(Measured):
         restitution_error: float | Values = 0.0,
         speed_error: float | Values = 0.0,
     ) -> Impacts:
-        """Coefficients of restitution ε measured at speeds of impact [m/s].
+        """Coefficients of restitution ε measured at given impact speeds.
 
         Parameters
         ----------
         speed : N numbers [m/s]
         restitution : N numbers
-            In (0, 1], or above it by five errors at most.
+            In (0, 1], or above by at most five errors.
         restitution_error, speed_error : number or N numbers
-            Standard errors. Without errors of ε their scatter is fitted as well (``fit(…, scatter=True)``).
+            Standard errors. Without errors of ε its scatter must be fitted (``fit(…, scatter=True)``).
 
         Returns
         -------
@@ -145,12 +140,7 @@ class Impacts(Measured):
         Raises
         ------
         ValueError
-            If a value is outside its range or there are not as many of one as of the other; names its place.
-
-        Examples
-        --------
-        >>> hl.Impacts.of_restitution([0.1, 1.0, 10.0], [0.95, 0.92, 0.86], 0.01)
-        <Impacts: 3 from 0.1 to 10 m/s>
+            If a value is outside its range, or the lengths differ; names the position.
         """
         count = _count("speed", speed)
         v = validation.each("speed", speed, count, lowest=0.0)
@@ -162,7 +152,7 @@ class Impacts(Measured):
         _refuse_coarse("speed_error", errors[1], v)
         for i in np.flatnonzero(e > 1.0 + SLACK * errors[0]):
             raise ValueError(
-                f"restitution[{i}]: got {e[i]:.6g}, must be in (0, 1], or above it by {SLACK:g} errors at most"
+                f"restitution[{i}]: got {e[i]:.6g}, must be in (0, 1], or above by at most {SLACK:g} errors"
             )
         one, zero = np.ones(count), np.zeros(count)
         block = Block(
@@ -179,16 +169,14 @@ class Impacts(Measured):
         drop_height_error: float | Values = 0.0,
         gravity: float = STANDARD_GRAVITY,
     ) -> Impacts:
-        """Single bounces: height of fall and of rebound [m] of the lowest point of the ball; ε = √(h'/h), v = √(2 g h).
-
-        Only gravity acts in flight: the drag of the air is not modelled.
+        """Single bounces: drop and rebound height of the lowest point of the ball; ε = √(h'/h), v = √(2 g h).
 
         Parameters
         ----------
         drop_height : N numbers [m]
-            Of the lowest point of the ball at release.
+            Height at release.
         rebound_height : N numbers [m]
-            The greatest that it reaches; above the height of fall by five errors at most.
+            Maximum height after the impact; above the drop height by at most five errors.
         rebound_height_error, drop_height_error : number or N numbers [m]
             Standard errors.
         gravity : float [m/s²]
@@ -200,17 +188,7 @@ class Impacts(Measured):
         Raises
         ------
         ValueError
-            If a value is outside its range or there are not as many of one as of the other; names its place.
-
-        Examples
-        --------
-        >>> impacts = hl.Impacts.of_rebound_heights(
-        ...     [1.0, 0.5], [0.64, 0.33], rebound_height_error=0.01
-        ... )
-        >>> impacts.speed.round(2), impacts.restitution.round(3)
-        (array([4.43, 3.13]), array([0.8  , 0.812]))
-        >>> impacts.restitution_error.round(3)
-        array([0.006, 0.012])
+            If a value is outside its range, or the lengths differ; names the position.
         """
         count = _count("drop_height", drop_height)
         g = validation.number("gravity", gravity, 0.0)
@@ -228,7 +206,7 @@ class Impacts(Measured):
         d_speed = np.column_stack([v / (2.0 * before), np.zeros(count)])
         d_restitution = np.column_stack([-e / (2.0 * before), e / (2.0 * after)])
         block = Block(v, e, d_speed, d_restitution, np.column_stack(sigma), False)
-        return cls((block,), "heights of fall and rebound")
+        return cls((block,), "drop and rebound heights")
 
     @classmethod
     def of_heights(
@@ -237,15 +215,13 @@ class Impacts(Measured):
         height_error: float | Sequence[Any] = 0.0,
         gravity: float = STANDARD_GRAVITY,
     ) -> Impacts:
-        """Peaks of a ball that bounces again and again: for each drop, its height and those of the rebounds [m].
-
-        Only gravity acts in flight: the drag of the air is not modelled.
+        """Peak heights of a ball that bounces repeatedly.
 
         Parameters
         ----------
         heights : sequence of sequences [m]
-            Of each drop: heights of the lowest point of the ball, the release first, none above the one before it by
-            more than five errors.
+            For each drop, heights of the lowest point of the ball, the release first; none above the one before by more
+            than five errors.
         height_error : number, or sequence of the shape of ``heights`` [m]
         gravity : float [m/s²]
 
@@ -256,13 +232,7 @@ class Impacts(Measured):
         Raises
         ------
         ValueError
-            If a value is outside its range, or a drop has fewer than two heights; names its place.
-
-        Examples
-        --------
-        >>> bounces = hl.Impacts.of_heights([[1.0, 0.64, 0.42]], height_error=0.005)
-        >>> bounces.restitution.round(3)
-        array([0.8 , 0.81])
+            If a value is outside its range, or a drop has fewer than two heights; names the position.
         """
         g = validation.number("gravity", gravity, 0.0)
         drops = _drops("heights", heights, 2, lowest=0.0)
@@ -282,16 +252,16 @@ class Impacts(Measured):
         time_error: float | Sequence[Any] = 0.0,
         gravity: float = STANDARD_GRAVITY,
     ) -> Impacts:
-        """Instants of the impacts of a ball that bounces again and again [s], as a microphone hears them.
+        """Times of the impacts of a ball that bounces repeatedly, as recorded by a microphone.
 
-        A flight of duration T ends with the speed g T/2 with which it began, so that ε = T'/T from one flight to the
-        next. Only gravity acts: the drag of the air is not modelled, and the contacts, which T contains, are short.
+        A flight of duration T begins and ends with the speed g T/2, so that ε = T'/T for consecutive flights. The
+        contact durations, which T includes, are neglected.
 
         Parameters
         ----------
         times : sequence of sequences [s]
-            Of each drop: instants of all impacts without a gap, three or more; no flight longer than the one before it
-            by more than five errors.
+            For each drop, the times of three or more consecutive impacts; no flight longer than the one before by more
+            than five errors.
         time_error : number, or sequence of the shape of ``times`` [s]
         gravity : float [m/s²]
 
@@ -302,14 +272,7 @@ class Impacts(Measured):
         Raises
         ------
         ValueError
-            If the times of a drop do not grow, are fewer than three, or a bounce between them is missing; names the
-            place.
-
-        Examples
-        --------
-        >>> heard = hl.Impacts.of_times([[0.0, 0.5, 0.9, 1.22]], time_error=0.001)
-        >>> heard.restitution.round(3)
-        array([0.8, 0.8])
+            If the times of a drop do not increase, are fewer than three, or miss a bounce; names the position.
         """
         g = validation.number("gravity", gravity, 0.0)
         drops = _drops("times", times, 3)
@@ -327,22 +290,22 @@ class Impacts(Measured):
 
     @property
     def speed(self) -> Floats:
-        """Of each impact (N,) [m/s]."""
+        """Impact speeds (N,) [m/s]."""
         return np.concatenate([block.speed for block in self.blocks])
 
     @cached_property
     def speeds(self) -> tuple[float, float]:
-        """The slowest and the fastest impact [m/s]."""
+        """Smallest and largest impact speed [m/s]."""
         return float(self.speed.min()), float(self.speed.max())
 
     @property
     def restitution(self) -> Floats:
-        """ε of each impact (N,)."""
+        """Coefficients of restitution (N,)."""
         return np.concatenate([block.restitution for block in self.blocks])
 
     @property
     def restitution_error(self) -> Floats:
-        """Standard error of each ε by itself (N,), for pictures; fits take the covariances."""
+        """Standard errors of ε (N,), for plots; fits use the covariances."""
         return np.concatenate([np.sqrt(_own_variance(block)) for block in self.blocks])
 
     @property
@@ -387,25 +350,16 @@ def _block_deviations(block: Block, curve: Chebyshev, scatter: float) -> tuple[F
 
 @dataclass(frozen=True, eq=False)
 class Rebounds(Measured):
-    """Drops of a column, of which one number was measured each; made by :meth:`of_column`.
+    """Drops of a column, with one measured value each; made by :meth:`of_column`."""
 
-    Examples
-    --------
-    >>> rebounds = hl.Rebounds.of_column(
-    ...     hl.Column.paper(), "top_height", [0.8, 0.9], error=0.02, gap=[1e-3, 1e-2]
-    ... )
-    >>> rebounds.n, rebounds.has_errors
-    (2, True)
-    """
+    kind: ClassVar[str] = "rebounds"  #: kind of data
+    what: ClassVar[str] = "rebounds of a column"  #: what was measured
 
-    kind: ClassVar[str] = "rebounds"  #: a word for what was measured
-    what: ClassVar[str] = "rebounds of a column"  #: the same as a phrase
-
-    columns: tuple[Column, ...]  #: their law is replaced by the one that is tried
+    columns: tuple[Column, ...]  #: the columns; a fit replaces their law
     observable: str  #: a key of ``OBSERVED``
-    values: Floats  #: what was measured (N,) [m/s] or [m]
-    error: Floats  #: its standard errors
-    varied: dict[str, Floats]  #: what differs from drop to drop
+    values: Floats  #: measured values (N,) [m/s] or [m]
+    error: Floats  #: standard errors (N,)
+    varied: dict[str, Floats]  #: gap or height of each drop
 
     @classmethod
     def of_column(
@@ -418,20 +372,20 @@ class Rebounds(Measured):
         gap: Values | None = None,
         height: Values | None = None,
     ) -> Rebounds:
-        """Drops of a column of two or more balls, of which one number was measured each.
+        """Drops of a column of two or more balls, with one measured value each.
 
         Parameters
         ----------
         column : Column
-            Balls, gaps and height; its law is replaced by the ones that are tried.
+            Balls, gaps and height; a fit replaces its law.
         observable : {"separation_velocity", "top_velocity", "top_height"}
-            What was measured: as ``Result.separation_velocity``, or the last of ``final_velocities`` or
-            ``rebound_heights``.
+            ``Result.separation_velocity``, or the last value of ``Result.final_velocities`` or
+            ``Result.rebound_heights``.
         values : N numbers [m/s] or [m]
         error : number or N numbers
             Standard errors.
         gap, height : N numbers [m], optional
-            Of each drop, where they differ from those of the column; a gap is that of all neighbours.
+            For each drop, if different from the column; the gap between all neighbours.
 
         Returns
         -------
@@ -440,18 +394,7 @@ class Rebounds(Measured):
         Raises
         ------
         ValueError
-            If a value is outside its range, or there are not as many of one as of the other; names its place.
-
-        Examples
-        --------
-        >>> drop, gaps = hl.Column.paper(restitution=0.8), [1e-3, 3e-3, 1e-2]
-        >>> seen = [hl.newton(drop.replace(gaps=gap)).separation_velocity for gap in gaps]
-        >>> rebounds = hl.Rebounds.of_column(
-        ...     drop, "separation_velocity", seen, error=0.05, gap=gaps
-        ... )
-        >>> found = hl.fit(rebounds, "linear", fixed={"stiffness": 5e7}, compare=False)
-        >>> round(found.law.restitution, 3)
-        0.8
+            If a value is outside its range, or the lengths differ; names the position.
         """
         if not isinstance(column, Column) or not column.floor or len(column.balls) < 2:
             raise ValueError(
@@ -503,7 +446,7 @@ class Rebounds(Measured):
         return white, float(np.log(variance).sum())
 
     def predicted(self, candidate: Candidate, law: Law) -> Floats:
-        """What the law gives for each drop; NaN where the balls do not part.
+        """Prediction of the law for each drop; NaN if the balls do not separate.
 
         :meta private:
         """
@@ -577,7 +520,7 @@ def _errors(name: str, given: Any, drops: Sequence[Floats]) -> list[Floats]:
 
 
 def _refuse_coarse(name: str, error: Floats, value: Floats) -> None:
-    """Errors are carried along to first order."""
+    """Refuse errors too large for propagation to first order."""
     bad = np.flatnonzero(error > LARGEST_ERROR * np.abs(value))
     if bad.size:
         i = int(bad[0])
@@ -587,11 +530,11 @@ def _refuse_coarse(name: str, error: Floats, value: Floats) -> None:
 
 
 def _refuse_higher(name: str, before: Floats, after: Floats, sigma: Floats, shift: int) -> None:
-    """A ball rebounds no higher than it fell from, but for the errors of both heights."""
+    """Refuse a rebound above the drop height by more than the errors of both."""
     for i in np.flatnonzero(after > before + SLACK * sigma):
         raise ValueError(
             f"{name}[{i + shift}]: got a rebound of {after[i]:.6g} m after a fall from {before[i]:.6g} m, must not be "
-            f"higher, or by {SLACK:g} errors at most"
+            f"higher by more than {SLACK:g} errors"
         )
 
 
@@ -603,5 +546,5 @@ def _refuse_gaps(name: str, t: Floats, sigma: Floats) -> None:
     for i in np.flatnonzero(flight[1:] > flight[:-1] + slack):
         raise ValueError(
             f"{name}[{i + 2}]: got a flight of {flight[i + 1]:.6g} s after one of {flight[i]:.6g} s, must be "
-            "shorter: a bounce is missing, or a sound is none"
+            "shorter: an impact is missing, or a time is not an impact"
         )

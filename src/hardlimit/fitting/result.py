@@ -1,4 +1,4 @@
-"""What a fit found: parameters with intervals, χ² and its probability, and whether the law describes the data."""
+"""Result of a fit: parameters with intervals, χ² and its probability, and a verdict on the law."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from ..contact.contact import RESTITUTION, Contact, Law
 from ..support import html
+from ..support.estimate import Estimate
+from ..support.formatting import listed
 from .candidates import IMPACT_SPEED, Candidate
-from .likelihood import SCATTER, Estimate, Minimum, chi_square_probability
+from .likelihood import SCATTER, Minimum, chi_square_probability
 from .measurements import Impacts, Measured, Rebounds
 
 if TYPE_CHECKING:
@@ -21,33 +23,23 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-#: A law that gives the data a smaller probability than this does not describe them.
+#: A law does not describe the data if the probability of χ² is smaller than this.
 UNLIKELY: Final = 0.01
-#: A law with an AIC larger than the best by this is hardly supported (Burnham & Anderson 2002).
+#: A law has little support if its AIC exceeds the best by this (Burnham & Anderson 2002).
 WORSE: Final = 10.0
 
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One law tried on the data; made by :func:`hardlimit.fit`.
+    """One law fitted to the data; made by :func:`hardlimit.fit`.
 
     Notes
     -----
     Akaike's criterion: IEEE Trans. Autom. Control 19, 716 (1974).
-
-    Examples
-    --------
-    >>> impacts = hl.Impacts.of_restitution(
-    ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
-    ... )
-    >>> for trial in hl.fit(impacts, "viscoelastic").trials:
-    ...     print(f"{trial.name}: χ² {trial.chi_square:.1f}, AIC {trial.aic:.1f}")
-    viscoelastic: χ² 0.2, AIC -27.2
-    one ε (linear, tsuji): χ² 158.3, AIC 131.0
     """
 
-    candidate: Candidate  #: the law, what is free in it and what is held
-    minimum: Minimum  #: where its likelihood is largest
+    candidate: Candidate  #: the law with its free and held parameters
+    minimum: Minimum  #: maximum of its likelihood
 
     def __repr__(self) -> str:
         return f"<Trial of {self.name}: χ² {self.chi_square:.4g}, AIC {self.aic:.4g}>"
@@ -59,7 +51,7 @@ class Trial:
 
     @property
     def n_parameters(self) -> int:
-        """Free parameters, the scatter included."""
+        """Number of free parameters, including the scatter."""
         return len(self.minimum.estimates)
 
     @property
@@ -70,12 +62,12 @@ class Trial:
 
     @property
     def chi_square(self) -> float:
-        """χ² of the deviations; with a fitted scatter it is near the number of values whatever the law."""
+        """χ² of the deviations; with a fitted scatter it is about the number of values for any law."""
         return self.minimum.chi_square
 
     @property
     def degrees(self) -> int:
-        """Values less free parameters."""
+        """Degrees of freedom: values minus free parameters."""
         return self.minimum.deviations.size - self.n_parameters
 
     @property
@@ -87,7 +79,7 @@ class Trial:
 
     @property
     def aic(self) -> float:
-        """Akaike's criterion, −2 ln L + 2 × free parameters; only differences mean anything."""
+        """Akaike's criterion, −2 ln L + 2 × free parameters; only differences have a meaning."""
         return self.minimum.minus_two_log_likelihood + 2.0 * self.n_parameters
 
 
@@ -105,48 +97,47 @@ class Fit:
     ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
     ... )
     >>> found = hl.fit(impacts, "viscoelastic")
-    >>> f"χ² = {found.chi_square:.2f}, p = {found.probability:.2f}"
-    'χ² = 0.18, p = 0.91'
-    >>> [trial.name for trial in found.trials]  # the best first
-    ['viscoelastic', 'one ε (linear, tsuji)']
+    >>> for trial in found.trials:  # the best first
+    ...     print(f"{trial.name}: χ² {trial.chi_square:.1f}, AIC {trial.aic:.1f}")
+    viscoelastic: χ² 0.2, AIC -27.2
+    one ε (linear, tsuji): χ² 158.3, AIC 131.0
     >>> found.contact.restitution([0.01, 50.0]).round(3)
     array([0.974, 0.866])
     """
 
-    data: Measured  #: what was measured
-    chosen: Trial  #: the law that was asked for
+    data: Measured  #: the measurements
+    chosen: Trial  #: the requested law
     others: tuple[Trial, ...]  #: the other laws, for comparison
-    confidence: float  #: of the intervals
+    confidence: float  #: confidence level of the intervals
 
     @property
     def law(self) -> Law:
-        """The law with the most likely parameters; what the data cannot tell is held (``notes``)."""
+        """The law with the most likely parameters; parameters without effect on the data are held (``notes``)."""
         return self.chosen.law
 
     @property
-    def parameters(self) -> Mapping[str, Estimate]:
-        """Each fitted parameter: value, standard error, and the ends of its interval."""
+    def parameters(self) -> Mapping[str, Estimate[float]]:
+        """Fitted parameters by name, with standard errors and intervals."""
         return {k: v for k, v in self.chosen.minimum.estimates.items() if k != SCATTER}
 
     @property
-    def scatter(self) -> Estimate | None:
-        """Standard deviation of the measured quantity from one impact to the next, beyond its errors; None unless
-        it was fitted."""
+    def scatter(self) -> Estimate[float] | None:
+        """Standard deviation of the measured quantity between impacts, beyond its errors; None unless fitted."""
         return self.chosen.minimum.estimates.get(SCATTER)
 
     @property
     def covariance(self) -> Floats:
-        """Of the fitted parameters in their order, the scatter last."""
+        """Covariance of the fitted parameters in their order, the scatter last."""
         return self.chosen.minimum.covariance
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the data cannot tell and at which value it is held."""
+        """Parameters that the data do not determine, and the values at which they are held."""
         return self.chosen.candidate.notes
 
     @property
     def deviations(self) -> Floats:
-        """Data less law in units of their errors, made independent of each other."""
+        """Data minus law, decorrelated and in standard errors."""
         return self.chosen.minimum.deviations
 
     @property
@@ -156,7 +147,7 @@ class Fit:
 
     @property
     def degrees(self) -> int:
-        """Values less free parameters."""
+        """Degrees of freedom: values minus free parameters."""
         return self.chosen.degrees
 
     @property
@@ -166,17 +157,17 @@ class Fit:
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        """All laws tried, the best Akaike criterion first."""
+        """All fitted laws, the smallest Akaike criterion first."""
         return tuple(sorted((self.chosen, *self.others), key=lambda trial: trial.aic))
 
     @property
     def contact(self) -> Contact:
-        """The contact of the ball, under the fitted law."""
+        """The contact of the ball under the fitted law."""
         return self.law.between(self.chosen.candidate.ball, self.chosen.candidate.other)
 
     @property
-    def dissipation(self) -> Estimate | None:
-        """A (ρ/m_eff)^(2/5) [(s/m)^(1/5)] of viscoelastic spheres: all that ε(v) tells; None for other laws.
+    def dissipation(self) -> Estimate[float] | None:
+        """A (ρ/m_eff)^(2/5) [(s/m)^(1/5)] of viscoelastic spheres, which determines ε(v); None for other laws.
 
         x = (3/2) A (ρ/m_eff)^(2/5) v^(1/5) is the argument of ε(x) (Müller & Pöschel 2011, Eq. B3).
         """
@@ -205,18 +196,11 @@ class Fit:
         return verdict(self.chosen, self.others, self.data.n)
 
     def plot(self) -> Figure:
-        """Data and laws, and the deviations in units of their errors.
+        """Plot data and laws, and the deviations in standard errors.
 
         Returns
         -------
         matplotlib.figure.Figure
-
-        Examples
-        --------
-        >>> impacts = hl.Impacts.of_restitution(
-        ...     [0.05, 0.5, 5.0], [0.965, 0.944, 0.912], 0.003
-        ... )
-        >>> hl.fit(impacts, "viscoelastic").plot().savefig("fit.svg")
         """
         from .. import plots
 
@@ -236,7 +220,7 @@ class Fit:
 
 
 def verdict(chosen: Trial, others: Sequence[Trial], n: int) -> str:
-    """Whether the law describes the data, and how the others compare, in one sentence."""
+    """One sentence: whether the law describes the data, and how the others compare."""
     said = _alone(chosen, n)
     better = [t for t in others if t.aic < chosen.aic - WORSE]
     worse = [t for t in others if t.aic > chosen.aic + WORSE]
@@ -245,7 +229,8 @@ def verdict(chosen: Trial, others: Sequence[Trial], n: int) -> str:
         return f"{said}; {best.name} does better by {chosen.aic - best.aic:.3g} in AIC{_own(best)}"
     if worse and len(worse) == len(others):
         margin = min(t.aic for t in worse) - chosen.aic
-        return f"{said}; {_names(worse)} do{'es' if len(worse) == 1 else ''} worse by {margin:.3g} or more in AIC"
+        verb = "does" if len(worse) == 1 else "do"
+        return f"{said}; {_names(worse)} {verb} worse by {margin:.3g} or more in AIC"
     near = [t for t in others if t not in worse]
     return f"{said}; {_names(near)} cannot be told from it (AIC within {WORSE:g})" if near else said
 
@@ -255,7 +240,7 @@ def _alone(trial: Trial, n: int) -> str:
         scatter = trial.minimum.estimates[SCATTER].value
         return f"{trial.name} leaves a scatter of {scatter:.2g} of {n} values about their mean"
     if trial.degrees < 1:
-        return f"{trial.name} has as many parameters as there are values, so nothing is left to test it"
+        return f"{trial.name} has as many parameters as there are values, so that it cannot be tested"
     if trial.probability < UNLIKELY:
         return f"{trial.name} cannot describe the data: {_chi(trial)}"
     return f"{trial.name} describes the data: {_chi(trial)}"
@@ -270,15 +255,14 @@ def _own(trial: Trial) -> str:
 
 
 def _names(trials: Sequence[Trial]) -> str:
-    *first, last = [trial.name for trial in trials]
-    return f"{', '.join(first)} and {last}" if first else last
+    return listed([trial.name for trial in trials])
 
 
 def as_mapping(fit: Fit) -> dict[str, Any]:
-    """Everything in plain values, SI units."""
+    """Everything as plain values in SI units."""
 
-    def plain(e: Estimate | None) -> dict[str, float] | None:
-        return None if e is None else {"value": e.value, "error": e.error, "lower": e.lower, "upper": e.upper}
+    def plain(e: Estimate[float] | None) -> dict[str, float] | None:
+        return None if e is None else e._asdict()
 
     points: dict[str, Any] = {"deviation": fit.deviations}
     if isinstance(fit.data, Impacts):

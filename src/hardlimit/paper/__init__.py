@@ -1,7 +1,7 @@
-"""Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), end to end: every figure, and what the text states.
+"""Müller and Pöschel, Phys. Rev. E 83, 041304 (2011): all figures and the statements of the text.
 
-``setup`` holds the paper's columns, ``figure2`` … ``figure8`` compute the data of one figure each,
-``drawings`` draws them, ``statements``, ``misprints`` and ``density`` compare with the text.
+``setup`` has the paper's columns. ``figure2`` … ``figure8`` each have the data, the drawing and the statements
+of a figure; ``collisions``, ``density`` and ``misprints`` check what the text states without a figure.
 """
 
 from __future__ import annotations
@@ -9,29 +9,25 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from ..column.scenario import PAPER_DENSITY
+from ..plots.style import checked_resolution, save, style
 from ..support import saving, validation
 from . import density as inference
-from . import misprints, statements
-from .data import FIGURES, Data
+from .caption import write_caption
+from .misprints import MISPRINTS
+from .registry import FIGURES, STATEMENTS
 from .report import Report, Row
-from .setup import Setup
+from .setup import Paper
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "FORMATS", "Report", "Row", "run"]
+__all__ = ["FIGURES", "FORMATS", "Report", "Row", "draw", "run"]
 
 FORMATS: Final = ("png", "pdf", "svg")
-
-#: Called with the part done, 0 to 1, and what is being done.
-Progress = Callable[[float, str], object]
-
-#: Rough shares of the running time.
-_WEIGHTS: Final = {2: 1.0, 3: 1.5, 4: 20.0, 5: 1.0, 6: 1.0, 7: 3.0, 8: 2.5, "statements": 2.0, "density": 4.0}
 
 
 def run(
@@ -40,7 +36,7 @@ def run(
     density: float = PAPER_DENSITY,
     format: str = "png",
     infer_density: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[float, str], object] | None = None,
     dpi: float | None = None,
 ) -> Report:
     """Compute the figures and the statements of the paper and write them to a folder.
@@ -48,7 +44,7 @@ def run(
     Parameters
     ----------
     out : path
-        Folder, made if it is missing; holds ``fig2.png``, ``fig2.nc``, … and ``report.md``.
+        Folder, created if missing, for ``fig2.png``, ``fig2.nc``, … and ``report.md``.
     figures : list of int, or text such as "2,3,4", optional
         All by default. Statements that need an omitted figure are omitted as well.
     density : float [kg/m³]
@@ -59,7 +55,7 @@ def run(
     progress : callable(part, text), optional
         ``part`` runs from 0 to 1.
     dpi : float, optional
-        Resolution of the pictures [dots per inch], 20 to 2400; 200 by default, 300 is what journals ask for.
+        Resolution of the pictures [dots per inch], 20 to 2400; 200 by default. Journals ask for 300.
 
     Raises
     ------
@@ -69,29 +65,38 @@ def run(
     """
     started = time.perf_counter()
     chosen = _figures(figures)
-    setup = Setup(validation.number("density", density, 0.0))
+    weights = {f"Fig. {number}": FIGURES[number].WEIGHT for number in chosen} | {
+        "statements of the text": 2.0
+    }
+    track = _Track(weights | ({"density": 4.0} if infer_density else {}), progress)
+    paper = Paper(validation.number("density", density, 0.0), track.within)
     if format not in FORMATS:
         raise ValueError(f"format: got {format!r}, must be one of {', '.join(FORMATS)}")
-    look = _Look(format, _resolution(dpi))
+    resolution = checked_resolution(dpi)
     folder = _writable(out)
-    steps: list[Any] = [*chosen, "statements", *(["density"] if infer_density else [])]
-    track = _Track(steps, progress)
+    report = Report(folder, paper.density)
 
-    report = Report(folder, setup.density)
-    data = Data(setup, track.within)
+    def write(name: str, figure: Figure, data: xr.Dataset) -> None:
+        picture = save(figure, folder / f"{name}.{format}", resolution)
+        compressed = {"zlib": True, "complevel": 4, "shuffle": True}
+        large = {key: compressed for key, values in data.variables.items() if values.size > 10_000}
+        report.files += [picture, saving.dataset(data, folder / f"{name}.nc", large)]
+
     for number in chosen:
-        track.begin(number, f"Fig. {number}")
-        report.files += _write_figure(folder, number, data, look)
-        report.meanings[number] = str(data.figure(number).attrs["meaning"])
-        report.choices[number] = str(data.figure(number).attrs["choices"])
-    track.begin("statements", "statements of the text")
-    report.rows = statements.rows(data, chosen, track.within)
+        track.begin(f"Fig. {number}")
+        data = paper.figure(number)
+        write(f"fig{number}", draw(number, data), data)
+        report.meanings[number] = str(data.attrs["meaning"])
+        report.choices[number] = str(data.attrs["choices"])
+    track.begin("statements of the text")
+    report.rows = STATEMENTS.rows(paper, chosen, progress=track.within)
     scan = None
     if infer_density:
-        track.begin("density", "density")
+        track.begin("density")
         scan = inference.infer(track.within)
-        report.files += _write_density(folder, scan.assign_attrs(data.attributes("Fig. 3 and text")), look)
-    report.rows += [*inference.rows(setup, scan), *misprints.rows(setup)]
+        described = scan.assign_attrs(paper.attributes("Fig. 3 and text"))
+        write("density", inference.draw(described), described)
+    report.rows += [*inference.rows(paper, scan), *MISPRINTS.rows(paper)]
     report.wall_time = time.perf_counter() - started
     page = folder / "report.md"
     saving.write(page, report.to_markdown().encode())
@@ -100,14 +105,16 @@ def run(
     return report
 
 
-def _resolution(dpi: float | None) -> float:
-    from ..plots.style import checked_resolution  # drawing is imported when something is drawn
-
-    return checked_resolution(dpi)
+def draw(number: int, data: xr.Dataset) -> Figure:
+    """The picture of a figure, with a caption: the parameters, and a sentence for users of event-driven simulations."""
+    with style():
+        figure = FIGURES[number].draw(data)
+        write_caption(figure, data)
+    return figure
 
 
 def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
-    """The figures asked for, in order and once each."""
+    """The chosen figures in order, without repetitions."""
     if figures is None:
         return tuple(FIGURES)
     if isinstance(figures, int):
@@ -126,7 +133,7 @@ def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
 
 
 def _writable(out: str | Path) -> Path:
-    """The folder, made, and seen to take a file."""
+    """Create the folder and check that a file can be written to it."""
     folder = Path(out)
     probe = folder / ".hardlimit-write-test"
     try:
@@ -139,67 +146,26 @@ def _writable(out: str | Path) -> Path:
     return folder
 
 
-class _Look(NamedTuple):
-    """How the pictures are written."""
-
-    format: str
-    dpi: float
-
-
-def _write_figure(folder: Path, number: int, data: Data, look: _Look) -> list[Path]:
-    from . import drawings
-
-    return _write(
-        folder / f"fig{number}", drawings.draw(number, data.figure(number)), data.figure(number), look
-    )
-
-
-def _write_density(folder: Path, scan: xr.Dataset, look: _Look) -> list[Path]:
-    from . import drawings
-
-    return _write(folder / "density", drawings.density(scan), scan, look)
-
-
-def _write(stem: Path, figure: Figure, data: xr.Dataset, look: _Look) -> list[Path]:
-    """One figure as a picture and as data."""
-    from ..plots.style import save
-
-    picture = save(figure, stem.with_name(f"{stem.name}.{look.format}"), look.dpi)
-    return [picture, _write_data(data, stem.with_name(f"{stem.name}.nc"))]
-
-
-def _write_data(data: xr.Dataset, path: Path) -> Path:
-    large = {
-        name: {"zlib": True, "complevel": 4, "shuffle": True}
-        for name, v in data.variables.items()
-        if v.size > 10_000
-    }
-    return saving.dataset(data, path, large)
-
-
 class _Track:
-    """Turns the progress of single steps into the part of the whole."""
+    """Progress of the whole from the progress of single steps, which take times in proportion to ``weights``."""
 
-    def __init__(self, steps: list[Any], progress: Progress | None) -> None:
-        self._steps = steps
-        self._progress = progress
-        self._total = sum(_WEIGHTS[step] for step in steps)
+    def __init__(self, weights: dict[str, float], progress: Callable[[float, str], object] | None) -> None:
+        self._weights = weights
+        self._progress = progress or (lambda part, text: None)
         self._before = 0.0
-        self._step: Any = None
-        self._text = ""
+        self._step = ""
 
-    def begin(self, step: Any, text: str) -> None:
-        """The next step starts."""
-        done = self._steps[: self._steps.index(step)]
-        self._before, self._step, self._text = sum(_WEIGHTS[s] for s in done), step, text
+    def begin(self, step: str) -> None:
+        """Start the next step."""
+        self._before += self._weights.get(self._step, 0.0)
+        self._step = step
         self.within(0.0)
 
     def within(self, part: float) -> None:
-        """Part of the present step that is done."""
-        if self._progress is not None and self._step is not None:
-            self._progress((self._before + part * _WEIGHTS[self._step]) / self._total, self._text)
+        """Report the finished part of the present step."""
+        done = self._before + part * self._weights[self._step]
+        self._progress(done / sum(self._weights.values()), self._step)
 
     def end(self) -> None:
-        """All steps are done."""
-        if self._progress is not None:
-            self._progress(1.0, "done")
+        """Report that all steps are done."""
+        self._progress(1.0, "done")

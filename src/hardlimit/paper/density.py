@@ -7,12 +7,14 @@ from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
+from matplotlib.figure import Figure
 
 from ..column.solvers import newton
-from ..sweep import sweep
+from ..plots.style import PAGE_WIDTH, style
+from .drawing import BLUE, RED
 from .report import Row
-from .sampling import Array
-from .setup import Setup
+from .sampling import Array, bisect, counts_over, variable
+from .setup import Paper
 
 #: The facts: contacts at ε = 1, and the tips of the two uppermost spikes, to half a unit of the last digit.
 CONTACTS_AT_ONE = 3
@@ -25,30 +27,19 @@ COARSE = 20.0
 FINE = 1.0
 
 
-def spike_tips(setup: Setup, lowest: float = 0.62) -> list[float]:
+def spike_tips(paper: Paper, lowest: float = 0.62) -> list[float]:
     """ε below which one more contact follows after the floor contact: the two highest (NaN: none)."""
-    column = setup.linear()
     grid = np.linspace(lowest, 1.0, 381)
-    tips: list[float] = []
-    while len(tips) < 2:
-        count = sweep(column, restitution=grid, variables=["n_contacts"])["n_contacts"].values.astype(int)
-        rising = np.flatnonzero(np.diff(count) < 0)  # towards small ε
-        if rising.size <= len(tips):
-            break
-        low, high = grid[rising[-1 - len(tips)]], grid[rising[-1 - len(tips)] + 1]
-        tips.append(_bisect(setup, float(low), float(high)))
+    rising = np.flatnonzero(np.diff(counts_over(paper.linear(), restitution=grid)) < 0)  # towards small ε
+    tips = []
+    for i in rising[::-1][:2]:
+        count = newton(paper.linear(float(grid[i]))).n_contacts
+
+        def below(epsilon: float, count: int = count) -> bool:
+            return newton(paper.linear(epsilon)).n_contacts >= count
+
+        tips.append(0.5 * sum(bisect(float(grid[i]), float(grid[i + 1]), below, 1e-7)))
     return (tips + [float("nan")] * 2)[:2]
-
-
-def _bisect(setup: Setup, low: float, high: float) -> float:
-    below = newton(setup.linear(low)).n_contacts
-    while high - low > 1e-7:
-        middle = 0.5 * (low + high)
-        if newton(setup.linear(middle)).n_contacts >= below:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
 
 
 def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset:
@@ -57,8 +48,8 @@ def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset
 
     def add(densities: Array, start: float, share: float) -> None:
         for i, rho in enumerate(densities):
-            setup = Setup(float(rho))
-            found[float(rho)] = newton(setup.linear(1.0)).n_contacts, spike_tips(setup)
+            paper = Paper(float(rho))
+            found[float(rho)] = newton(paper.linear(1.0)).n_contacts, spike_tips(paper)
             progress(start + share * (i + 1) / len(densities))
 
     add(np.arange(RANGE[0], RANGE[1] + COARSE, COARSE), 0.0, 0.5)
@@ -72,38 +63,60 @@ def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset
     holds = (counts == CONTACTS_AT_ONE) & np.all(np.abs(tips - SPIKES) <= HALF_DIGIT, axis=1)
     return xr.Dataset(
         {
-            "n_contacts_elastic": ("density", counts, {"units": "1", "long_name": "contacts at ε = 1"}),
-            "spike": (
-                ("density", "tip"),
-                tips,
-                {"units": "1", "long_name": "ε at the tip of a spike of Fig. 3"},
-            ),
-            "holds": (
-                "density",
-                holds.astype(np.int8),
-                {"units": "1", "long_name": "1 where all stated facts hold"},
-            ),
+            "n_contacts_elastic": variable("density", counts, "1", "contacts at ε = 1"),
+            "spike": variable(("density", "tip"), tips, "1", "ε at the tip of a spike of Fig. 3"),
+            "holds": variable("density", holds.astype(np.int8), "1", "1 where all stated facts hold"),
         },
         coords={
-            "density": ("density", density, {"units": "kg/m3", "long_name": "density of both balls"}),
-            "tip": ("tip", [1, 2], {"units": "1", "long_name": "number of the spike, highest first"}),
-            "printed": ("tip", list(SPIKES), {"units": "1", "long_name": "as the paper prints it"}),
+            "density": variable("density", density, "kg/m3", "density of both balls"),
+            "tip": variable("tip", [1, 2], "1", "number of the spike, highest first"),
+            "printed": variable("tip", list(SPIKES), "1", "as the paper prints it"),
         },
         attrs={"half_digit": HALF_DIGIT},
     )
 
 
-def rows(setup: Setup, scan: xr.Dataset | None) -> list[Row]:
+def draw(scan: xr.Dataset) -> Figure:
+    """The tips of the two uppermost spikes over the density, the printed values, and where all facts hold."""
+    with style():
+        figure = Figure(figsize=(PAGE_WIDTH * 0.7, 3.4))
+        ax = figure.subplots()
+        x, holds = scan["density"].values, scan["holds"].values == 1
+        near = x[holds] if holds.any() else x
+        shown = (x > near[0] - 150.0) & (x < near[-1] + 150.0)
+        half = float(scan.attrs["half_digit"])
+        for i, (printed, colour) in enumerate(zip(scan["printed"].values, (BLUE, RED), strict=True)):
+            ax.axhspan(printed - half, printed + half, color=colour, alpha=0.18, lw=0)
+            label = rf"spike at $\varepsilon\approx{printed:g}$ in the paper"
+            ax.plot(x[shown], scan["spike"].values[shown, i], color=colour, label=label)
+        if holds.any():
+            ax.axvspan(near[0], near[-1], color="#888888", alpha=0.25, lw=0)
+            ax.annotate(
+                f"{0.5 * (near[0] + near[-1]):.0f} ± {0.5 * (near[-1] - near[0]):.0f} kg/m³",
+                (near[-1], 0.5),
+                (6, 0),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                va="center",
+            )
+        ax.set_xlim(x[shown][0], x[shown][-1])
+        ax.set_xlabel("density [kg/m³]")
+        ax.set_ylabel(r"$\varepsilon$ at the tip of the spike")
+        ax.legend(loc="upper left")
+    return figure
+
+
+def rows(paper: Paper, scan: xr.Dataset | None) -> list[Row]:
     """The density row of the table, and with a scan where the facts hold."""
-    tips = spike_tips(setup)
-    n = newton(setup.linear(1.0)).n_contacts
+    tips = spike_tips(paper)
+    n = newton(paper.linear(1.0)).n_contacts
     good = n == CONTACTS_AT_ONE and all(abs(a - b) <= HALF_DIGIT for a, b in zip(tips, SPIKES, strict=True))
     found = [
         Row(
             "No density is printed; with the one used here the stated facts (3 contacts at ε = 1, spikes "
             "at ε ≈ 0.78 and 0.67) must come out",
             "Sec. IV A",
-            f"ρ = {setup.density:g} kg/m³: {n} contacts, spikes at {tips[0]:.4f} and {tips[1]:.4f}",
+            f"ρ = {paper.density:g} kg/m³: {n} contacts, spikes at {tips[0]:.4f} and {tips[1]:.4f}",
             "yes" if good else "no",
             "density",
         )
@@ -115,7 +128,7 @@ def rows(setup: Setup, scan: xr.Dataset | None) -> list[Row]:
             result = f"all facts hold from {held[0]:g} to {held[-1]:g}: ρ = {middle:.0f} ± {half:.0f} kg/m³"
         else:
             result = "no density scanned satisfies all facts"
-        inside = held.size > 0 and held[0] <= setup.density <= held[-1]
+        inside = held.size > 0 and held[0] <= paper.density <= held[-1]
         found.append(
             Row(
                 f"Density inferred by a scan of {RANGE[0]:g}–{RANGE[1]:g} kg/m³ for those facts",

@@ -1,4 +1,4 @@
-"""What `hardlimit paper` hands back: files, sentences, and the table of statements."""
+"""Result of `hardlimit paper`: files, the table of statements, a sentence for each figure."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 Agreement = Literal["yes", "partly", "no", "misprint"]
+Kind = Literal["statement", "misprint", "density"]
 
-#: What a verdict means, in the order in which a reader should see them: what deviates first.
+#: Meaning of each verdict, deviations first.
 VERDICTS: Final[dict[Agreement, str]] = {
     "no": "does not agree",
     "partly": "agrees in part",
@@ -23,29 +24,27 @@ class Row:
 
     statement: str  #: in our words
     where: str  #: in the paper
-    result: str  #: what we get
+    result: str  #: what comes out here
     agrees: Agreement
-    kind: Literal["statement", "misprint", "density"] = "statement"
+    kind: Kind = "statement"
 
 
 @dataclass
 class Report:
-    """All that one run produced."""
+    """Result of one run."""
 
     out: Path
     density: float
     files: list[Path] = field(default_factory=list)
-    meanings: dict[int, str] = field(
-        default_factory=dict
-    )  #: figure → what it means for event-driven simulations
-    choices: dict[int, str] = field(
-        default_factory=dict
-    )  #: figure → what the paper leaves open and was chosen here
+    #: Figure → what it means for event-driven simulations.
+    meanings: dict[int, str] = field(default_factory=dict)
+    #: Figure → what the paper leaves open and is chosen here.
+    choices: dict[int, str] = field(default_factory=dict)
     rows: list[Row] = field(default_factory=list)
     wall_time: float = 0.0  #: [s]
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain lists and strings, for JSON."""
+        """As lists and strings for JSON."""
         return {
             "out": str(self.out),
             "density": self.density,
@@ -57,7 +56,7 @@ class Report:
         }
 
     def chosen(self, kind: str, *agrees: Agreement) -> list[Row]:
-        """The rows of one kind, with one of the verdicts if any are named, in the order of the paper."""
+        """The rows of one kind in the order of the paper, restricted to the given verdicts if any."""
         return [row for row in self.rows if row.kind == kind and (not agrees or row.agrees in agrees)]
 
     def summary(self) -> str:
@@ -71,7 +70,7 @@ class Report:
         )
 
     def to_markdown(self) -> str:
-        """The report as a page of text: what deviates first, then the rest, then the figures."""
+        """The report as Markdown: deviations first, then agreement, then the figures."""
         lines = [
             "# Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), computed",
             "",
@@ -92,7 +91,7 @@ class Report:
 
 
 def _section(title: str, rows: list[Row]) -> list[str]:
-    """A table under its heading; nothing without rows."""
+    """A heading and a table; empty without rows."""
     if not rows:
         return []
     lines = ["", f"## {title}", "", "| verdict | statement | where | what comes out |", "|---|---|---|---|"]

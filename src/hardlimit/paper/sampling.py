@@ -1,10 +1,10 @@
-"""Sampling over one parameter: contacts of many drops, points gathered where their number jumps."""
+"""Sampling over one parameter or two: contacts of many drops, refinement at jumps, shares of an axis or a map."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,16 +18,21 @@ from ..sweep import sweep
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-SECONDS: Final = {"units": "s", "long_name": "time after the first floor touch"}
+
+def variable(
+    dims: str | tuple[str, ...], values: Any, units: str, long_name: str = "time after the first floor touch"
+) -> tuple[Any, ...]:
+    """A variable of a Dataset with its unit and meaning."""
+    return dims, values, {"units": units, "long_name": long_name}
 
 
 def refine(
     count: Callable[[Array], Counts], values: Array, tolerance: float = 1e-9, logarithmic: bool = False
-) -> tuple[Array, Counts]:
+) -> Array:
     """Halve every interval over which the count changes until it is narrower than ``tolerance`` (relative).
 
-    Returns all values at which the count was taken, ascending, and the counts: between two neighbours that
-    differ lies a jump, known to ``tolerance``, and the halving leaves points that crowd towards it.
+    Returns all sampled values, ascending: each jump is bracketed to ``tolerance``, with points that crowd
+    towards it.
     """
     x = np.unique(np.asarray(values, dtype=np.float64))
     n = count(x)
@@ -38,24 +43,18 @@ def refine(
             break
         middle = np.sqrt(x[at] * x[at + 1]) if logarithmic else 0.5 * (x[at] + x[at + 1])
         x, n = np.insert(x, at + 1, middle), np.insert(n, at + 1, count(middle))
-    return x, n
+    return x
 
 
-def jumps(values: Array, counts: Counts) -> list[tuple[float, int, int]]:
-    """(position, count below, count above) of every jump of a refined sampling."""
-    at = np.flatnonzero(np.diff(counts))
-    return [(float(0.5 * (values[i] + values[i + 1])), int(counts[i]), int(counts[i + 1])) for i in at]
+def counts_over(column: Column, model: str = "newton", **swept: Array) -> Counts:
+    """The number of ball–ball contacts over one or two parameters."""
+    axes: dict[str, Any] = dict(swept)
+    return sweep(column, model=model, variables=["n_contacts"], **axes)["n_contacts"].values.astype(np.int64)
 
 
-def counts_of(column: Column, name: str, model: str = "newton", **fixed: float) -> Callable[[Array], Counts]:
+def counts_of(column: Column, name: str, model: str = "newton") -> Callable[[Array], Counts]:
     """The number of ball–ball contacts as a function of an array of values of one parameter."""
-
-    def count(values: Array) -> Counts:
-        swept: dict[str, Any] = {name: values, **fixed}
-        found = sweep(column, model=model, variables=["n_contacts"], **swept)
-        return found["n_contacts"].values.astype(np.int64)
-
-    return count
+    return lambda values: counts_over(column, model, **{name: values})
 
 
 def sequences(
@@ -65,31 +64,28 @@ def sequences(
     solve: Callable[[Column], Result] = newton,
     prefix: str = "",
 ) -> xr.Dataset:
-    """Begin and end of every ball–ball contact, for each value; shorter sequences are filled up with NaN."""
-    begins, ends, floors, finals = [], [], [], []
-    for value in values:
-        result = solve(column(float(value)))
-        table = result.contacts
-        ball_ball = table["pair"].values == 1
-        begins.append(table["begin"].values[ball_ball])
-        ends.append(table["end"].values[ball_ball])
-        floors.append(result.t_floor_end)
-        finals.append(result.t_end)
+    """Begin and end of every ball–ball contact for each value; shorter sequences are padded with NaN."""
+    results = [solve(column(float(value))) for value in values]
+    spans = [ball_contacts(result) for result in results]
     rows = (name, f"{prefix}contact")
+    floor_ends, ends = ([getattr(r, what) for r in results] for what in ("t_floor_end", "t_end"))
     return xr.Dataset(
         {
-            f"{prefix}begin": (rows, _padded(begins), SECONDS),
-            f"{prefix}end": (rows, _padded(ends), SECONDS),
-            f"{prefix}n_contacts": (name, np.array([b.size for b in begins]), {"units": "1"}),
-            f"{prefix}t_floor_end": (
-                name,
-                np.array(floors),
-                SECONDS | {"long_name": "end of the floor contact"},
-            ),
-            f"{prefix}t_end": (name, np.array(finals), SECONDS | {"long_name": "end of the sequence, t_f"}),
+            f"{prefix}begin": variable(rows, _padded([begin for begin, _ in spans]), "s"),
+            f"{prefix}end": variable(rows, _padded([end for _, end in spans]), "s"),
+            f"{prefix}n_contacts": (name, np.array([begin.size for begin, _ in spans]), {"units": "1"}),
+            f"{prefix}t_floor_end": variable(name, np.array(floor_ends), "s", "end of the floor contact"),
+            f"{prefix}t_end": variable(name, np.array(ends), "s", "end of the sequence, t_f"),
         },
-        coords={name: (name, np.asarray(values), {"units": "1", "long_name": "coefficient of restitution"})},
+        coords={name: variable(name, np.asarray(values), "1", "coefficient of restitution")},
     )
+
+
+def ball_contacts(result: Result) -> tuple[Array, Array]:
+    """Begin and end [s] of every ball–ball contact of a drop."""
+    table = result.contacts
+    ball_ball = table["pair"].values == 1
+    return table["begin"].values[ball_ball], table["end"].values[ball_ball]
 
 
 def _padded(rows: list[Array]) -> Array:
@@ -108,33 +104,33 @@ def late_contacts(name: str, data: xr.Dataset, prefix: str = "") -> list[tuple[f
     return [(float(x[i]), float(x[j - 1])) for i, j in zip(edges[::2], edges[1::2], strict=True)]
 
 
+def successive(counts: Counts) -> Counts:
+    """The counts without repetitions of the one before."""
+    return counts[np.flatnonzero(np.diff(counts, prepend=counts[0] - 1))]
+
+
 def maxima(counts: Counts) -> int:
-    """Number of separate local maxima of a sequence of counts (a plateau is one)."""
-    runs = counts[np.flatnonzero(np.diff(counts, prepend=counts[0] - 1))]
-    padded = np.concatenate([[-1], runs, [-1]])
+    """Number of separate local maxima of a sequence of counts; a plateau is one."""
+    padded = np.concatenate([[-1], successive(counts), [-1]])
     return int(np.sum((padded[1:-1] > padded[:-2]) & (padded[1:-1] > padded[2:])))
 
 
-#: One axis of a share: the points, and whether equal factors count alike rather than equal differences.
+#: One axis: its points, and whether it is logarithmic.
 Axis = tuple[Array, bool]
 
 
 def share(holds: NDArray[np.bool_], *axes: Axis) -> float:
-    """Part of a line, or of the area of a map, on which a condition holds; one axis for each dimension.
+    """Part of an axis, or of the area of a map, on which a condition holds.
 
-    Each point stands for the stretch of its axis that is nearest to it, so that the share does not depend on
+    Each point stands for the part of the axis that is nearest to it, so that the share does not depend on
     where the points crowd.
     """
     weights = np.ones(())
     for points, logarithmic in axes:
-        weights = np.multiply.outer(weights, _stretches(np.log(points) if logarithmic else points))
+        x = np.log(points) if logarithmic else points
+        borders = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
+        weights = np.multiply.outer(weights, np.diff(borders))
     return float(np.sum(weights[holds]) / np.sum(weights))
-
-
-def _stretches(x: Array) -> Array:
-    """The length nearest to each of the ascending points, between the first and the last."""
-    borders = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
-    return np.diff(borders)
 
 
 def middles(low: float, high: float, number: int, logarithmic: bool = False) -> Array:
@@ -142,3 +138,13 @@ def middles(low: float, high: float, number: int, logarithmic: bool = False) -> 
     if logarithmic:
         return np.exp(middles(math.log(low), math.log(high), number))
     return low + (high - low) * (np.arange(number) + 0.5) / number
+
+
+def bisect(
+    low: float, high: float, belongs_low: Callable[[float], bool], width: float
+) -> tuple[float, float]:
+    """Halve [low, high] until it is narrower than ``width``; ``belongs_low`` changes from true to false in it."""
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if belongs_low(middle) else (low, middle)
+    return low, high

@@ -1,17 +1,15 @@
-"""Pictures of results. Only drawing: every number comes from a result.
+"""Pictures of results. These modules only draw: every number comes from a result.
 
-All pictures share one style (:func:`style`), one palette that colour-blind readers can tell apart, and one
-colour for each number of contacts (:func:`count_colours`), so that pictures can be compared with each other.
-This module gathers what may be called; each subject has a module of its own.
+All pictures share one style (:func:`style`), a palette for colour-blind readers, and one colour for each
+number of contacts (:func:`count_colours`).
 """
 
 from .contacts import restitution_obtained, restitution_over_speed
-from .drop import drop
 from .fidelity import fidelity
 from .fit import fit
 from .forces import forces
 from .gas import gas
-from .heights import heights
+from .heights import drop, heights
 from .maps import count_map, difference_map, sweep_map
 from .stack import stack
 from .style import count_colours, save, style

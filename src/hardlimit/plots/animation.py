@@ -1,8 +1,7 @@
 """A film of one drop: the fall, the contacts in slow motion, the rebound.
 
-Beside the balls runs a second model as a ghost, usually the independent collisions. During the contacts
-the film is a close-up in which gaps and deformations are drawn larger than the balls; scale and clock stand
-on the picture.
+A second model, usually independent collisions, runs beside it ("ghost"). The contacts are shown as a close-up
+in which gaps and deformations are enlarged more than the balls; the frames state scale and time.
 """
 
 from __future__ import annotations
@@ -10,14 +9,15 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from ..column.solvers import independent
-from ..support import saving, validation
+from ..support import validation
 from . import video
-from .stage import STYLE, CloseUp, Frame, Wide
+from .stage import CloseUp, Wide
 from .storyboard import storyboard
 from .style import style
+from .video import STYLE, Frame
 
 if TYPE_CHECKING:
     from ..column.result import Result
@@ -42,12 +42,12 @@ def animate(
     ----------
     result : Result
     path : path
-        A file is only there when it is complete.
+        The file appears only when it is complete.
     ghost : Result, optional
-        A second model of the same column, shown beside; independent collisions by default.
+        A result of the same column under another model, shown beside; independent collisions by default.
     width : int, optional
-        Of the picture in pixels, 160 to 3840, rounded down to a multiple of 32; 16:9. 1280 (MP4) or 640 (GIF)
-        by default.
+        Width of the frames in pixels, 160 to 3840, rounded down to a multiple of 32; 1280 (MP4) or 640 (GIF)
+        by default. The frames are 16:9.
     frames_per_second : int, optional
         1 to 120; 30 (MP4) or 15 (GIF) by default.
     progress : callable(done, total), optional
@@ -55,9 +55,8 @@ def animate(
     Raises
     ------
     ValueError
-        If ``path`` is none or has an unknown ending, a number is outside its range, ``ghost`` is not of the same
-        column, or MP4 is asked for without imageio-ffmpeg
-        (``pip install 'hardlimit[film]'``); GIF needs nothing more.
+        If ``path`` is not a path or has an unknown ending, a number is outside its range, ``ghost`` is not of the
+        same column, or MP4 is requested without imageio-ffmpeg (``pip install 'hardlimit[film]'``).
     OSError
         If the file cannot be written; names it.
     """
@@ -73,28 +72,18 @@ def animate(
         raise ValueError(f"path: got {str(path)!r}, must be in a folder that can be written")
     if film:
         video.require_ffmpeg()
-    rate = _whole("frames_per_second", frames_per_second, 30 if film else 15, RATES)
-    pixels = _whole("width", width, 1280 if film else 640, WIDTHS) // 32 * 32  # 16:9, and even
-    other = independent(result.column, result.until) if ghost is None else _ghost(ghost, result)
-    pictures = frames(result, other, pixels, rate, progress)
-    with saving.whole(target) as unfinished:
-        write = video.write_mp4 if film else video.write_gif
-        write(unfinished, pictures, (pixels, pixels * 9 // 16), rate)
-    return target
-
-
-def _whole(name: str, value: int | None, default: int, limits: tuple[int, int]) -> int:
-    """``value`` as an integer within the limits; ``default`` for None."""
-    if value is None:
-        return default
-    return validation.whole(name, value, *limits)
-
-
-def _ghost(ghost: Any, result: Result) -> Result:
-    """A second model of the same column."""
-    if not isinstance(ghost, type(result)) or ghost.column != result.column:
+    if frames_per_second is None:
+        frames_per_second = 30 if film else 15
+    if width is None:
+        width = 1280 if film else 640
+    rate = validation.whole("frames_per_second", frames_per_second, *RATES)
+    pixels = validation.whole("width", width, *WIDTHS) // 32 * 32  # 16:9, and even
+    if ghost is None:
+        ghost = independent(result.column, result.until)
+    elif not isinstance(ghost, type(result)) or ghost.column != result.column:
         raise ValueError(f"ghost: got {validation.shown(ghost)}, must be a result of the same column")
-    return ghost
+    pictures = frames(result, ghost, pixels, rate, progress)
+    return video.write(target, pictures, pixels, rate)
 
 
 def frames(
@@ -104,7 +93,7 @@ def frames(
     rate: int,
     progress: Callable[[int, int], object] | None = None,
 ) -> Iterator[Frame]:
-    """The pictures of the film one after the other."""
+    """The frames in order."""
     scenes = storyboard(result, ghost, rate)
     total = sum(len(scene.times) for scene in scenes)
     done = 0

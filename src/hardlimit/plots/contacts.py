@@ -1,4 +1,4 @@
-"""One isolated contact: its restitution and duration."""
+"""Restitution and duration of an isolated contact over the impact speed."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ if TYPE_CHECKING:
     from ..contact.contact import Contact
 
 
-#: An axis of ε spans at least this much: what does not depend on the speed is a straight line.
+#: Smallest span of an axis of ε, so that a constant ε appears as a straight line.
 LEAST_SPAN: Final = 0.1
 
 
 def around(restitution: NDArray[np.float64]) -> tuple[float, float]:
-    """Limits of an axis on which a restitution varies visibly."""
+    """Limits of an axis for these values of ε."""
     low, high = float(restitution.min()), float(restitution.max())
     margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
     return max(low - margin, 0.0), high + margin
 
 
 def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Figure:
-    """Coefficient of restitution and duration of one isolated contact over the speed of impact [m/s]."""
+    """Coefficient of restitution and duration of one isolated contact over the impact speed [m/s]."""
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.6, 4.0))
         upper, lower = figure.subplots(2, 1, sharex=True)
@@ -47,14 +47,14 @@ def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Fig
     return figure
 
 
-def restitution_obtained(asked: NDArray[np.float64], curves: dict[str, NDArray[np.float64]]) -> Figure:
-    """Restitution obtained over restitution asked for; one curve for each way to choose the damping."""
+def restitution_obtained(requested: NDArray[np.float64], curves: dict[str, NDArray[np.float64]]) -> Figure:
+    """Obtained over requested restitution, one curve for each way to choose the damping."""
     with style():
         figure = Figure(figsize=(COLUMN_WIDTH * 1.15, COLUMN_WIDTH * 1.05))
         ax = figure.subplots()
         for (name, obtained), line in zip(curves.items(), ("-", (0, (5, 2)), (0, (1, 1.2))), strict=False):
-            ax.plot(asked, obtained, ls=line, label=name)
-        ax.set_xlabel(r"$\varepsilon$ asked for")
+            ax.plot(requested, obtained, ls=line, label=name)
+        ax.set_xlabel(r"$\varepsilon$ requested")
         ax.set_ylabel(r"$\varepsilon$ obtained")
         ax.set_xlim(0.0, 1.0)
         ax.set_ylim(0.0, 1.02)

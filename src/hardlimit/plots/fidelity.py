@@ -1,4 +1,4 @@
-"""Rules for hard spheres beside Newton's equations: differences over time with their bars, contacts and paths."""
+"""Collision rules against Newton's equations: differences over time with standard errors, contacts, trajectories."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..fidelity_study import statistics
-from ..fidelity_study.encounters import EDGES
+from ..fidelity_study.contacts import EDGES
 from .gas import set_scale
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from ..fidelity_study import Fidelity
 
-#: Colour and line of each model; rules that often coincide can be seen one upon the other.
+#: Colour and line of each model; coinciding lines remain visible.
 LOOKS: Final[dict[str, dict[str, Any]]] = {
     "newton": {"color": "black", "ls": "-"},
     "constant": {"color": PALETTE["vermillion"], "ls": "-"},
@@ -29,14 +28,14 @@ LOOKS: Final[dict[str, dict[str, Any]]] = {
     "soft": {"color": PALETTE["blue"], "ls": "-"},
 }
 NAMES: Final = {"newton": "Newton’s equations"}
-#: Paths nearer than this [radii] are drawn at the edge.
+#: Smaller distances of trajectories [radii] are drawn at the edge.
 SMALLEST: Final = 1e-9
 
 
 def fidelity(f: Fidelity) -> Figure:
-    """Temperature, relative differences from Newton's equations of cooling, collision rate and pressure, how far paths
-    have come apart, and the restitution of single contacts. Bands are standard errors; a dot is where a difference
-    is first told apart from nothing."""
+    """Temperature, relative differences from Newton's equations in cooling, collision rate and pressure, distance of
+    trajectories, and restitution of single contacts. Bands are standard errors; a dot marks the first significant
+    difference."""
     factor, unit = scaled(float(f.plan.times[-1]), "s")
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 6.6))
@@ -71,9 +70,8 @@ def _title(f: Fidelity) -> str:
     return f"{number}{bars}"
 
 
-def _band(ax: Axes, x: Any, found: Any, look: dict[str, Any], **more: Any) -> None:
-    """A line with one standard error on either side."""
-    mean, error = found
+def _band(ax: Axes, x: Any, mean: Any, error: Any, look: dict[str, Any], **more: Any) -> None:
+    """A line with a band of ± 1 standard error."""
     ax.plot(x, mean, **look, **more)
     ax.fill_between(x, mean - error, mean + error, color=look["color"], alpha=0.18, lw=0.0)
 
@@ -81,18 +79,19 @@ def _band(ax: Axes, x: Any, found: Any, look: dict[str, Any], **more: Any) -> No
 def _temperature(ax: Axes, f: Fidelity, factor: float) -> None:
     values = f.dataset["granular_temperature"].values
     for model, found in zip(f.models, values, strict=True):
-        _band(ax, f.plan.times * factor, found.T, LOOKS[model], label=NAMES.get(model, model))
+        _band(
+            ax, f.plan.times * factor, found[:, 0], found[:, 1], LOOKS[model], label=NAMES.get(model, model)
+        )
     set_scale(ax, values[..., 0].ravel(), [])
     ax.set_ylabel("granular temperature\n[m²/s²]")
 
 
 def _difference(ax: Axes, f: Fidelity, name: str, label: str, factor: float) -> None:
-    """In per cent; zero is Newton's equations."""
+    """Difference from Newton's equations in per cent."""
     ax.axhline(0.0, color="black", lw=1.0)
     for model in f.models[1:]:
         found = f.difference(name, model)
-        shown = statistics.Estimate(100.0 * found.mean, 100.0 * found.error)
-        _band(ax, f.plan.times * factor, shown, LOOKS[model])
+        _band(ax, f.plan.times * factor, 100.0 * found.value, 100.0 * found.error, LOOKS[model])
         left = f.departure(name, model)
         if left is not None:
             ax.plot(
@@ -116,7 +115,7 @@ def _paths(ax: Axes, f: Fidelity, factor: float) -> None:
         ax.plot(f.plan.times * factor, apart, **LOOKS[model])
     ax.set_yscale("log")
     low, high = math.floor(math.log10(min(seen))), math.ceil(math.log10(max(seen)))
-    room = 0.12 * max(high - low, 1)  # the lowest label stays clear of those of the other axis
+    room = 0.12 * max(high - low, 1)  # avoids overlap with the labels of the other axis
     ax.set_ylim(10.0 ** (low - room), 10.0 ** (high + room))
     ax.yaxis.set_major_locator(LogLocator(numticks=6))
     ax.yaxis.set_minor_formatter(NullFormatter())
@@ -124,7 +123,7 @@ def _paths(ax: Axes, f: Fidelity, factor: float) -> None:
 
 
 def _contacts(ax: Axes, f: Fidelity) -> None:
-    """Shares of the contacts over their restitution."""
+    """Distribution of the restitution of the contacts."""
     shares = f.dataset["restitution_share"].values[..., 0]
     if np.isfinite(shares[0]).all():
         ax.stairs(shares[0], EDGES, fill=True, color="0.75")

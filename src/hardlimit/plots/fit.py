@@ -1,4 +1,4 @@
-"""A fit: data and laws, and the deviations in units of their errors."""
+"""A fit: data and laws, and the deviations in units of the standard errors."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 
     from ..fitting.result import Fit, Trial
 
-#: Colour and line of the law that was chosen, and of the others in their order.
+#: Colour and line of the chosen law, then of the others in order.
 LOOKS: Final[tuple[dict[str, Any], ...]] = (
     {"color": PALETTE["vermillion"], "ls": "-", "lw": 1.6},
     {"color": PALETTE["blue"], "ls": (0, (5, 2))},
     {"color": PALETTE["green"], "ls": (0, (1, 1.2))},
     {"color": PALETTE["purple"], "ls": (0, (6, 1.5, 1, 1.5))},
 )
-#: More points than this are drawn as dots without bars.
+#: More points than this are drawn without error bars.
 MOST_BARS: Final = 300
 DOTS: Final[dict[str, Any]] = {"fmt": "o", "ms": 3.2, "color": "black", "elinewidth": 0.8, "zorder": 3}
 
 
 def fit(found: Fit) -> Figure:
-    """Data with their errors and the laws above, the deviations of the chosen law in units of their errors below."""
+    """Above, data with error bars and the laws; below, deviations of the chosen law in standard errors."""
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.75, 5.0))
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.2, 1.0))
@@ -66,7 +66,7 @@ def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
 
 
 def _rebounds(upper: Axes, lower: Axes, found: Fit, data: Rebounds) -> Any:
-    """Over what was varied, the number of the drop if nothing was."""
+    """Rebounds over the varied quantity, or over the number of the drop if nothing is varied."""
     x, label = np.arange(1.0, data.n + 1.0), "drop"
     if data.varied:
         name, values = next(iter(data.varied.items()))
@@ -86,7 +86,7 @@ def _rebounds(upper: Axes, lower: Axes, found: Fit, data: Rebounds) -> Any:
 
 
 def _logarithmic(ax: Axes) -> None:
-    """Equal factors along the axis, with 1, 2 and 5 of each decade written out."""
+    """A logarithmic axis with labels at 1, 2 and 5 of each decade."""
     ax.set_xscale("log")
     ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))

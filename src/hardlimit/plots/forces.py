@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 
 Curve = tuple["NDArray[np.float64]", "NDArray[np.float64]"]
 
-MOST_DRAWN = 400  #: contacts of one pair; of more, so many spread evenly: a picture has no room for them
+MOST_DRAWN = 400  #: contacts of a pair; of more contacts, this many are drawn, evenly spread
 
 
 def force_curve(result: Result, pair: int, stop: float, samples: int = 200) -> Curve:
-    """Times [s] and forces [N] of one pair as a line: each contact from begin to end, zero in between.
+    """Times [s] and forces [N] of a pair: each contact from begin to end, zero in between.
 
-    Of more contacts than ``MOST_DRAWN`` some are left out.
+    At most ``MOST_DRAWN`` contacts are included.
     """
     begin, end = contacts_of(result, pair)
     end = np.minimum(np.where(np.isnan(end), stop, end), stop)
     chosen = spread(np.flatnonzero(end > begin))
     begin, end = begin[chosen, None], end[chosen, None]
-    # Just inside the contact: the force jumps at its begin.
+    # Samples lie just inside the contact, because the force jumps at its begin.
     share = np.concatenate([[1e-6], np.linspace(0.0, 1.0, samples)[1:-1], [1 - 1e-6]])
     inside = begin + (end - begin) * share
     force = result.trajectory(inside.ravel())["force"].sel(pair=pair).values.reshape(inside.shape)
@@ -43,7 +43,7 @@ def force_curve(result: Result, pair: int, stop: float, samples: int = 200) -> C
 
 
 def spread(indices: NDArray[np.int64], most: int = MOST_DRAWN) -> NDArray[np.int64]:
-    """All of them, or ``most`` spread evenly from the first to the last."""
+    """All indices, or ``most`` of them, evenly spread from the first to the last."""
     if len(indices) <= most:
         return indices
     chosen: NDArray[np.int64] = indices[np.linspace(0, len(indices) - 1, most).astype(int)]
@@ -51,19 +51,19 @@ def spread(indices: NDArray[np.int64], most: int = MOST_DRAWN) -> NDArray[np.int
 
 
 def contacts_of(result: Result, pair: int) -> Curve:
-    """Begin and end [s] of the contacts of one pair."""
+    """Begin and end [s] of the contacts of a pair."""
     table = result.contacts
     mine = table["pair"].values == pair
     return table["begin"].values[mine], table["end"].values[mine]
 
 
 def pairs_of(result: Result) -> list[int]:
-    """The pairs of a column, bottom first: 0 is the floor and the lowest ball; a cradle begins with 1."""
+    """The pairs of a column, bottom first. Pair 0 is the floor and the lowest ball; a cradle starts with pair 1."""
     return list(range(0 if result.column.floor else 1, len(result.column.balls)))
 
 
 def window(results: Iterable[Result]) -> tuple[float, float]:
-    """The time span [s] in which the contacts lie, with a margin, as far as all results know the motion."""
+    """The time span [s] of the contacts with a margin, limited to the motion that all results know."""
     marks: list[float] = [0.0]
     known = math.inf
     for result in results:
@@ -82,7 +82,7 @@ def window(results: Iterable[Result]) -> tuple[float, float]:
 
 
 def unresolved(results: Iterable[Result]) -> str:
-    """A title that says up to when the motion is known; empty if it is known to the end."""
+    """A title with the time up to which the motion is known; empty if it is known to the end."""
     first = min(results, key=lambda result: result.known_until)
     known = first.known_until
     if math.isinf(known):
@@ -92,7 +92,7 @@ def unresolved(results: Iterable[Result]) -> str:
 
 
 def forces(result: Result) -> Figure:
-    """Contact forces over time, one panel for each pair, the floor's below (Fig. 2 of the paper).
+    """Contact forces over time, one panel for each pair, the floor at the bottom (Fig. 2 of the paper).
 
     Instantaneous collisions are drawn as arrows. A dashed line marks t_f.
     """
@@ -106,11 +106,10 @@ def forces(result: Result) -> Figure:
     return figure
 
 
-def draw_forces(axes: list[Axes], result: Result, ghost: Result | None, named: bool = True) -> None:
-    """Forces of ``result``, one panel for each pair, top pair first; instants of ``ghost`` as arrows.
+def draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
+    """Draw forces of ``result``, one panel for each pair, top pair first, and collisions of ``ghost`` as arrows.
 
-    All panels share one unit of force. ``named`` writes the bodies above each panel, not only the number of
-    their contacts.
+    All panels have the same unit of force.
     """
     span = window([result] if ghost is None else [result, ghost])
     pairs = pairs_of(result)[::-1]
@@ -125,28 +124,24 @@ def draw_forces(axes: list[Axes], result: Result, ghost: Result | None, named: b
             _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
     end = result.t_end if len(result.column.balls) > 1 else math.nan
     _mark_end(axes, end, span, factor)
-    # The label stands on the side where t_f is not.
-    side = "right" if end < 0.5 * (span[0] + span[1]) else "left"
+    # The title is on the side away from t_f.
+    side: Any = "right" if end < 0.5 * (span[0] + span[1]) else "left"
     for ax, pair in zip(axes, pairs, strict=True):
-        text = _bodies_and_contacts(result, pair) if named else _contacts(result, pair)
-        ax.set_title(text, loc="right" if side == "right" else "left", fontsize="medium", pad=3.0)
+        ax.set_title(_bodies_and_contacts(result, pair), loc=side, fontsize="medium", pad=3.0)
     axes[-1].set_xlim(span[0] * factor, span[1] * factor)
     since = "the first floor touch" if result.column.floor else "release"
     axes[-1].set_xlabel(f"time after {since} [{unit}]")
 
 
 def _bodies_and_contacts(result: Result, pair: int) -> str:
-    return f"{'floor' if pair == 0 else f'balls {pair}–{pair + 1}'}: {_contacts(result, pair)}"
-
-
-def _contacts(result: Result, pair: int) -> str:
     n = len(contacts_of(result, pair)[0])
     some = f", {MOST_DRAWN} of them drawn" if n > MOST_DRAWN else ""
-    return "no contact" if n == 0 else "1 contact" if n == 1 else f"{n} contacts{some}"
+    contacts = "no contact" if n == 0 else "1 contact" if n == 1 else f"{n} contacts{some}"
+    return f"{'floor' if pair == 0 else f'balls {pair}–{pair + 1}'}: {contacts}"
 
 
 def _mark_end(axes: list[Axes], end: float, span: tuple[float, float], factor: float) -> None:
-    """A dashed line at t_f through all panels, labelled above the uppermost."""
+    """A dashed line at t_f through all panels, labelled above the top panel."""
     if not span[0] <= end <= span[1]:
         return
     for ax in axes:
@@ -165,7 +160,7 @@ def _mark_end(axes: list[Axes], end: float, span: tuple[float, float], factor: f
 def _draw_curves(
     axes: list[Axes], result: Result, pairs: list[int], span: tuple[float, float], time_factor: float
 ) -> None:
-    """Each force in the unit that suits the largest of them."""
+    """The forces, all in the unit that suits the largest."""
     curves = [force_curve(result, pair, span[1]) for pair in pairs]
     factor, unit = scaled(max(float(values.max(initial=0.0)) for _, values in curves), "N")
     for ax, pair, (times, values) in zip(axes, pairs, curves, strict=True):
@@ -186,7 +181,7 @@ def _never_ends(result: Result, pair: int) -> bool:
 
 
 def _draw_impulses(ax: Axes, result: Result, pair: int, time_factor: float) -> None:
-    """Contacts without duration: there is no force to draw."""
+    """Collisions as arrows; an instantaneous contact has no force."""
     _draw_instants(ax, contacts_of(result, pair)[0] * time_factor, pair_colour(pair))
     ax.set_yticks([])
     ax.set_ylim(0.0, 1.0)
@@ -194,7 +189,7 @@ def _draw_impulses(ax: Axes, result: Result, pair: int, time_factor: float) -> N
 
 
 def _draw_instants(ax: Axes, instants: NDArray[np.float64], colour: str) -> None:
-    """Instantaneous collisions as arrows that stand on the axis; of many, some."""
+    """At most ``MOST_DRAWN`` instants as arrows on the time axis."""
     for t in instants[spread(np.arange(len(instants)))]:
         ax.annotate(
             "",

@@ -1,4 +1,4 @@
-"""A box of grains over time: temperature, collision rate and pressure, with theory beside them."""
+"""A box of grains over time: temperature, collision rate and pressure, with theory."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from ..boxes import theory
-from ..boxes.result import COLUMNS
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
 
@@ -24,13 +23,13 @@ PANELS = (
     ("collision_rate", "collision rate", "vermillion"),
     ("pressure", "pressure", "green"),
 )
-#: A temperature that changes by more than this factor is drawn on a logarithmic axis.
+#: Values that change by more than this factor are drawn on a logarithmic axis.
 WIDE = 5.0
 TRANSIENT = f"the start’s transient: {theory.RELAXED} collisions per particle"
 
 
 def gas(run: ParticleResult) -> Figure:
-    """Granular temperature, collision rate and pressure over time; theory as dashed lines where it applies."""
+    """Granular temperature, collision rate and pressure over time; dashed: theory where it applies."""
     ds = run.series
     time = ds["time"].values
     factor, unit = scaled(float(time[-1]), "s")
@@ -40,7 +39,7 @@ def gas(run: ParticleResult) -> Figure:
         axes = figure.subplots(len(PANELS), 1, sharex=True)
         for ax, (name, label, colour) in zip(axes, PANELS, strict=True):
             values, units = ds[name].values, str(ds[name].attrs["units"])
-            # Rate and pressure are means since the sample before: drawn at the middle of that time.
+            # Rate and pressure are means since the previous sample, drawn at the middle of that interval.
             at = time if name == "granular_temperature" else time - 0.5 * np.diff(time, prepend=time[0])
             many = {"marker": ".", "ms": 4.0} if len(time) <= 40 else {}
             ax.plot(at * factor, values, color=PALETTE[colour], label="event-driven", **many)
@@ -63,14 +62,14 @@ def gas(run: ParticleResult) -> Figure:
 
 
 def transient(run: ParticleResult) -> float:
-    """Time [s] until which rate and pressure are still those of the start; the last sample if they are to the end."""
-    time, pairs = (run.rows[:, COLUMNS.index(name)] for name in ("time", "n_pairs"))
+    """End of the transient of rate and pressure [s]; the time of the last sample if it lasts longer."""
+    time, pairs = (run.samples[name] for name in ("time", "n_pairs"))
     forgotten = 2.0 * pairs >= theory.RELAXED * run.system.n
     return float(time[forgotten][0] if forgotten.any() else time[-1])
 
 
 def set_scale(ax: Axes, values: Any, others: list[Any]) -> None:
-    """From zero, or logarithmic where values spread over decades."""
+    """An axis from zero, or a logarithmic one if the values span more than a factor ``WIDE``."""
     good = np.concatenate([np.asarray(v)[np.isfinite(v)] for v in (values, *others)])
     positive = good[good > 0.0]
     if len(positive) == len(good) > 0 and positive.max() > WIDE * positive.min():
@@ -84,7 +83,7 @@ def set_scale(ax: Axes, values: Any, others: list[Any]) -> None:
 
 
 def expectations(run: ParticleResult) -> dict[str, tuple[str, Any]]:
-    """Name of the theory and its values at the times of the panels, for each variable that it says something of."""
+    """Name of the theory and its values at the times of the panels, for each variable that it predicts."""
     if theory.why_not(run.system) is not None:
         return {}
     gas_of = theory.gas(run.system)

@@ -1,4 +1,4 @@
-"""A film of a box of grains: disks as they are, spheres cut by a plane through the middle of the box."""
+"""A film of a box of grains: disks, or the cross sections of spheres in the plane y = L/2."""
 
 from __future__ import annotations
 
@@ -6,33 +6,29 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from ..support import saving
 from . import video
 from .labels import scaled
-from .stage import STYLE
 from .style import style
+from .video import STYLE, Canvas, Frame
 
 if TYPE_CHECKING:
     from ..boxes.system import ParticleSystem
 
 Floats = NDArray[np.float64]
-Frame = Any  #: NDArray[np.uint8], height × width × 3
 #: Time [s], state, collisions so far.
 Instant = tuple[float, "ParticleSystem", int]
 
 COLOURS = "viridis"
-FASTEST = 2.0  #: in units of the root mean square; few particles are faster
+FASTEST = 2.0  #: end of the colour bar, in root mean squares; few particles are faster
 
 
 def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 640, rate: int = 15) -> Path:
@@ -42,9 +38,9 @@ def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 64
     ----------
     path : path
     instants : iterable of (time [s], ParticleSystem, collisions so far)
-        Taken one by one while the film is written.
+        Consumed one by one while the film is written.
     end : float [s]
-        Of the run; it sets the unit of the clock.
+        End of the run; it sets the unit of the clock.
     width : int
         In pixels, a multiple of 32; 16:9.
     rate : int
@@ -55,14 +51,11 @@ def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 64
     OSError
         If the file cannot be written; names it.
     """
-    with saving.whole(path) as unfinished:
-        write = video.write_mp4 if path.suffix.lower() == ".mp4" else video.write_gif
-        write(unfinished, pictures(instants, end, width), (width, width * 9 // 16), rate)
-    return path
+    return video.write(path, pictures(instants, end, width), width, rate)
 
 
 def pictures(instants: Iterable[Instant], end: float, width: int) -> Iterator[Frame]:
-    """The pictures of the film one after the other."""
+    """The frames in order."""
     stage: Stage | None = None
     with style(**STYLE):
         for time, system, collisions in instants:
@@ -70,17 +63,16 @@ def pictures(instants: Iterable[Instant], end: float, width: int) -> Iterator[Fr
             yield stage.picture(time, system, collisions)
 
 
-class Stage:
-    """The box on the left, clock and colours on the right.
+class Stage(Canvas):
+    """The box on the left; clock and colour bar on the right.
 
-    Colours are speeds over their root mean square at the instant, so that a gas that has cooled shows them still.
+    Colours show speeds relative to their present root mean square, so that a cooled gas keeps its colours.
     """
 
     def __init__(self, system: ParticleSystem, end: float, width: int) -> None:
         self.unit = scaled(end, "s")
-        self.plane = (0, system.dimension - 1)  # what is shown: x and, upwards, the last axis
-        self.figure = Figure(figsize=(9.6, 5.4), dpi=width / 9.6)
-        self.canvas = cast(Any, FigureCanvasAgg(self.figure))
+        self.plane = (0, system.dimension - 1)  # x to the right, the last axis upwards
+        super().__init__(width)
         self.ax = self.figure.add_axes((0.03, 0.07, 0.52, 0.86))
         self._draw_box(system)
         scale = Normalize(0.0, FASTEST)
@@ -113,7 +105,7 @@ class Stage:
             self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **look)
 
     def picture(self, time: float, system: ParticleSystem, collisions: int) -> Frame:
-        """The picture of one state."""
+        """The frame of one state."""
         at, radius, speed = shown(system)
         size, usual = 2.0 * radius, root_mean_square(system)
         relative = speed / (usual or 1.0)
@@ -126,22 +118,22 @@ class Stage:
             f"root mean square of the speeds {usual:.3g} m/s"
         )
         self.canvas.draw()
-        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
+        return self.pixels()
 
 
 def root_mean_square(system: ParticleSystem) -> float:
-    """Of the speeds of all particles [m/s]."""
+    """Root mean square of the speeds of all particles [m/s]."""
     return float(np.linalg.norm(system.velocities)) / math.sqrt(system.n)
 
 
 def caption(system: ParticleSystem) -> str:
-    """What is shown."""
+    """Number of particles, and what is drawn."""
     what = f"{system.n} disks" if system.dimension == 2 else f"{system.n} spheres, cut by the plane y = L/2"
     return f"{what}\ndashed sides are periodic" if "periodic" in system.boundary else what
 
 
 def shown(system: ParticleSystem) -> tuple[Floats, Floats, Floats]:
-    """Centres (n, 2), radii (n,) and speeds (n,) of the circles, periodic images at the edges included."""
+    """Centres (n, 2), radii (n,) and speeds (n,) of the circles, including periodic images at the edges."""
     radius = np.asarray(system.radius)
     at = system.positions
     if system.dimension == 3:

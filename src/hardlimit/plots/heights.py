@@ -1,11 +1,11 @@
-"""Heights of the balls over time, from release to the tops of their flights."""
+"""Heights of the balls over time, from release to the tops of their flights; a drop at a glance."""
 
 from __future__ import annotations
 
 import math
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ..column.models import MODELS
 from ..column.solvers import adiabatic, newton
 from ..contact.compression import CompressionWarning
-from .forces import spread, unresolved, window
+from .forces import draw_forces, pairs_of, spread, unresolved, window
 from .labels import LOOKS, scaled
 from .style import PAGE_WIDTH, ball_colour, style
 
@@ -24,13 +24,13 @@ if TYPE_CHECKING:
 
     from ..column.result import Result
 
-MOST_NAMED = 6  #: balls that the legend lists
+MOST_NAMED = 6  #: balls in the legend; for more, none is listed
 
 
 def heights(*results: Result, until: float | None = None) -> Figure:
-    """Heights of the centres over time, from release on; full lines Newton, dashed independent collisions.
+    """Heights of the centres over time; full lines Newton, dashed independent collisions.
 
-    ``until`` [s] defaults to somewhat after all balls have reached the top of their flights under every model.
+    ``until`` [s] defaults to a little after the last ball has reached the top of its flight under every model.
     """
     with style():
         figure = Figure(figsize=(PAGE_WIDTH * 0.72, 3.9))
@@ -42,17 +42,41 @@ def heights(*results: Result, until: float | None = None) -> Figure:
     return figure
 
 
+def drop(newton: Result, independent: Result, adiabatic: Result | None = None) -> Figure:
+    """Forces during the contacts, and heights from release to the tops of the flights.
+
+    Grey arrows are the instants of the independent-collisions model.
+    """
+    results = tuple(r for r in (newton, independent, adiabatic) if r is not None)
+    with style():
+        pairs = pairs_of(newton)
+        figure = Figure(figsize=(PAGE_WIDTH, max(4.1, 1.2 + 1.3 * len(pairs))))
+        parts: Any = figure.subfigures(1, 2, width_ratios=(1.0, 1.0), wspace=0.04)
+        left, right = parts
+        axes = left.subplots(len(pairs), 1, sharex=True, squeeze=False)[:, 0]
+        draw_forces(list(axes), newton, independent)
+        if len(independent.contacts["pair"]):
+            note = "Grey arrows: instants of the independent-collisions model."
+            left.supxlabel(note, fontsize=8.5, color="#555555")
+        ax = right.subplots()
+        draw_heights(ax, results, None)
+        add_legend(right, ax, 1)
+        if note := unresolved(results):
+            figure.suptitle(note, fontsize="medium")
+    return figure
+
+
 def release_time(result: Result) -> float:
-    """When the column was released [s], on the clock of the result: negative, or 0 for a cradle."""
+    """Time of release [s], relative to the first floor touch: negative, or 0 for a cradle."""
     return float(result._core.t_first)
 
 
 def tops(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """When [s] and how high [m] each ball's flight after the contacts found has its top, bottom ball first.
+    """Time [s] and height [m] of the top of each ball's flight after the last contact, bottom ball first.
 
     NaN for a ball that does not rise, without gravity, and where a contact became too deep. A ball that is hit again
-    on its way up keeps the top that its flight would have had. If a contact has no end, the flights are those after
-    the last instant solved.
+    on its way up keeps the top that its flight would have had. If a contact has no end, the flights begin at the last
+    instant solved.
     """
     gravity, n = result.column.gravity, len(result.column.balls)
     after = min(_end_of_contacts(result), result.known_until)
@@ -65,7 +89,7 @@ def tops(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _end_of_contacts(result: Result) -> float:
-    """The last begin or end of a contact [s]; where one has no end, the last instant solved; NaN: no contact."""
+    """The last begin or end of a contact [s], the last instant solved if a contact has no end, NaN without contacts."""
     begin, end = result.contacts["begin"].values, result.contacts["end"].values
     if begin.size == 0:
         return math.nan
@@ -74,21 +98,21 @@ def _end_of_contacts(result: Result) -> float:
 
 
 def time_shown(results: Sequence[Result]) -> float:
-    """When a picture of the whole motion ends [s]: after the apex of every ball under every model.
+    """End of a picture of the whole motion [s]: after the top of every flight under every model.
 
-    At the least, a third longer after the first floor touch than the fall before it took.
+    At least 1.3 times the duration of the fall.
     """
     span = 0.0
     for result in results:
         release = -release_time(result) if result.column.floor else 0.0
-        usual = max(1.3 * release, 3.0 * window([result])[1])
-        asked = usual if result.until is None else result.until
-        span = max(span, asked, 1.06 * float(np.nanmax(tops(result)[0], initial=0.0)))
+        default = max(1.3 * release, 3.0 * window([result])[1])
+        wanted = default if result.until is None else result.until
+        span = max(span, wanted, 1.06 * float(np.nanmax(tops(result)[0], initial=0.0)))
     return span
 
 
 def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> None:
-    """One line for each ball and model; dots mark the tops of the flights."""
+    """One line for each ball and model, with dots at the tops of the flights."""
     end = time_shown(results) if until is None else until
     stops = [min(end, _known_until(r, end)) for r in results]
     start = min(min(release_time(r) for r in results), 0.0)
@@ -104,9 +128,7 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
             _mark_tops(ax, result, float(times[-1]), factor)
     ax.set_xlim(start * factor, max(stops) * factor)
     if floor:
-        lowest = min(
-            float(z.min()) for _, z in shown
-        )  # below the floor only if a ball is flattened to nothing
+        lowest = min(float(z.min()) for _, z in shown)  # negative only if a ball is compressed by its radius
         ax.set_ylim(min(0.0, 1.06 * lowest), 1.06 * largest)
         ax.set_ylabel(f"height of the centre [{metres}]")
         ax.set_xlabel(f"time after the first floor touch [{unit}]")
@@ -117,7 +139,7 @@ def draw_heights(ax: Axes, results: Sequence[Result], until: float | None) -> No
 
 
 def _known_until(result: Result, end: float) -> float:
-    """Up to when the motion can be drawn [s]: after the sequence, too, a contact may become too deep."""
+    """End of the known motion [s]; a contact may become too deep after the sequence as well."""
     if result.model == "independent" or result.until is not None or math.isfinite(result.known_until):
         return result.known_until
     solve = newton if result.model == "newton" else adiabatic
@@ -126,14 +148,14 @@ def _known_until(result: Result, end: float) -> float:
 
 
 def _mark_tops(ax: Axes, result: Result, stop: float, factor: float) -> None:
-    """A dot where a flight has its top, unless the ball is hit again before."""
+    """A dot at the top of each flight, unless the ball is hit again before."""
     for i, (t, z) in enumerate(zip(*tops(result), strict=True)):
         if t <= stop and math.isclose(float(result.trajectory(t)["position"][0, i]), z, rel_tol=1e-6):
             ax.plot(t * factor, z, "o", color=ball_colour(i + 1), ms=3.0)
 
 
 def _sample(result: Result, start: float, stop: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times [s], and heights of the centres [m]; a cradle's balls are counted from where they began."""
+    """Times [s] and heights of the centres [m]; for a cradle, displacements."""
     begin = result.contacts["begin"].values
     marks = np.append(begin[spread(np.arange(len(begin)))], tops(result)[0])
     marks = marks[(marks > start) & (marks < stop)]
@@ -143,12 +165,12 @@ def _sample(result: Result, start: float, stop: float) -> tuple[NDArray[np.float
 
 
 def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
-    """Entries of the legend: the models by line, with the height of the top ball, and the balls by colour."""
-    who = "top ball rebounds" if len(results[0].column.balls) > 1 else "rebound"
+    """Legend entries: the models with the height of the top ball, and the balls."""
+    what = "top ball rebounds" if len(results[0].column.balls) > 1 else "rebound"
     for result in results:
         highest = float(tops(result)[1][-1])
         name = MODELS[result.model].label
-        label = name if math.isnan(highest) else f"{name}, {who} to {highest:.3g} m"
+        label = name if math.isnan(highest) else f"{name}, {what} to {highest:.3g} m"
         ax.plot([], [], color="black", label=label, **LOOKS[result.model])
     if 1 < len(results[0].column.balls) <= MOST_NAMED:
         for ball in range(len(results[0].column.balls), 0, -1):
@@ -156,6 +178,6 @@ def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
 
 
 def add_legend(figure: FigureBase, ax: Axes, columns: int) -> None:
-    """The legend below the axes, where it hides no line."""
+    """A legend below the axes."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=columns)

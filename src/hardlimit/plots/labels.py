@@ -1,4 +1,4 @@
-"""What stands on the pictures: lines of models, names of quantities, units with prefixes."""
+"""Line styles of models, labels of quantities, and units with prefixes."""
 
 from __future__ import annotations
 
@@ -6,15 +6,14 @@ import math
 import re
 from typing import Any, Final
 
-#: The line that a model is drawn with. The adiabatic one often runs along Newton's: a broad pale one below it.
+#: Line style of each model. The adiabatic line often coincides with Newton's: it is broad, pale and below.
 LOOKS: Final[dict[str, dict[str, Any]]] = {
     "newton": {"ls": "-"},
     "independent": {"ls": (0, (5, 2))},
     "adiabatic": {"ls": "-", "lw": 4.5, "alpha": 0.3, "zorder": 1.5},
 }
 
-
-# Label and unit of what can be swept or mapped. A unit among a variable's own attributes comes first.
+# Label and unit of parameters and variables. A unit in the attributes of a variable takes precedence.
 QUANTITIES: Final = {
     "restitution": (r"coefficient of restitution $\varepsilon$", ""),
     "gap": (r"initial gap $\Delta h$", "m"),
@@ -41,7 +40,6 @@ QUANTITIES: Final = {
     "t_floor_end": ("end of the floor contact", "s"),
 }
 
-
 PREFIXED: Final = ("m", "s", "Pa")  #: units that take a prefix on an axis
 
 
@@ -55,7 +53,7 @@ def scaled(largest: float, unit: str) -> tuple[float, str]:
 
 
 def axis_label(name: str, attrs: dict[str, Any] | None = None, largest: float | None = None) -> str:
-    """Label of a parameter or a variable with its unit, such as ``initial gap Δh [m]``.
+    """Label of a parameter or a variable with its unit: ``initial gap Δh [m]``.
 
     With ``largest``, the unit is that of :func:`axis_scale`.
     """
@@ -67,9 +65,9 @@ def axis_label(name: str, attrs: dict[str, Any] | None = None, largest: float | 
 
 
 def axis_scale(name: str, attrs: dict[str, Any] | None, largest: float) -> tuple[float, str]:
-    """Factor and unit with which values up to ``largest`` read best on an axis: metres as mm, seconds as µs.
+    """Factor and prefixed unit for values up to ``largest``: metres as mm, seconds as µs.
 
-    Only lengths, times and pressures take a prefix; everything else keeps its unit.
+    Only lengths, times and pressures take a prefix.
     """
     unit = _unit(name, attrs)
     return scaled(largest, unit) if unit in PREFIXED else (1.0, unit)

@@ -1,4 +1,4 @@
-"""Maps and lines: one variable of a sweep over one or two parameters."""
+"""A variable of a sweep as a map over two parameters or a line over one."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-MOST_CELLS: Final = 2000  #: of a map along one side; more cannot be seen
-LABEL_SIZES: Final = (9.0, 7.5, 6.0)  #: [points] of counts in their regions
-STROKE_WIDTH: Final = 1.8  #: [points] of the white around them
+MOST_CELLS: Final = 2000  #: along a side of a map; larger maps are thinned
+LABEL_SIZES: Final = (9.0, 7.5, 6.0)  #: [points] font sizes of the counts on a map
+STROKE_WIDTH: Final = 1.8  #: [points] white outline of the counts
 RATIOS: Final = ("restitution_ratio", "restitution_ratio_at_separation")
 
 
 def count_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
-    """Map of one variable of a two-dimensional sweep; the first dimension runs to the right.
+    """Map of a variable of a two-dimensional sweep; the first dimension is the x axis.
 
-    Contact counts have the colours of :func:`count_colours` and are written into their regions; ratios are
-    centred at 1.
+    Contact counts have the colours of :func:`count_colours` and are written into their regions; the colours of
+    ratios are centred at 1.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def count_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
 
 
 def _scaled_label(name: str, attrs: dict[str, Any], values: NDArray[Any]) -> tuple[float, str]:
-    """Factor for the values, and the label with the unit that they then have."""
+    """Factor for the values, and the label with the resulting unit."""
     largest = float(np.abs(np.asarray(values, dtype=float)).max(initial=0.0))
     return axis_scale(name, attrs, largest)[0], axis_label(name, attrs, largest)
 
@@ -61,7 +61,7 @@ def _scaled_label(name: str, attrs: dict[str, Any], values: NDArray[Any]) -> tup
 def difference_map(
     newton: xr.Dataset, independent: xr.Dataset, variable: str = "relative_velocity"
 ) -> Figure:
-    """Map of newton − independent of one variable of two sweeps over the same two axes; white is agreement.
+    """Map of newton − independent for a variable of two sweeps over the same axes; white is agreement.
 
     Raises
     ------
@@ -92,18 +92,18 @@ def _plane(ds: xr.Dataset, variable: str) -> xr.DataArray:
 
 
 def _white_at(low: float, middle: float, high: float) -> Colormap:
-    """Blue below ``middle``, white there, orange above; equal distances are equally strong on both sides."""
+    """Colours from blue over white at ``middle`` to orange; equal distances from it are equally strong."""
     distance = np.linspace(low, high, 512) - middle
     strength = distance / max(middle - low, high - middle)
     below = mpl.colormaps["Blues"](np.clip(-strength, 0.0, 1.0))
     above = mpl.colormaps["Oranges"](np.clip(strength, 0.0, 1.0))
     colours = np.where((distance < 0.0)[:, None], below, above)
-    faint = np.clip(np.abs(strength) / 0.02, 0.0, 1.0)[:, None]  # both maps start off white
+    faint = np.clip(np.abs(strength) / 0.02, 0.0, 1.0)[:, None]  # both maps start slightly off white
     return ListedColormap(1.0 - faint * (1.0 - colours)).with_extremes(bad=MISSING)
 
 
 def is_logarithmic(values: NDArray[Any]) -> bool:
-    """Whether points on an axis are spread by factors rather than by differences."""
+    """Whether points on an axis are closer to equal ratios than to equal differences."""
     v = np.asarray(values, dtype=float)
     if v.size < 3 or not np.all(v > 0.0) or v.max() < 20.0 * v.min():
         return False
@@ -112,7 +112,7 @@ def is_logarithmic(values: NDArray[Any]) -> bool:
 
 
 def _edges(values: NDArray[Any]) -> tuple[NDArray[np.float64], bool]:
-    """Borders of the cells around points, halfway in the scale of the axis, and whether that is log."""
+    """Borders of the cells, halfway between points on the scale of the axis, and whether it is logarithmic."""
     logarithmic = is_logarithmic(values)
     v = np.log(values) if logarithmic else np.asarray(values, dtype=float)
     if v.size == 1:
@@ -126,7 +126,7 @@ def _edges(values: NDArray[Any]) -> tuple[NDArray[np.float64], bool]:
 def _draw_plane(
     array: xr.DataArray, values: NDArray[Any], label: str, cmap: Any, norm: Normalize, **bar: Any
 ) -> Figure:
-    """A map with its colour bar; axes that are lengths or times have the unit that suits them."""
+    """A map with its colour bar."""
     with style(xtick__direction="out", ytick__direction="out", xtick__top=False, ytick__right=False):
         figure = Figure(figsize=(PAGE_WIDTH * 0.68, PAGE_WIDTH * 0.5))
         ax = figure.subplots()
@@ -149,14 +149,14 @@ def _draw_plane(
 
 
 def _axis(array: xr.DataArray | xr.Dataset, dim: str) -> tuple[NDArray[np.float64], str]:
-    """The points of an axis in the unit of its label, and the label; without coordinates, their numbers."""
+    """The points of an axis in the unit of its label, and the label; indices for a dimension without coordinates."""
     points = np.asarray(array[dim].values, dtype=float)
     factor, label = _scaled_label(dim, dict(array[dim].attrs), points)
     return points * factor, label
 
 
 def _draw_counts(array: xr.DataArray) -> Figure:
-    """Counts in their colours; the colour bar shows those that occur and what lies between them."""
+    """A map of counts; the colour bar runs from the lowest to the highest."""
     counts = array.values
     lowest, highest = (int(counts.min()), int(counts.max())) if counts.size else (0, 1)
     cmap, norm = count_colours(highest, lowest)
@@ -171,10 +171,10 @@ def _draw_counts(array: xr.DataArray) -> Figure:
 
 
 def label_regions(ax: Axes, x: NDArray[Any], y: NDArray[Any], counts: NDArray[Any]) -> None:
-    """Write each count into the widest part of its region of a map ``counts[i, j]`` at ``x[i]``, ``y[j]``.
+    """Write each count of a map ``counts[i, j]`` at ``x[i]``, ``y[j]`` into the widest part of its region.
 
-    In the largest of some sizes of type that fits; the count of a narrower region stands outside, where it reaches the
-    right edge or the upper one. What is too narrow there, and a negative count, stays without a label.
+    Uses the largest font size that fits. The count of a region that is too narrow stands outside the map, where the
+    region reaches the right or the upper edge. Negative counts, and regions too narrow there as well, get no label.
     """
     step = [max(1, n // 250) for n in counts.shape]
     x, y, coarse = x[:: step[0]], y[:: step[1]], counts[:: step[0], :: step[1]]
@@ -196,14 +196,14 @@ def label_regions(ax: Axes, x: NDArray[Any], y: NDArray[Any], counts: NDArray[An
 
 
 def _size(count: int, size: float) -> NDArray[np.float64]:
-    """Width and height of a number [points]."""
+    """Approximate width and height of a number [points]."""
     return np.array([0.5 * len(str(count)), 0.66]) * size
 
 
 def _label_at_edge(
     ax: Axes, count: int, points: Sequence[NDArray[Any]], counts: NDArray[Any], cell: NDArray[np.float64]
 ) -> None:
-    """The count outside of its longest stretch of the right or the upper edge, where there is room."""
+    """Write the count outside the map at the longest part of the right or the upper edge, if it fits."""
     for axis, edge in ((1, counts[-1]), (0, counts[:, -1])):
         bounds = np.flatnonzero(np.diff(np.pad(edge == count, 1).astype(int)))
         first, last = max(
@@ -221,7 +221,7 @@ def _label_at_edge(
 
 
 def _windows(inside: NDArray[np.bool_], box: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Where a box of so many cells with its lowest corner there lies inside."""
+    """For each cell, whether a box of cells with its lowest corner there lies inside."""
     if np.any(box > inside.shape):
         return np.zeros((0, 0), bool)
     sums = np.pad(inside.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
@@ -231,7 +231,7 @@ def _windows(inside: NDArray[np.bool_], box: NDArray[np.int64]) -> NDArray[np.bo
 
 
 def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """A cell that lies deepest: the region is peeled until nothing is left."""
+    """The cell farthest from the border, found by peeling the region."""
     left = np.pad(inside, 1)
     while True:
         peeled = left & np.roll(left, 1, 0) & np.roll(left, -1, 0)
@@ -245,7 +245,7 @@ def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
-    """One variable of a sweep over one or two parameters: a line or a map.
+    """A variable of a sweep over one or two parameters as a line or a map.
 
     Raises
     ------

@@ -21,9 +21,9 @@ COLOURS = {"newton": PALETTE["blue"], "independent": PALETTE["vermillion"]}
 
 
 def stack(*stacks: Stack) -> Figure:
-    """Masses of the stacks, each best under its model, and the speed of their top balls over the gap.
+    """Masses of the stacks, each optimal for its model, and the speed of the top balls over the gap.
 
-    Lines are Newton's equations, dashes collisions; the colour is that of the model under which the masses are best.
+    Full lines: Newton's equations; dashed: collisions. The colour gives the model for which the masses are optimal.
     """
     with style():
         figure = Figure(figsize=(PAGE_WIDTH, 3.1))

@@ -1,13 +1,11 @@
-"""What a frame of a film shows: the balls of two models side by side, the clock, the forces."""
+"""A frame of the film of a drop: the balls of two models side by side, the clock, the forces."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse, Rectangle
 
 from ..column.models import MODELS
@@ -15,6 +13,7 @@ from .forces import draw_forces, pairs_of, window
 from .labels import scaled
 from .storyboard import Scene, gaps_at, round_up
 from .style import ball_colour
+from .video import Canvas, Frame
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,29 +21,16 @@ if TYPE_CHECKING:
 
     from ..column.result import Result
 
-Frame = Any  #: NDArray[np.uint8], height × width × 3
-
-SQUEEZE: Final = 0.3  #: largest drawn deformation, in radii
-SMALLEST_DRAWN: Final = 0.28  #: smallest drawn radius in the close-up, in largest radii
-
-STYLE: Final = {
-    "font__family": "DejaVu Sans",
-    "mathtext__fontset": "dejavusans",
-    "figure__constrained_layout__use": False,
-    "font__size": 9.0,
-    "axes__labelsize": 9.0,
-    "xtick__labelsize": 8.0,
-    "ytick__labelsize": 8.0,
-}
+SQUEEZE: Final = 0.3  #: largest drawn deformation [radii]
+SMALLEST_DRAWN: Final = 0.28  #: smallest drawn radius in the close-up, relative to the largest
 
 
-class _Stage:
-    """A figure of which the fixed part is drawn once and the moving part for each frame."""
+class _Stage(Canvas):
+    """A figure with a background that is drawn once, and artists that move with each frame."""
 
     def __init__(self, result: Result, ghost: Result, scene: Scene, width: int) -> None:
+        super().__init__(width)
         self.result, self.ghost, self.scene = result, ghost, scene
-        self.figure = Figure(figsize=(9.6, 5.4), dpi=width / 9.6)
-        self.canvas = cast(Any, FigureCanvasAgg(self.figure))
         self.states = [gaps_at(model, scene.times) for model in (result, ghost)]
         self.moving: list[Any] = []
         self.axes = [self.figure.add_axes(box) for box in self.boxes()]
@@ -57,27 +43,33 @@ class _Stage:
         self.background = self.canvas.copy_from_bbox(self.figure.bbox)
 
     def boxes(self) -> tuple[tuple[float, float, float, float], ...]:
-        """Where the two models stand."""
+        """Axes of the two models: left, bottom, width, height."""
         if self.result.column.floor:
             return (0.065, 0.1, 0.25, 0.76), (0.34, 0.1, 0.25, 0.76)
         return (0.03, 0.5, 0.56, 0.34), (0.03, 0.1, 0.56, 0.34)
 
     def set_up(self) -> None:
+        """Draw the background and create the moving artists."""
         raise NotImplementedError
 
     def move(self, i: int) -> None:
+        """Move the balls to frame i."""
         raise NotImplementedError
 
     def picture(self, i: int) -> Frame:
-        """Frame i as an array."""
-        self.clock.set_text(_clock(float(self.scene.times[i]), self.scene.close_up))
+        """The pixels of frame i."""
+        t = float(self.scene.times[i])
+        self.clock.set_text(_clock(t, self.scene.close_up))
+        for cursor in self.cursors:
+            cursor.set_xdata([t * self.time_factor] * 2)
         self.move(i)
         self.canvas.restore_region(self.background)
         for artist in self.moving:
             self.figure.draw_artist(artist)
-        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
+        return self.pixels()
 
     def caption(self, text: str) -> None:
+        """The speed of the film, and a text below it."""
         slowed = self.scene.slowed
         factor, unit = scaled(1.0 / slowed, "s")
         how = f"slowed {_grouped(slowed)} times" if slowed > 1.0 else "in real time"
@@ -118,24 +110,24 @@ def _clock(t: float, close_up: bool) -> str:
 
 
 def _grouped(number: float) -> str:
+    """A number with thin spaces between thousands."""
     return f"{number:,.6g}".replace(",", "\u202f") if number >= 1.0 else f"{number:g}"
 
 
 def _contact_count(result: Result) -> str:
-    """How often the balls touched; for a ball alone, how often it touched the floor."""
+    """The number of ball–ball contacts; for a single ball, of its contacts with the floor."""
     alone = len(result.column.balls) == 1
     n = int(result.contacts.sizes["contact"]) if alone else result.n_contacts
     return f"{n} contact{'' if n == 1 else 's'} {'with the floor' if alone else 'of the balls'}"
 
 
 class Wide(_Stage):
-    """True positions and sizes, the whole fall and rebound."""
+    """The whole fall and rebound, to scale."""
 
     def set_up(self) -> None:
         column = self.result.column
-        # The same scale for fall and rebound: as high as either gets.
-        highest = max(float(z.max()) for z, _ in self.states)
-        highest = max(highest, self.scene.highest)
+        # The same scale for fall and rebound.
+        highest = max(self.scene.highest, *(float(z.max()) for z, _ in self.states))
         largest = max(ball.radius for ball in column.balls)
         top = 1.08 * (highest + largest)
         for ax in self.axes:
@@ -165,13 +157,10 @@ class Wide(_Stage):
         for balls, (z, _) in zip(self.balls, self.states, strict=True):
             for ball, height in zip(balls, z[i], strict=True):
                 ball.set_center((0.0, height))
-        for cursor in self.cursors:
-            t = float(self.scene.times[i]) * self.time_factor
-            cursor.set_xdata([t, t])
 
 
 class CloseUp(_Stage):
-    """Gaps and deformations drawn larger than the balls, each contact on its own stated scale."""
+    """Gaps and deformations enlarged more than the balls, by a stated factor for each contact."""
 
     def set_up(self) -> None:
         column = self.result.column
@@ -183,7 +172,7 @@ class CloseUp(_Stage):
         self.scales = [self._scale(pair, largest) for pair in range(len(true))]
         self.horizontal = not column.floor
         length = 2.5 * float(self.radii.sum())
-        if not self.horizontal:  # wide enough for the largest ball, squeezed
+        if not self.horizontal:  # wide enough for the largest ball when it is compressed
             box = self.axes[0].get_window_extent()
             length = max(length, 2.4 * box.height / box.width)
         for ax in self.axes:
@@ -220,12 +209,12 @@ class CloseUp(_Stage):
         self.add_forces()
 
     def _scale(self, pair: int, largest: float) -> float:
-        """Drawn length for one metre of gap: so that the deepest deformation is clear but not grotesque."""
+        """Drawn length for one metre of gap, such that the largest deformation is SQUEEZE radii."""
         deepest = -float(self.states[0][1][:, pair].min())
         if (pair == 0 and not self.result.column.floor) or not deepest > 0.0:
             return 1.0 / largest
         smaller = self.radii[pair] if pair == 0 else min(self.radii[pair - 1], self.radii[pair])
-        factor = SQUEEZE * smaller * largest / deepest  # compared with true scale of the largest ball
+        factor = SQUEEZE * smaller * largest / deepest  # relative to the scale of the largest ball
         if factor <= 1.0:
             return 1.0 / largest
         return round_up(factor) / (2.0 if round_up(factor) > factor * 1.2 else 1.0) / largest
@@ -244,15 +233,12 @@ class CloseUp(_Stage):
     def move(self, i: int) -> None:
         for k, (balls, (_, gaps)) in enumerate(zip(self.balls, self.states, strict=True)):
             self._place(k, balls, gaps[i])
-        for cursor in self.cursors:
-            t = float(self.scene.times[i]) * self.time_factor
-            cursor.set_xdata([t, t])
 
     def _place(self, which: int, balls: list[Ellipse], gaps: NDArray[np.float64]) -> None:
-        """Ellipses that touch while in contact: a compression takes length from the bodies that share it."""
+        """Ellipses that touch while in contact: the bodies in contact share a compression equally."""
         drawn = gaps * np.array(self.scales)
         if self.horizontal:
-            drawn[0] = 0.0  # the first ball of a cradle stays where it is; only gaps are shown
+            drawn[0] = 0.0  # the first ball of a cradle is drawn at a fixed place; only gaps are shown
         squeeze = np.maximum(-drawn, 0.0)
         bottom = 0.0
         missing = ""

@@ -1,4 +1,4 @@
-"""Which instants of a drop a film shows, and how fast: the fall, the contacts, the rebound."""
+"""The scenes of the film of a drop: fall, contacts, rebound, each with its instants and its speed."""
 
 from __future__ import annotations
 
@@ -15,31 +15,28 @@ if TYPE_CHECKING:
 
     from ..column.result import Result
 
-SECONDS_OF_CONTACTS: Final = 8.0  #: of film, about; the factor of slow motion is a round number
+SECONDS_OF_CONTACTS: Final = 8.0  #: of film, approximately; the factor of slow motion is rounded
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A stretch of the film: instants of the drop shown one after the other, at one speed."""
+    """A part of the film with one speed and one scale."""
 
-    times: NDArray[np.float64]  #: [s] on the clock of the result, one for each frame
+    times: NDArray[np.float64]  #: [s] since the first floor touch, one for each frame
     slowed: float  #: seconds of film for one second of the drop
     close_up: bool
-    highest: float = 0.0  #: [m] highest centre that scenes of the same scale show
+    highest: float = 0.0  #: [m] highest centre in all scenes of the same scale
     rebound: bool = False
 
 
 def round_up(value: float) -> float:
-    """The next of 1, 2, 5, 10, …: factors that can be said aloud."""
-    exponent = math.floor(math.log10(value))
-    for digit in (1.0, 2.0, 5.0, 10.0):
-        if digit * 10.0**exponent >= value * (1.0 - 1e-9):
-            return digit * 10.0**exponent
-    return 10.0 ** (exponent + 1)
+    """The next higher of 1, 2, 5, 10, …."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if digit * power >= value * (1.0 - 1e-9))
 
 
 def storyboard(result: Result, ghost: Result, rate: int) -> list[Scene]:
-    """Fall, contacts, and rebound to the top of every flight; a cradle shows its contacts only."""
+    """Fall, contacts, and rebound to the top of every flight; only the contacts of a cradle."""
     start, stop = _sequence(result, ghost)
     slowed = round_up(SECONDS_OF_CONTACTS / (stop - start))
     contacts = Scene(_instants(start, stop, slowed, rate), slowed, True)
@@ -54,7 +51,7 @@ def storyboard(result: Result, ghost: Result, rate: int) -> list[Scene]:
     if end > stop:
         slowed = round_up(3.0 / (end - stop))
         times = _instants(stop, end, slowed, rate)
-        times = np.concatenate([times, np.full(rate, times[-1])])  # a still second at the end
+        times = np.concatenate([times, np.full(rate, times[-1])])  # the last frame stays for one second
         wide.append(Scene(times, slowed, False, rebound=True))
     highest = max((float(gaps_at(m, s.times)[0].max()) for s in wide for m in (result, ghost)), default=0.0)
     wide = [replace(scene, highest=highest) for scene in wide]
@@ -81,7 +78,7 @@ def _instants(start: float, stop: float, slowed: float, rate: int) -> NDArray[np
 
 
 def gaps_at(result: Result, times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centres and gaps [m] at the times; gap 0 is that above the floor."""
+    """Centres and gaps [m], each (times, balls); gap 0 is the one above the floor."""
     z = result.trajectory(times)["position"].values
     radii = np.array([ball.radius for ball in result.column.balls])
     between = np.diff(z, axis=1) - radii[1:] - radii[:-1]

@@ -1,4 +1,4 @@
-"""One look for all pictures: palette, type, colours of pairs and of contact counts; saving a figure."""
+"""Style of all pictures: palette, fonts, colours of pairs and of contact counts; saving a figure."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from ..support import saving, validation
+from ..support.formatting import listed
 
-#: Okabe and Ito's palette (2008), by name.
+#: Palette of Okabe and Ito (2008), for colour-blind readers.
 PALETTE: Final = {
     "black": "#000000",
     "blue": "#0072b2",
@@ -29,14 +30,14 @@ PALETTE: Final = {
     "yellow": "#f0e442",
 }
 GREY: Final = "#8c8c8c"
-MISSING: Final = "#808080"  #: where a map has no value
+MISSING: Final = "#808080"  #: missing values on a map
 
 RESOLUTIONS: Final = (20.0, 2400.0)  #: smallest and largest ``dpi``
-COLUMN_WIDTH: Final = 3.4  #: [inch] one column of a journal page
-PAGE_WIDTH: Final = 7.0  #: [inch] both columns
+COLUMN_WIDTH: Final = 3.4  #: [inch] width of one column of a journal page
+PAGE_WIDTH: Final = 7.0  #: [inch] width of both columns
 
 STYLE: Final[dict[str, Any]] = {
-    "font.family": "STIXGeneral",  # these fonts come with matplotlib: the same picture everywhere
+    "font.family": "STIXGeneral",  # comes with matplotlib: the same picture on every system
     "mathtext.fontset": "stix",
     "font.size": 10.0,
     "axes.labelsize": 10.0,
@@ -56,7 +57,7 @@ STYLE: Final[dict[str, Any]] = {
     "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.major.pad": 5.0,  # clear of the lowest label of the other axis
+    "xtick.major.pad": 5.0,  # avoids overlap with the lowest label of the other axis
     "xtick.major.width": 0.7,
     "ytick.major.width": 0.7,
     "xtick.minor.visible": True,
@@ -73,22 +74,22 @@ STYLE: Final[dict[str, Any]] = {
 
 @contextmanager
 def style(**changes: Any) -> Iterator[None]:
-    """The shared look as a context: ``with style(): figure = Figure(…)``; ``changes`` override rcParams."""
+    """Context with the shared style: ``with style(): figure = Figure(…)``; ``changes`` override rcParams."""
     settings: Any = STYLE | {key.replace("__", "."): value for key, value in changes.items()}
     with mpl.rc_context(settings):
         yield
 
 
 def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
-    """Write the figure by the ending of ``path`` (png, pdf, svg, …).
+    """Write the figure; the ending of ``path`` (png, pdf, svg, …) gives the format.
 
     Parameters
     ----------
     figure : Figure
     path : path
     dpi : float, optional
-        Resolution [dots per inch] of pixels, those inside a PDF or SVG included; 200 by default, 300 is what
-        journals ask for.
+        Resolution [dots per inch] of pixels, including those inside a PDF or SVG; 200 by default. Journals ask
+        for 300.
 
     Raises
     ------
@@ -100,7 +101,7 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     target = Path(path)
     ending = target.suffix.lower()
     if ending not in endings():
-        raise ValueError(f"plot: got {str(path)!r}, must end in {validation.any_of(endings())}")
+        raise ValueError(f"plot: got {str(path)!r}, must end in {listed(endings(), 'or')}")
     if not target.parent.is_dir():
         raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
     resolution = checked_resolution(dpi)
@@ -110,36 +111,36 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
 
 
 def endings() -> list[str]:
-    """Of the files that a picture can be written to."""
+    """File endings that a picture can have."""
     return [f".{name}" for name in sorted(FigureCanvasBase.get_supported_filetypes())]
 
 
 def checked_resolution(dpi: float | None) -> float:
-    """``dpi`` [dots per inch], 200 for None; a ValueError if it is outside [20, 2400]."""
+    """``dpi`` [dots per inch], 200 for None; ValueError outside [20, 2400]."""
     if dpi is None:
         return float(STYLE["savefig.dpi"])
     return validation.number("dpi", dpi, *RESOLUTIONS, lowest_allowed=True, highest_allowed=True)
 
 
 def pair_label(pair: int) -> str:
-    """F01 for the floor and the lowest ball, F12 for the next pair, …, as mathematical text."""
+    """F01 for the floor and the lowest ball, F12 for the next pair, … as mathematical text."""
     return f"$F_{{{pair}{pair + 1}}}$" if pair < 9 else f"$F_{{{pair},{pair + 1}}}$"
 
 
 def pair_colour(pair: int) -> str:
-    """The colour that a pair has in every picture."""
+    """The colour of a pair in all pictures."""
     names = ("vermillion", "blue", "green", "purple", "orange", "sky", "black")
     return PALETTE[names[pair % len(names)]]
 
 
 def ball_colour(ball: int) -> str:
-    """The colour that ball 1, 2, … has in every picture: that of the contact below it."""
+    """The colour of ball 1, 2, … in all pictures: that of the pair below it."""
     return pair_colour(ball - 1)
 
 
 # --- contact counts -----------------------------------------------------------------------------------------
 
-MOST_COUNTED: Final = 15  #: contacts; more share one colour
+MOST_COUNTED: Final = 15  #: contacts; higher counts share one colour
 
 
 def oklch(lightness: float, chroma: float, hue: float) -> tuple[float, float, float]:
@@ -165,10 +166,10 @@ def oklch(lightness: float, chroma: float, hue: float) -> tuple[float, float, fl
 
 
 def count_colour(n: int) -> tuple[float, float, float]:
-    """The colour of ``n`` contacts, in every picture and on the page (``countColor`` in web/src/theme.ts).
+    """The colour of ``n`` contacts in all pictures and on the web page (``countColor`` in web/src/theme.ts).
 
-    The colours grow lighter with the count, from purple through orange to straw, so that they keep their order
-    in grey and for colour-blind readers; no contact is a dark grey.
+    The colours grow lighter with the count, from purple through orange to straw, so that the order remains visible
+    in grey and to colour-blind readers; no contact is dark grey.
     """
     if n == 0:
         return 44 / 255, 46 / 255, 50 / 255

@@ -1,16 +1,63 @@
-"""Files of frames: MP4 by the ffmpeg that imageio-ffmpeg brings, GIF by Pillow."""
+"""Film frames as pixels, and their files: MP4 with ffmpeg from imageio-ffmpeg, GIF with Pillow."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, cast
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from ..support import saving
 
 Frame = Any  #: NDArray[np.uint8], height × width × 3
 
+#: Changes of the shared style for films.
+STYLE: Final = {
+    "font__family": "DejaVu Sans",
+    "mathtext__fontset": "dejavusans",
+    "figure__constrained_layout__use": False,
+    "font__size": 9.0,
+    "axes__labelsize": 9.0,
+    "xtick__labelsize": 8.0,
+    "ytick__labelsize": 8.0,
+}
+
+
+class Canvas:
+    """A figure, 16:9, whose pixels are the frames; ``width`` in pixels."""
+
+    def __init__(self, width: int) -> None:
+        self.figure = Figure(figsize=(9.6, 5.4), dpi=width / 9.6)
+        self.canvas = cast(Any, FigureCanvasAgg(self.figure))
+
+    def pixels(self) -> Frame:
+        """A copy of what is drawn."""
+        return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
+
+
+def write(path: Path, pictures: Iterator[Frame], width: int, rate: int) -> Path:
+    """Write frames of ``width`` pixels, a multiple of 32, as MP4 or GIF, by the ending of ``path``.
+
+    The file appears only when it is complete.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; names it.
+    """
+    with saving.whole(path) as unfinished:
+        if path.suffix.lower() == ".mp4":
+            write_mp4(unfinished, pictures, (width, width * 9 // 16), rate)
+        else:
+            write_gif(unfinished, pictures, rate)
+    return path
+
 
 def require_ffmpeg() -> Any:
-    """The module imageio_ffmpeg.
+    """Import imageio_ffmpeg.
 
     Raises
     ------
@@ -28,12 +75,12 @@ def require_ffmpeg() -> Any:
 
 
 def write_mp4(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: int) -> None:
-    """Write the frames, width × height even, as H.264.
+    """Write the frames as H.264; width and height are even.
 
     Raises
     ------
     OSError
-        If ffmpeg does not write all of them.
+        If ffmpeg does not write all frames.
     """
     ffmpeg = require_ffmpeg()
     options = ["-preset", "medium", "-crf", "23", "-tune", "animation", "-movflags", "+faststart"]
@@ -42,7 +89,7 @@ def write_mp4(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate
         size,
         fps=rate,
         codec="libx264",
-        quality=None,  # that of -crf
+        quality=None,  # set by -crf
         macro_block_size=2,
         ffmpeg_log_level="quiet",
         output_params=options,
@@ -57,13 +104,13 @@ def write_mp4(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate
         raise OSError(f"ffmpeg stopped after {sent} frames") from None
     finally:
         writer.close()
-    # The writer does not say whether ffmpeg could finish the file: a disk may be full.
+    # The writer does not report whether ffmpeg finished the file: the disk may be full.
     if not path.is_file() or ffmpeg.count_frames_and_secs(path)[0] != sent:
         raise OSError("ffmpeg did not finish the file")
 
 
-def write_gif(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate: int) -> None:
-    """All frames on one palette of 64 colours: few colours are used, and a common palette compresses."""
+def write_gif(path: Path, pictures: Iterator[Frame], rate: int) -> None:
+    """Write the frames with one palette of 64 colours: films have few colours, and one palette compresses best."""
     from PIL import Image
 
     palette: Image.Image | None = None

@@ -1,32 +1,34 @@
-"""The way to a cluster: a scheduler of dask.distributed, given or started here."""
+"""Connection to a cluster of dask.distributed, given or started here, and checks on its workers."""
 
 from __future__ import annotations
 
 import gc
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from .. import _core
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-#: How long a scheduler may take to answer.
+#: Timeout of the connection to a scheduler.
 PATIENCE = "10s"
 
 
 @contextmanager
 def connection(scheduler: Any, asked: str) -> Iterator[Client]:
-    """A connection to the scheduler at an address, an open one as it is, or a cluster on this machine.
+    """Connect to the scheduler at an address; use an open client; or start a cluster on this machine.
 
     Raises
     ------
     ImportError
-        If dask.distributed is not installed; ``asked`` is what needs it, such as ``engine: got 'dask'``.
+        If dask.distributed is not installed; the message begins with ``asked``, such as ``engine: got 'dask'``.
     ValueError
         If no scheduler answers.
     RuntimeError
-        If the scheduler goes away.
+        If the connection to the scheduler is lost.
     """
     try:
         from distributed import CancelledError
@@ -38,41 +40,56 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
         try:
             yield client
         except Exception as gone:
-            # OSError where it is asked something once it has gone, one of dask's own where this process closed it.
+            # An OSError if the scheduler has gone, CancelledError if this process closed the client.
             if not isinstance(gone, CancelledError | OSError) and _is_open(client):
                 raise
             why = str(gone).splitlines()[:1] if isinstance(gone, OSError) else []
             raise RuntimeError(
-                f"scheduler: went away{''.join(f' ({line})' for line in why)}; "
-                "what is in a store is kept, repeat the call"
+                f"scheduler: connection lost{''.join(f' ({line})' for line in why)}; "
+                "a store keeps what is finished, repeat the call"
             ) from None
 
 
 def cancel(client: Client, futures: list[Future]) -> None:
-    """Stop the work on these, unless the client is closed, and it with it."""
+    """Stop the work on these futures, unless the client is closed."""
     if futures and _is_open(client):
         client.cancel(futures, force=True)
 
 
+def on_worker(version: str) -> Callable[[], None]:
+    """Check the version of hardlimit on a worker; returns a function that raises if its task has been cancelled."""
+    if _core.version != version:
+        raise RuntimeError(f"a worker has hardlimit {_core.version}, must be {version} as here")
+    from distributed import get_worker
+    from distributed.worker import thread_state
+
+    tasks, key = get_worker().state.tasks, thread_state.key
+
+    def stop_if_cancelled() -> None:
+        if key not in tasks or tasks[key].state == "cancelled":
+            raise RuntimeError("cancelled")
+
+    return stop_if_cancelled
+
+
 def _is_open(client: Client) -> bool:
-    """Whether a scheduler can still be asked: a client is closed with a cluster in its process."""
+    """Whether the client can still reach a scheduler; a cluster in this process closes it."""
     return client.status not in ("closing", "closed")
 
 
 @contextmanager
 def _quiet() -> Iterator[None]:
+    """Drop the NameError that dask logs if Ctrl-C arrives when a call of it begins."""
+
+    def wanted(record: logging.LogRecord) -> bool:
+        return not (record.exc_info and isinstance(record.exc_info[1], NameError))
+
     log = logging.getLogger("tornado.application")
-    log.addFilter(_told)
+    log.addFilter(wanted)
     try:
         yield
     finally:
-        log.removeFilter(_told)
-
-
-def _told(record: logging.LogRecord) -> bool:
-    """Whether a user is told. Where Ctrl-C comes as a call of dask begins, there is nothing to cancel yet, which is
-    logged as an error of a name without a value."""
-    return not (record.exc_info and isinstance(record.exc_info[1], NameError))
+        log.removeFilter(wanted)
 
 
 @contextmanager
@@ -82,7 +99,7 @@ def _connected(scheduler: Any) -> Iterator[Client]:
     if isinstance(scheduler, Client):
         yield scheduler
     elif scheduler is None:
-        # Threads rather than processes: the kernel does not hold the interpreter lock, and a script needs no
+        # Threads, not processes: the core releases the interpreter lock, and a script needs no
         # `if __name__ == "__main__"`.
         here = {"dashboard_address": "127.0.0.1:0", "worker_dashboard_address": "127.0.0.1:0"}
         with (
@@ -97,8 +114,8 @@ def _connected(scheduler: Any) -> Iterator[Client]:
         except (OSError, ValueError, TypeError) as error:
             fault = str(error)
         if fault is not None:
-            # A client that could not connect closes itself when it is collected. Let that be now: in a thread that
-            # is just being started it would wait for ever.
+            # A client without connection closes itself when it is garbage-collected. Force that now: it deadlocks in
+            # a thread that is just starting.
             gc.collect()
             need = f"scheduler: got {scheduler!r}, must be the address of a scheduler that answers"
             raise ValueError(f"{need} ({fault})")

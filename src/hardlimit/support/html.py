@@ -1,14 +1,13 @@
-"""Small tables for notebooks, in the notebook's own colours."""
+"""HTML tables for notebooks."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape
 
 
 def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]], below: str = "") -> str:
-    """An HTML table with the first column to the left and the others to the right; all text is escaped."""
+    """An HTML table with the first column left-aligned and the others right-aligned; all text is escaped."""
     parts = ["<table>", f'<caption style="text-align: left">{escape(caption)}</caption>']
     if any(head):
         parts.append(f"<thead><tr>{''.join(f'<th>{escape(name)}</th>' for name in head)}</tr></thead>")
@@ -20,8 +19,3 @@ def table(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]], belo
     if below:
         parts.append(f"<p>{escape(below)}</p>")
     return "".join(parts)
-
-
-def number(value: float) -> str:
-    """A number for a table; a dash where there is none."""
-    return "–" if math.isnan(value) else f"{value:.6g}"

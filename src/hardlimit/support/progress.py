@@ -1,4 +1,4 @@
-"""How far a long computation has come: a bar on stderr, lines in a log, or what the caller wants."""
+"""Progress of a long computation: a bar on stderr, lines in a log, or a function of the caller."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
+from . import formatting
 from .validation import shown
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ Report = Callable[[int, int], object]  #: called with (done, total)
 
 
 def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractContextManager[Report]:
-    """What to report to for the argument ``progress`` of a function: a bar for True, nothing for False and None.
+    """The function to report to, given the argument ``progress``: a bar for True, nothing for False and None.
 
     Raises
     ------
@@ -38,7 +39,7 @@ def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractC
 
 
 class Shown:
-    """What is shown of a computation, to be told (done, total) like any ``Report``; ``note`` says how it gets on."""
+    """A ``Report`` with a line of text, ``note``, that is shown beside it."""
 
     def __init__(self, tell: Callable[[int, int, str], object]) -> None:
         self.note = ""
@@ -50,10 +51,10 @@ class Shown:
 
 @contextmanager
 def bar(title: str, rate: str | None = None, console: Console | None = None) -> Iterator[Shown]:
-    """A progress bar on stderr that goes away at its end; where stderr is neither terminal nor notebook a line now and
-    then, the first after 10 s.
+    """A progress bar on stderr, removed at the end. If stderr is neither a terminal nor a notebook, it is a line now
+    and then, the first after 10 s.
 
-    ``rate`` names what is counted: so many of them per second stand beside the bar.
+    ``rate`` names what is counted, for the number per second beside the bar.
     """
     from rich.console import Console, RenderableType
     from rich.progress import (
@@ -74,7 +75,7 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
     class Rate(ProgressColumn):
         def render(self, task: Any) -> Text:
             speed = task.finished_speed or task.speed
-            return Text(per_second(speed, rate) if speed and rate else "", style="cyan")
+            return Text(formatting.rate(speed, rate) if speed and rate else "", style="cyan")
 
     class WithNote(Progress):
         note = ""
@@ -98,7 +99,7 @@ def bar(title: str, rate: str | None = None, console: Console | None = None) -> 
 
 
 class Lines:
-    """How far, in a log: a line after ``FIRST`` seconds, the next after twice as many, then every ``LONGEST``."""
+    """Progress in a log: a line after ``FIRST`` seconds, then at intervals that double up to ``LONGEST``."""
 
     def __init__(self, title: str, rate: str | None, out: Console) -> None:
         self._title, self._rate, self._out = title, rate, out
@@ -111,30 +112,14 @@ class Lines:
             return
         before, had = self._seen
         parts = [f"{done / total:.0%}"] if total else []
-        parts += [f"after {duration(now - self._begun)}"]
+        parts += [f"after {formatting.duration(now - self._begun)}"]
         parts += (
-            [per_second((done - had) / (now - before), self._rate)] if self._rate and now > before else []
+            [formatting.rate((done - had) / (now - before), self._rate)]
+            if self._rate and now > before
+            else []
         )
         line = f"{self._title}: {', '.join(parts)}{f'; {note}' if note else ''}"
         self._out.print(line, soft_wrap=True, markup=False)
         self._seen = now, done
         lasted = now - self._begun
         self._next = lasted + min(lasted, LONGEST)
-
-
-def per_second(speed: float, what: str) -> str:
-    """So many of what is counted, with a prefix."""
-    from rich.filesize import pick_unit_and_suffix
-
-    unit, prefix = pick_unit_and_suffix(int(speed or 1), ["", "k", "M", "G"], 1000)
-    return f"{speed / unit:.3g} {prefix}{what}/s"
-
-
-def duration(seconds: float) -> str:
-    """In words, for somebody who waits."""
-    if not seconds < 1e9:
-        return "decades"
-    for name, unit in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2.0 * unit:
-            return f"{seconds / unit:.0f} {name}"
-    return f"{seconds:.0f} s" if seconds >= 1.0 else "less than a second"

@@ -1,4 +1,4 @@
-"""Writes a file whole or not at all: a full disk leaves nothing half-written behind."""
+"""Files that are written completely or not at all, and by one process at a time."""
 
 from __future__ import annotations
 
@@ -8,18 +8,54 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Seconds to wait for the lock of another process, which may have been killed a moment ago.
+PATIENCE: Final = 2.0
+
+
+@contextmanager
+def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
+    """Keep other processes from writing the store ``path``; the lock is the file ``.NAME.lock`` beside it.
+
+    Raises
+    ------
+    ValueError
+        If another process holds the lock for longer than ``patience`` [s].
+    OSError
+        If the lock cannot be created; names the store.
+    """
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(path.with_name(f".{path.name}.lock"), timeout=patience, poll_interval=0.02)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise ValueError(f"store: {path} is being written by another process") from None
+    except OSError as error:
+        raise store_failure(path, error) from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def store_failure(path: Path, error: OSError, what: str = "write") -> OSError:
+    """The same error with a message for the user: the disk is full, the folder read-only."""
+    told = OSError(f"store: cannot {what} {path}: {error.strerror or error}; what is finished is kept")
+    told.errno = error.errno
+    return told
+
 
 @contextmanager
 def whole(path: str | Path) -> Iterator[Path]:
-    """A file with the same ending to write into, which takes the name ``path`` once the block is left.
+    """A temporary file, with the same suffix, that replaces ``path`` at the end of the block.
 
-    If the block fails, it is removed and whatever bore the name before stays. A device or a pipe is written as
-    it is.
+    If the block fails, the temporary file is removed and ``path`` stays as it was. Devices and pipes are written
+    directly.
 
     Raises
     ------
@@ -58,7 +94,7 @@ def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
 
 
 def _write_and_release(path: str | Path, content: Any) -> Path:
-    """The same; after an error as well nothing looks into what xarray has made in memory, which could not be freed."""
+    """``write``, then release the buffer: xarray could not free it otherwise, also after an error."""
     try:
         return write(path, content)
     finally:
@@ -71,7 +107,7 @@ def dataset(
 ) -> Path:
     """Write a Dataset as NetCDF; ``encoding`` is that of ``xarray.Dataset.to_netcdf``.
 
-    The file is made in memory: HDF5 crashes Python when a disk fills up under an open file.
+    The file is built in memory: HDF5 crashes Python if the disk fills up while a file is open.
 
     Raises
     ------
@@ -83,7 +119,7 @@ def dataset(
 
 
 def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
-    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the file itself.
+    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root.
 
     Raises
     ------

@@ -1,29 +1,20 @@
-"""TOML files read through a schema (msgspec): strict types, unknown keys refused, one line that names the key."""
+"""TOML files: reading them, and checking tables so that a message names key, value and what is accepted."""
 
 from __future__ import annotations
 
-import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from . import validation
+from . import units, validation
 
 T = TypeVar("T")
+#: Checks the value of a key, whose name is that in messages; returns the value to use.
+Kind = Callable[[str, Any], Any]
 
-#: A file larger than this is no column and no job.
+#: A larger file is not read.
 MOST_BYTES: Final = 10_000_000
-
-#: Types of TOML in the words of its users, by msgspec's.
-_WORDS: Final = {
-    "float": "a number",
-    "int": "a whole number",
-    "str": "a text",
-    "bool": "true or false",
-    "array": "a list",
-    "object": "a table",
-}
 
 
 def read(path: str | Path) -> dict[str, Any]:
@@ -46,7 +37,7 @@ def read(path: str | Path) -> dict[str, Any]:
     try:
         return parse(content.decode("utf-8-sig"))
     except UnicodeDecodeError:
-        raise ValueError(f"{path}: not valid TOML: not a text in UTF-8") from None
+        raise ValueError(f"{path}: not valid TOML: not UTF-8 text") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
 
@@ -68,80 +59,91 @@ def parse(text: str) -> dict[str, Any]:
 
 
 def convert(content: Mapping[str, Any], kind: type[T], where: str = "") -> T:
-    """``content`` as a structure of msgspec.
+    """``content`` as a dataclass, for files that come with the package; messages are those of msgspec.
 
     Raises
     ------
     ValueError
-        For an unknown or missing key and a value of another type, as ``where.key: got …, must be …``.
+        For a missing key and a value of another type.
     """
     import msgspec
 
     try:
         return msgspec.convert(dict(content), kind)
     except msgspec.ValidationError as error:
-        raise ValueError(where + _in_words(str(error), content, kind)) from None
+        raise ValueError(f"{where}{error}") from None
 
 
-def _in_words(message: str, content: Any, kind: type) -> str:
-    """One line about what msgspec found, with the value that it leaves out."""
-    from msgspec import inspect
-
-    parted = re.fullmatch(r"(.*?)(?: - at `\$([\w.\[\]]*)`)?", message, re.DOTALL)
-    what, path = parted.groups() if parted else (message, "")
-    name, value, at = "", content, inspect.type_info(kind)
-    for field, index in re.findall(r"\.(\w+)|\[(\d+)\]", path or ""):
-        at = _inside(at, field, value)
-        value = value[int(index) if index else field]
-        name += f"[{index}]" if index else f".{field}" if name else field
-    missing = re.match(r"Object missing required field `(.*)`", what)
-    if missing:
-        return f"{_join(name, missing[1])}: missing, must be given"
-    unknown = re.match(r"Object contains unknown field `(.*)`", what, re.DOTALL)
-    if unknown:
-        known = ", ".join(_keys(_structure(at, value)))
-        return f"{_join(name, validation.shown(unknown[1])[1:-1])}: unknown, must be one of {known}"
-    return f"{name or 'file'}: got {validation.shown(value)}, must be {_wanted(what, at)}"
+# --- tables of a user's file --------------------------------------------------------------------------------
 
 
-def _join(where: str, key: str) -> str:
-    return f"{where}.{key}" if where else key
+def table(name: str, content: Any, kinds: Mapping[str, Kind]) -> dict[str, Any]:
+    """The entries of a table, each checked by the kind of its key; an empty ``name`` is the top level of the file.
+
+    Raises
+    ------
+    ValueError
+        If it is not a table, has an unknown key, or a kind refuses a value.
+    """
+    if not isinstance(content, dict):
+        raise ValueError(f"{name}: got {validation.shown(content)}, must be a table")
+    names = {key: f"{name}.{key}" if name else key for key in content}
+    for key in content:
+        if key not in kinds:
+            shown = names[key] if key.isidentifier() else f"{name or 'key'} {validation.shown(key)}"
+            raise ValueError(f"{shown}: unknown, must be one of {', '.join(kinds)}")
+    return {key: kinds[key](names[key], value) for key, value in content.items()}
 
 
-def _wanted(what: str, at: Any) -> str:
-    """What was expected, such as ``a number or a list``."""
-    if what.startswith("Invalid value"):
-        return f"one of {', '.join(str(one.tag) for one in _structures(at))}"
-    expected = re.match(r"Expected `([^`]*)`", what)
-    if expected is None:
-        return "within the range of floating-point numbers"
-    return " or ".join(_WORDS.get(word, word) for word in expected[1].split(" | ") if word != "null")
+def text(name: str, value: Any) -> str:
+    """Kind of a text.
+
+    Raises
+    ------
+    ValueError
+        If it is something else.
+    """
+    if not isinstance(value, str):
+        raise ValueError(f"{name}: got {validation.shown(value)}, must be a text")
+    return value
 
 
-def _inside(at: Any, field: str, value: Any) -> Any:
-    """The type of a field of a structure, or of the elements of a list."""
-    if not field:
-        return next(kind.item_type for kind in _kinds(at) if hasattr(kind, "item_type"))
-    structure = _structure(at, value)
-    if field == structure.tag_field:
-        return at
-    return next(one.type for one in structure.fields if one.encode_name == field)
+def whole(name: str, value: Any) -> int:
+    """Kind of a whole number; its range is checked where it is used.
+
+    Raises
+    ------
+    ValueError
+        If it is something else.
+    """
+    return validation.whole(name, value, -(2**63), 2**63 - 1)
 
 
-def _kinds(at: Any) -> tuple[Any, ...]:
-    return getattr(at, "types", (at,))
+def quantity(unit: str) -> Kind:
+    """Kind of a number in an SI unit, or of a text with its unit; the range is checked where it is used."""
+    return lambda name, value: units.quantity(name, value, unit)
 
 
-def _structures(at: Any) -> list[Any]:
-    return [kind for kind in _kinds(at) if hasattr(kind, "fields")]
+def list_of(kind: Kind) -> Kind:
+    """Kind of a list whose members are of ``kind``."""
+
+    def check(name: str, value: Any) -> list[Any]:
+        if not isinstance(value, list):
+            raise ValueError(f"{name}: got {validation.shown(value)}, must be a list")
+        return [kind(f"{name}[{i}]", member) for i, member in enumerate(value)]
+
+    return check
 
 
-def _structure(at: Any, value: Any) -> Any:
-    """The structure that a table describes; where there are several, its tag says which."""
-    structures = _structures(at)
-    return next((one for one in structures if value.get(one.tag_field) == one.tag), structures[0])
+def one_or_list_of(kind: Kind) -> Kind:
+    """Kind of a value of ``kind``, or of a list of them."""
 
+    def check(name: str, value: Any) -> Any:
+        if isinstance(value, list):
+            return list_of(kind)(name, value)
+        try:
+            return kind(name, value)
+        except ValueError as error:
+            raise ValueError(f"{error}, or a list of them") from None
 
-def _keys(structure: Any) -> list[str]:
-    tag = [structure.tag_field] if structure.tag_field else []
-    return tag + [field.encode_name for field in structure.fields]
+    return check

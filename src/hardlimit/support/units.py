@@ -1,4 +1,4 @@
-"""Numbers with a unit, such as ``1 mm`` or ``3.2e9Pa``, in SI units."""
+"""Conversion of texts such as ``1 mm`` or ``3.2e9Pa`` to numbers in SI units."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from . import validation
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-#: Units that the column's quantities are written in, for pint. Decimal factors keep ``10 us`` at 1e-5 to the bit.
-#: Pint's own list takes another 0.3 s to read, and holds units with an offset and logarithmic ones.
+#: Accepted units, in pint's syntax. Decimal factors make ``10 us`` exactly the number 1e-5. Pint's own list takes 0.3 s
+#: to load and has units that make no sense here (logarithmic, with an offset).
 DEFINITIONS: Final = (
     *("nano- = 1e-9 = n-", "micro- = 1e-6 = µ- = μ- = u-", "milli- = 1e-3 = m-", "centi- = 1e-2 = c-"),
     *("deci- = 1e-1 = d-", "hecto- = 1e2 = h-", "kilo- = 1e3 = k-", "mega- = 1e6 = M-", "giga- = 1e9 = G-"),
@@ -26,7 +26,7 @@ DEFINITIONS: Final = (
     *("bar = 1e5 * pascal", "joule = newton * meter = J", "percent = 0.01 = %"),
 )
 
-#: What the unit of a parameter measures.
+#: What a unit measures, and an example for messages.
 KINDS: Final = {
     "m": ("a length", "1 mm"),
     "kg": ("a mass", "50 g"),
@@ -46,8 +46,23 @@ _QUANTITY: Final = re.compile(rf"({_NUMBER})\s*({_FACTOR}(?:\s?[ */·]\s?{_FACTO
 _POWER: Final = re.compile(r"([A-Za-zµμ%])(?:\^|\*\*)?(-?\d(?:\.\d)?)", re.ASCII)
 
 
+def quantity(name: str, value: Any, unit: str) -> Any:
+    """A number as it is, or the one that a text with a unit stands for, in ``unit``.
+
+    Raises
+    ------
+    ValueError
+        If it is neither. The range of a number is not checked.
+    """
+    if isinstance(value, str):
+        return with_unit(name, value, unit)
+    if not validation.is_number(value):
+        raise ValueError(f"{name}: got {validation.shown(value)}, must be {_expected(unit)}")
+    return value
+
+
 def number(name: str, text: str, unit: str) -> float:
-    """The number in ``text`` in the SI unit ``unit``; without a unit the text is in that unit.
+    """The number in ``text``, in ``unit`` unless the text has a unit.
 
     Raises
     ------
@@ -69,9 +84,7 @@ def with_unit(name: str, text: str, unit: str) -> float:
         If it has none, an unknown one or one that measures something else.
     """
     found = _QUANTITY.fullmatch(text.strip())
-    if found is None:
-        raise ValueError(f"{name}: got {validation.shown(text)}, must be {_expected(unit)}")
-    value = _convert(found[1], found[2], unit)
+    value = None if found is None else _convert(found[1], found[2], unit)
     if value is None:
         raise ValueError(f"{name}: got {validation.shown(text)}, must be {_expected(unit)}")
     if not math.isfinite(value):
@@ -87,7 +100,7 @@ def _expected(unit: str) -> str:
 
 
 def _convert(digits: str, given: str, wanted: str) -> float | None:
-    """The value in the wanted unit; None for an unknown unit or one of another kind."""
+    """The value in the wanted unit; None if the given unit is unknown or measures something else."""
     import pint
 
     registry = _registry()
@@ -100,7 +113,7 @@ def _convert(digits: str, given: str, wanted: str) -> float | None:
 
 
 def _normal(unit: str) -> str:
-    """The unit with its products and powers written out: ``N s/m3`` as ``N*s/m**3``."""
+    """The unit in pint's syntax: ``N s/m3`` as ``N*s/m**3``."""
     plain = unit.replace("²", "2").replace("³", "3").replace("·", "*").replace(" / ", "/").replace(" * ", "*")
     return _POWER.sub(r"\1**\2", plain).replace("/ ", "/").replace(" /", "/").replace(" ", "*")
 

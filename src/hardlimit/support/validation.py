@@ -1,8 +1,8 @@
-"""Bad input is refused here, once, in one line: parameter, value, accepted range.
+"""Checks of input. A refusal is one line with the parameter, its value and what is accepted.
 
-A *number* is an int, a float, a Fraction, a Decimal or one of NumPy's real scalars, or an array without dimensions
-that holds one. A bool is not a number, and neither are text, dates, complex numbers or quantities with a unit: each
-of them would convert to a float that its author did not mean.
+A *number* is an int, a float, a Fraction, a Decimal, a real NumPy scalar, or an array without dimensions that holds one
+of these. Bools, texts, dates, complex numbers and quantities with a unit are not numbers, although some of them convert
+to a float: that is rarely what the user meant.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ from numpy.typing import NDArray
 
 T = TypeVar("T")
 
-#: Longest text of a value in a message.
+#: Most characters of a value in a message.
 LONGEST: Final = 60
-#: A bound of whole numbers from here on is the machine's: only who exceeds it is told of it.
-OF_THE_MACHINE: Final = 2**31 - 1
+#: Bounds of whole numbers from here on are technical; a message names them only if they are exceeded.
+TECHNICAL: Final = 2**31 - 1
 
 
 def shown(value: Any) -> str:
-    """A value as a message shows it: one line, not too long, whatever its own ``repr`` does."""
+    """A value for a message: one line of limited length, even if its ``repr`` fails."""
     try:
         text = " ".join(repr(value).split())
-    except Exception:  # a repr of someone else, or an int of more digits than Python prints
+    except Exception:  # any class may have a failing repr; ints may have too many digits
         text = f"a {type(value).__name__}"
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}…"
 
 
 def at_least(bound: float) -> str:
-    """A lowest value as a message shows it: six digits, rounded upwards, so that the number shown is accepted."""
+    """A lower bound for a message: six digits, rounded up so that the number shown is accepted."""
     return _rounded(bound, ROUND_CEILING)
 
 
 def at_most(bound: float) -> str:
-    """A highest value: six digits, rounded downwards."""
+    """An upper bound for a message: six digits, rounded down."""
     return _rounded(bound, ROUND_FLOOR)
 
 
@@ -80,9 +80,7 @@ def number(
     ValueError
         If it is not a number or outside the range; names parameter, value and range.
     """
-    x = (
-        value if type(value) is float else _as_float(value)
-    )  # the common case first: a solve takes microseconds
+    x = value if type(value) is float else _as_float(value)  # floats first: a solver takes microseconds
     if x is not None and math.isfinite(x):
         above = x >= lowest if lowest_allowed else x > lowest
         below = x <= highest if highest_allowed else x < highest
@@ -97,7 +95,7 @@ def number(
 
 
 def whole(name: str, value: Any, lowest: int, highest: int) -> int:
-    """``value`` as an int in [lowest, highest]; a float is refused, even one without decimals.
+    """``value`` as an int in [lowest, highest]; floats are refused, including 2.0.
 
     Raises
     ------
@@ -112,18 +110,18 @@ def whole(name: str, value: Any, lowest: int, highest: int) -> int:
 
 
 def _describe_whole(value: int | None, lowest: int, highest: int) -> str:
-    """The range of whole numbers in words."""
-    if value is not None and value > highest >= OF_THE_MACHINE:
+    """The end of a message on a whole number: its range."""
+    if value is not None and value > highest >= TECHNICAL:
         return f" <= {at_most(highest)}"
-    if value is not None and value < lowest <= -OF_THE_MACHINE:
+    if value is not None and value < lowest <= -TECHNICAL:
         return f" >= {at_least(lowest)}"
-    if highest < OF_THE_MACHINE:
+    if highest < TECHNICAL:
         return f" in [{lowest}, {highest}]"
-    return f" >= {lowest}" if lowest > -OF_THE_MACHINE else ""
+    return f" >= {lowest}" if lowest > -TECHNICAL else ""
 
 
 def numbers(name: str, values: Any, count: int, **limits: Any) -> tuple[float, ...]:
-    """``count`` numbers from a sequence or a one-dimensional array; a single number stands for all of them.
+    """``count`` numbers from a sequence or a one-dimensional array; a single number is repeated.
 
     Raises
     ------
@@ -151,16 +149,16 @@ def array(
     ndim: int | None = 1,
     empty_allowed: bool = False,
 ) -> NDArray[np.float64]:
-    """``values`` as an array of finite floats within the range, C-contiguous; it may share their memory.
+    """``values`` as a C-contiguous array of finite floats within the range, which may share memory with ``values``.
 
-    Takes a number, which comes back without dimensions, a (nested) sequence of numbers, or an array of a real
-    type: of NumPy, xarray, pandas or anything else that converts itself. ``ndim`` is the most dimensions
-    accepted, None any number of them.
+    Accepts a number, which becomes an array without dimensions, a nested sequence of numbers, and any object that
+    converts to a NumPy array of a real type (xarray, pandas, …). ``ndim`` is the largest number of dimensions, None
+    means any.
 
     Raises
     ------
     ValueError
-        If it is none of these, has masked or missing entries, or a value is outside the range.
+        If it is none of these, has masked entries, or a value is outside the range.
     """
     one_dimensional = "a number or a one-dimensional array of numbers"
     wanted = one_dimensional if ndim == 1 else "a number or an array of numbers"
@@ -181,12 +179,12 @@ def array(
 
 
 def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float64]:
-    """``count`` numbers as an array of its own; a single number stands for all of them and takes no room.
+    """``count`` numbers as a read-only array; a single number is broadcast, not copied.
 
     Raises
     ------
     ValueError
-        If there are not ``count`` numbers, or one of them is outside the range; names its place.
+        If there are not ``count`` numbers, or one of them is outside the range; names its index.
     """
     if _as_float(values) is not None:
         return np.broadcast_to(np.float64(number(name, values, **limits)), count)
@@ -196,20 +194,20 @@ def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float6
     if len(found) != count:
         raise ValueError(f"{name}: got {len(found)} values, must be {count}")
     _check_each(name, found, **limits)
-    return _of_its_own(found, values)
+    return _read_only(found, values)
 
 
 def _check_each(name: str, found: NDArray[np.float64], **limits: Any) -> None:
     try:
         array(name, found, empty_allowed=True, **limits)
     except ValueError:
-        for i, value in enumerate(found):  # the first bad one refuses, with its place
+        for i, value in enumerate(found):  # raises at the first bad value, with its index
             number(f"{name}[{i}]", value, **limits)
         raise
 
 
 def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
-    """Finite numbers in rows of one of these widths, as an array of its own.
+    """Finite numbers in rows of one of these widths, as a read-only array.
 
     Raises
     ------
@@ -226,26 +224,31 @@ def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
     if not good.all():
         bad = int(np.argmin(good.all(axis=1)))
         raise ValueError(f"{name}[{bad}]: got {found[bad].tolist()}, must be finite")
-    return _of_its_own(found, values)
+    return _read_only(found, values)
 
 
-def _of_its_own(found: NDArray[np.float64], given: Any) -> NDArray[np.float64]:
-    """A read-only array that nobody else can change."""
+def _read_only(found: NDArray[np.float64], given: Any) -> NDArray[np.float64]:
+    """The array, read-only, and copied if ``given`` shares its memory."""
     kept = found.copy() if hasattr(given, "__array__") else found
     kept.flags.writeable = False
     return kept
 
 
+def is_number(value: Any) -> bool:
+    """Whether :func:`number` takes the value, if it is in the range."""
+    return _as_float(value) is not None
+
+
 def _as_float(value: Any) -> float | None:
-    """A number as a float, too large ones as infinity; None for anything else."""
-    if isinstance(value, bool | np.timedelta64):  # Python and NumPy count both among the whole numbers
+    """A number as a float, infinite if it is too large; None if it is not a number."""
+    if isinstance(value, bool | np.timedelta64):  # both are ints to Python or NumPy
         return None
     if isinstance(value, Real | Decimal):
         try:
             return float(value)
         except OverflowError:
             return -math.inf if operator.lt(value, 0) else math.inf
-        except Exception:  # a signalling NaN, or a number of someone else that does not convert
+        except Exception:  # a signalling NaN, or a class with a failing conversion
             return None
     if hasattr(value, "__array__"):
         found = _converted(value)
@@ -254,7 +257,7 @@ def _as_float(value: Any) -> float | None:
 
 
 def _as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
-    """Numbers as a C-contiguous array of floats; None if any of them is not a number."""
+    """Numbers as a C-contiguous array of floats; None if one is not a number or rows differ in length."""
     if hasattr(values, "__array__"):
         return _converted(values)
     single = _as_float(values)
@@ -262,7 +265,7 @@ def _as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
         return np.array(single)
     if not _is_list(values) or deepest == 0:  # a list may contain itself
         return None
-    if {float, int}.issuperset(map(type, values)):  # the common case at the speed of NumPy
+    if {float, int}.issuperset(map(type, values)):  # the common case, fast
         with suppress(OverflowError):
             return np.array(values, dtype=np.float64)
     rows: list[NDArray[np.float64]] = []
@@ -275,12 +278,12 @@ def _as_array(values: Any, deepest: int = 32) -> NDArray[np.float64] | None:
 
 
 def _converted(value: Any) -> NDArray[np.float64] | None:
-    """What an array, or an object that knows how to become one, holds; None unless that is real numbers."""
-    if hasattr(type(value), "unit") or hasattr(type(value), "units"):  # a conversion would drop the unit
+    """An array, or an object that converts to one, as floats; None if its entries are not real numbers."""
+    if hasattr(type(value), "unit") or hasattr(type(value), "units"):  # the conversion would drop the unit
         return None
     try:
         found = np.ma.asarray(value) if np.ma.isMaskedArray(value) else np.asarray(value)
-    except Exception:  # whatever the object's own conversion raises
+    except Exception:  # the conversion of any class may raise anything
         return None
     if found.dtype.kind not in "iuf" or np.ma.is_masked(found):
         return None
@@ -289,7 +292,7 @@ def _converted(value: Any) -> NDArray[np.float64] | None:
 
 
 def _as_list(values: Any) -> list[Any] | None:
-    """The entries of a sequence or a one-dimensional array of numbers; None for anything else."""
+    """The entries of a sequence or a one-dimensional array of numbers; None if it is neither."""
     if hasattr(values, "__array__"):
         found = _converted(values)
         return found.tolist() if found is not None and found.ndim == 1 else None
@@ -304,7 +307,7 @@ def _is_list(values: Any) -> bool:
 
 
 def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
-    """``value``, if it is one of these words.
+    """``value``, if it is one of the choices.
 
     Raises
     ------
@@ -316,18 +319,13 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     return str(value)
 
 
-def any_of(words: Sequence[str]) -> str:
-    """The words as a message lists them: ``a, b or c``."""
-    return " or ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
-
-
 def flag(name: str, value: Any) -> bool:
     """``value``, if it is True or False.
 
     Raises
     ------
     ValueError
-        If it is something else, numbers and texts included.
+        If it is something else, such as 1 or "yes".
     """
     if not isinstance(value, bool):
         raise ValueError(f"{name}: got {shown(value)}, must be True or False")
@@ -335,12 +333,12 @@ def flag(name: str, value: Any) -> bool:
 
 
 def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]:
-    """The members of a sequence, each an instance of ``kind``, which ``what`` calls by its name.
+    """The members of a sequence, which must be instances of ``kind``; ``what`` is its name in messages.
 
     Raises
     ------
     ValueError
-        If it is no sequence, or a member is something else.
+        If it is not a sequence, or a member is something else.
     """
     if not _is_list(values):
         raise ValueError(f"{name}: got {shown(values)}, must be a list of {what}")
@@ -351,7 +349,13 @@ def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]
 
 
 def exactly_one(**given: Any) -> str:
-    """Name of the one alternative that was given; neither and both are refused."""
+    """The name of the alternative that is given (not None).
+
+    Raises
+    ------
+    ValueError
+        If none or several are given.
+    """
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:
         few = len(given) == 2

@@ -1,4 +1,4 @@
-"""Maps of many columns at once: ``hl.sweep``."""
+"""Sweep over parameters of a column: ``hl.sweep``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..column.scenario import Column
-from ..support import processors, validation
+from ..support import machine, validation
 from ..support.progress import reporter
 from .chunks import Chunks
 from .engines import ENGINES, Engine
@@ -38,66 +38,63 @@ def sweep(
     tolerance: float | None = None,
     **swept: Any,
 ) -> xr.Dataset:
-    """Compute a map over any physical parameters of a column.
+    """Solve a column at every point of a grid, or list, of parameters.
 
     Parameters
     ----------
     column : Column
-        Balls on a floor; gives every parameter that is not swept.
+        Balls on a floor, with the values of all parameters that are not swept.
     model : {"newton", "adiabatic", "independent"}
-        ``"adiabatic"`` is that of two balls under the linear law.
+        ``"adiabatic"`` is for two balls under the linear law.
     engine : {"cpu", "cuda", "dask"}
         ``"cuda"`` computes on a GPU (extra ``hardlimit[cuda]``; two balls, linear law, models newton and
-        adiabatic), ``"dask"`` on a cluster (extra ``hardlimit[cluster]``). The bits are the same.
+        adiabatic), ``"dask"`` on a cluster (extra ``hardlimit[cluster]``). All give the same bits.
     threads : int, optional
-        Defaults to the number of processors, with ``"dask"`` to one for each task. The result does not depend
-        on it.
+        Default: the number of processors; for ``"dask"`` one per task. The result does not depend on it.
     store : path, optional
-        A Zarr store to fill, chunk by chunk. The same call again continues an unfinished store, and computes damaged
-        chunks anew, with a warning. The results need not fit in memory: the Dataset reads them from disk.
+        Zarr store that is filled chunk by chunk. The same call resumes an unfinished store, and recomputes damaged
+        chunks with a warning. The results need not fit in memory: the Dataset reads them from disk.
     progress : bool or callable(done, total), optional
-        Points done and points in all; true shows a bar.
+        True shows a bar. A function is called with the number of finished points and their total.
     variables : sequence of str, optional
-        Which variables to compute and keep. Two balls: all but ``t_floor_end``, ``rebound_height`` and
-        ``final_velocity`` by default. Other columns: ``n_contacts``, ``rebound_height``, ``final_velocity``,
-        ``t_end`` and ``outcome``.
+        Variables to compute. Default for two balls: all but ``t_floor_end``, ``rebound_height`` and
+        ``final_velocity``; for other columns: ``n_contacts``, ``rebound_height``, ``final_velocity``, ``t_end`` and
+        ``outcome``.
     scheduler : str, distributed.Client or cluster object, optional
-        Where ``"dask"`` computes: the address of a scheduler, or a connection; by default a cluster on this
-        machine.
+        Scheduler for ``"dask"``, as an address or a client. Default: a cluster on this machine.
     tolerance : float, optional
-        Local error of a step, in units of the impact, where points are integrated (model newton, unless two
-        balls fall under the linear law). Two balls under the viscoelastic law: 1e-13 to 1e-6, by default
-        2.3e-10; the velocities of most points come out with a smaller error than that (see the page on maps).
-        All others: 1e-15 to 1e-2, by default 1e-14 as for ``hl.newton``.
+        Local error of a step, in units of the impact, where points are integrated (model newton, except two balls under
+        the linear law). Two balls under the viscoelastic law: 1e-13 to 1e-6, default 2.3e-10; the velocities of most
+        points have smaller errors. All others: 1e-15 to 1e-2, default 1e-14 as for ``hl.newton``.
     **swept : array
-        ``gap``, ``radius``, ``density``, ``mass`` and ``velocity`` of all balls, or with a number, counted
-        from below, of one: ``radius_1``, ``mass_2``, ``gap_2``, …; ``height`` and ``gravity``; for two balls
-        ``radius_ratio``; and the parameters of the law (``restitution``, ``stiffness``, …) of all contacts or
-        of one: ``restitution_floor``, ``restitution_pair_1``, …. Each is a number or a one-dimensional array.
-        Every array opens a dimension; DataArrays that share one make a list of points.
+        ``gap``, ``radius``, ``density``, ``mass`` and ``velocity`` of all balls, or of one, numbered from the bottom:
+        ``radius_1``, ``mass_2``, ``gap_2``, …; ``height`` and ``gravity``; for two balls ``radius_ratio``; and the
+        parameters of the law (``restitution``, ``stiffness``, …) of all contacts or of one: ``restitution_floor``,
+        ``restitution_pair_1``, …. Each is a number or a one-dimensional array. Each array adds a dimension;
+        DataArrays with the same dimension make a list of points.
 
     Returns
     -------
     xarray.Dataset
-        One dimension for each swept name, in the order given, and ``ball`` for what each ball has.
+        One dimension for each swept name, in the order given, and ``ball`` for variables with a value per ball.
         ``outcome`` holds integer codes, 0 = ok: a point that cannot be computed is a value, not an exception.
 
     Raises
     ------
     ValueError
-        For unknown names, values outside their range, more points than memory or a store can hold, a store
-        that holds something else, and with ``"cuda"`` for what it does not compute or without driver or device.
+        For unknown names, values outside their range, more points than memory or a store can hold, a store of another
+        sweep, and with ``"cuda"`` for unsupported sweeps or without driver or device.
     ImportError
         If the engine needs a package that is not installed.
     RuntimeError
-        If the scheduler of ``"dask"`` goes away, or its workers die at the same chunk again and again.
+        If the connection to the scheduler of ``"dask"`` is lost, or several workers die at the same chunk.
     OSError
-        If the store cannot be read or written. It stays valid and keeps what is finished.
+        If the store cannot be read or written. It stays valid and keeps all finished chunks.
 
     Notes
     -----
-    Every point is solved as by :func:`newton`, :func:`adiabatic` or :func:`independent`, two balls by vector kernels.
-    Figs. 4 to 8 of the paper are such maps.
+    Points are solved as by :func:`newton`, :func:`adiabatic` or :func:`independent`; vector kernels solve two balls.
+    Figs. 4 to 8 of the paper are such sweeps.
 
     Examples
     --------
@@ -110,11 +107,6 @@ def sweep(
     array([[ 1,  2,  4,  1],
            [ 2,  3,  4,  1],
            [ 2, 12,  3,  1]], dtype=uint8)
-    >>> one = hl.sweep(
-    ...     hl.Column.paper(), restitution=[0.5, 0.9], variables=["separation_velocity"]
-    ... )
-    >>> one.separation_velocity.values.round(3)
-    array([0.002, 0.527])
     """
     plan = make_plan(column, model, variables, swept, tolerance)
     chosen = _engine(engine, scheduler)
@@ -162,4 +154,4 @@ def _threads(threads: Any, engine: Engine) -> int:
         return validation.whole("threads", threads, 1, 1024)
     if engine.many_tasks:
         return 1
-    return processors.usable()
+    return machine.processors()

@@ -1,4 +1,4 @@
-"""The arrays of a sweep: their values, the dimensions they open or share, and the labels along these."""
+"""The swept arrays: values, dimensions and coordinates."""
 
 from __future__ import annotations
 
@@ -16,20 +16,22 @@ from .variables import BALL, VARIABLES
 
 
 class Axes:
-    """What is swept, in the order given.
+    """The swept parameters in the order given.
 
     Attributes
     ----------
     sizes : dict
         Number of points along each dimension.
     coordinates : list of Coordinate
-        One for each swept name, and the labels that DataArrays bring for a dimension.
+        One for each swept name, and the coordinates of DataArrays.
     """
 
     def __init__(self, swept: Mapping[str, Any], known: Mapping[str, Parameter]) -> None:
         self.sizes: dict[str, int] = {}
         self.coordinates: list[Coordinate] = []
-        self._labels: dict[str, tuple[str, NDArray[Any]]] = {}  # of a dimension, and who brought them
+        self._labels: dict[
+            str, tuple[str, NDArray[Any]]
+        ] = {}  # of a dimension, and the parameter that has them
         for name, given in swept.items():
             if name not in known:
                 raise ValueError(f"{name}: unknown, a sweep takes {', '.join(known)}")
@@ -38,7 +40,7 @@ class Axes:
         self._keep_labels()
 
     def strides(self) -> dict[str, int]:
-        """How many points apart neighbours along each dimension are."""
+        """Number of points between neighbours along each dimension."""
         sizes = list(self.sizes.values())
         return {dim: math.prod(sizes[i + 1 :]) for i, dim in enumerate(self.sizes)}
 
@@ -56,7 +58,7 @@ class Axes:
         )
 
     def _compare_labels(self, name: str, dim: str, given: Any) -> None:
-        """Points are paired by their position, so the labels along a shared dimension must be the same."""
+        """Refuse different coordinates along a shared dimension: points are paired by position."""
         coords = getattr(given, "coords", {})
         if dim not in coords:
             return
@@ -67,13 +69,13 @@ class Axes:
             raise ValueError(f"{name}: got other coordinates, {need}")
 
     def _check_names(self) -> None:
-        """A dimension may bear the name of what is swept along it, but of nothing else in the Dataset."""
+        """Refuse a dimension with the name of anything in the Dataset but the parameter swept along it."""
         dim_of = {c.name: c.dim for c in self.coordinates if c.dim is not None}
         single = {c.name for c in self.coordinates if c.dim is None}
         for name, dim in dim_of.items():
             if dim in VARIABLES or dim == BALL or dim in single or dim_of.get(dim, dim) != dim:
                 raise ValueError(
-                    f"{name}: got dimension {dim!r}, must be a name that nothing else in the result has"
+                    f"{name}: got dimension {dim!r}, must differ from all other names in the result"
                 )
 
     def _keep_labels(self) -> None:
@@ -84,6 +86,6 @@ class Axes:
 
 
 def _dimension(name: str, given: Any) -> str:
-    """The dimension that an array names (a DataArray does), else its own."""
+    """The dimension of a DataArray; otherwise the name of the parameter."""
     dims = getattr(given, "dims", None)
     return name if dims is None else str(dims[0])

@@ -1,6 +1,6 @@
-"""A grid cut into chunks: contiguous ranges of its points that are also boxes.
+"""Chunks of a grid: contiguous ranges of points that are also boxes.
 
-Being both, a chunk is one call of a kernel, one chunk of a Zarr array and one task of a cluster.
+Thus a chunk is one call of a kernel, one chunk of a Zarr array and one task of a cluster.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 
 from .computation import Computation
 
-#: Points of a chunk: few enough that a chunk with all its variables takes some 20 MB and, where each point is
-#: integrated numerically, that little is lost with a chunk; enough that the cost of a chunk is in its points.
+#: Points of a chunk, about 20 MB with all variables. Fewer if each point is integrated numerically, so that an
+#: interruption loses little.
 POINTS: Final = 1 << 19
 POINTS_INTEGRATED: Final = 1 << 14
 
@@ -23,8 +23,8 @@ POINTS_INTEGRATED: Final = 1 << 14
 class Chunks:
     """Boxes of ``box_shape`` points over a grid of ``shape``, numbered in C order.
 
-    ``box_shape`` is 1 along the first dimensions, whole along the last ones, and anything along one in between,
-    where the last box may be smaller.
+    ``box_shape`` is 1 along the first dimensions and the full size along the last ones. Along one dimension in between
+    it has any size, and the last box may be smaller.
     """
 
     shape: tuple[int, ...]
@@ -32,7 +32,7 @@ class Chunks:
 
     @classmethod
     def of(cls, computation: Computation) -> Chunks:
-        """The chunks of a computation. They depend on what is computed only, never on where."""
+        """The chunks of a computation; they do not depend on the engine."""
         return cls.within(computation.shape, POINTS_INTEGRATED if computation.integrated else POINTS)
 
     @classmethod
@@ -52,14 +52,14 @@ class Chunks:
 
     @property
     def number(self) -> int:
-        """Number of chunks, also where it is too large for ``len``."""
+        """Number of chunks; it may be too large for ``len``."""
         return math.prod(self.counts)
 
     def __len__(self) -> int:
         return self.number
 
     def position(self, chunk: int) -> tuple[int, ...]:
-        """Number of a chunk along each dimension."""
+        """Index of a chunk along each dimension."""
         return tuple(int(i) for i in np.unravel_index(chunk, self.counts)) if self.shape else ()
 
     def box(self, chunk: int) -> tuple[slice, ...]:
@@ -69,7 +69,7 @@ class Chunks:
         return tuple(slice(c, e) for c, e in zip(corners, ends, strict=True))
 
     def span(self, chunk: int) -> tuple[int, int]:
-        """First point of a chunk and number of its points, counted through the whole grid."""
+        """Index of the first point of a chunk in the whole grid, and number of its points."""
         first, count = 0, 1
         for s, n in zip(self.box(chunk), self.shape, strict=True):
             first = first * n + s.start
@@ -78,7 +78,7 @@ class Chunks:
 
 
 def _largest_box(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """The largest box of at most ``most`` points, the same along its dimension but for rounding."""
+    """The largest box of at most ``most`` points that divides its dimension into nearly equal parts."""
     inner = 1
     for dim in reversed(range(len(shape))):
         if inner * shape[dim] > most:

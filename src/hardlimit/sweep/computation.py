@@ -1,7 +1,7 @@
-"""What stores, chunks and engines know of the thing they compute: a labelled grid of points, each with results.
+"""Interface of a computation on a labelled grid of points, for stores, chunks and engines.
 
-Nothing here or in them is about columns of balls. ``plan.Plan`` is such a computation; anything else that can say what
-is below can be kept in a store, cut into chunks and sent to a cluster in the same way.
+They know nothing about columns of balls. ``plan.Plan`` is a computation; any other one can be stored, divided into
+chunks and sent to a cluster in the same way.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Results of consecutive points by the name of the variable, the points along the first dimension.
+#: Results of consecutive points by variable; points along the first dimension.
 Values = dict[str, NDArray[Any]]
 
-#: Called with the number of points done so far.
+#: Called with the number of finished points.
 Report = Callable[[int], object]
 
 
@@ -33,9 +33,9 @@ class Variable:
     #: Dimensions of the result at one point, after those of the grid; usually none.
     dims: tuple[str, ...] = ()
     shape: tuple[int, ...] = ()
-    #: Names of the integer codes that it holds (CF flags), from 0 on.
+    #: Names of its integer codes 0, 1, … (CF flags).
     flags: tuple[str, ...] = ()
-    #: Type in a store, which is settled before the first point is computed, and what stands there until then.
+    #: Type in a store (default: ``dtype``), and the value there before a point is computed.
     stored: str = ""
     not_computed: float = np.nan
 
@@ -49,13 +49,13 @@ class Variable:
 
     @property
     def bytes_of_point(self) -> int:
-        """Room for one point in memory."""
+        """Memory of one point [bytes]."""
         return np.dtype(self.dtype).itemsize * int(np.prod(self.shape, dtype=np.int64))
 
 
 @dataclass(frozen=True)
 class Coordinate:
-    """Labels along one dimension, or a single label of everything (``dim`` None, one value)."""
+    """Coordinate along one dimension, or a scalar coordinate (``dim`` None, one value)."""
 
     name: str
     dim: str | None
@@ -64,7 +64,7 @@ class Coordinate:
     meaning: str
 
     def as_variable(self) -> tuple[Any, Any, dict[str, Any]]:
-        """Dimensions, values and attributes as xarray takes them."""
+        """Dimensions, values and attributes for xarray."""
         known = {"units": self.unit, "long_name": self.meaning}
         attributes = {name: text for name, text in known.items() if text}
         if self.dim is None:
@@ -73,7 +73,7 @@ class Coordinate:
 
 
 class Computation(Protocol):
-    """A grid of points that can be computed one range after another, anywhere; it pickles."""
+    """A grid of points that can be computed range by range, in any process; picklable."""
 
     @property
     def dims(self) -> tuple[str, ...]:
@@ -81,35 +81,35 @@ class Computation(Protocol):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of points along each of them."""
+        """Number of points along each dimension."""
 
     @property
     def size(self) -> int:
-        """Number of points; they are counted in C order."""
+        """Number of points; they are numbered in C order."""
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:
-        """Labels of the grid and of what the variables add to it."""
+        """Coordinates of the grid and of further dimensions of the variables."""
 
     @property
     def results(self) -> Mapping[str, Variable]:
-        """What is computed, in the order in which it is shown."""
+        """The variables in order."""
 
     @property
     def integrated(self) -> bool:
-        """Whether a point takes some 100 µs of numerical integration rather than 1 µs."""
+        """Whether points are integrated numerically, which takes about 100 µs rather than 1 µs."""
 
     def attributes(self) -> dict[str, Any]:
-        """What is computed, in words; attributes of the Dataset."""
+        """Attributes of the Dataset."""
 
     def fingerprint(self) -> str:
-        """The same for two computations only if they have the same results, labels and layout."""
+        """Hash of everything that results, coordinates and layout depend on."""
 
     def part(self, box: tuple[slice, ...]) -> Self:
-        """Some of the points, a computation of its own that carries no more than it needs."""
+        """A computation of some of the points, with only the data that they need."""
 
     def compute(self, first: int, count: int, threads: int, progress: Report | None = None) -> Values:
-        """Points ``first`` … ``first + count − 1``; the same bits whoever computes them and with what neighbours."""
+        """Points ``first`` … ``first + count − 1``; the bits do not depend on the range or the threads."""
 
 
 def dataset(computation: Computation, values: Values) -> xr.Dataset:
@@ -128,5 +128,5 @@ def dataset(computation: Computation, values: Values) -> xr.Dataset:
 
 
 def labels(computation: Computation) -> dict[str, tuple[Any, Any, dict[str, Any]]]:
-    """The coordinates in the form that xarray takes."""
+    """The coordinates for xarray."""
     return {c.name: c.as_variable() for c in computation.coordinates}

@@ -1,4 +1,4 @@
-"""The results of a sweep in arrays; what ``store.Store`` is on disk. And whether they fit."""
+"""Results of a sweep in memory, with the interface of ``store.Store``; check of their size."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from ..support.memory import available_memory, shown_bytes
+from ..support import machine
+from ..support.formatting import size
 from .chunks import Chunks
 from .computation import Computation, Values, dataset
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Chunks of a store at most: each is a file of every variable.
+#: Largest number of chunks of a store; each is a file for every variable.
 MOST_CHUNKS: Final = 1 << 22
 
 
@@ -25,7 +26,7 @@ class Memory:
         self.values: Values = {}
 
     def missing(self) -> list[int]:
-        """Chunks that are not there yet: all."""
+        """Missing chunks: all."""
         return list(range(len(self.chunks)))
 
     def write(self, chunk: int, values: Values) -> None:
@@ -49,21 +50,23 @@ class Memory:
 
 
 def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> None:
-    """Refuse at once what could not end: results that do not fit in memory, or chunks without number.
+    """Refuse results that do not fit in memory, or too many chunks for a store.
 
     Raises
     ------
     ValueError
-        With the room that the results would take.
+        With the size of the results.
     """
     each = sum(variable.bytes_of_point for variable in computation.results.values())
-    points, taken = computation.size, f"{shown_bytes(computation.size * each)} of results"
+    points, taken = computation.size, f"{size(computation.size * each)} of results"
     if in_store:
         most = MOST_CHUNKS * (points // chunks.number or 1)
         if chunks.number > MOST_CHUNKS:
             raise ValueError(f"points: got {points:.3g}, {taken}, must be <= {most:.2g} in one store")
         return
-    room = available_memory()
+    room = machine.free_memory()
     if points * each > room:
-        need = f"must fit in the {shown_bytes(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
+        need = (
+            f"must fit in the {size(room)} of free memory; store= keeps them on disk, variables= keeps fewer"
+        )
         raise ValueError(f"points: got {points:.3g}, {taken}, {need}")

@@ -1,4 +1,4 @@
-"""The names that can be swept, as the core's table has them, with their places among the numbers of a point."""
+"""Parameters that can be swept, from the core's table, and their indices in the row of numbers of a point."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from .. import _core
 
 @dataclass(frozen=True)
 class Parameter:
-    """One name that can be swept."""
+    """A parameter that can be swept."""
 
     name: str
     #: The name without the number of a ball, gap or contact.
     kind: str
-    #: Places that its values take; a bare name takes those of all balls, gaps or contacts.
+    #: Indices of its values; a name without number has those of all balls, gaps or contacts.
     places: tuple[int, ...]
     unit: str
     meaning: str
-    #: Range, as ``validation.number`` takes it.
+    #: Range, for ``validation.number``.
     limits: Mapping[str, Any]
-    #: Places that it rules over without taking them: a radius ratio the lower radius.
+    #: Indices of values that it replaces: a radius ratio replaces the lower radius.
     overrides: tuple[int, ...] = ()
 
 
 def geometry(balls: int) -> dict[str, Parameter]:
-    """The parameters of a column but for those of its law."""
+    """The parameters of a column except those of its law."""
     found = [p for row in _core.swept_parameters(balls) for p in _named(row, balls)]
     return {p.name: p for p in found}
 
 
 def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
-    """A row of the core's table under its bare name and, where there are several, those with a number."""
+    """The parameters of a row of the core's table: the name alone and, for several balls or gaps, numbered names."""
     name, per, places = row["name"], row["per"], tuple(range(row["first"], row["first"] + row["count"]))
     unit, meaning = row["unit"], row["meaning"]
     limits = {"lowest": row["lowest"], "lowest_allowed": row["lowest_allowed"]}
@@ -54,7 +54,7 @@ def _named(row: dict[str, Any], balls: int) -> Iterator[Parameter]:
 
 
 def of_law(record: dict[str, Any], alternative: int, balls: int) -> dict[str, Parameter]:
-    """The parameters of a law: of all contacts under its own name, of one under that of the contact."""
+    """The parameters of a law, for all contacts and for each contact."""
     found: dict[str, Parameter] = {}
     for i, row in enumerate([*record["common"], *record["alternatives"][alternative]]):
         name, unit, meaning = row["name"], row["unit"], row["meaning"]
@@ -75,5 +75,5 @@ def contact_name(contact: int) -> str:
 
 
 def contact_meaning(contact: int) -> str:
-    """The same in words."""
+    """Description of a contact."""
     return "contact with the floor" if contact == 0 else f"contact of balls {contact} and {contact + 1}"

@@ -1,4 +1,4 @@
-"""What a sweep of columns computes: a column, the parameters that vary, and along which dimensions."""
+"""A sweep of columns without its results: the column, the swept parameters and their dimensions."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from .computation import Coordinate, Report, Values, Variable
 from .parameters import Parameter, contact_name, geometry, of_law
 from .variables import BALL, OF_BALL, OF_TWO_BALLS, VARIABLES, usual
 
-#: Names of the models, each in the place of its number in the core.
+#: Names of the models in the order of the core.
 MODELS: Final = tuple(models.MODELS)
 
-#: Local error of a step of the vector kernel that integrates, in units of the impact.
+#: Local error of a step of the vector kernel of the viscoelastic law, in units of the impact.
 KERNEL_TOLERANCE: Final = 2.0**-32
 
-#: The same of the general solver, as for ``hl.newton``.
+#: Local error of a step of the general solver, as for ``hl.newton``.
 GENERAL_TOLERANCE: Final = 1e-14
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A sweep without its results, a ``computation.Computation``; pickles, so that it can be computed anywhere.
+    """A sweep without its results, a picklable ``computation.Computation``.
 
-    ``values[i]`` and ``strides[i]`` give number i of the core's row for a point (see ``parameters``): value index
-    (point // stride) % size, points counted in C order over ``shape``.
+    Entry i of the row of numbers of a point (see ``parameters``) is ``values[i][(point // strides[i]) % size]``, with
+    points numbered in C order over ``shape``.
     """
 
     model: str
     law: str
     alternative: int
-    #: Whether the matter of each ball is its density rather than its mass.
+    #: Whether each ball is given by its density rather than its mass.
     densities: tuple[bool, ...]
     restitution_at: int
     values: tuple[NDArray[np.float64], ...]
@@ -54,9 +54,9 @@ class Plan:
     variables: tuple[str, ...]
     column: str
     integrated: bool
-    #: Local error of a step, where steps are taken; None where every result is exact
+    #: Local error of a step; None if all results are exact
     tolerance: float | None = None
-    #: The same for the variables that the general solver finds
+    #: Local error of a step for the variables from the general solver
     general_tolerance: float = GENERAL_TOLERANCE
 
     @property
@@ -71,17 +71,17 @@ class Plan:
 
     @property
     def results(self) -> dict[str, Variable]:
-        """The variables, with the number of balls where they have a value for each."""
+        """The variables, those per ball with the number of balls."""
         found = {name: VARIABLES[name] for name in self.variables}
         return {k: dataclasses.replace(v, shape=(self.balls,)) if v.dims else v for k, v in found.items()}
 
     def attributes(self) -> dict[str, Any]:
-        """What was computed, for the attributes of a Dataset."""
+        """Attributes of the Dataset."""
         how = {} if self.tolerance is None else {"tolerance": self.tolerance}
         return {"model": self.model, "column": self.column, **how, "hardlimit_version": _core.version}
 
     def fingerprint(self) -> str:
-        """A hash of all that a result or a label depends on."""
+        """Hash of everything that a result or coordinate depends on."""
         named = [(c.name, c.dim, str(c.values.dtype)) for c in self.coordinates]
         how = (self.law, self.alternative, self.densities, self.restitution_at, self.general_tolerance)
         layout = (self.strides, self.dims, self.shape, self.variables, named)
@@ -92,7 +92,7 @@ class Plan:
         return digest.hexdigest()
 
     def part(self, box: tuple[slice, ...]) -> Plan:
-        """Some of the points, with the values they need and no others, and without labels."""
+        """A box of points, with only the values that they need and without coordinates."""
         shape = tuple(s.stop - s.start for s in box)
         values, strides = list(self.values), list(self.strides)
         for dim, some in enumerate(box):
@@ -105,7 +105,7 @@ class Plan:
         )
 
     def at(self, points: NDArray[np.int64]) -> Plan:
-        """A list of some points, a plan of its own."""
+        """A list of points."""
         values = zip(self.values, self.strides, strict=True)
         return dataclasses.replace(
             self,
@@ -117,10 +117,10 @@ class Plan:
         )
 
     def compute(self, first: int, count: int, threads: int, progress: Report | None = None) -> Values:
-        """Points ``first`` … ``first + count − 1`` as flat arrays; the same bits whoever computes them.
+        """Points ``first`` … ``first + count − 1`` as flat arrays; the bits do not depend on the range or the threads.
 
-        Two balls go through the kernels. What these do not know, the values of each ball, and columns of other
-        than two balls are left to the solver of one column: a second pass over the same points.
+        Vector kernels solve two balls. A second pass with the solver of single columns computes the values per ball,
+        and all variables of other columns.
         """
         alone = [name for name in self.variables if name in OF_BALL or self.balls != 2]
         kernel = [name for name in self.variables if name not in alone]
@@ -155,7 +155,7 @@ class Plan:
             out,
             progress,
         )
-        if large:  # more contacts than a byte holds: the whole variable takes a wider type
+        if large:  # more contacts than a byte holds
             out["n_contacts"] = out["n_contacts"].astype(np.uint32)
             for point, n in large:
                 out["n_contacts"][point] = n
@@ -188,13 +188,13 @@ class Plan:
 
 
 def _share(progress: Report | None, part: int, parts: int, count: int) -> Report | None:
-    """The progress of one of several passes over the same points."""
+    """Progress of one of several passes over the same points."""
     if progress is None or parts == 1:
         return progress
     return lambda done: progress((part * count + done) // parts)
 
 
-# --- a sweep as the user asks for it ------------------------------------------------------------------------
+# --- from the arguments of hl.sweep -------------------------------------------------------------------------
 
 
 def make_plan(
@@ -204,7 +204,7 @@ def make_plan(
     swept: Mapping[str, Any],
     tolerance: float | None = None,
 ) -> Plan:
-    """Check a sweep and lay it out.
+    """Make the plan of a sweep from the arguments of ``hl.sweep``.
 
     Raises
     ------
@@ -255,7 +255,7 @@ def _check_model(name: Any, column: Column) -> None:
 
 
 def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
-    """The variables asked for."""
+    """The requested variables."""
     if variables is None:
         return usual(balls)
     one = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
@@ -275,7 +275,7 @@ def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
 
 
 def _tolerance(tolerance: Any, exact: bool, in_kernel: bool) -> float | None:
-    """Local error of a step: of the kernel that integrates, of the general solver, or of nothing."""
+    """Local error of a step, of the kernel or the general solver; None if all results are exact."""
     if exact:
         if tolerance is None:
             return None
@@ -290,7 +290,7 @@ def _tolerance(tolerance: Any, exact: bool, in_kernel: bool) -> float | None:
 
 
 def _alternative(laws: Sequence[Law], swept: Mapping[str, Any]) -> int:
-    """Which set of the law's parameters the points are given by: that of the swept names, else the column's."""
+    """Number of the law's set of parameters: the one with the swept names, otherwise that of the column."""
     contacts = ["", *(f"_{contact_name(i)}" for i in range(len(laws)))]
     choices = [{p["name"] for p in choice} for choice in laws[0].record["alternatives"]]
     for i, names in enumerate(choices):
@@ -307,7 +307,7 @@ def _any_of(names: Iterable[str], contacts: Sequence[str], swept: Mapping[str, A
 
 
 def _taken(swept: Iterable[Parameter]) -> dict[int, Parameter]:
-    """Who gives the number at each place; two are refused."""
+    """The parameter that gives each number of the row; two are refused."""
     claimed: dict[int, Parameter] = {}
     for parameter in swept:
         for place in (*parameter.places, *parameter.overrides):
@@ -321,7 +321,7 @@ def _taken(swept: Iterable[Parameter]) -> dict[int, Parameter]:
 def _numbers(
     column: Column, alternative: int, taken: Mapping[int, Parameter]
 ) -> tuple[tuple[bool, ...], list[float]]:
-    """The row of numbers of a point that is the column itself; the law's are NaN where it does not have them."""
+    """The row of numbers of the column itself; NaN for parameters that its law does not have."""
     balls = len(column.balls)
     place = {row["name"]: row["first"] for row in _core.swept_parameters(balls)}
     kinds = [
@@ -346,7 +346,7 @@ def _numbers(
 def _vary(
     fixed: Sequence[float], taken: Mapping[int, Parameter], axes: Axes
 ) -> tuple[tuple[NDArray[np.float64], ...], tuple[int, ...]]:
-    """Values and strides of every number of a point; places with one parameter share their values."""
+    """Values and strides of every number of the row; numbers of one parameter share their values."""
     swept = {c.name: c for c in axes.coordinates}
     stride = axes.strides()
     values, strides = [], []
@@ -358,7 +358,7 @@ def _vary(
 
 
 def _insist_on_law(column: Column, alternative: int, values: Sequence[NDArray[np.float64]]) -> None:
-    """Refuse a law of which a parameter is neither swept nor given for some contact."""
+    """Refuse a law with a parameter that is neither swept nor given for all contacts."""
     record, balls = column.laws[0].record, len(column.balls)
     choice = [p["name"] for p in record["alternatives"][alternative]]
     for p in of_law(record, alternative, balls).values():

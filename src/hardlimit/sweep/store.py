@@ -1,10 +1,9 @@
-"""A computation on disk: a Zarr store that fills chunk by chunk and can be resumed after any interruption.
+"""Results of a sweep in a Zarr store, which is filled chunk by chunk and can be resumed after any interruption.
 
-The store lacks nothing but chunks from the moment its folder appears (it is prepared under another name), and a file
-is whole from the moment it appears (likewise). Every file that is not text ends with a checksum (Zarr's ``crc32c``).
-A chunk is there when all its files are and agree with their checksums: what was lost or damaged is computed anew. So
-whatever ends a run, what is on disk is valid; and as nothing in it tells when or where it was computed, its bytes
-depend on the call alone. What is not the store's own is not touched.
+The folder appears (by renaming) with all its metadata and coordinates; only chunks are missing. Every file is complete
+when it appears under its name, and every chunk ends with a checksum (Zarr's ``crc32c``). A chunk counts as computed if
+all its files exist and agree with their checksums; any other is computed again. The bytes of a store depend on the
+arguments of the call only, not on time, place or interruptions. Other files in the folder are left alone.
 """
 
 from __future__ import annotations
@@ -22,23 +21,23 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from ..support import locking, validation
+from ..support import saving, validation
 from .chunks import Chunks
-from .computation import Computation, Coordinate, Values, Variable, labels
+from .computation import Computation, Values, labels
 
 if TYPE_CHECKING:
     import xarray as xr
     import zarr
 
-#: Values of a coordinate in one file.
+#: Coordinate values per file.
 LABELS_OF_FILE: Final = 1 << 20
 
-#: What Zarr calls a file while it writes it.
+#: Temporary name of a file that Zarr (or ``_replace``) is writing.
 HALF_WRITTEN: Final = re.compile(r".+\.[0-9a-f]{32}\.partial")
 
 GROUP: Final = "zarr.json"
 
-#: What Zarr raises for a chunk whose bytes are not those that were written.
+#: Exceptions of Zarr for a chunk whose bytes have changed.
 DAMAGED: Final = (ValueError, TypeError, RuntimeError, KeyError, IndexError, EOFError)
 
 
@@ -49,37 +48,45 @@ class Store:
         self.path = _local(path)
         _require_zarr(self.path)
         self.computation, self.chunks = computation, chunks
-        self._missing: list[int] = []
+        self._missing = list(range(len(chunks)))
         self._arrays: dict[str, zarr.Array[Any]] = {}
         self._lock = ExitStack()
+        self._writing = False
 
     def __enter__(self) -> Store:
-        with ExitStack() as lock:  # let go of if anything below fails
-            while _is_new(self.path):
-                if self._create(lock):
-                    self._missing = list(range(len(self.chunks)))
-                    break
+        try:
+            files = label_files(self.computation, self.chunks)
+            if _is_new(self.path):
+                self._begin_writing()
+            if _is_new(self.path):  # still: no other process was faster
+                self._create(files)
+                self._arrays = _open_arrays(self.path, self.computation)
             else:
-                self._resume(lock)
-            self._lock = lock.pop_all()
+                self._resume(files)
+        except BaseException:
+            self._lock.close()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
         self._lock.close()
 
     def missing(self) -> list[int]:
-        """Chunks that are not there yet, as found when the store was opened."""
+        """Chunks that were missing when the store was opened."""
         return self._missing
 
     def write(self, chunk: int, values: Values) -> None:
-        """Keep a chunk."""
+        """Write a chunk."""
         box = self.chunks.box(chunk)
         with _one_line(self.path):
-            for name in sorted(values, key="outcome".__eq__):  # the outcome last: it vouches for the rest
-                self._arrays[name][box] = values[name].reshape(_shape(box, self.computation.results[name]))
+            for name in sorted(
+                values, key="outcome".__eq__
+            ):  # the outcome last: it says that the point is computed
+                shape = *(s.stop - s.start for s in box), *self.computation.results[name].shape
+                self._arrays[name][box] = values[name].reshape(shape)
 
     def dataset(self) -> xr.Dataset:
-        """The store as a Dataset that reads from disk what is used."""
+        """The store as a Dataset that reads from disk when values are used."""
         import xarray as xr
 
         names = list(self.computation.results)
@@ -88,112 +95,102 @@ class Store:
             ds[name].attrs.update(variable.attributes())
         return ds
 
-    # --- a new one ------------------------------------------------------------------------------------------
+    # --- opening --------------------------------------------------------------------------------------------
 
-    def _create(self, lock: ExitStack) -> bool:
-        """Make the folder; false if another process was faster."""
+    def _begin_writing(self) -> None:
+        """Lock the store, and remove what a killed process left half-written."""
+        if self._writing:
+            return
+        with _one_line(self.path):
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._lock.enter_context(saving.locked(self.path))
+        self._writing = True
+        with _one_line(self.path):
+            for file in self.path.rglob("*.partial"):
+                if HALF_WRITTEN.fullmatch(file.name):
+                    file.unlink()
+
+    def _create(self, files: dict[str, bytes]) -> None:
         unfinished = self.path.with_name(f".{self.path.name}.unfinished")
         with _one_line(self.path):
-            unfinished.mkdir(parents=True, exist_ok=True)
-        with ExitStack() as attempt:
-            if not attempt.enter_context(locking.locked(unfinished, self.path)):
-                return False
+            try:
+                shutil.rmtree(unfinished, ignore_errors=True)
+                for name, content in files.items():
+                    _replace(unfinished / name, content)
+                unfinished.rename(self.path)
+            except BaseException:
+                shutil.rmtree(unfinished, ignore_errors=True)
+                raise
+
+    def _resume(self, files: dict[str, bytes]) -> None:
+        """Find the missing chunks; restore damaged metadata and coordinates. A complete store is only read."""
+        _insist_on_the_same(self.path, self.computation, json.loads(files[GROUP]))
+        restored = [name for name, content in files.items() if _content(self.path / name) != content]
+        if restored or not all(map(self._exists, range(len(self.chunks)))):
+            self._begin_writing()
+        for name in restored:
             with _one_line(self.path):
-                try:
-                    if not _is_new(self.path):
-                        shutil.rmtree(unfinished)
-                        return False
-                    _empty(unfinished)
-                    _write_labels(unfinished, self.computation, self.chunks)
-                    unfinished.rename(self.path)
-                except BaseException:
-                    shutil.rmtree(unfinished, ignore_errors=True)
-                    raise
-            lock.push(attempt.pop_all())  # the lock stays with the folder, whatever its name
-        self._arrays = _arrays(self.path, self.computation)
+                _replace(self.path / name, files[name])
+        self._arrays = _open_arrays(self.path, self.computation)
+        intact = [self._is_intact(chunk) for chunk in range(len(self.chunks))]
+        self._missing = [chunk for chunk, good in enumerate(intact) if not good]
+        damaged = sum(map(self._exists, self._missing))
+        if self._missing:
+            self._begin_writing()
+        if restored or damaged:
+            said = [f"{name} was damaged and has been restored" for name in restored]
+            said += [f"{damaged} of {len(self.chunks)} chunks are damaged and will be recomputed"] * (
+                damaged > 0
+            )
+            warnings.warn(f"store: {self.path}: {'; '.join(said)}", stacklevel=4)
+
+    def _exists(self, chunk: int) -> bool:
+        """Whether a chunk has all its files. A power failure can leave empty ones, which do not count."""
+        at = self.chunks.position(chunk)
+        for name, variable in self.computation.results.items():
+            file = self.path.joinpath(name, "c", *map(str, (*at, *(0 for _ in variable.shape))))
+            with suppress(FileNotFoundError, NotADirectoryError):
+                if file.stat().st_size > 0:
+                    continue
+            return False
         return True
 
-    # --- one that was begun ---------------------------------------------------------------------------------
-
-    def _resume(self, lock: ExitStack) -> None:
-        """Go on: find what is missing, mend what is damaged. A complete store is only read."""
-        expected = _metadata(self.computation, self.chunks)
-        _insist_on_the_same(self.path, self.computation, expected)
-        metadata = [name for name, content in expected.items() if _json(self.path / name) != content]
-        read_only = not metadata and all(map(self._is_there, range(len(self.chunks))))
-        if not read_only:
-            self._begin_writing(lock)
-        for name in metadata:
-            with _one_line(self.path):
-                _replace(self.path / name, json.dumps(expected[name], indent=2).encode())
-        coordinates = [c for c in self.computation.coordinates if not _agrees(self.path / c.name, c)]
-        damaged = self._find_missing()
-        if read_only and (coordinates or damaged):
-            self._begin_writing(lock)
-        for coordinate in coordinates:
-            with _one_line(self.path):
-                _write_coordinate(self.path / coordinate.name, coordinate)
-        if metadata or coordinates or damaged:
-            found = [f"{name} was damaged and is written anew" for name in metadata]
-            found += [f"coordinate {c.name} was damaged and is written anew" for c in coordinates]
-            found += [f"{damaged} of {len(self.chunks)} chunks are damaged and computed anew"] * (damaged > 0)
-            warnings.warn(f"store: {self.path}: {'; '.join(found)}", stacklevel=4)
-
-    def _begin_writing(self, lock: ExitStack) -> None:
-        lock.enter_context(locking.locked(self.path, self.path))
-        names = [*self.computation.results, *(c.name for c in self.computation.coordinates)]
-        with _one_line(self.path):
-            _tidy(self.path, names)
-
-    def _find_missing(self) -> int:
-        """Read every chunk once; those that are not there or not whole are missing. How many are damaged."""
-        self._arrays = _arrays(self.path, self.computation)
-        damaged = 0
-        for chunk in range(len(self.chunks)):
-            there = self._is_there(chunk)
-            whole = there and all(_reads(array, self.chunks.box(chunk)) for array in self._arrays.values())
-            if not whole:
-                self._missing.append(chunk)
-                damaged += there
-        return damaged
-
-    def _is_there(self, chunk: int) -> bool:
-        """Whether a chunk has all its files."""
-        at = self.chunks.position(chunk)
-        own = {name: (0,) * len(variable.shape) for name, variable in self.computation.results.items()}
-        return all(_is_there(self.path.joinpath(name, "c", *map(str, (*at, *own[name])))) for name in own)
+    def _is_intact(self, chunk: int) -> bool:
+        """Whether a chunk exists and agrees with its checksums."""
+        if not self._exists(chunk):
+            return False
+        try:
+            for array in self._arrays.values():
+                array[self.chunks.box(chunk)]
+        except DAMAGED:
+            return False
+        except OSError as error:
+            raise saving.store_failure(self.path, error, "read") from None
+        return True
 
 
-# --- what is in a store -------------------------------------------------------------------------------------
+# --- metadata and coordinates -------------------------------------------------------------------------------
 
 
-def _require_zarr(path: Path) -> None:
-    try:
-        import zarr  # noqa: F401
-    except ImportError:
-        raise ValueError(
-            f"store: got {str(path)!r}, must have Zarr: pip install 'hardlimit[store]'"
-        ) from None
+def label_files(computation: Computation, chunks: Chunks) -> dict[str, bytes]:
+    """Metadata and coordinates, that is all files of a store but its chunks: contents by relative path."""
+    from zarr.storage import MemoryStore
 
-
-def _attributes(computation: Computation, chunks: Chunks) -> dict[str, Any]:
-    """Attributes of the whole store; ``fingerprint`` covers all that a result depends on."""
-    digest = hashlib.sha256(repr((computation.fingerprint(), chunks)).encode())
-    attributes = {**computation.attributes(), "Conventions": "CF-1.11", "fingerprint": digest.hexdigest()}
-    others = [c.name for c in computation.coordinates if c.name != c.dim]
-    return {**attributes, "coordinates": " ".join(others)} if others else attributes
+    files: dict[str, Any] = {}
+    _make_arrays(MemoryStore(files), computation, chunks)
+    return {name: content.to_bytes() for name, content in files.items()}
 
 
 def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
-    """All of a store but values: its group and its arrays, without consolidated metadata."""
     import zarr
 
     group = zarr.create_group(store, attributes=_attributes(computation, chunks))
     for name, (dims, values, attributes) in labels(computation).items():
-        shape = np.shape(values)
+        values = np.asarray(values)
         dims = (dims,) if isinstance(dims, str) else dims
-        files = tuple(min(n, LABELS_OF_FILE) for n in shape)
-        _make_array(group, name, dims, shape, files, str(np.asarray(values).dtype), 0, attributes)
+        files = tuple(min(n, LABELS_OF_FILE) for n in values.shape)
+        array = _make_array(group, name, dims, values.shape, files, str(values.dtype), 0, attributes)
+        array[...] = values
     for name, variable in computation.results.items():
         attributes = variable.attributes()
         if variable.flags:
@@ -202,6 +199,9 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
         dims, shape = (*computation.dims, *variable.dims), (*computation.shape, *variable.shape)
         box, dtype = (*chunks.box_shape, *variable.shape), variable.stored or variable.dtype
         _make_array(group, name, dims, shape, box, dtype, variable.not_computed, attributes)
+    with warnings.catch_warnings():  # xarray wants consolidated metadata, of which Zarr's format 3 warns
+        warnings.simplefilter("ignore")
+        zarr.consolidate_metadata(store)
 
 
 def _make_array(
@@ -213,12 +213,12 @@ def _make_array(
     dtype: str,
     fill: float,
     attributes: dict[str, Any],
-) -> None:
-    """A new array. Counts and codes shrink a hundredfold; the last bits of a velocity are noise."""
+) -> zarr.Array[Any]:
+    """A new array. Counts and codes compress a hundredfold; the last bits of a velocity are noise."""
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
     packed = [] if dtype in ("float64", "int64") else [ZstdCodec(level=1)]
-    group.create_array(
+    return group.create_array(
         name,
         shape=shape,
         chunks=files,
@@ -230,56 +230,37 @@ def _make_array(
     )
 
 
-def _write_labels(folder: Path, computation: Computation, chunks: Chunks) -> None:
-    """All of a store but its chunks."""
-    _make_arrays(folder, computation, chunks)
-    for coordinate in computation.coordinates:
-        _write_coordinate(folder / coordinate.name, coordinate)
-    _consolidate(folder)
+def _attributes(computation: Computation, chunks: Chunks) -> dict[str, Any]:
+    """Attributes of the store. ``fingerprint`` is a hash of everything that a result depends on."""
+    digest = hashlib.sha256(repr((computation.fingerprint(), chunks)).encode())
+    attributes = {
+        **computation.attributes(),
+        "Conventions": "CF-1.11",
+        "variables": ", ".join(sorted(computation.results)),
+        "fingerprint": digest.hexdigest(),
+    }
+    others = [c.name for c in computation.coordinates if c.name != c.dim]
+    return {**attributes, "coordinates": " ".join(others)} if others else attributes
 
 
-def _metadata(computation: Computation, chunks: Chunks) -> dict[str, Any]:
-    """The metadata files of a store by name, parsed."""
-    from zarr.storage import MemoryStore
-
-    files: dict[str, Any] = {}
-    store = MemoryStore(files)
-    _make_arrays(store, computation, chunks)
-    _consolidate(store)
-    return {name: json.loads(content.to_bytes()) for name, content in files.items()}
-
-
-def _consolidate(store: Any) -> None:
-    import zarr
-
-    with warnings.catch_warnings():  # not yet part of Zarr's format 3; xarray warns of a store without
-        warnings.simplefilter("ignore")
-        zarr.consolidate_metadata(store)
-
-
-def _arrays(path: Path, computation: Computation) -> dict[str, zarr.Array[Any]]:
-    """The arrays of the variables; a chunk is written even if it holds nothing but fill values."""
+def _open_arrays(path: Path, computation: Computation) -> dict[str, zarr.Array[Any]]:
+    """The arrays of the variables. A chunk is written even if it holds nothing but fill values."""
     import zarr
 
     with zarr.config.set({"array.write_empty_chunks": True}):
         return {name: zarr.open_array(path / name, mode="r+") for name in computation.results}
 
 
-def _write_coordinate(folder: Path, coordinate: Coordinate) -> None:
-    import zarr
-
-    zarr.open_array(folder, mode="r+")[...] = _values(coordinate)
+# --- checks -------------------------------------------------------------------------------------------------
 
 
-def _values(coordinate: Coordinate) -> Any:
-    return coordinate.values[0] if coordinate.dim is None else coordinate.values
-
-
-def _shape(box: tuple[slice, ...], variable: Variable) -> tuple[int, ...]:
-    return (*(s.stop - s.start for s in box), *variable.shape)
-
-
-# --- whether it is what it must be --------------------------------------------------------------------------
+def _require_zarr(path: Path) -> None:
+    try:
+        import zarr  # noqa: F401
+    except ImportError:
+        raise ValueError(
+            f"store: got {str(path)!r}, must have Zarr: pip install 'hardlimit[store]'"
+        ) from None
 
 
 def _local(path: str | Path) -> Path:
@@ -289,7 +270,7 @@ def _local(path: str | Path) -> Path:
 
 
 def _is_new(path: Path) -> bool:
-    """Whether there is nothing at ``path``, or an empty folder."""
+    """Whether ``path`` does not exist or is an empty folder."""
     try:
         return next(path.iterdir(), None) is None
     except FileNotFoundError:
@@ -297,138 +278,58 @@ def _is_new(path: Path) -> bool:
     except NotADirectoryError:
         raise ValueError(f"store: {path} is a file, must be a folder or missing") from None
     except OSError as error:
-        raise _failure(path, error) from None
+        raise saving.store_failure(path, error) from None
 
 
 def _insist_on_the_same(path: Path, computation: Computation, expected: dict[str, Any]) -> None:
-    """Refuse a store of anything but this computation."""
-    attributes = _as_dict(_as_dict(_json(path / GROUP)).get("attributes"))
-    if "fingerprint" not in attributes:
-        if _holds_labels_only(path, computation, expected):
-            return
+    """Refuse a store of any other computation, and say what differs."""
+    wanted, found = expected["attributes"], _attributes_on_disk(path)
+    if "fingerprint" not in found:
         need = f"must be a store of hl.sweep with its {GROUP}, empty or missing"
         raise ValueError(f"store: {path} holds something else, {need}")
-    wanted = expected[GROUP]["attributes"]
-    if wanted["fingerprint"] == attributes["fingerprint"]:
+    if found["fingerprint"] == wanted["fingerprint"]:
         return
     made = "other values of what is swept"
-    variables = _variables_of(_as_dict(_json(path / GROUP)))
-    if variables != set(computation.results):
-        made = f"variables {', '.join(sorted(variables))}"
-    for name in computation.attributes():  # the last one, the version, says most
-        if attributes.get(name) != wanted.get(name):
-            made = f"{name.replace('hardlimit_', '')} {attributes.get(name)}, not {wanted.get(name)}"
+    for name in ("variables", *computation.attributes()):  # the last one, the version, says most
+        if found.get(name) != wanted.get(name):
+            made = f"{name.replace('hardlimit_', '')} {found.get(name)}, not {wanted.get(name)}"
     raise ValueError(f"store: {path} was made with {made}; repeat that call or take another path")
 
 
-def _variables_of(group: dict[str, Any]) -> set[str]:
-    """Names of the arrays of a store that are not coordinates."""
-    arrays = _as_dict(_as_dict(group.get("consolidated_metadata")).get("metadata"))
-    others = str(_as_dict(group.get("attributes")).get("coordinates", "")).split()
-    return {name for name, array in arrays.items() if _as_dict(array).get("dimension_names") != [name]} - set(
-        others
-    )
-
-
-def _holds_labels_only(path: Path, computation: Computation, expected: dict[str, Any]) -> bool:
-    """Whether this is a store of ours without its group's file and without a chunk, as a power cut can leave it."""
-    found = {file.relative_to(path).as_posix(): file for file in path.rglob("*") if file.is_file()}
-    if GROUP in found and found.pop(GROUP).stat().st_size > 0:
-        return False
-    labelled = tuple(f"{c.name}/c" for c in computation.coordinates)
-    ours = [name for name in found if name in expected and _json(found[name]) == expected[name]]
-    return bool(ours) and all(name in expected or name.startswith(labelled) for name in found)
-
-
-def _as_dict(json: Any) -> dict[str, Any]:
-    return json if isinstance(json, dict) else {}
-
-
-def _json(file: Path) -> Any:
-    """The content of a metadata file; None if it cannot be read."""
+def _attributes_on_disk(path: Path) -> dict[str, Any]:
+    """Attributes of the group; empty if they cannot be read."""
     try:
-        return json.loads(file.read_bytes())
-    except (FileNotFoundError, NotADirectoryError, IsADirectoryError, ValueError, RecursionError):
-        return None
-    except OSError as error:
-        raise _failure(file, error, "read") from None
-
-
-def _is_there(file: Path) -> bool:
-    """Whether a chunk was written; an empty file is what a power cut can leave of one."""
-    with suppress(FileNotFoundError, NotADirectoryError):
-        return file.stat().st_size > 0
-    return False
-
-
-def _reads(array: zarr.Array[Any], box: tuple[slice, ...]) -> bool:
-    """Whether a chunk agrees with its checksum."""
-    try:
-        array[box]
-    except DAMAGED:
-        return False
-    except OSError as error:
-        raise _failure(Path(str(array.store_path)), error, "read") from None
-    return True
-
-
-def _agrees(folder: Path, coordinate: Coordinate) -> bool:
-    """Whether the files of a coordinate are all there and hold its values."""
-    import zarr
-
-    array = zarr.open_array(folder, mode="r")
-    wanted = np.asarray(_values(coordinate))
-    if wanted.ndim == 0:
-        return _is_there(folder / "c") and _equal(array, (), wanted)
-    for i, first in enumerate(range(0, len(wanted), LABELS_OF_FILE)):
-        box = (slice(first, min(first + LABELS_OF_FILE, len(wanted))),)
-        if not (_is_there(folder / "c" / str(i)) and _equal(array, box, wanted[box])):
-            return False
-    return True
-
-
-def _equal(array: zarr.Array[Any], box: tuple[slice, ...], wanted: Any) -> bool:
-    try:
-        return bool(np.array_equal(np.asarray(array[box]), wanted))
-    except DAMAGED:
-        return False
+        found = json.loads(_content(path / GROUP) or b"")["attributes"]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 # --- files --------------------------------------------------------------------------------------------------
 
 
+def _content(file: Path) -> bytes | None:
+    """None if there is no such file."""
+    try:
+        return file.read_bytes()
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        return None
+    except OSError as error:
+        raise saving.store_failure(file, error, "read") from None
+
+
 def _replace(file: Path, content: bytes) -> None:
-    """Write a file such that it is whole or not there."""
+    """Write a file completely or not at all."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    half = file.with_suffix(f".{os.urandom(16).hex()}.partial")
+    half = file.with_name(f"{file.name}.{os.urandom(16).hex()}.partial")
     half.write_bytes(content)
     half.replace(file)
 
 
-def _empty(folder: Path) -> None:
-    """Remove what a run left that was killed before the store got its name."""
-    for left in list(folder.iterdir()):
-        shutil.rmtree(left) if left.is_dir() else left.unlink()
-
-
-def _tidy(path: Path, names: list[str]) -> None:
-    """Remove what a killed run left half written in the folders of these arrays."""
-    inside = [file for name in names for file in (path / name).rglob("*.partial")]
-    for file in (*path.glob("zarr.*.partial"), *inside):
-        if HALF_WRITTEN.fullmatch(file.name):
-            file.unlink()
-
-
 @contextmanager
 def _one_line(path: Path) -> Iterator[None]:
+    """Errors of the file system as one line that names the store."""
     try:
         yield
     except OSError as error:
-        raise _failure(path, error) from None
-
-
-def _failure(path: Path, error: OSError, what: str = "write") -> OSError:
-    """The same error with what it means here: disk full, read-only folder."""
-    told = OSError(f"store: cannot {what} {path}: {error.strerror or error}; what is finished is kept")
-    told.errno = error.errno
-    return told
+        raise saving.store_failure(path, error) from None

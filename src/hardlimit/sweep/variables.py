@@ -1,4 +1,4 @@
-"""What a sweep of columns can compute at a point."""
+"""Variables of a sweep."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .computation import Variable
 
 BALL: Final = "ball"
 
-#: One value for a point.
+#: One value per point.
 OF_POINT: Final = {
     "n_contacts": Variable(
         "uint8", "1", "ball–ball contacts of the sequence", stored="uint32", not_computed=2**32 - 1
@@ -27,7 +27,7 @@ OF_POINT: Final = {
     ),
 }
 
-#: One value for each ball.
+#: One value per ball.
 OF_BALL: Final = {
     "rebound_height": Variable(
         "float64", "m", "greatest height of the centre between the first and the next floor contact", (BALL,)
@@ -37,7 +37,7 @@ OF_BALL: Final = {
 
 VARIABLES: Final = OF_POINT | OF_BALL
 
-#: What has a meaning for two balls only.
+#: Defined for two balls only.
 OF_TWO_BALLS: Final = (
     "relative_velocity",
     "separation_velocity",
@@ -47,7 +47,7 @@ OF_TWO_BALLS: Final = (
 
 
 def usual(balls: int) -> tuple[str, ...]:
-    """The variables of a sweep that names none."""
+    """Default variables."""
     if balls == 2:
         return tuple(name for name in OF_POINT if name != "t_floor_end")
     return ("n_contacts", "rebound_height", "final_velocity", "t_end", "outcome")

@@ -7,7 +7,7 @@ namespace hardlimit::boxes::rules {
 class Constant final : public Rule {
 public:
     static constexpr RuleRecord record = {
-        "constant", "the same restitution in all collisions", "", true, false, 0, {}};
+        "constant", "restitution ε", "ε depends on nothing", "", true, false, 0, {}};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle&) {
         return std::make_unique<Constant>(choice.restitution);
     }

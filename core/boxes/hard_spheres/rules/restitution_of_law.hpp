@@ -10,7 +10,7 @@ namespace hardlimit::boxes::rules {
 class RestitutionOfLaw {
 public:
     static constexpr RuleRecord record = {
-        "law", "the restitution of the contact law at the speed of impact", "", false, true, 0, {}};
+        "law", "ε(v) of `law.between(i, j)`", "contacts take no time", "", false, true, 0, {}};
     static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
         return with_law<std::unique_ptr<Rule>>(choice.law.law, [&]<class Law>() -> std::unique_ptr<Rule> {
             return std::make_unique<Of<Law>>(choice.law, typical);

@@ -22,7 +22,8 @@ inline constexpr int max_rule_parameters = 2;
 
 struct RuleRecord {
     const char* name;
-    const char* meaning;
+    const char* meaning;  // what a collision does
+    const char* assumes;  // what must hold for the rule to be right
     const char* source;
     bool takes_restitution, takes_law;  // both: either of the two
     int n_parameters;

@@ -10,7 +10,8 @@ class Tc final : public Rule {
 public:
     static constexpr RuleRecord record = {
         "tc",
-        "elastic where a partner has collided less than the contact duration ago, with anything",
+        "elastic where a partner has collided less than t_c ago, with anything; else as constant or law",
+        "contacts of many particles lose little energy",
         "Luding & McNamara, Granular Matter 1, 113 (1998)",
         true,
         true,

@@ -1,4 +1,4 @@
-"""Boxes of grains in files, by the ending of the name."""
+"""Reading and writing boxes of grains; the ending of the name chooses the format."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from ...support import saving, validation
+from ...support.formatting import listed
 from . import extended_xyz, gsd_file, lammps_data
 from .frame import Append, Frame
 
@@ -23,7 +24,7 @@ FORMATS: Final[dict[str, ModuleType]] = {
 
 
 def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
-    """The path, and the format that its ending names.
+    """The path and the format of its ending.
 
     Raises
     ------
@@ -35,15 +36,15 @@ def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
     target = Path(path)
     if target.suffix.lower() not in FORMATS:
         raise ValueError(
-            f"{parameter}: got {validation.shown(str(path))}, must end in {validation.any_of([*FORMATS])}"
+            f"{parameter}: got {validation.shown(str(path))}, must end in {listed([*FORMATS], 'or')}"
         )
     return target, FORMATS[target.suffix.lower()]
 
 
 def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
-    """Arguments of ParticleSystem as they stand in the file, and how far rounding may have moved a particle.
+    """Arguments of ParticleSystem in the file, and the rounding error of distances.
 
-    The latter is relative to a radius: 0 where the file holds double precision.
+    The error is relative to a radius, and 0 in double precision.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
 
 
 def write(path: str | Path, frames: Iterable[Frame]) -> Path:
-    """Write frames to a file that appears once it is whole.
+    """Write frames to a file, which appears when it is complete.
 
     Raises
     ------
@@ -83,7 +84,7 @@ def write(path: str | Path, frames: Iterable[Frame]) -> Path:
 
 @contextmanager
 def appender(path: str | Path) -> Iterator[Append]:
-    """Takes frames for a file that appears under its name once the block is left.
+    """Takes frames for a file, which appears when the block is left.
 
     Raises
     ------

@@ -1,6 +1,6 @@
-"""Extended XYZ: a text, one line for each particle, that OVITO and ASE read.
+"""Extended XYZ: text with one line for each particle, read by OVITO and ASE.
 
-Written here and not by ASE, which keeps eight decimals: a grain of 1 mm would lose all but five digits of its place.
+ASE itself writes eight decimals, which keeps only five digits of the position of a grain of 1 mm.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ NAMES: Final = {
     "mass": "mass",
     "masses": "mass",
 }
-BLOCK: Final = 65536  #: rows that are made into text at once
+BLOCK: Final = 65536  #: rows that are formatted together
 
 _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
 
@@ -47,7 +47,7 @@ def _append(file: BinaryIO, frame: Frame) -> None:
 
 
 def _comment(frame: Frame) -> str:
-    """The second line: cell, columns, periodicity and what else is not in a column."""
+    """The second line: cell, columns, periodicity, time and gravity."""
     d = len(frame.box)
     edges = three(frame.box, 2.0 * float(frame.radius.max()))
     flags = ["T" if side == "periodic" else "F" for side in frame.boundary] + ["F"] * (3 - d)
@@ -79,7 +79,7 @@ def read(path: Path, frame: int) -> Found:
 
 
 def _frames(file: BinaryIO) -> Iterator[int]:
-    """Where each frame begins."""
+    """Offset of each frame."""
     while True:
         start = file.tell()
         first = file.readline()
@@ -109,7 +109,7 @@ def _entries(comment: str) -> dict[str, str]:
 
 
 def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dict[str, slice]]:
-    """The numbers of the columns that are wanted, and where each property stands among them."""
+    """The columns that are needed, and the position of each property among them."""
     parts = entries.get("Properties", "").split(":")
     used: list[int] = []
     where: dict[str, slice] = {}
@@ -162,7 +162,7 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
 
 
 def _vector(entries: dict[str, str], name: str, count: int, default: float | None = None) -> Floats:
-    """An entry of so many numbers."""
+    """An entry with this many numbers."""
     if name not in entries and default is not None:
         return np.full(count, default)
     try:

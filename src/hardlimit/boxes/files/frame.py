@@ -1,4 +1,4 @@
-"""What a file holds of a box of grains at one instant."""
+"""A box of grains at one instant, as files hold it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Frame:
-    """One instant: the values of a ParticleSystem, and the time."""
+    """The values of a ParticleSystem, and the time."""
 
     positions: Floats  #: (N, d) [m]
     velocities: Floats  #: (N, d) [m/s]
@@ -26,24 +26,24 @@ class Frame:
     time: float = 0.0  #: [s]
 
 
-#: Writes one more frame at the end of a file.
+#: Appends a frame to a file.
 Append = Callable[[Frame], None]
 
 
 @dataclass(frozen=True)
 class Found:
-    """What was read: arguments of ParticleSystem as they stand in the file, unchecked."""
+    """Arguments of ParticleSystem in a file, unchecked."""
 
     arguments: dict[str, Any]
-    rounding: float = 0.0  #: largest error of a distance in the file's precision, relative to a radius
+    rounding: float = 0.0  #: rounding error of distances, relative to a radius
 
 
 def three(values: Floats, last: float = 0.0) -> Floats:
-    """Rows of three columns, of a plane with ``last`` in the third."""
+    """Rows with three columns; in 2-D the third is ``last``."""
     missing = 3 - values.shape[-1]
     return np.concatenate([values, np.full((*values.shape[:-1], missing), last)], axis=-1)
 
 
 def words(periodic: Any) -> tuple[str, ...]:
-    """The sides of a box from one flag for each axis."""
+    """The boundary of each axis from a flag."""
     return tuple("periodic" if flag else "wall" for flag in periodic)

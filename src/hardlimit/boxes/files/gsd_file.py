@@ -1,7 +1,7 @@
-"""GSD, the binary trajectory format of HOOMD-blue, which OVITO reads; by the library gsd.
+"""GSD, the binary trajectory format of HOOMD-blue, read by OVITO; by the library gsd.
 
-The format keeps single precision with the origin in the middle of the box. The same values stand beside it in double
-precision under ``log``, so that a system comes back to the last bit; so do what GSD does not know, walls and gravity.
+The format has single precision and its origin in the middle of the box. ``log`` holds the same values in double
+precision, so that a system comes back to the last bit, and walls and gravity, for which GSD has no place.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from .frame import Append, Floats, Found, Frame, three, words
 
-#: Values in double precision, by our name.
+#: Names under ``log`` of our values in double precision.
 OF_PARTICLES: Final = {
     name: f"particles/hardlimit/{name}" for name in ("positions", "velocities", "radius", "mass")
 }
@@ -39,7 +39,7 @@ def appender(path: Path) -> Iterator[Append]:
 
 
 def _made(made: Any, step: int, frame: Frame) -> Any:
-    """What gsd writes of a frame."""
+    """A frame as gsd writes it."""
     made.configuration.step = step
     made.configuration.dimensions = len(frame.box)
     made.configuration.box = [*_single(three(frame.box)), 0.0, 0.0, 0.0]
@@ -64,7 +64,7 @@ def _single(values: Floats) -> Any:
 
 
 def _in_single(values: dict[str, Any]) -> dict[str, Any]:
-    """Position, velocity, diameter and mass as GSD keeps them."""
+    """Position, velocity, diameter and mass in single precision."""
     return {
         "position": _single(three(values["positions"] - 0.5 * values["box"])),
         "velocity": _single(three(values["velocities"])),
@@ -87,7 +87,7 @@ def read(path: Path, frame: int) -> Found:
             count = len(file)
             if not -count <= frame < count:
                 raise ValueError(f"frame: got {frame}, must be in [{-count}, {count - 1}]")
-            for index in {0, frame % count}:  # gsd takes from the first what a later one leaves out
+            for index in {0, frame % count}:  # values that a frame leaves out are those of the first frame
                 _check_counts(file.file, index, path.stat().st_size)
             found = file[frame % count]
     except (RuntimeError, OSError, KeyError, TypeError, AssertionError) as error:
@@ -101,7 +101,7 @@ def read(path: Path, frame: int) -> Found:
 
 
 def _check_counts(file: Any, frame: int, size: int) -> None:
-    """Refuse damaged numbers of particles or bonds before gsd takes memory for so many."""
+    """Refuse damaged numbers of particles or bonds before gsd allocates memory for them."""
     for what in ("particles", "bonds", "angles", "dihedrals", "impropers", "constraints", "pairs"):
         name = f"{what}/N"
         if file.chunk_exists(frame=frame, name=name):
@@ -117,7 +117,7 @@ def _line(error: Exception) -> str:
 
 
 def _in_double(found: Any) -> Found:
-    """The values that stand under ``log``, if those in single precision are still the same."""
+    """The values under ``log``, if those in single precision agree with them."""
     missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in found.log]
     if missing:
         raise ValueError(f"log: {missing[0]} is missing")
@@ -125,7 +125,7 @@ def _in_double(found: Any) -> Found:
     try:
         single = _in_single(values)
         same = all(np.array_equal(getattr(found.particles, name), single[name]) for name in single)
-    except ValueError:  # shapes that do not go together
+    except ValueError:  # shapes that do not match
         same = False
     if not same:
         raise ValueError(
@@ -136,7 +136,7 @@ def _in_double(found: Any) -> Found:
 
 
 def _of_another_program(found: Any) -> Found:
-    """Single precision, all sides periodic: what GSD itself says."""
+    """A frame of another program: single precision, periodic."""
     d = found.configuration.dimensions
     p = found.particles
     box = found.configuration.box[:d].astype(np.float64)

@@ -1,6 +1,6 @@
 """LAMMPS data, ``atom_style sphere``, in SI units. No library reads or writes that style.
 
-The format keeps diameters and densities. Walls and gravity belong to the script of LAMMPS; here they stand in the first
+The format has diameters and densities. Walls and gravity belong to the script of LAMMPS; we write them in the first
 line, which LAMMPS skips.
 """
 
@@ -20,7 +20,7 @@ from ... import _core
 from ...support import validation
 from .frame import Append, Floats, Found, Frame, three, words
 
-BLOCK: Final = 65536  #: rows that are made into text at once
+BLOCK: Final = 65536  #: rows that are formatted together
 SECTIONS: Final = ("Atoms", "Velocities")
 _MARK: Final = re.compile(
     r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pf ]+), gravity (.+)"
@@ -29,7 +29,7 @@ _MARK: Final = re.compile(
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Writes one frame to a new file; a second one is refused, for the format knows no trajectories."""
+    """Writes one frame to a new file; a second one is refused, since the format has no trajectories."""
     with open(path, "wb") as file:
 
         def append(frame: Frame) -> None:
@@ -41,7 +41,7 @@ def appender(path: Path) -> Iterator[Append]:
 
 
 def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
-    """A file of particles of several types, numbered from 1."""
+    """Write particles of several types, numbered from 1."""
     with open(path, "wb") as file:
         _write(file, frame, types)
 
@@ -54,7 +54,7 @@ def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
 
 
 def _rows(file: BinaryIO, title: str, columns: list[Floats], types: NDArray[np.int64] | None = None) -> None:
-    """A section: number, type if it has one, and the columns."""
+    """Rows of a section: number, type if there is one, and the columns."""
     table = np.column_stack(columns)
     file.write(f"\n{title}\n\n".encode())
     for first in range(0, len(table), BLOCK):
@@ -87,7 +87,7 @@ def _header(frame: Frame, types: int) -> str:
 
 
 def densities(mass: Floats, radius: Floats) -> Floats:
-    """Densities [kg/m³] from which the masses come back, to the last bit where there is such a number."""
+    """Densities [kg/m³] that give the masses, to the last bit if there is such a number."""
     rho = mass / (4.0 / 3.0 * math.pi * radius**3)
     best = rho.copy()
     found = sphere_masses(rho, radius) == mass
@@ -143,7 +143,7 @@ def read(path: Path, frame: int) -> Found:
 
 
 def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:
-    """The header, and for each section what stands beside its title and its lines."""
+    """The header, and for each section the comment of its title and its lines."""
     header: list[str] = []
     sections: dict[str, tuple[str, list[str]]] = {}
     here = header
@@ -190,7 +190,7 @@ def _float(name: str, word: str) -> float:
 
 
 def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, widths: tuple[int, ...]) -> Floats:
-    """The rows of a section in the order of their numbers."""
+    """The rows of a section, sorted by number."""
     if title not in sections:
         raise ValueError(f"{title}: missing, must hold one line for each atom")
     style, lines = sections[title]
@@ -213,7 +213,7 @@ def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, width
 
 
 def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
-    """Walls and gravity from the first line, if this program wrote it."""
+    """Walls and gravity from the first line, if we wrote it."""
     if mark is None:
         return {}
     sides, gravity = mark[2].split(), mark[3].split()

@@ -1,4 +1,4 @@
 """Newton's equations of a box of grains by LAMMPS: its input, its run in a child process, its output.
 
-LAMMPS is a program that is called. Nothing here imports it or links to it.
+LAMMPS is called as a program, never imported or linked.
 """

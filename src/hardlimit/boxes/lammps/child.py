@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-#: Seconds that LAMMPS has to end when it is told to.
+#: Seconds that LAMMPS has to end after a signal.
 PATIENCE: Final = 2.0
 
 
 class Pipe:
-    """A file that goes through memory: what LAMMPS writes into it, a thread of its own reads."""
+    """A named pipe: LAMMPS writes to it, a thread reads it."""
 
     def __init__(self, path: Path, read: Callable[[Iterable[str]], None]) -> None:
         self._path, self._read = path, read
@@ -30,20 +30,20 @@ class Pipe:
         with open(self._path, encoding="utf-8", errors="replace") as lines:
             try:
                 self._read(lines)
-            except Exception as error:  # given on by close()
+            except Exception as error:  # raised again by close()
                 self._error = error
-                for _ in lines:  # the writer must not wait
+                for _ in lines:  # so that LAMMPS does not block
                     pass
 
     def close(self) -> None:
-        """Wait for the end of what was written.
+        """Wait until everything written is read.
 
         Raises
         ------
         Exception
             What the reader raised.
         """
-        with contextlib.suppress(OSError):  # nobody may ever have opened it to write
+        with contextlib.suppress(OSError):  # LAMMPS may never have opened it
             os.close(os.open(self._path, os.O_WRONLY | os.O_NONBLOCK))
         self._thread.join()
         if self._error is not None:
@@ -57,12 +57,12 @@ def run(
     readers: Mapping[str, Callable[[Iterable[str]], None]],
     said: Callable[[str], object],
 ) -> None:
-    """Run LAMMPS in a folder; ``readers`` take the dumps of these names, ``said`` every line that LAMMPS says.
+    """Run LAMMPS in a folder; ``readers`` take the dumps of these names, ``said`` every line of its output.
 
     Raises
     ------
     RuntimeError
-        If it fails: one line, with what LAMMPS says of it.
+        If it fails: one line, with the error message of LAMMPS.
     KeyboardInterrupt
         At Ctrl-C; LAMMPS has ended by then.
     """
@@ -78,14 +78,14 @@ def run(
     finally:
         for pipe in pipes:
             if failed:
-                with contextlib.suppress(Exception):  # a dump that breaks off
+                with contextlib.suppress(Exception):  # the dump is incomplete
                     pipe.close()
             else:
                 pipe.close()
 
 
 def _told(output: Any, said: Callable[[str], object]) -> list[str]:
-    """Hand on every line; the last ones, in which an error would stand."""
+    """Pass on every line; returns the last ones, which contain an error if there is one."""
     lines: list[str] = []
     for line in output:
         lines = [*lines[-30:], line]
@@ -94,7 +94,7 @@ def _told(output: Any, said: Callable[[str], object]) -> list[str]:
 
 
 def _reason(lines: list[str], code: int) -> str:
-    """The line in which LAMMPS says what is wrong, without its place in LAMMPS' source."""
+    """The error line of LAMMPS without its source location."""
     errors = [line for line in lines if "ERROR" in line] or [line for line in lines if line.strip()]
     if not errors:
         return f"it ended with code {code} and said nothing"
@@ -105,7 +105,7 @@ def _reason(lines: list[str], code: int) -> str:
 def _started(
     command: list[str], folder: Path, environment: Mapping[str, str]
 ) -> Iterator[subprocess.Popen[str]]:
-    """The process, in a group of its own: Ctrl-C comes to us, and whatever ends us ends all of its ranks."""
+    """The process, in its own process group: Ctrl-C reaches only Python, which then ends all ranks."""
     child = subprocess.Popen(
         command,
         cwd=folder,

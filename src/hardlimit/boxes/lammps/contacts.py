@@ -1,4 +1,4 @@
-"""The log of contacts, from their begins and ends."""
+"""The log of contacts, from the begins and ends of their forces."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..system import Floats
+from ..box import Floats
 from .forces import Integers
 from .touching import Change
 
 
 class Contacts(NamedTuple):
-    """As in the log of a result, in the order of their begins."""
+    """The columns of the log of a result, in the order of begins."""
 
     begin: Floats
     end: Floats  #: NaN: still open
@@ -26,7 +26,7 @@ class Contacts(NamedTuple):
 
 
 def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
-    """Begins and ends of one pair take turns; its last end may be missing."""
+    """The log: begins and ends of a pair alternate, and its last end may be missing."""
     begun, ended = _sorted(begins), _sorted(ends)
     n = len(begun.first)
     closed = _ordinal(begun) < _count_of(begun, ended)
@@ -39,14 +39,14 @@ def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
 
 
 def _sorted(parts: Sequence[Change]) -> Change:
-    """By pair, then by time."""
+    """Sorted by pair, then by time."""
     first, second, time, speed = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.lexsort((time, second, first))
     return Change(first[order], second[order], time[order], speed[order])
 
 
 def _ordinal(one: Change) -> Integers:
-    """For each entry the number of entries of its pair before it."""
+    """For each entry the number of earlier entries of its pair."""
     starts = np.flatnonzero(_changes(one))
     before: Integers = starts[np.cumsum(_changes(one)) - 1]
     return np.arange(len(one.first)) - before
@@ -63,7 +63,7 @@ def _count_of(one: Change, other: Change) -> Integers:
 
 
 def _changes(one: Change) -> NDArray[np.bool_]:
-    """True where another pair begins."""
+    """True at the first entry of each pair."""
     different = (np.diff(one.first) != 0) | (np.diff(one.second) != 0)
     return np.concatenate([[True], different]) if len(one.first) else np.zeros(0, bool)
 
@@ -78,7 +78,7 @@ def overlapped(begin: Floats, end: Floats, first: Integers, second: Integers) ->
     contact, body = contact[order], body[order]
     starts, stops = begin[contact], np.where(np.isnan(end), np.inf, end)[contact]
     found = np.zeros(n, bool)
-    latest, owner, last = -np.inf, -1, -1  # the contact of this particle that lasts longest so far
+    latest, owner, last = -np.inf, -1, -1  # end and row of the latest end so far, and the particle
     for k, (b, start, stop) in enumerate(zip(body.tolist(), starts.tolist(), stops.tolist(), strict=True)):
         if b != last:
             latest, last = -np.inf, b

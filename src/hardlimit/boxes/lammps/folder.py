@@ -1,4 +1,4 @@
-"""A run by LAMMPS that the user takes elsewhere: its folder written here, and read back."""
+"""A run by LAMMPS on another machine: its folder is written here and read back."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from typing import Any
 from ...contact.contact import Law
 from ...support import validation
 from .. import time_step as steps
-from ..contact_result import ContactResult
-from ..engines import checked_keeping
+from ..result import ContactResult
+from ..run import checked_keeping
 from ..softness import refuse_too_soft
 from ..system import ParticleSystem
 from . import half_steps, running
@@ -33,26 +33,25 @@ def lammps_input(
     samples: int = 100,
     log: bool = False,
 ) -> Path:
-    """Write what LAMMPS needs for a run, to be taken to a cluster; :func:`lammps_result` reads what comes back.
+    """Write the input of LAMMPS for a run elsewhere, such as on a cluster; :func:`lammps_result` reads the results.
 
-    The input says in its first lines how to run it: ``mpiexec -n 64 lmp -in in.hardlimit`` in that folder. It is what
-    ``molecular_dynamics(engine="lammps")`` runs.
+    Run it by ``mpiexec -n 64 lmp -in in.hardlimit`` in that folder, as its first lines say.
+    ``molecular_dynamics(engine="lammps")`` runs the same input.
 
     Parameters
     ----------
     system : ParticleSystem
     folder : path
-        Made if it does not exist; files of the same names in it are replaced.
+        Created if it does not exist; files of the same names are replaced.
     law : Law
     until : float [s]
         This and what follows as for :func:`molecular_dynamics`.
     restitution_error : float, optional
     time_step : float [s], optional
     samples : int
-        Spacings of the series.
+        Intervals between samples of the series.
     log : bool
-        Keep every contact. LAMMPS writes everything that overlaps at every step: some
-        70 bytes for each, and 200 for each step.
+        Keep every contact. LAMMPS then writes all overlaps at every step: about 70 bytes each, and 200 per step.
 
     Returns
     -------
@@ -91,9 +90,9 @@ def lammps_input(
 
 
 def lammps_result(folder: str | Path) -> ContactResult:
-    """What LAMMPS made of a folder of :func:`lammps_input`.
+    """The result of a run by LAMMPS in a folder of :func:`lammps_input`.
 
-    Masses are those of the file, which holds densities: the given ones to rounding.
+    Masses are computed from the densities in the file, with rounding errors.
 
     Parameters
     ----------
@@ -142,14 +141,14 @@ def make_job(
     samples: Any,
     log: Any,
 ) -> Job:
-    """What LAMMPS is to do, checked.
+    """The job of LAMMPS, checked.
 
     Raises
     ------
     ValueError
         If a value is outside its range, or LAMMPS cannot do it.
     """
-    count, keep, _, _ = checked_keeping(samples, log, None, 60.0)
+    count, keep, *_ = checked_keeping(samples, log, None, 60.0)
     refuse_too_soft(system, law)
     types_of(system, law)
     longest = steps.chosen(system, law, restitution_error, time_step, half_steps.longest_step)
@@ -166,7 +165,7 @@ def _checked_folder(folder: Any) -> Path:
         good = stat.S_ISDIR(target.stat().st_mode)
     except FileNotFoundError:
         good = True
-    except (OSError, ValueError):  # too long a name, or a null character in it
+    except (OSError, ValueError):  # the name is too long or has a null character
         good = False
     if not good or not str(folder):
         raise ValueError(f"folder: got {validation.shown(str(folder))}, must be a folder")

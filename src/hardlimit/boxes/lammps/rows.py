@@ -1,4 +1,4 @@
-"""What LAMMPS writes, as arrays: dumps while they are written, its log, the end state."""
+"""Output of LAMMPS as arrays: dumps while they are written, the log, the final state."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from ..system import Floats
+from ..box import Floats
 
-#: Of the log, one row for each sample.
+#: Columns of the log, which has one row for each sample.
 THERMO: Final = ("step", "kinetic_energy", "potential_energy", "px", "py", "pz", "virial")
 
 
@@ -23,12 +23,12 @@ class Snapshot(NamedTuple):
 
 
 def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
-    """The instants of a dump, in their order.
+    """The instants of a dump in order.
 
     Raises
     ------
     ValueError
-        If it breaks off within one of them.
+        If the last one is incomplete.
     """
     source = iter(lines)
     for line in source:
@@ -53,7 +53,7 @@ def table(rows: list[str], width: int) -> Floats:
     Raises
     ------
     ValueError
-        If one has not so many.
+        If a row has another number of columns.
     """
     numbers = np.array(" ".join(rows).split(), dtype=np.float64)
     if numbers.size != len(rows) * width:
@@ -76,7 +76,7 @@ _ROW: Final = re.compile(rf"\s*\d+(\s+[-+.\deEnaif]+){{{len(THERMO) - 1}}}\s*")
 
 
 def row_of(line: str) -> list[float] | None:
-    """The numbers of a sample, if this line of LAMMPS' output is one."""
+    """The numbers of a sample, or None if the line is not a sample."""
     return [float(word) for word in line.split()] if _ROW.fullmatch(line) else None
 
 

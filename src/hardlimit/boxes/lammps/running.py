@@ -1,4 +1,4 @@
-"""A run by LAMMPS, from our system to our result."""
+"""A run by LAMMPS, from system to result."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import numpy as np
 
 from ...support import validation
 from ...support.progress import Report
-from ..contact_result import COLUMNS, ContactResult
-from ..engines import present, with_fall
-from ..system import Floats
+from ..box import Floats
+from ..engines import ENGINES
+from ..falling_frame import laboratory_sums, present
+from ..result import ContactResult
 from . import child, rows
 from . import job as jobs
 from .contacts import Contacts, contacts
@@ -24,7 +25,7 @@ MOST_RANKS: Final = 1_000_000
 
 
 def checked_ranks(ranks: Any) -> int:
-    """How many processes share the box.
+    """The number of processes.
 
     Raises
     ------
@@ -35,14 +36,14 @@ def checked_ranks(ranks: Any) -> int:
 
 
 def run(job: Job, ranks: int, report: Report) -> ContactResult:
-    """Let LAMMPS do it, in a folder that goes away.
+    """Run LAMMPS in a temporary folder.
 
     Raises
     ------
     ImportError
-        If there is no LAMMPS that can.
+        If there is no suitable LAMMPS.
     RuntimeError
-        If LAMMPS fails; says what LAMMPS says.
+        If LAMMPS fails; with its error message.
     """
     program = find(ranks)
     with tempfile.TemporaryDirectory(prefix="hardlimit-lammps-", ignore_cleanup_errors=True) as place:
@@ -66,7 +67,7 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
 
 
 def watches_of(job: Job) -> dict[str, Watch]:
-    """What follows each dump of contacts."""
+    """A reader for each dump of contacts."""
     pairs, plan = job.pairs, job.plan
     dumps: dict[str, PairDump | WallDump] = {jobs.PAIRS: PairDump(pairs)}
     if jobs.WALLS in job.streams:
@@ -83,7 +84,7 @@ def watches_of(job: Job) -> dict[str, Watch]:
 
 
 def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
-    """What LAMMPS left in the folder.
+    """The result from the files of LAMMPS in the folder.
 
     Raises
     ------
@@ -93,33 +94,22 @@ def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
     plan = job.plan
     positions, velocities = rows.state(folder / jobs.END, job.system.dimension)
     found = _contacts(watches) if plan.log else None
-    kept = _rows(job, rows.thermo(folder / jobs.LOG), watches, found)
+    kept = _samples(job, rows.thermo(folder / jobs.LOG), watches, found)
     counts: dict[str, Any] = dict.fromkeys(("n_contacts", "n_pairs", "n_ended", "n_overlapped"))
     if found is not None:
-        counts = {name: int(kept[-1, COLUMNS.index(name)]) for name in counts}
+        counts = {name: int(kept[name][-1]) for name in counts}
     return ContactResult(
-        system=present(job.system, _Ended(positions, velocities, plan.until)),
+        system=present(job.system, plan.until, (positions, velocities)),
         time=plan.until,
         law=job.law,
         engine="lammps",
         outcome_name="ok",
-        rows=kept,
+        samples=kept,
         log=None if found is None else tuple(found),
         time_step=plan.time_step,
         n_steps=plan.n_steps,
         **counts,
     )
-
-
-class _Ended:
-    """The end of the run as the engines show it."""
-
-    def __init__(self, positions: Floats, velocities: Floats, time: float) -> None:
-        self._positions, self._velocities, self.time = positions, velocities, time
-
-    def state(self) -> tuple[Floats, Floats]:
-        """Positions along unfolded paths, and velocities."""
-        return self._positions, self._velocities
 
 
 def _contacts(watches: list[Watch]) -> Contacts:
@@ -129,8 +119,8 @@ def _contacts(watches: list[Watch]) -> Contacts:
     return contacts(begins, ends)
 
 
-def _rows(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) -> Floats:
-    """One row of ``COLUMNS`` for each sample."""
+def _samples(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) -> dict[str, Floats]:
+    """The records of the samples."""
     plan, system = job.plan, job.system
     seen = dict(zip(rows.THERMO, thermo.T, strict=True))
     if len(thermo) != (plan.samples if plan.n_steps else 0) + 1 or seen["step"][-1] != plan.n_steps:
@@ -139,12 +129,12 @@ def _rows(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) 
         )
     time = plan.until * (np.arange(len(thermo)) / plan.samples)
     seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
-    seen = with_fall(system, time, seen)
+    seen = laboratory_sums(system, time, seen)
     kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
     sums = [[watch.sums[int(step)] for step in seen["step"]] for watch in watches]
     stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
     total = kinetic + potential + stored
-    volume = system.dimension * float(np.prod(system.box))
+    volume = system.dimension * system.domain.volume
     lasted = np.diff(time, prepend=0.0)
     columns = {
         "time": time,
@@ -153,15 +143,16 @@ def _rows(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) 
         "contact_energy": stored,
         "dissipated_energy": total[0] - total,
         "granular_temperature": seen["granular_temperature"],
+        "momentum": seen["momentum"],
         "n_in_contact": np.array([[s.in_contact for s in one] for one in sums]).sum(axis=0),
         "virial": np.cumsum(seen["virial"] * volume * lasted),
         **_counts(time, log),
     }
-    return np.stack([columns[name] for name in COLUMNS], axis=1)
+    return {name: columns[name] for name in ENGINES["lammps"].tells}
 
 
 def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:
-    """How many contacts there were up to each sample; NaN where nobody counted."""
+    """Numbers of contacts up to each sample; NaN without a log."""
     if log is None:
         return {
             name: np.full(len(time), np.nan) for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")

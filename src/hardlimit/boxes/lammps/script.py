@@ -1,4 +1,4 @@
-"""The input of LAMMPS."""
+"""The input script of LAMMPS."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ from typing import Final
 
 import numpy as np
 
-from ..engines import common_fall
-from ..system import AXES, ParticleSystem
+from ..box import AXES
+from ..system import ParticleSystem
 from .forces import Types
 
-#: Of the neighbour list, in mean radii: half the mean free gap between neighbours, within these limits.
+#: Limits of the skin of the neighbour list, in mean radii; within them it is half the mean gap between neighbours.
 SKINS: Final = (0.1, 1.0)
 NUMBERS: Final = "format float %.17g"
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How far a run goes, and what it tells on its way."""
+    """End, time step, samples and log of a run."""
 
     until: float  #: [s]
-    samples: int  #: spacings of the series
+    samples: int  #: intervals between samples of the series
     per_sample: int  #: steps between two samples
     time_step: float  #: [s]
     log: bool  #: all contacts at every step, not only at the samples
 
     @property
     def n_steps(self) -> int:
-        """Of the whole run."""
+        """Steps of the whole run."""
         return self.samples * self.per_sample if self.until > 0.0 else 0
 
 
@@ -40,7 +40,7 @@ def script(
     plan: Plan,
     header: Sequence[str],
 ) -> str:
-    """The input as text. ``coefficients``: words for pairs (i, j) of types, and for (i, None), a type at a wall."""
+    """The input as text. ``coefficients``: those for pairs (i, j) of types, and for (i, None), a type at a wall."""
     parts = [
         [f"# {line}".rstrip() for line in header],
         _box(system),
@@ -69,12 +69,12 @@ def _box(system: ParticleSystem) -> list[str]:
 
 
 def _forces(coefficients: Mapping[tuple[int, int | None], str]) -> list[str]:
-    pairs = [f"pair_coeff {i + 1} {j + 1} {words}" for (i, j), words in coefficients.items() if j is not None]
+    pairs = [f"pair_coeff {i + 1} {j + 1} {text}" for (i, j), text in coefficients.items() if j is not None]
     return ["# forces", "pair_style granular", *pairs]
 
 
 def skin(system: ParticleSystem) -> float:
-    """Of the neighbour list [m]."""
+    """Skin of the neighbour list [m]."""
     mean = float(system.radius.mean())
     apart = (float(np.prod(system.box)) / system.n) ** (1.0 / system.dimension)
     low, high = SKINS
@@ -84,7 +84,7 @@ def skin(system: ParticleSystem) -> float:
 def _walls(
     system: ParticleSystem, types: Types, coefficients: Mapping[tuple[int, int | None], str]
 ) -> Iterator[str]:
-    """Each wall on its own: of two in one command LAMMPS takes the nearer one only."""
+    """One command for each wall: of two in one command LAMMPS takes only the nearer one."""
     if "wall" not in system.boundary:
         return
     yield "# walls"
@@ -100,9 +100,9 @@ def _walls(
 
 
 def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
-    """Without friction nothing turns."""
+    """Time integration; without friction particles do not rotate."""
     yield "# motion"
-    pull = system.gravity - common_fall(system)
+    pull = system.gravity - system.domain.common_fall
     if pull.any():
         size = float(np.sqrt(pull @ pull))
         along = " ".join(map(repr, [*pull.tolist(), 0.0][:3]))
@@ -119,7 +119,7 @@ def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     yield "compute kinetic all ke"
     yield "compute virial all pressure NULL pair"
     yield f"fix virial all ave/time 1 {plan.per_sample} {plan.per_sample} c_virial"
-    if system.gravity.any():  # fix gravity itself takes positions that jump at periodic sides
+    if system.gravity.any():  # the energy of fix gravity uses positions that jump at periodic boundaries
         yield "compute path all property/atom xu yu zu"
         lifted = "".join(f"{-g:+.17g}*c_path[{axis + 1}]" for axis, g in enumerate(system.gravity.tolist()))
         yield f'variable lifted atom "mass*({lifted})"'
@@ -145,7 +145,7 @@ def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 
 def _touches(system: ParticleSystem) -> str:
-    """True for a particle that overlaps a wall, in the formulas of LAMMPS."""
+    """Formula of LAMMPS that is true for a particle that overlaps a wall."""
     ways = [
         f"{name}<radius||{name}>{float(edge)!r}-radius"
         for name, edge, side in zip(AXES, system.box, system.boundary, strict=False)

@@ -1,8 +1,8 @@
-"""What overlaps: at the samples its energy and its number, and with a log its times and speeds.
+"""Contacts from the overlaps that LAMMPS writes: energy and number at samples, times and speeds for the log.
 
-LAMMPS gives the distances of all that overlap. Their differences between two steps are the velocities half a step away,
-with which it computed its forces. Our law then gives each force that acted, hence the velocity before a touch and after
-a release, and when the force began and ended, to a part of a step.
+LAMMPS writes the distances of all overlapping pairs. Their differences between two steps are the velocities half a step
+away, with which it computed its forces. Our law gives these forces, hence the velocity before a touch and after a
+release, and the begin and end of the force to a fraction of a step.
 """
 
 from __future__ import annotations
@@ -12,20 +12,21 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from ..system import Floats, ParticleSystem
+from ..box import Floats
+from ..system import ParticleSystem
 from .forces import Flags, Integers, Pairs
 from .rows import Snapshot, snapshots, table
 
-#: Lines of a dump that are made into numbers together.
+#: Lines of a dump that are parsed together.
 BATCH: Final = 50_000
-#: Rows that are looked at together.
+#: Rows that are searched together.
 PORTION: Final = 500_000
-#: The rate before a touch is found from that after it by so many repetitions, each of which gains more than a digit.
+#: Fixed-point iterations for the rate before a touch; each gains more than a digit.
 REPETITIONS: Final = 20
 
 
 class Overlaps(NamedTuple):
-    """Of several instants."""
+    """Overlaps at several instants."""
 
     step: Integers
     first: Integers
@@ -35,7 +36,7 @@ class Overlaps(NamedTuple):
 
 
 class PairDump:
-    """Rows of the dump of pairs: two numbers of particles, distance, force."""
+    """Dump of pairs; a row has two particle numbers, distance, force."""
 
     width: Final = 4
 
@@ -51,7 +52,7 @@ class PairDump:
 
 
 class WallDump:
-    """Rows of the dump of particles at walls: number, position, velocity."""
+    """Dump of particles at walls; a row has number, position, velocity."""
 
     width: Final = 7
 
@@ -67,25 +68,22 @@ class WallDump:
 
     def _sides(self, step: Integers, table: Floats) -> Iterator[tuple[Any, ...]]:
         number = table[:, 0].astype(np.int64) - 1
-        for axis, side in enumerate(self._system.boundary):
-            if side != "wall":
-                continue
+        for wall, axis, upper in self._system.domain.walls():
             x, v, edge = table[:, 1 + axis], table[:, 4 + axis], self._system.box[axis]
-            for wall, gap, rate in ((-1 - 2 * axis, x, -v), (-2 - 2 * axis, edge - x, v)):
-                depth = self._system.radius[number] - gap
-                hit = depth > 0.0
-                yield step[hit], number[hit], np.full(int(hit.sum()), wall), depth[hit], rate[hit]
+            depth = self._system.radius[number] - (edge - x if upper else x)
+            rate, hit = v if upper else -v, depth > 0.0
+            yield step[hit], number[hit], np.full(int(hit.sum()), wall), depth[hit], rate[hit]
 
 
 class Sums(NamedTuple):
-    """At a sample."""
+    """Sums over contacts at a sample."""
 
-    energy: float  #: elastic, of all that overlap [J]
+    energy: float  #: elastic energy of all overlaps [J]
     in_contact: int
 
 
 class Watch:
-    """Follows a dump to its end."""
+    """Reads a dump to its end."""
 
     def __init__(
         self, dump: PairDump | WallDump, pairs: Pairs, per_sample: int, finder: Finder | None
@@ -101,7 +99,7 @@ class Watch:
         Raises
         ------
         ValueError
-            If it breaks off.
+            If it is incomplete.
         """
         for shot in snapshots(lines):
             self._shots.append(shot)
@@ -121,7 +119,7 @@ class Watch:
             self.finder.add(found, int(steps[-1]))
 
     def _sum(self, samples: Integers, found: Overlaps) -> None:
-        """The sums of these samples, in their order."""
+        """Compute the sums at these samples."""
         now = found.step % self._per_sample == 0
         energies = self._pairs.energy(found.first[now], found.second[now], found.compression[now])
         at, n = np.searchsorted(samples, found.step[now]), len(samples)
@@ -132,35 +130,35 @@ class Watch:
 
 
 class Change(NamedTuple):
-    """Contacts that begin, or end: one entry for each."""
+    """Contacts that begin, or that end."""
 
     first: Integers
     second: Integers
     time: Floats  #: [s]
-    speed: Floats  #: of approach, or of separation [m/s]; NaN of one that lasted a single step
+    speed: Floats  #: of approach or separation [m/s]; NaN for a contact of a single step
 
 
 class Finder:
-    """Finds contacts that begin and end in what overlaps at each step."""
+    """Finds begins and ends of contacts in the overlaps of all steps."""
 
     def __init__(self, pairs: Pairs, time_step: float, last: int) -> None:
         self._pairs, self._dt, self._last = pairs, time_step, last
         self._held: list[Overlaps] = []
-        self._count, self._done = 0, -1  # rows held; step up to which changes were found
+        self._count, self._done = 0, -1  # rows kept; last step that was searched
         self.begins: list[Change] = []
         self.ends: list[Change] = []
 
     def add(self, found: Overlaps, until: int) -> None:
-        """All that overlaps in the next steps, of which the last is ``until``."""
+        """Add the overlaps of the next steps up to ``until``."""
         self._held.append(found)
         self._count += len(found.step)
         if until == self._last:
-            self._look(until)
+            self._search(until)
         elif self._count > PORTION:
-            self._look(until - 1)
+            self._search(until - 1)
 
-    def _look(self, until: int) -> None:
-        """Find what changed after the steps that are done. Three steps are kept, for what their neighbours tell."""
+    def _search(self, until: int) -> None:
+        """Find begins and ends after the last searched step. Three steps are kept, for differences."""
         held = Overlaps._make(np.concatenate(column) for column in zip(*self._held, strict=True))
         rows = Rows(self._pairs, self._dt, held)
         new = (rows.step > self._done) & (rows.step <= until)
@@ -172,7 +170,7 @@ class Finder:
 
 
 class Rows:
-    """Overlaps of many steps, in the order of their pairs and then of time."""
+    """Overlaps of many steps, sorted by pair and then by time."""
 
     def __init__(self, pairs: Pairs, dt: float, held: Overlaps) -> None:
         order = np.lexsort((held.step, held.second, held.first))
@@ -182,7 +180,7 @@ class Rows:
         same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)
         self._has_before = np.concatenate([[False], same]) if len(step) else np.zeros(0, bool)
         self._has_after = np.concatenate([same, [False]]) if len(step) else np.zeros(0, bool)
-        # To the velocity half a step before; LAMMPS begins with half a step.
+        # To the velocity half a step before; the first step of LAMMPS is half a step.
         self._kick = np.where(step == 0, 0.5, 1.0) * dt / pairs.effective_mass(first, second)
         self._rate = np.full(len(step), np.nan)
         change = np.diff(depth) / dt
@@ -198,7 +196,7 @@ class Rows:
         self._after[leaving] = (self._rate - self._kick * self._force)[leaving]
 
     def _before_touch(self, pairs: Pairs, at: Integers) -> Floats:
-        """The rates u with u − F(ξ, u) Δt/m as measured after the touch."""
+        """The rates u before the touch: u − F(ξ, u) Δt/m is the measured rate after it."""
         measured = self._after[at]
         rate = measured
         for _ in range(REPETITIONS):

@@ -1,4 +1,4 @@
-"""Where a sweep computes: this processor, a GPU, a cluster. A new engine is one file and one line here."""
+"""Engines of a sweep: processor, GPU, cluster. A new engine is one file and one line here."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from . import cpu, cuda, dask
 
 
 class Compute(Protocol):
-    """Computes each of the wanted chunks once, in any order, and hands it over when it is finished.
+    """Compute each wanted chunk once, in any order, and yield it when it is finished.
 
-    ``report`` takes the points done of the chunks not yet handed over; to call it is optional.
+    ``report`` may be called with the number of finished points of chunks that have not been yielded.
     """
 
     def __call__(
@@ -29,21 +29,21 @@ class Compute(Protocol):
 
 
 def any_computation(_: Computation) -> None:
-    """An engine that takes whatever can be computed."""
+    """Accept every computation."""
 
 
 @dataclass(frozen=True)
 class Engine:
-    """What ``hl.sweep`` knows of an engine."""
+    """Properties of an engine."""
 
     compute: Compute
-    #: Raises ValueError for a computation that the engine does not take.
+    #: Raises ValueError for an unsupported computation.
     check: Callable[[Any], None] = any_computation
-    #: Whether it takes whole grids: the others get them in chunks, also without a store.
+    #: Whether it computes a grid as one chunk if there is no store.
     whole: bool = True
-    #: Whether ``threads`` are those of a task (one unless given) rather than of this machine (all unless given).
+    #: Whether ``threads`` is per task (default 1) rather than for this machine (default: all).
     many_tasks: bool = False
-    #: Whether it takes a ``scheduler``.
+    #: Whether it has a ``scheduler``.
     scheduled: bool = False
 
 

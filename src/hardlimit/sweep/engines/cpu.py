@@ -1,4 +1,4 @@
-"""A map on the processors of this machine: the threads are in the core."""
+"""Sweep on the processors of this machine, with threads of the core."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ def compute(
     report: Report,
     scheduler: Any = None,
 ) -> Generator[tuple[int, Values], None, None]:
-    """Each wanted chunk, one after the other."""
+    """Yield each wanted chunk, one after the other."""
     for chunk in wanted:
         yield chunk, computation.compute(*chunks.span(chunk), threads, report)

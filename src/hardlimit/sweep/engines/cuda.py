@@ -1,4 +1,4 @@
-"""A map on a GPU: core/sweep/kernel.cu, compiled for the device found, and chunks streamed through it."""
+"""Sweep on a GPU: core/sweep/kernel.cu, compiled for the device, with chunks streamed through it."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
     from .cuda_device import Gpu
 
-#: What the kernel writes for a point that the host must solve.
+#: Outcome of a point that the host must solve.
 LEFT_TO_HOST: Final = 255
 
-#: Results in the order of the kernel's Task.
+#: Results in the order of the kernel's struct Task.
 RESULTS: Final = (
     "n_contacts",
     "outcome",
@@ -35,10 +35,10 @@ RESULTS: Final = (
     "t_floor_end",
 )
 
-#: Words of the kernel's Task.
+#: Size of the kernel's struct Task in 64-bit words.
 TASK_FIELDS: Final = 2 + 3 * _core.law_place(2, 2) + 2 + 4 + len(RESULTS)
 
-#: Points of a chunk at most: several waves of threads for the largest device, and some 0.2 GB page-locked.
+#: Largest number of points of a piece: several waves of threads on the largest device, 0.2 GB of pinned memory.
 POINTS: Final = 1 << 22
 
 
@@ -48,7 +48,7 @@ def check(plan: Any) -> None:
     Raises
     ------
     ValueError
-        Unless two balls fall under a law and a model for which there is a kernel, and no variable is one of each ball.
+        Except for two balls, a law and a model with a kernel, and variables with one value per point.
     """
     if not isinstance(plan, Plan) or plan.balls != 2:
         need = "must be 'cpu' or 'dask' unless two balls are swept"
@@ -69,7 +69,7 @@ def compute(
     report: Report,
     scheduler: Any = None,
 ) -> Generator[tuple[int, Values], None, None]:
-    """Each wanted chunk, one after the other."""
+    """Yield each wanted chunk, one after the other."""
     from concurrent.futures import ThreadPoolExecutor
 
     from .cuda_device import open_gpu
@@ -81,14 +81,14 @@ def compute(
 
 
 def compute_on(gpu: Gpu, plan: Plan, threads: int, pool: ThreadPoolExecutor, report: Report) -> Values:
-    """A whole plan in pieces that fit the device: one is computed while another is copied out."""
+    """Compute a plan in pieces that fit the device: one is computed while another is copied to the host."""
     values: Values = {name: np.empty(plan.size, VARIABLES[name].dtype) for name in plan.variables}
     left: list[NDArray[np.int64]] = []
     pieces = Chunks.within(plan.shape, chunk_points(plan, gpu.room()))
     slots = [Slot(gpu, plan, math.prod(pieces.box_shape)) for _ in range(min(2, len(pieces)))]
     for k in range(len(pieces) + len(slots)):
         slot = slots[k % len(slots)]
-        if k >= len(slots):  # the piece that this slot was at
+        if k >= len(slots):  # the piece in this slot
             first, count = pieces.span(k - len(slots))
             results = slot.finish()
             parts = [(out[first : first + count], results[name]) for name, out in values.items()]
@@ -102,7 +102,7 @@ def compute_on(gpu: Gpu, plan: Plan, threads: int, pool: ThreadPoolExecutor, rep
 
 
 def chunk_points(plan: Plan, room: int) -> int:
-    """Points of a chunk such that two fit into ``room`` bytes even if each has values of its own."""
+    """Points of a piece such that two fit into ``room`` bytes even without shared values."""
     varying = sum(len(v) > 1 for v in plan.values)
     each = sum(np.dtype(VARIABLES[name].dtype).itemsize for name in _kept(plan)) + 8 * (varying + 2)
     points = int(0.8 * room) // (2 * each) - 1024
@@ -112,12 +112,12 @@ def chunk_points(plan: Plan, room: int) -> int:
 
 
 def _kept(plan: Plan) -> list[str]:
-    """What the kernel writes; it always tells the outcome."""
+    """Results of the kernel, always with the outcome."""
     return [name for name in RESULTS if name in plan.variables or name == "outcome"]
 
 
 def _solve_on_host(plan: Plan, values: Values, points: NDArray[np.int64], threads: int) -> None:
-    """Fill in the points that the kernel left: resting contacts, long sequences, no drop at all."""
+    """Solve the points that the kernel gives up: resting contacts, long sequences, invalid drops."""
     if not len(points):
         return
     some = plan.at(points)
@@ -128,7 +128,7 @@ def _solve_on_host(plan: Plan, values: Values, points: NDArray[np.int64], thread
 
 
 class Slot:
-    """Room for one chunk on the device and, page-locked, on the host, and a stream of its own."""
+    """Memory for one piece on the device and, pinned, on the host, with its own stream."""
 
     def __init__(self, gpu: Gpu, plan: Plan, points: int) -> None:
         self.gpu = gpu
@@ -140,7 +140,7 @@ class Slot:
         self.count = 0
 
     def start(self, plan: Plan, copy_out: bool = True) -> None:
-        """Send a chunk on its way."""
+        """Start a piece."""
         self.count = plan.size
         words, places = self.inputs.host.view(np.uint64), self._places(self.results.address)
         write_task(plan, words, self.inputs.address, places)
@@ -152,7 +152,7 @@ class Slot:
             self.gpu.to_host(self.stream, self.results)
 
     def finish(self) -> Values:
-        """Its results, valid until the next start."""
+        """Results of the piece, valid until the next start."""
         self.gpu.wait(self.stream)
         return {
             name: self.results.host[at : at + _bytes(name, self.count)].view(VARIABLES[name].dtype)[
@@ -162,7 +162,7 @@ class Slot:
         }
 
     def _places(self, start: int) -> dict[str, int]:
-        """Address of each result when the first is at ``start``."""
+        """Address of each result if the first is at ``start``."""
         places = {}
         for name in self.kept:
             places[name] = start
@@ -171,12 +171,12 @@ class Slot:
 
 
 def _bytes(name: str, points: int) -> int:
-    """Room for a result, such that the next one begins at a multiple of eight."""
+    """Bytes of a result, a multiple of eight."""
     return -(-points * np.dtype(VARIABLES[name].dtype).itemsize // 8) * 8
 
 
 def write_task(plan: Plan, words: NDArray[np.uint64], address: int, results: dict[str, int]) -> None:
-    """Write the kernel's Task and the values after it to the host's copy of the memory at ``address``."""
+    """Write the kernel's Task, followed by the values, to the host's copy of the memory at ``address``."""
     end = TASK_FIELDS
     written: dict[tuple[int, int], int] = {}  # several parameters may share their values
     values = []

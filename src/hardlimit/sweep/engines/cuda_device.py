@@ -1,4 +1,4 @@
-"""The GPU of this machine, by way of cuda-core, and the kernel compiled for it by NVRTC."""
+"""The GPU of this machine (through cuda-core), and the kernel compiled for it by NVRTC."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 THREADS_PER_BLOCK: Final = 64  # as in the kernel
 
-#: As on a processor: no contraction to fused multiply-add, divisions and roots correctly rounded.
+#: The same bits as on a processor: no fused multiply-add, correctly rounded divisions and square roots.
 SAME_BITS: Final = {"fma": False, "prec_div": True, "prec_sqrt": True, "ftz": False}
 
 
@@ -34,7 +34,7 @@ class Memory:
 
 
 class Gpu(Protocol):
-    """What is asked of a device. Calls on one stream happen in order; all but ``wait`` may return before their end."""
+    """Interface of a device. Calls on one stream run in order; all but ``wait`` may return before they end."""
 
     name: str
 
@@ -42,7 +42,7 @@ class Gpu(Protocol):
         """Free memory in bytes."""
 
     def stream(self) -> Any:
-        """A new stream: an order of work."""
+        """A new stream."""
 
     def memory(self, size: int, stream: Any) -> Memory:
         """New memory of ``size`` bytes, a multiple of eight."""
@@ -54,7 +54,7 @@ class Gpu(Protocol):
         """Copy all of it back."""
 
     def launch(self, stream: Any, kernel: str, task: int) -> None:
-        """Run a kernel, given the address of its task, on as many threads as the device holds at once."""
+        """Run a kernel with the task at this address on as many threads as are resident at once."""
 
     def wait(self, stream: Any) -> None:
         """Return when the work is done."""
@@ -74,7 +74,7 @@ class CudaGpu:
         self._pinned = core.LegacyPinnedMemoryResource()
 
     def make_current(self) -> None:
-        """Let calls of this thread go to this device."""
+        """Make this device current in the calling thread."""
         self._device.set_current()
 
     def room(self) -> int:
@@ -89,7 +89,7 @@ class CudaGpu:
         return self._device.create_stream()
 
     def memory(self, size: int, stream: Any) -> Memory:
-        """New memory; the host's copy is page-locked, so that the device reads and writes it by itself."""
+        """New memory; the host's copy is pinned, so that the device can access it directly."""
         on_device, on_host = self._device.allocate(size, stream=stream), self._pinned.allocate(size)
         whole = (ctypes.c_uint8 * size).from_address(int(on_host.handle))
         return Memory(int(on_device.handle), np.ctypeslib.as_array(whole), on_device, on_host)
@@ -117,17 +117,17 @@ class CudaGpu:
 
 
 def open_gpu() -> Gpu:
-    """The GPU, made current in the calling thread, or one line on what is missing.
+    """The GPU, made current in the calling thread; an error of one line if it is not available.
 
-    Calls of the driver go to the current device of the thread that makes them, and a new thread has none. Whoever
-    works with the GPU in a thread of its own opens it there; the kernel is compiled and loaded once.
+    The driver uses the current device of the calling thread, and a new thread has none: each thread that uses the GPU
+    must call this. The kernel is compiled and loaded once.
 
     Raises
     ------
     ImportError
         Without the packages of the extra ``hardlimit[cuda]``.
     ValueError
-        Without a driver, or without a device that it and the compiler know.
+        Without a driver, or without a device that the compiler supports.
     """
     gpu = _opened_once()
     gpu.make_current()
@@ -182,14 +182,14 @@ def _insist_on_device() -> None:
 
 @contextmanager
 def _headers() -> Iterator[Path]:
-    """The folder of the core's headers, which are part of the package."""
+    """The folder of the core's headers in the package."""
     with resources.as_file(resources.files("hardlimit") / "core") as folder:
         yield folder
 
 
 @contextmanager
 def kernel_source(arch: str) -> Iterator[tuple[str, Any]]:
-    """The kernel and the options to compile it with."""
+    """Source of the kernel, and compiler options."""
     from cuda import core
 
     with _headers() as folder:
@@ -214,12 +214,12 @@ def compile_kernel(arch: str, logs: Any = None) -> bytes:
 
 
 def cubin(arch: str) -> bytes:
-    """The same, from the user's cache if it is there: compiling takes some seconds."""
+    """Machine code from the user's cache, or compiled, which takes some seconds."""
     kept = _cache_folder() / f"{_fingerprint()}-{arch}.cubin"
     with suppress(OSError):
         return kept.read_bytes()
     code = compile_kernel(arch)
-    with suppress(OSError):  # nothing depends on it
+    with suppress(OSError):  # the cache is optional
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
             file.write(code)
@@ -232,7 +232,7 @@ def _cache_folder() -> Path:
 
 
 def _fingerprint() -> str:
-    """A hash of all that the machine code depends on."""
+    """Hash of everything that the machine code depends on."""
     from cuda.bindings import nvrtc
 
     digest = hashlib.sha256(repr((nvrtc.nvrtcVersion(), SAME_BITS)).encode())

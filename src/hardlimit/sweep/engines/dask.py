@@ -1,4 +1,4 @@
-"""A map on a cluster: chunks as tasks of dask.distributed."""
+"""Sweep on a cluster: chunks as tasks of dask.distributed."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def compute(
     report: Report | None = None,
     scheduler: Any = None,
 ) -> Generator[tuple[int, Values], None, None]:
-    """Each wanted chunk once, as it is finished.
+    """Yield each wanted chunk once, as it finishes.
 
-    A task carries all it needs, so the death of a worker costs the chunks it was at, and the scheduler gives
-    them to another. Only a few chunks for each worker are under way: results pile up neither there nor here.
+    A task carries all its data. If a worker dies, the scheduler gives its chunks to another. Only a few chunks per
+    worker are submitted at a time, so that results do not accumulate.
     """
     with cluster.connection(scheduler, "engine: got 'dask'") as client:
         yield from _stream(client, computation, chunks, iter(wanted), threads)
@@ -61,23 +61,13 @@ def _stream(
 
 
 def _run(part: Computation, threads: int, version: str) -> Values:
-    """A chunk, on a worker."""
-    if _core.version != version:
-        raise RuntimeError(f"a worker has hardlimit {_core.version}, must be {version} as here")
-    from distributed import get_worker
-    from distributed.worker import thread_state
-
-    tasks, key = get_worker().state.tasks, thread_state.key
-
-    def stop_if_cancelled(_: int) -> None:
-        if key not in tasks or tasks[key].state == "cancelled":
-            raise RuntimeError("cancelled")
-
-    return part.compute(0, part.size, threads, stop_if_cancelled)
+    """Compute a chunk on a worker."""
+    stop_if_cancelled = cluster.on_worker(version)
+    return part.compute(0, part.size, threads, lambda _: stop_if_cancelled())
 
 
 def _result(future: Any) -> Values:
-    """What a task returned, or one line on what became of it."""
+    """The values of a task; an error as one line."""
     from distributed import KilledWorker
 
     try:

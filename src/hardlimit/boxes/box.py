@@ -1,0 +1,146 @@
+"""The box: its edges, what bounds each axis, gravity; the checks of all three, and the numbers of its walls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..support import validation
+
+Floats = NDArray[np.float64]
+#: One number for all axes, or one for each.
+Vector = float | Sequence[float] | Floats
+
+AXES: Final = ("x", "y", "z")
+BOUNDARIES: Final = ("periodic", "wall")
+#: Larger lengths, speeds and accelerations are refused: their squares would overflow.
+LARGEST: Final = 1e100
+#: Largest radii that fit along an axis, at least: particles touch no second image of a partner, and no second wall.
+FEWEST_RADII: Final = {"periodic": 4, "wall": 2}
+#: What the log of every engine says of a wall's number.
+WALL_NUMBERS: Final = "−1 − 2·axis wall at 0, −2 − 2·axis at L"
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """A box from 0 to ``edges``."""
+
+    edges: Floats  #: (d,) [m]
+    boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
+    gravity: Floats  #: (d,) [m/s²]
+
+    @property
+    def dimension(self) -> int:
+        """d."""
+        return len(self.edges)
+
+    @property
+    def periodic(self) -> list[bool]:
+        """Whether an axis is periodic, for each."""
+        return [side == "periodic" for side in self.boundary]
+
+    @property
+    def volume(self) -> float:
+        """Volume [m³], of a plane box its area [m²]."""
+        return float(np.prod(self.edges))
+
+    @property
+    def common_fall(self) -> Floats:
+        """Gravity along the periodic axes [m/s²], (d,); 0 along others. It accelerates all particles alike."""
+        return np.where(self.periodic, self.gravity, 0.0)
+
+    def walls(self) -> Iterator[tuple[int, int, bool]]:
+        """Number, axis, and whether it is the upper one, of each wall."""
+        for axis, side in enumerate(self.boundary):
+            if side == "wall":
+                yield -1 - 2 * axis, axis, False
+                yield -2 - 2 * axis, axis, True
+
+    def of_core(self) -> _core.Box:
+        """The box as the core takes it: with the gravity that is left in the frame of the common fall."""
+        gravity = self.gravity - self.common_fall
+        return _core.Box(self.edges.tolist(), list(self.boundary), gravity.tolist())
+
+    def fold(self, positions: Floats) -> None:
+        """Move positions (N, d) [m] of unfolded paths back into the box, in place."""
+        for axis, periodic in enumerate(self.periodic):
+            x, edge = positions[:, axis], self.edges[axis]
+            if periodic:
+                x -= edge * np.floor(x / edge)
+            np.clip(x, 0.0, edge, out=x)
+
+    def check_size(self, largest_radius: float) -> None:
+        """Refuse a box in which a particle could touch two images of another one, or two opposite walls.
+
+        Raises
+        ------
+        ValueError
+            If an edge is too short; names it.
+        """
+        for axis, side in enumerate(self.boundary):
+            radii = FEWEST_RADII[side]
+            if not self.edges[axis] >= radii * largest_radius:
+                raise ValueError(
+                    f"box: got {self.edges[axis]:.16g} along {AXES[axis]}, {side}, must be >= "
+                    f"{validation.at_least(radii * largest_radius)}, {'four' if radii == 4 else 'two'} times the "
+                    "largest radius"
+                )
+
+
+def wall_name(number: int) -> str:
+    """The name of a wall, such as ``z = 0``, from its number in logs: −1 − 2·axis at 0, −2 − 2·axis at the edge."""
+    axis, upper = divmod(-1 - number, 2)
+    return f"{AXES[axis]} = {'L' if upper else '0'}"
+
+
+def checked_edges(box: Any, d: int) -> Floats:
+    """Edges [m] from one number or one for each axis.
+
+    Raises
+    ------
+    ValueError
+        If they are not positive numbers.
+    """
+    return np.array(validation.numbers("box", box, d, lowest=0.0, highest=LARGEST, highest_allowed=True))
+
+
+def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
+    """The boundary of each axis, from one word or one for each.
+
+    Raises
+    ------
+    ValueError
+        If a word is neither "periodic" nor "wall", or there are not d of them.
+    """
+    if isinstance(boundary, str):
+        return (validation.one_of("boundary", boundary, BOUNDARIES),) * d
+    words = validation.instances("boundary", boundary, str, "word")
+    if len(words) != d:
+        raise ValueError(f"boundary: got {len(words)} words, must be one or {d}, one for each axis")
+    return tuple(validation.one_of(f"boundary[{i}]", word, BOUNDARIES) for i, word in enumerate(words))
+
+
+def checked_gravity(gravity: Any, d: int) -> Floats:
+    """Gravity as a vector [m/s²]; one number g is (0, …, −g).
+
+    Raises
+    ------
+    ValueError
+        If it is neither a number nor d of them.
+    """
+    limits = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True, "highest_allowed": True}
+    values = validation.numbers("gravity", gravity, d, **limits)
+    if np.ndim(gravity) == 0:
+        return np.array([0.0] * (d - 1) + [-values[0] if values[0] else 0.0])
+    return np.array(values)
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """The array itself, from now on read-only."""
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,184 @@
+"""The observables of boxes of grains: one record each, from which series, their attributes and the docs follow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .box import AXES, Floats, read_only
+from .system import ParticleSystem
+
+Shape = Literal["scalar", "vector", "tensor"]
+Kind = Literal["value", "sum", "rate"]
+#: What the attributes of a Dataset add to the meaning.
+KINDS: Final[Mapping[Kind, str]] = {
+    "value": "",
+    "sum": ", since the start",
+    "rate": ", mean since the sample before",
+}
+
+
+class Samples:
+    """What an engine told at the samples of a run; ``samples[name]`` is an array over them."""
+
+    def __init__(self, system: ParticleSystem, records: Mapping[str, Floats]) -> None:
+        self.system, self._records = system, records
+        self.lasted = np.diff(records["time"])  #: between samples [s]
+
+    def __getitem__(self, name: str) -> Floats:
+        return self._records[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._records
+
+    def rate(self, name: str) -> Floats:
+        """Growth of a sum per time since the sample before, without the first sample."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            growth: Floats = (np.diff(self[name], axis=0).T / self.lasted).T
+        return growth
+
+    def mean_thermal_energy(self) -> Floats:
+        """Σ m v'², mean since the sample before, without the first: exact where the engine integrates it."""
+        total = self.system.dimension * float(self.system.mass.sum())
+        twice = self["granular_temperature"] * total
+        mean = 0.5 * (twice[1:] + twice[:-1])
+        if "kinetic_integral" not in self:
+            return mean
+        exact = self.rate("kinetic_integral")
+        return np.where(np.isnan(exact), mean, exact)
+
+
+@dataclass(frozen=True)
+class Observable:
+    """A quantity of the series of a run."""
+
+    name: str
+    unit: str
+    meaning: str
+    needs: tuple[str, ...]  #: what an engine must tell for it
+    kind: Kind = "value"
+    shape: Shape = "scalar"
+    never_falls: bool = False
+    unit_of_disks: str = ""  #: where it differs
+    of: Callable[[Samples], Floats] | None = None  #: without it the record of the same name
+
+    def values(self, samples: Samples) -> NDArray[Any]:
+        """The values over the samples; the first of a rate is NaN."""
+        found = samples[self.name] if self.of is None else self.of(samples)
+        if self.kind == "rate":
+            found = np.concatenate([np.full((1, *found.shape[1:]), math.nan), found])
+        whole = self.unit == "1" and self.kind != "rate" and not np.isnan(found).any()
+        return found.astype(np.int64) if whole else found.copy()
+
+    def unit_in(self, dimension: int) -> str:
+        """The unit in 2 or 3 dimensions."""
+        return self.unit_of_disks if dimension == 2 and self.unit_of_disks else self.unit
+
+    def dims(self) -> tuple[str, ...]:
+        """The dimensions in a Dataset."""
+        return {"scalar": ("time",), "vector": ("time", "axis"), "tensor": ("time", "component")}[self.shape]
+
+
+def _collision_rate(samples: Samples) -> Floats:
+    return 2.0 * samples.rate("n_pairs") / samples.system.n
+
+
+def _pressure(samples: Samples) -> Floats:
+    volume = samples.system.dimension * samples.system.domain.volume
+    return (samples.mean_thermal_energy() + samples.rate("virial")) / volume
+
+
+def _overlapped_share(samples: Samples) -> Floats:
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.diff(samples["n_overlapped"]) / np.diff(samples["n_ended"])
+
+
+_RECORDS: Final = (
+    Observable("kinetic_energy", "J", "Σ m v²/2", ("kinetic_energy",)),
+    Observable("potential_energy", "J", "−Σ m g·x along unfolded paths", ("potential_energy",)),
+    Observable(
+        "contact_energy",
+        "J",
+        "elastic energy of all contacts that overlap, also after their force has ended",
+        ("contact_energy",),
+    ),
+    Observable(
+        "dissipated_energy", "J", "energy lost in contacts", ("dissipated_energy",), "sum", never_falls=True
+    ),
+    Observable(
+        "granular_temperature",
+        "m2/s2",
+        "granular temperature Σ m|v − V|²/(d Σ m)",
+        ("granular_temperature",),
+    ),
+    Observable("momentum", "kg m/s", "Σ m v", ("momentum",), shape="vector"),
+    Observable("n_collisions", "1", "collisions, with walls too", ("n_collisions",), "sum", never_falls=True),
+    Observable(
+        "n_contacts", "1", "contacts that began, with walls too", ("n_contacts",), "sum", never_falls=True
+    ),
+    Observable(
+        "collision_rate", "1/s", "2·collisions of pairs/(N·time)", ("n_pairs",), "rate", of=_collision_rate
+    ),
+    Observable(
+        "pressure",
+        "Pa",
+        "(Σ m v'² + Σ r·Δp of pairs per time)/(d·volume)",
+        ("granular_temperature", "virial"),
+        "rate",
+        unit_of_disks="N/m",
+        of=_pressure,
+    ),
+    Observable("n_in_contact", "1", "contacts that last at this time", ("n_in_contact",)),
+    Observable(
+        "overlapped_share",
+        "1",
+        "share of the contacts that ended which shared a particle with another contact",
+        ("n_ended", "n_overlapped"),
+        "rate",
+        of=_overlapped_share,
+    ),
+)
+#: By name, in the order of a Dataset.
+OBSERVABLES: Final = {one.name: one for one in _RECORDS}
+#: Names that a series has beside those of its observables.
+RESERVED: Final = ("time", "axis", "component")
+
+
+def provided(told: Any) -> Iterator[Observable]:
+    """The observables that follow from what an engine tells."""
+    return (one for one in OBSERVABLES.values() if all(name in told for name in one.needs))
+
+
+def components(dimension: int) -> list[str]:
+    """Names of the components of a symmetric tensor, in LAMMPS' order: xx, yy, zz, xy, xz, yz."""
+    axes = AXES[:dimension]
+    return [a + a for a in axes] + [a + b for i, a in enumerate(axes) for b in axes[i + 1 :]]
+
+
+def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Data variables and coordinates of a Dataset, as xarray takes them."""
+    system = samples.system
+    data = {
+        one.name: (
+            one.dims(),
+            read_only(one.values(samples)),
+            {
+                "units": one.unit_in(system.dimension),
+                "long_name": one.meaning + KINDS[one.kind],
+                "kind": one.kind,
+            },
+        )
+        for one in provided(samples)
+    }
+    time = read_only(samples["time"].copy())
+    coordinates: dict[str, Any] = {
+        "time": ("time", time, {"units": "s", "long_name": "time after the start of the run"})
+    }
+    used = {dim for dims, _, _ in data.values() for dim in dims}
+    named = {"axis": list(AXES[: system.dimension]), "component": components(system.dimension)}
+    return data, coordinates | {dim: names for dim, names in named.items() if dim in used}

@@ -1,0 +1,103 @@
+"""A user's function that is called at each sample of a run: what it returns, checked and collected."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..support import validation
+from .observables import OBSERVABLES, RESERVED
+from .system import ParticleSystem
+
+#: f(t, system) with t [s] → names and numbers or arrays of numbers.
+Observe = Callable[[float, ParticleSystem], Mapping[str, Any]]
+Values = dict[str, NDArray[Any]]
+
+
+def checked_function(observe: Any) -> Observe | None:
+    """The function, or None.
+
+    Raises
+    ------
+    ValueError
+        If it cannot be called.
+    """
+    if observe is not None and not callable(observe):
+        raise ValueError(f"observe: got {validation.shown(observe)}, must be a function of time and system")
+    return observe  # type: ignore[no-any-return]
+
+
+def call(observe: Observe, time: float, system: ParticleSystem, before: Values | None) -> Values:
+    """What the function returns, as arrays; ``before`` is what it returned at the sample before.
+
+    Raises
+    ------
+    ValueError
+        If it returns no mapping of names to numbers, a name is taken, or names or shapes have changed.
+    """
+    returned = observe(time, system)
+    at = f"observe: at {time:.6g} s"
+    if not isinstance(returned, Mapping):
+        raise ValueError(f"{at} got {validation.shown(returned)}, must return a mapping of names to numbers")
+    found = {name: _array(at, name, value) for name, value in returned.items()}
+    if before is None:
+        _refuse_clashes(at, found)
+    elif found.keys() != before.keys():
+        names = ", ".join(map(validation.shown, found)), ", ".join(map(validation.shown, before))
+        raise ValueError(
+            f"{at} got the names {names[0] or 'none'}, must be those before: {names[1] or 'none'}"
+        )
+    else:
+        for name, array in found.items():
+            if array.shape != before[name].shape:
+                raise ValueError(
+                    f"{at} got {name!r} of shape {array.shape}, must be {before[name].shape} as before"
+                )
+        found = {name: found[name] for name in before}
+    return found
+
+
+def _array(at: str, name: Any, value: Any) -> NDArray[Any]:
+    if not isinstance(name, str) or not name:
+        raise ValueError(f"{at} got the name {validation.shown(name)}, must be a text that is not empty")
+    try:
+        array = np.array(value)  # a copy: the function may use its own array again
+    except Exception:  # what does not convert says so in many ways
+        array = np.array(None)
+    if array.dtype.kind not in "buif":
+        raise ValueError(f"{at} got {validation.shown(value)} for {name!r}, must be a number or numbers")
+    return array
+
+
+def dims(name: str, array: NDArray[Any]) -> list[str]:
+    """Names of the dimensions of one value in a Dataset: name_0, name_1, …"""
+    return [f"{name}_{i}" for i in range(array.ndim)]
+
+
+def _refuse_clashes(at: str, values: Values) -> None:
+    taken = {*OBSERVABLES, *RESERVED}
+    for name, array in values.items():
+        clashes = taken & {name, *dims(name, array)}
+        if clashes:
+            raise ValueError(
+                f"{at} got the name {validation.shown(name)}, must be another one: the series has {min(clashes)!r}"
+            )
+        taken |= {name, *dims(name, array)}
+
+
+def collected(values: Sequence[Values]) -> Values:
+    """One array for each name, over the samples."""
+    return {name: np.stack([one[name] for one in values]) for name in (values[0] if values else ())}
+
+
+def variables(values: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+    """Data variables of a Dataset."""
+    return {name: (["time", *dims(name, array[0])], array.copy()) for name, array in values.items()}
+
+
+def split(values: Values, n: int) -> Iterable[Values]:
+    """The values of each of ``n`` samples: the inverse of :func:`collected`."""
+    return [{name: array[k] for name, array in values.items()} for k in range(n)]

@@ -1,0 +1,97 @@
+"""The rules of collision for hard spheres: one record each, and the choice of one for a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from .. import _core
+from ..contact.contact import Law
+from ..support import validation
+
+
+class Rule(NamedTuple):
+    """A rule of collision: a record of the core."""
+
+    name: str  #: for ``rule=`` and the core
+    takes: tuple[str, ...]  #: arguments of which exactly one gives the restitution
+    meaning: str  #: what a collision does
+    assumes: str  #: what must hold for the rule to be right
+    counts: tuple[str, ...]  #: attributes of a result that count what the rule did
+    source: str
+    has_contact_duration: bool
+
+
+_COUNTS: Final = {
+    "tc": ("n_elastic_by_tc", "elastic_share"),
+    "soft": ("n_soft", "n_soft_third_body", "third_body_share"),
+}
+
+
+def _rule(record: Mapping[str, Any]) -> Rule:
+    return Rule(
+        record["name"],
+        tuple(argument for argument in ("restitution", "law") if record[argument]),
+        record["meaning"],
+        record["assumes"],
+        _COUNTS.get(record["name"], ()),
+        record["source"],
+        any(parameter["name"] == "contact_duration" for parameter in record["parameters"]),
+    )
+
+
+#: By name. The first rule without a contact duration that takes an argument is the default with it.
+RULES: Final = {record["name"]: _rule(record) for record in _core.rules}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the collisions of a run obey; made by :func:`hardlimit.event_driven`."""
+
+    rule: str  #: "constant", "law", "tc" or "soft"
+    restitution: float | None  #: of rules with a constant one
+    law: Law | None  #: of the other rules
+    contact_duration: float | None  #: of the rule tc [s]
+
+    def report(self) -> str:
+        """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``.
+
+        Returns
+        -------
+        str
+        """
+        parts = [self.rule]
+        parts += [] if self.restitution is None else [f"restitution {self.restitution:g}"]
+        parts += [] if self.law is None else [repr(self.law)]
+        parts += [] if self.contact_duration is None else [f"contact duration {self.contact_duration:g} s"]
+        return ", ".join(parts)
+
+
+def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
+    """The rule of a run with its parameters.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range, or two do not go together.
+    """
+    given = validation.exactly_one(law=law, restitution=restitution)
+    if given == "law" and not isinstance(law, Law):
+        raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
+    allowed = [record.name for record in RULES.values() if given in record.takes]
+    default = next(name for name in allowed if not RULES[name].has_contact_duration)
+    chosen = default if rule is None else validation.one_of("rule", rule, sorted(RULES))
+    if chosen not in allowed:
+        raise ValueError(f"rule: got {rule!r} with {given}, must be one of {', '.join(allowed)}")
+    if given == "restitution":
+        limits = {"lowest_allowed": True, "highest_allowed": True}
+        restitution = validation.number("restitution", restitution, 0.0, 1.0, **limits)
+    if RULES[chosen].has_contact_duration:
+        if contact_duration is None:
+            raise ValueError(f"contact_duration: missing, must be given for the rule {chosen}")
+        contact_duration = validation.number("contact_duration", contact_duration, 0.0, lowest_allowed=True)
+    elif contact_duration is not None:
+        shown = validation.shown(contact_duration)
+        raise ValueError(f"contact_duration: got {shown}, must be left out unless the rule is tc")
+    return Settings(chosen, restitution, law, contact_duration)

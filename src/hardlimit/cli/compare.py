@@ -1,0 +1,186 @@
+"""``hardlimit gas compare``: one start under Newton's equations and each rule for hard spheres."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+import hardlimit as hl
+
+from ..boxes.system import described
+from ..column import files
+from ..fidelity_study import MODELS
+from ..fidelity_study import report as texts
+from ..support import machine, validation
+from ..support.formatting import digits
+from .gas_job import RESTITUTION, SAMPLES, START, UNTIL, GasJob, default, make_job, usual_end
+from .job import Entry, entry_options
+from .options import dpi_option, json_option, law_options, law_text, output_option, picture, writable
+from .printing import console, plain, print_files, print_json, show, table
+from .program import Command
+
+#: Stiffness [N/m] of glass beads without a law; softer than glass, t_c ν is about 0.02.
+STIFFNESS: Final = 1e6
+REPLICAS: Final = 8
+
+#: Arguments of ``hl.fidelity``.
+ARGUMENTS: Final = (
+    Entry(
+        "models",
+        f"Model: {' | '.join(MODELS)}; repeat it for more. newton is always included.  [default: all]",
+        many=True,
+    ),
+    Entry("contact_duration", "Contact duration of the rule tc [s].  [default: that of the law]", unit="s"),
+    UNTIL,
+    SAMPLES,
+    Entry("engine", "Engine for Newton’s equations: auto | events | steps.  [default: auto]"),
+    Entry("replicas", f"Number of starts, from which error bars follow.  [default: {REPLICAS}]", kind=int),
+    Entry(
+        "resolution",
+        f"Relative difference to be resolved; the output has the number of replicas that this takes."
+        f"{default(hl.fidelity, 'resolution')}",
+        unit="1",
+    ),
+    Entry("workers", "Number of processes.  [default: one for each processor]", kind=int),
+    Entry("scheduler", "Address of a dask.distributed scheduler, instead of processes on this machine."),
+    Entry(
+        "store", "File that keeps finished replicas, from which the same command continues.", metavar="FILE"
+    ),
+)
+#: Entries of a job's table [event_driven] that this command uses.
+OF_A_JOB: Final = ("until", "samples", "contact_duration")
+
+
+@click.command(
+    cls=Command,
+    epilog="\b\nExample:\n  hardlimit gas compare --n 500 --stiffness 2e5 --restitution 0.9 --plot compare.png",
+)
+@click.argument("file", required=False, metavar="[FILE]")
+@entry_options(START)
+@law_options()
+@entry_options(ARGUMENTS)
+@output_option("--out", "Means and replicas as NetCDF.", "FILE.nc")
+@output_option("--plot", "Differences over time (png, pdf, …).")
+@dpi_option
+@json_option()
+def compare(
+    file: str | None, out: str | None, plot: str | None, dpi: float | None, as_json: bool, **given: Any
+) -> None:
+    """Compare each rule for hard spheres with Newton's equations.
+
+    FILE, start and law are those of hardlimit gas. Without a law, contacts are linear with a stiffness of 1e6 N/m and a
+    restitution of 0.9, unless one of them is given. Each replica starts from another random state; if FILE has
+    particles, from another equilibrium state of these particles. Of a job file, this command uses start, law, until,
+    samples, restitution and contact duration.
+    """
+    outputs = writable("out", out, ".nc"), picture("plot", plot)
+    arguments = {entry.name: given.pop(entry.name) for entry in ARGUMENTS}
+    job = make_job(file, given)
+    law = contact_law(job)
+    start, found = compared(job, law, {name: v for name, v in arguments.items() if v not in (None, ())})
+    written = []
+    if outputs[0]:
+        written.append(found.save(outputs[0]))
+    if outputs[1]:
+        from .. import plots
+
+        written.append(plots.save(found.plot(), outputs[1], dpi))
+    if as_json:
+        print_json(as_mapping(found, written))
+    else:
+        print_report(start, law, found, written)
+
+
+@dataclass(frozen=True)
+class RandomStarts:
+    """A random start for each seed."""
+
+    job: GasJob
+
+    def __call__(self, seed: int) -> hl.ParticleSystem:
+        return self.job.start(seed=seed)
+
+
+def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.ParticleSystem, hl.Fidelity]:
+    """The start of replica 0, and the comparison.
+
+    Raises
+    ------
+    ValueError
+        If job or arguments are refused.
+    """
+    run = {name: job.run[name] for name in OF_A_JOB if name in job.run} | arguments
+    if "models" in run:
+        run["models"] = tuple(dict.fromkeys(("newton", *run["models"])))
+    system: hl.ParticleSystem | Callable[[int], hl.ParticleSystem]
+    if job.file is None:
+        run["seed"] = validation.whole("seed", job.random.get("seed", 0), 0, 2**62)
+        system = RandomStarts(job)
+        start = system(run["seed"])
+    else:
+        system = start = job.start()
+    run.setdefault("until", usual_end(start))
+    run.setdefault("replicas", REPLICAS)
+    if "scheduler" not in run:
+        run.setdefault("workers", machine.processors())
+    return start, hl.fidelity(system, law=law, **run, progress=True)
+
+
+def contact_law(job: GasJob) -> hl.Law:
+    """The law of job and options; linear with the usual stiffness and restitution if these are not given."""
+    name, parameters = job.law_option
+    if job.law is None and job.restitution is not None:
+        parameters = {"restitution": job.restitution} | parameters
+    usual = {"stiffness": STIFFNESS, "restitution": RESTITUTION}
+    linear = name in (None, hl.LinearDashpot.record["name"])
+    if job.law is None and linear and parameters.keys() <= usual.keys():
+        return hl.LinearDashpot(**(usual | parameters))
+    return files.changed_law(job.law, name, parameters)
+
+
+# --- what is printed ----------------------------------------------------------------------------------------
+
+
+def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, written: list[Path]) -> None:
+    """The system, the differences and when they exceeded the error bars, the contacts, a summary."""
+    out = console()
+    rows = [
+        *described(start),
+        ("contact duration t_c [s]", digits(found.contact_duration, 4)),
+        ("t_c ν, mean of the run", digits(found.tc_nu, 3)),
+        ("replicas", str(found.n_replicas)),
+    ]
+    title = f"{start.n} {'spheres' if start.dimension == 3 else 'disks'}"
+    show(out, title, table(["", ""], rows), law_text(law))
+    if len(found.models) > 1:
+        below = texts.legend(found) if found.n_replicas > 1 else "no error bars"
+        show(out, "Difference from Newton’s equations at the end [%]", table(*texts.table(found)), below)
+        head, left = texts.table(found)[0], texts.departures(found)
+        if left:
+            show(out, "First significant difference after [t_c], by [%]", table(head, left))
+    show(out, "Contacts", table(*texts.contacts(found)))
+    out.print(found.summary(), markup=False)
+    print_files(out, written)
+
+
+def as_mapping(found: hl.Fidelity, files: list[Path]) -> dict[str, Any]:
+    """The summary, and means and differences with their errors, in SI units."""
+    ds = found.dataset
+    content: dict[str, Any] = plain(
+        {
+            **{name: value for name, value in ds.attrs.items() if name not in ("title", "source")},
+            "models": found.models,
+            "coordinates": {name: ds[name].values for name in ds.coords},
+            "variables": {
+                name: {"dims": v.dims, "units": v.attrs["units"], "values": v.values}
+                for name, v in ds.data_vars.items()
+            },
+            "outcomes": {model: found.outcomes(model) for model in found.models},
+            "files": files,
+        }
+    )
+    return content

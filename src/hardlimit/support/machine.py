@@ -1,0 +1,24 @@
+"""What this machine gives a process: processors and free memory."""
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+#: Memory limit of a container (control groups, version 2), which psutil does not read.
+CONTAINER_LIMIT: Final = Path("/sys/fs/cgroup/memory.max")
+
+
+def processors() -> int:
+    """Number of processors that this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def free_memory() -> int:
+    """Bytes of memory that this process may still allocate."""
+    import psutil
+
+    free = int(psutil.virtual_memory().available)
+    with suppress(OSError, ValueError):  # no such file; "max" means no limit
+        free = min(free, int(CONTAINER_LIMIT.read_text()))
+    return free

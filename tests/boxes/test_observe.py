@@ -1,0 +1,164 @@
+"""observe=: a user's function at each sample of a run, its values in the series, in checkpoints and after resume."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import hardlimit as hl
+from conftest import draws
+from same_samples import same_samples
+
+LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
+RUNS = {
+    "constant": (hl.event_driven, {"restitution": 0.9}),
+    "soft": (hl.event_driven, {"law": LAW, "rule": "soft"}),
+    "events": (hl.molecular_dynamics, {"law": LAW, "engine": "events"}),
+    "steps": (hl.molecular_dynamics, {"law": LAW, "engine": "steps", "time_step": 5e-5}),
+}
+every_run = pytest.mark.parametrize("name", RUNS)
+
+
+def grains(seed=1, dimension=3, boundary="periodic", gravity=0.0):
+    return hl.ParticleSystem.random(
+        10, 0.1, (0.006, 0.01), 2500.0, 0.5, dimension=dimension, seed=seed, boundary=boundary, gravity=gravity
+    )  # fmt: skip
+
+
+def run(name, system, until=0.2, **options):
+    function, settings = RUNS[name]
+    return function(system, until=until, **settings, **options)
+
+
+def look(time, system):
+    """A number, a vector, a tensor and a whole number."""
+    velocities = system.velocities
+    return {
+        "at": time,
+        "speed": np.sqrt((velocities**2).sum(axis=1)),
+        "stress": system.mass @ (velocities[:, :, None] * velocities[:, None, :]).swapaxes(0, 1),
+        "left": int((system.positions[:, 0] < 0.5 * system.box[0]).sum()),
+        "temperature": system.granular_temperature,
+    }
+
+
+@draws(20)
+@given(
+    name=st.sampled_from(sorted(RUNS)),
+    seed=st.integers(0, 99),
+    dimension=st.sampled_from([2, 3]),
+    boundary=st.sampled_from(["periodic", "wall"]),
+    gravity=st.sampled_from([0.0, 9.81]),
+    samples=st.integers(1, 9),
+)
+def test_values_are_those_of_the_samples(name, seed, dimension, boundary, gravity, samples):
+    system = grains(seed, dimension, boundary, gravity)
+    plain = run(name, system, samples=samples)
+    found = run(name, system, samples=samples, observe=look)
+    assert found.system == plain.system  # observing changes no bit
+    series = found.series
+    assert np.array_equal(series["at"], series.time) and series.at.dims == ("time",)
+    assert series.speed.dims == ("time", "speed_0") and series.stress.dims == ("time", "stress_0", "stress_1")
+    assert series.left.dtype.kind == "i" and series.sizes["speed_0"] == system.n
+    assert series.temperature.values == pytest.approx(series.granular_temperature.values, rel=1e-9)
+    for key, value in look(found.time, found.system).items():
+        assert np.array_equal(series[key].values[-1], value)
+    assert series.drop_vars(list(found.observed)).equals(plain.series)
+
+
+@every_run
+def test_a_resumed_run_has_the_same_values(name, tmp_path):
+    system, path = grains(3, gravity=9.81), tmp_path / "run.checkpoint"
+    whole = run(name, system, samples=8, observe=look)
+    run(name, system, until=0.1, samples=4, observe=look, checkpoint=path)
+    assert same_samples(hl.resume(path, until=0.2, observe=look), whole)
+
+
+@every_run
+@pytest.mark.parametrize("k", [0, 3, 8])
+def test_an_exception_ends_the_run_and_loses_nothing(name, k, tmp_path):
+    system, path = grains(4, dimension=2), tmp_path / "run.checkpoint"
+    whole, calls = run(name, system, samples=8, observe=look), []
+
+    def broken(time, system):
+        calls.append(time)
+        if len(calls) > k:
+            raise ZeroDivisionError("mine")
+        return look(time, system)
+
+    with pytest.raises(ZeroDivisionError, match=r"^mine$"):
+        run(name, system, samples=8, observe=broken, checkpoint=path)
+    assert len(calls) == k + 1
+    assert same_samples(hl.resume(path, observe=look), whole)
+
+
+def test_a_run_without_an_end_in_time_keeps_the_values_of_its_samples(tmp_path):
+    path, given = tmp_path / "run.checkpoint", {"restitution": 0.9, "samples": 5, "observe": look}
+    whole = hl.event_driven(grains(), max_collisions=300, **given)
+    assert np.array_equal(whole.series["at"], whole.series.time)
+    hl.event_driven(grains(), max_collisions=100, checkpoint=path, **given)
+    resumed = hl.resume(path, max_collisions=300, observe=look)
+    assert resumed.system == whole.system and np.array_equal(resumed.series["at"], resumed.series.time)
+
+
+def changing(first, then):
+    """A function whose second call returns something else."""
+    returned = iter([first, then])
+    return lambda time, system: next(returned)
+
+
+REFUSED = {
+    "no function": (3, "observe: got 3, must be a function of time and system"),
+    "no mapping": (lambda t, s: 1.0, "observe: at 0 s got 1.0, must return a mapping of names to numbers"),
+    "no name": (lambda t, s: {1: 1.0}, "observe: at 0 s got the name 1, must be a text that is not empty"),
+    "a text": (lambda t, s: {"a": "b"}, "observe: at 0 s got 'b' for 'a', must be a number or numbers"),
+    "nothing": (lambda t, s: {"a": None}, "observe: at 0 s got None for 'a', must be a number or numbers"),
+    "complex": (lambda t, s: {"a": 1j}, "observe: at 0 s got 1j for 'a', must be a number or numbers"),
+    "ragged": (lambda t, s: {"a": [[1], [1, 2]]}, "for 'a', must be a number or numbers"),
+    "an observable": (
+        lambda t, s: {"pressure": 1.0},
+        "observe: at 0 s got the name 'pressure', must be another one: the series has 'pressure'",
+    ),
+    "a coordinate": (lambda t, s: {"time": t}, "must be another one: the series has 'time'"),
+    "a dimension": (lambda t, s: {"a": [1.0], "a_0": 2.0}, "must be another one: the series has 'a_0'"),
+    "other names": (
+        changing({"a": 1.0}, {"b": 1.0}),
+        "observe: at 0.1 s got the names 'b', must be those before: 'a'",
+    ),
+    "another shape": (
+        changing({"a": 1.0}, {"a": [1.0]}),
+        r"observe: at 0.1 s got 'a' of shape \(1,\), must be \(\) as before",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_no_observation_is_refused(case):
+    observe, message = REFUSED[case]
+    with pytest.raises(ValueError, match=message) as caught:
+        hl.event_driven(grains(), restitution=0.9, until=0.2, samples=2, observe=observe)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_checkpoint_needs_its_function_again(tmp_path):
+    with_one, without = tmp_path / "a", tmp_path / "b"
+    run("events", grains(), checkpoint=with_one, observe=look)
+    run("constant", grains(), checkpoint=without, observe=lambda time, system: {})
+    with pytest.raises(
+        ValueError, match=r"^observe: missing, must be given again: the run of this checkpoint"
+    ):
+        hl.resume(with_one)
+    with pytest.raises(
+        ValueError, match=r"^observe: at \S+ s got the names 'at', .* must be those before: none"
+    ):
+        hl.resume(without, until=0.4, observe=look)
+    assert hl.resume(without, until=0.4).observed == {}
+    with pytest.raises(ValueError, match=r"^observe: got 1, must be a function of time and system"):
+        hl.resume(with_one, observe=1)
+
+
+def test_lammps_calls_no_function():
+    with pytest.raises(
+        ValueError, match=r"must be left out: only engines 'events' and 'steps' take observe$"
+    ):
+        hl.molecular_dynamics(grains(), law=LAW, until=0.1, engine="lammps", observe=look)

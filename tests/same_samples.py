@@ -1,0 +1,14 @@
+"""Comparison of the samples of two runs of boxes, bit by bit."""
+
+from typing import Any
+
+import numpy as np
+
+
+def same_samples(one: Any, other: Any) -> bool:
+    """Whether records and observed values of two results have the same bits."""
+    return all(
+        mine.keys() == theirs.keys()
+        and all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
+        for mine, theirs in ((one.samples, other.samples), (one.observed, other.observed))
+    )
