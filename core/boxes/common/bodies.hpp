@@ -16,6 +16,9 @@ inline constexpr Double4 double4(double x, double y, double z, double w) { retur
 
 // Of the first three components.
 inline double dot(Double4 a, Double4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+inline Double4 cross(Double4 a, Double4 b) {
+    return Double4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0};
+}
 
 // The same memory as plain numbers, four for each.
 inline double* as_doubles(Records<Double4>& of) { return reinterpret_cast<double*>(of.data()); }
@@ -60,12 +63,15 @@ struct BodyTag {
     std::int32_t image_flags[3];   // how many times the body has crossed the box along each periodic axis
 };
 
-// Bodies in the order of their cells.
+// Bodies in the order of their cells. What only friction needs is empty without it.
 struct Bodies {
     Records<Double4> position;                  // [N] x, y, z [m] in the box, radius [m]
     Records<Double4> velocity;                  // [N] velocity [m/s], 1/mass [1/kg]
     Records<BodyTag> tag;                       // [N]
     Records<ContactAcceleration> acceleration;  // [N]
+
+    Records<Double4> spin;  // angular velocity [rad/s], 1/moment of inertia [1/(kg m²)]
+    Records<ContactAcceleration> angular_acceleration;  // [rad/s²]
 
     std::size_t count() const { return position.size(); }
 };

@@ -51,7 +51,7 @@ public:
     void find_cells(std::size_t first, std::size_t last) {
         sort_.find_cells(box_, grid, bodies, first, last);
     }
-    void order() { sort_.order(grid.cells(), start_); }
+    void order() { sort_.order(bodies, grid.cells(), start_); }
     void gather(std::size_t first, std::size_t last) { sort_.move(bodies, first, last); }
     void divide() {
         sort_.swap(bodies);
@@ -125,6 +125,7 @@ public:
     template <class Archive>
     void exchange(Archive& archive) {
         archive(bodies.position), archive(bodies.velocity), archive(bodies.tag), archive(bodies.acceleration);
+        if constexpr (FrictionalLaw<Law>) archive(bodies.spin), archive(bodies.angular_acceleration);
         archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
         archive(dissipated), archive(virial), archive(largest_compression_);
         std::size_t count = slabs.size();
@@ -215,6 +216,8 @@ private:
             if (!same) continue;
             put(s, s.contact_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], c);
             s.contacts.back().normal *= static_cast<double>(sense);
+            if constexpr (FrictionalLaw<Law>)
+                if (sense < 0) s.contacts.back().history.reverse();
             return true;
         }
         return false;

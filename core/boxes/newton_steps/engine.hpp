@@ -42,6 +42,7 @@ public:
                 math::max(criterion_.fastest, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
         }
         bodies_.acceleration.resize(bodies_.count());
+        if constexpr (FrictionalLaw<Law>) make_spins();
         begin_rebuild();
         const auto never = [] { return false; };
         run(1, std::chrono::milliseconds(1000), never);  // forces at the start
@@ -97,6 +98,16 @@ public:
         o.begun = log_.begun(), o.pairs = log_.pairs(), o.ended = log_.ended();
         o.overlapped = log_.overlapped();
         return o;
+    }
+
+    // Angular velocities [rad/s], [3 N] by original index; zero at the start.
+    void angular_velocity(double* spin) const
+        requires FrictionalLaw<Law>
+    {
+        for (std::size_t i = 0; i < bodies_.count(); ++i)
+            for (int axis = 0; axis < 3; ++axis)
+                spin[3 * std::size_t{bodies_.tag[i].original_index} + static_cast<std::size_t>(axis)] =
+                    bodies_.spin[i][axis];
     }
     bool contacts_last() const override { return true; }
 
@@ -187,6 +198,15 @@ private:
         }
     }
 
+    // Moment of inertia of a solid sphere, or in two dimensions of a disk.
+    void make_spins() {
+        for (std::size_t i = 0; i < bodies_.count(); ++i) {
+            const double radius = bodies_.position[i][3], factor = box_.dimension == 2 ? 0.5 : 0.4;
+            const double inverse = bodies_.velocity[i][3] / (factor * radius * radius);
+            bodies_.spin.push_back(Double4{0.0, 0.0, 0.0, inverse});
+        }
+        bodies_.angular_acceleration.resize(bodies_.count());
+    }
     Double4 velocity_of(std::size_t i) const {
         if (!paused_) return bodies_.velocity[i];
         return bodies_.velocity[i] +

@@ -139,6 +139,8 @@ private:
         static_cast<ContactForce&>(c) = f;
         record_depth(slab, c, m);
         apply(slab, c);
+        if constexpr (FrictionalLaw<Law>)
+            if (compression > 0.0) apply_friction(slab, c, m);
         if (!(compression > 0.0)) {
             c.index_first = no_body;
             slab.vacated.push_back(slot);
@@ -242,6 +244,30 @@ private:
         accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
         if (c.index_second != no_body)
             accelerate(slab, c.index_second, c.normal * (c.force * bodies_.velocity[c.index_second][3]));
+    }
+    // The lever arms of two bodies end in the middle of their overlap, so that angular momentum is conserved.
+    void apply_friction(Slab<Law>& slab, Contact<Law>& c, const RelativeMotion& m) {
+        const std::uint32_t i = m.first, j = m.second;
+        const bool wall = j == no_body;
+        const double radius = bodies_.position[i][3];
+        const double arm = wall ? m.distance : radius - 0.5 * c.compression;
+        const double other_arm = wall ? 0.0 : m.distance - arm;
+        Double4 turning = bodies_.spin[i] * arm;
+        if (!wall) turning += bodies_.spin[j] * other_arm;
+        Double4 v = m.velocity + m.acceleration * now_.velocity_lag - cross(turning, m.normal);
+        v -= m.normal * dot(v, m.normal);
+        const double duration = c.is_new ? c.onset.since : now_.h;
+        const ContactMotion motion = {
+            c.compression,      c.rate,  c.force, {m.normal[0], m.normal[1], m.normal[2]},
+            {v[0], v[1], v[2]}, duration};
+        const TangentialForce f = c.law.tangential_force(motion, c.history);
+        const Double4 force{f.component[0], f.component[1], f.component[2], 0.0};
+        const Double4 torque = -cross(m.normal, force);  // over the lever arm, on either body
+        accelerate(slab, i, -force * bodies_.velocity[i][3]);
+        bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
+        if (wall) return;
+        accelerate(slab, j, force * bodies_.velocity[j][3]);
+        bodies_.angular_acceleration[j].add(now_.step, torque * (other_arm * bodies_.spin[j][3]));
     }
     void accelerate(Slab<Law>& slab, std::uint32_t body, Double4 acceleration) {
         if (bodies_.acceleration[body].add(now_.step, acceleration))
