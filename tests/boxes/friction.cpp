@@ -2,10 +2,10 @@
 //
 //   friction frictionless   prints how many numbers of a run with a friction coefficient of 0 differ from those of the
 //                           linear dashpot; with pauses, and with friction, from those of another number of threads
-//   friction rolling        a sphere slides on the floor until it rolls: prints its final speed over the initial one and
-//                           the speed of its surface at the floor over that
-//   friction oblique        two spheres collide with an offset: prints the changes of momentum and angular momentum over
-//                           their scales, the change of the sum of spins, and the largest |F_t|/F_n
+//   friction rolling        a sphere slides on the floor until it rolls: prints its final speed over the initial one
+//                           and the speed of its surface at the floor over that
+//   friction oblique        two spheres collide with an offset: prints the changes of momentum and angular momentum
+//                           over their scales, the change of the sum of spins, and the largest |F_t|/F_n
 #include "boxes/common/random.hpp"
 #include "boxes/newton_steps/engine.hpp"
 #include "contact/linear_dashpot.hpp"
