@@ -1,4 +1,7 @@
-"""The command line ``hardlimit``: a module per command, or ``about`` for the small ones. It computes nothing itself."""
+"""The command line ``hardlimit``: a module per command, or ``about`` for the small ones. It computes nothing itself.
+
+Functions here raise a ValueError for bad input, which :mod:`hardlimit.cli.program` prints in one line.
+"""
 
 from __future__ import annotations
 

@@ -106,13 +106,7 @@ class RandomStarts:
 
 
 def compared(job: GasJob, law: hl.Law, arguments: dict[str, Any]) -> tuple[hl.ParticleSystem, hl.Fidelity]:
-    """The start of replica 0, and the comparison.
-
-    Raises
-    ------
-    ValueError
-        If job or arguments are refused.
-    """
+    """The start of replica 0, and the comparison."""
     run = {name: job.run[name] for name in OF_A_JOB if name in job.run} | arguments
     if "models" in run:
         run["models"] = tuple(dict.fromkeys(("newton", *run["models"])))

@@ -328,13 +328,7 @@ def result_mapping(shown: Result, result: Result) -> dict[str, Any]:
 
 
 def save_results(results: tuple[Result, ...], path: Path) -> Path:
-    """Save the trajectory and the contacts of each model as groups of a NetCDF file, such as ``newton/trajectory``.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    """
+    """Save the trajectory and the contacts of each model as groups of a NetCDF file, such as ``newton/trajectory``."""
     import xarray as xr
 
     column = results[0].column

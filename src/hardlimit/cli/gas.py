@@ -176,13 +176,7 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
 
 
 def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[Any, dict[str, Path | None]]:
-    """The result of a run that goes on from its checkpoint, and the files to write.
-
-    Raises
-    ------
-    ValueError
-        If anything else is given than a new end and files to write: the checkpoint has all the rest.
-    """
+    """The result of a run that goes on from its checkpoint, perhaps to a new end, and the files to write."""
     outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
     end = {name: given.pop(name) for name in ("until", "max_collisions")}
     refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
@@ -236,13 +230,7 @@ def run_newton(job: GasJob, newton: dict[str, Any]) -> tuple[hl.ParticleSystem, 
 
 
 def write_lammps_input(job: GasJob, newton: dict[str, Any]) -> Path:
-    """Write the input of LAMMPS.
-
-    Raises
-    ------
-    ValueError
-        If another engine is given, or an option that has a meaning in a run only.
-    """
+    """Write the input of LAMMPS."""
     if newton["engine"] != "lammps":
         raise ValueError(f"--write-input: must be left out with --engine {newton['engine']}")
     run_only = {"save": job.outputs["save"], **{name: newton[name] for name in ("threads", "ranks")}}
@@ -259,13 +247,7 @@ def write_lammps_input(job: GasJob, newton: dict[str, Any]) -> Path:
 
 
 def refuse(given: dict[str, Any], why: str) -> None:
-    """Refuse options that are given.
-
-    Raises
-    ------
-    ValueError
-        If one of them is.
-    """
+    """Refuse options that are given."""
     for name, value in given.items():
         if value not in (None, ()):
             raise ValueError(f"{name if name == 'FILE' else spelled(name)}: must be left out {why}")
@@ -378,13 +360,7 @@ def as_mapping(result: Any, files: list[Path]) -> dict[str, Any]:
 
 
 def save(result: Any, path: Path) -> Path:
-    """Save series, the log if there is one, and the final state as groups of a NetCDF file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    """
+    """Save series, the log if there is one, and the final state as groups of a NetCDF file."""
     import xarray as xr
 
     newton = isinstance(result, hl.ContactResult)

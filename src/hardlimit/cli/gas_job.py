@@ -68,7 +68,7 @@ START: Final = (
     ),
     Entry(
         "gravity",
-        f"Gravity [m/s²], down the last axis; repeat it for a vector, one component for each axis.{_of_random('gravity')}",
+        f"Gravity [m/s²], down the last axis; repeat it for a vector.{_of_random('gravity')}",
         unit="m/s2",
         many=True,
     ),

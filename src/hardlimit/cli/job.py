@@ -33,13 +33,7 @@ class Entry:
         )
 
     def check(self, name: str, value: Any) -> Any:
-        """Kind of the entry in a table.
-
-        Raises
-        ------
-        ValueError
-            If the value is of another type.
-        """
+        """Kind of the entry in a table."""
         kind: toml.Kind = toml.whole if self.kind is int else toml.text
         if self.unit is not None:
             kind = toml.quantity(self.unit)

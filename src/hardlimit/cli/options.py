@@ -134,13 +134,7 @@ def output_option(option: str, help: str, metavar: str = "FILE") -> Callable[[F]
 
 
 def writable(option: str, path: str | None, *endings: str) -> Path | None:
-    """The path, checked before anything is computed.
-
-    Raises
-    ------
-    ValueError
-        If its folder does not exist, it cannot be written, or its ending is not one of these.
-    """
+    """The path, if it can be written and ends in one of these; checked before anything is computed."""
     if path is None:
         return None
     target = file_name(option, path)
@@ -153,13 +147,7 @@ def writable(option: str, path: str | None, *endings: str) -> Path | None:
 
 
 def picture(option: str, path: str | None) -> Path | None:
-    """The path of a picture, with the endings that matplotlib knows.
-
-    Raises
-    ------
-    ValueError
-        As :func:`writable`.
-    """
+    """The path of a picture, with the endings that matplotlib knows."""
     if path is None:
         return None
     from ..plots.style import endings
@@ -168,13 +156,7 @@ def picture(option: str, path: str | None) -> Path | None:
 
 
 def film(option: str, path: str | None) -> Path | None:
-    """The path of a film.
-
-    Raises
-    ------
-    ValueError
-        As :func:`writable`, and for MP4 without ffmpeg.
-    """
+    """The path of a film; MP4 needs ffmpeg."""
     target = writable(option, path, ".mp4", ".gif")
     if target is not None and target.suffix.lower() == ".mp4":
         from ..plots.video import require_ffmpeg
@@ -184,13 +166,7 @@ def film(option: str, path: str | None) -> Path | None:
 
 
 def file_name(option: str, path: str) -> Path:
-    """The path, if the system accepts the name and its folder exists.
-
-    Raises
-    ------
-    ValueError
-        If not.
-    """
+    """The path, if the system accepts the name and its folder exists."""
     shown = validation.shown(path)
     target = Path(path)
     try:

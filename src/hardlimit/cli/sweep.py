@@ -92,13 +92,7 @@ class Axis(click.ParamType[Any]):
 
 
 def axis(name: str, value: Any, unit: str = "1") -> float | NDArray[np.float64]:
-    """A number or an array from an option's text or from a value in a TOML file.
-
-    Raises
-    ------
-    ValueError
-        If it is neither a number, nor a list, nor ``start:stop:count`` or ``start:stop:count:log``.
-    """
+    """A number or an array from an option's text or from a value in a TOML file."""
     if isinstance(value, list):
         if not value:
             raise ValueError(f"{name}: got an empty list, must hold at least one number")
@@ -210,13 +204,7 @@ class Job:
 
 
 def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
-    """The job of a file, or of Fig. 2 without a file, changed by the options.
-
-    Raises
-    ------
-    ValueError
-        If this is not a sweep.
-    """
+    """The job of a file, or of Fig. 2 without a file, changed by the options."""
     base = files.of_column(Column.paper())
     content: dict[str, Any] = {}
     if file is not None:

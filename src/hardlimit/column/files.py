@@ -4,6 +4,8 @@ A file has the top-level keys ``height``, ``gravity``, ``gaps`` and ``velocities
 bottom first (``radius``, and ``density`` or ``mass``), and one ``[law]`` (``name`` and its parameters) or one
 ``[[laws]]`` per contact, the floor's first. With ``cradle = true`` there is no floor, no height and no gravity (a
 ``gravity`` of 0 may be written). A quantity is a number in SI units or a text with a unit, such as ``"1 mm"``.
+
+All functions raise a ValueError with a message of one line for what they refuse; :func:`read` names the file.
 """
 
 from __future__ import annotations
@@ -35,13 +37,7 @@ class Scenario:
     cradle: bool = False
 
     def column(self) -> Column:
-        """The column.
-
-        Raises
-        ------
-        ValueError
-            If the parameters do not make a column.
-        """
+        """The column."""
         law: Law | Sequence[Law] = self.laws[0] if len(set(self.laws)) == 1 else self.laws
         gaps = _repeated(self.gaps, len(self.balls) - 1)
         velocities = _repeated(self.velocities, len(self.balls))
@@ -72,13 +68,7 @@ def of_column(column: Column) -> Scenario:
 
 
 def read(path: str | Path) -> Column:
-    """The column that a TOML file describes.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read, is not TOML, has an unknown key or a bad value; names the file.
-    """
+    """The column that a TOML file describes."""
     return prefixed(f"{path}: ", read_with(path)[0].column)
 
 
@@ -90,13 +80,7 @@ def read_with(path: str | Path, *other: str) -> tuple[Scenario, dict[str, Any]]:
 
 
 def loads(text: str) -> Column:
-    """The column described by a text in TOML; the inverse of :func:`dumps`.
-
-    Raises
-    ------
-    ValueError
-        If it is not TOML, has an unknown key or a bad value.
-    """
+    """The column described by a text in TOML; the inverse of :func:`dumps`."""
     return from_mapping(toml.parse(text)).column()
 
 
@@ -125,24 +109,12 @@ def dumps(column: Column) -> str:
 
 
 def write(column: Column, path: str | Path) -> Path:
-    """Write the column as a TOML file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; names it.
-    """
+    """Write the column as a TOML file."""
     return saving.write(path, dumps(column).encode())
 
 
 def from_mapping(content: Mapping[str, Any]) -> Scenario:
-    """The scenario in a mapping with the keys of the TOML file.
-
-    Raises
-    ------
-    ValueError
-        For an unknown or missing key, a value of another type and one outside its range.
-    """
+    """The scenario in a mapping with the keys of the TOML file."""
     found = toml.table("", content, COLUMN)
     if not found.get("balls"):
         raise ValueError("balls: missing, must be one table [[balls]] for each ball")
@@ -187,13 +159,7 @@ def _ball(name: str, content: Any) -> Ball:
 
 
 def law_table(name: str, content: Any) -> Law:
-    """Kind of a table of a law.
-
-    Raises
-    ------
-    ValueError
-        If it has no name, or its parameters do not make a law.
-    """
+    """Kind of a table of a law."""
     kind = None
     if isinstance(content, dict):
         if "name" not in content:
@@ -219,13 +185,7 @@ COLUMN: Final[Mapping[str, toml.Kind]] = {
 
 
 def law_class(name: Any, parameter: str = "law") -> type[Law]:
-    """The law with a name such as ``linear``.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """The law with a name such as ``linear``."""
     return LAWS[validation.one_of(parameter, name, list(LAWS))]
 
 
@@ -241,13 +201,7 @@ def prefixed(where: str, make: Callable[[], T]) -> T:
 
 
 def changed_law(present: Law | None, name: str | None, parameters: Mapping[str, float]) -> Law:
-    """The present law with other parameters, or another law: the one named, or the first that has the parameters.
-
-    Raises
-    ------
-    ValueError
-        If the parameters do not make a law.
-    """
+    """The present law with other parameters, or another law: the one named, or the first that has the parameters."""
     kind = None if present is None else type(present)
     wanted = law_class(name) if name is not None else _law_with(kind, parameters)
     if present is not None and wanted is kind:

@@ -1,4 +1,7 @@
-"""TOML files: reading them, and checking tables so that a message names key, value and what is accepted."""
+"""TOML files: reading them, and checking tables so that a message names key, value and what is accepted.
+
+All functions raise a ValueError with a message of one line for content that they refuse.
+"""
 
 from __future__ import annotations
 
@@ -18,13 +21,7 @@ MOST_BYTES: Final = 10_000_000
 
 
 def read(path: str | Path) -> dict[str, Any]:
-    """The content of a TOML file.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be read or is not TOML; names the file.
-    """
+    """The content of a TOML file."""
     try:
         with open(path, "rb") as file:
             content = file.read(MOST_BYTES + 1)
@@ -43,13 +40,7 @@ def read(path: str | Path) -> dict[str, Any]:
 
 
 def parse(text: str) -> dict[str, Any]:
-    """The content of a text in TOML.
-
-    Raises
-    ------
-    ValueError
-        If it is not TOML.
-    """
+    """The content of a text in TOML."""
     try:
         return tomllib.loads(text)
     except ValueError as error:
@@ -59,13 +50,7 @@ def parse(text: str) -> dict[str, Any]:
 
 
 def convert(content: Mapping[str, Any], kind: type[T], where: str = "") -> T:
-    """``content`` as a dataclass, for files that come with the package; messages are those of msgspec.
-
-    Raises
-    ------
-    ValueError
-        For a missing key and a value of another type.
-    """
+    """``content`` as a dataclass, for files that come with the package; messages are those of msgspec."""
     import msgspec
 
     try:
@@ -78,13 +63,7 @@ def convert(content: Mapping[str, Any], kind: type[T], where: str = "") -> T:
 
 
 def table(name: str, content: Any, kinds: Mapping[str, Kind]) -> dict[str, Any]:
-    """The entries of a table, each checked by the kind of its key; an empty ``name`` is the top level of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not a table, has an unknown key, or a kind refuses a value.
-    """
+    """The entries of a table, each checked by the kind of its key; an empty ``name`` is the top level of the file."""
     if not isinstance(content, dict):
         raise ValueError(f"{name}: got {validation.shown(content)}, must be a table")
     names = {key: f"{name}.{key}" if name else key for key in content}
@@ -96,26 +75,14 @@ def table(name: str, content: Any, kinds: Mapping[str, Kind]) -> dict[str, Any]:
 
 
 def text(name: str, value: Any) -> str:
-    """Kind of a text.
-
-    Raises
-    ------
-    ValueError
-        If it is something else.
-    """
+    """Kind of a text."""
     if not isinstance(value, str):
         raise ValueError(f"{name}: got {validation.shown(value)}, must be a text")
     return value
 
 
 def whole(name: str, value: Any) -> int:
-    """Kind of a whole number; its range is checked where it is used.
-
-    Raises
-    ------
-    ValueError
-        If it is something else.
-    """
+    """Kind of a whole number; its range is checked where it is used."""
     return validation.whole(name, value, -(2**63), 2**63 - 1)
 
 

@@ -1,4 +1,4 @@
-"""Conversion of texts such as ``1 mm`` or ``3.2e9Pa`` to numbers in SI units."""
+"""Conversion of texts such as ``1 mm`` or ``3.2e9Pa`` to numbers in SI units; a ValueError says what is accepted."""
 
 from __future__ import annotations
 
@@ -47,13 +47,7 @@ _POWER: Final = re.compile(r"([A-Za-zµμ%])(?:\^|\*\*)?(-?\d(?:\.\d)?)", re.ASC
 
 
 def quantity(name: str, value: Any, unit: str) -> Any:
-    """A number as it is, or the one that a text with a unit stands for, in ``unit``.
-
-    Raises
-    ------
-    ValueError
-        If it is neither. The range of a number is not checked.
-    """
+    """A number as it is, or the one that a text with a unit stands for, in ``unit``."""
     if isinstance(value, str):
         return with_unit(name, value, unit)
     if not validation.is_number(value):
@@ -62,13 +56,7 @@ def quantity(name: str, value: Any, unit: str) -> Any:
 
 
 def number(name: str, text: str, unit: str) -> float:
-    """The number in ``text``, in ``unit`` unless the text has a unit.
-
-    Raises
-    ------
-    ValueError
-        If it is neither a number nor one with a unit, or the unit measures something else.
-    """
+    """The number in ``text``, in ``unit`` unless the text has a unit."""
     try:
         return float(text)
     except ValueError:
@@ -76,13 +64,7 @@ def number(name: str, text: str, unit: str) -> float:
 
 
 def with_unit(name: str, text: str, unit: str) -> float:
-    """As :func:`number` for a text that must have a unit.
-
-    Raises
-    ------
-    ValueError
-        If it has none, an unknown one or one that measures something else.
-    """
+    """As :func:`number` for a text that must have a unit."""
     found = _QUANTITY.fullmatch(text.strip())
     value = None if found is None else _convert(found[1], found[2], unit)
     if value is None:
