@@ -77,6 +77,8 @@ def observables() -> str:
     lines = ["| variable | unit | meaning | shape | engines |", "|---|---|---|---|---|"]
     for one in OBSERVABLES.values():
         engines = [name for name, engine in ENGINES.items() if set(one.needs) <= set(engine.tells)]
+        if not engines:
+            continue
         shown = "all" if len(engines) == len(ENGINES) else ", ".join(engines).replace("_", " ")
         unit = f"{one.unit} (disks: {one.unit_of_disks})" if one.unit_of_disks else one.unit
         unit = unit.replace("m2/s2", "m²/s²")

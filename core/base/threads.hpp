@@ -16,8 +16,8 @@ namespace hardlimit {
 class ThreadPool {
 public:
     // Calls work(stop) on `threads` threads and `watch()` on this one every `period`, until all have returned. `watch`
-    // returns whether to stop. If the system cannot start some of the threads, the others do the work. If it starts none,
-    // this thread works alone and calls `watch` when the work asks whether to stop.
+    // returns whether to stop. If the system cannot start some of the threads, the others do the work. If it starts
+    // none, this thread works alone and calls `watch` when the work asks whether to stop.
     template <class Work, class Watch>
     void run(int threads, std::chrono::milliseconds period, const Work& work, const Watch& watch) {
         start(threads, work);

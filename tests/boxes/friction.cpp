@@ -2,10 +2,10 @@
 //
 //   friction frictionless   prints how many numbers of a run with a friction coefficient of 0 differ from those of the
 //                           linear dashpot; with pauses, and with friction, from those of another number of threads
-//   friction rolling        a sphere slides on the floor until it rolls: prints its final speed over the initial one and
-//                           the speed of its surface at the floor over that
-//   friction oblique        two spheres collide with an offset: prints the changes of momentum and angular momentum over
-//                           their scales, the change of the sum of spins, and the largest |F_t|/F_n
+//   friction rolling        a sphere slides on the floor until it rolls: prints its final speed over the initial one
+//                           and the speed of its surface at the floor over that
+//   friction oblique        two spheres collide with an offset: prints the changes of momentum and angular momentum
+//                           over their scales, the change of the sum of spins, and the largest |F_t|/F_n
 #include "boxes/common/random.hpp"
 #include "boxes/newton_steps/engine.hpp"
 #include "contact/linear_dashpot.hpp"
@@ -62,6 +62,7 @@ static_assert(FrictionlessLaw<contact::LinearDashpot>);
 static_assert(sizeof(steps::Contact<CundallStrack>) > sizeof(steps::Contact<contact::LinearDashpot>));
 
 using Numbers = std::vector<double>;
+constexpr Boundary periodic = Boundary::periodic;
 
 template <class Law>
 struct Run {
@@ -69,14 +70,15 @@ struct Run {
     std::size_t n;
     std::unique_ptr<NewtonSteps<Law>> engine;
 
-    Run(const Box3& box, const Numbers& x, const Numbers& v, double restitution)
-        : n(x.size() / 3),
-          engine(std::make_unique<NewtonSteps<Law>>(
-              box, x, v, PairLaws<Law>(0, {1e5, restitution}, Numbers(n, 0.01), Numbers(n, 0.01)), step,
-              false)) {}
+    Run(const Box& box, const Numbers& x, const Numbers& v, double restitution) : n(x.size() / 3) {
+        const Numbers hundredths(n, 0.01);
+        const System s{box, n, x.data(), v.data(), hundredths.data(), hundredths.data()};
+        const LawChoice law{0, 0, {1e5, restitution}};
+        engine = std::make_unique<NewtonSteps<Law>>(NewtonSetting(s, law, false, step), s);
+    }
     void advance(double until, int threads = 1, std::uint64_t most_steps = 1u << 30) {
-        const auto never = [] { return false; };
-        do engine->advance(until, most_steps, threads, std::chrono::milliseconds(100), never);
+        Stop never;
+        do engine->advance(until, most_steps, threads, never);
         while (engine->paused());
     }
     Numbers state() const {
@@ -101,8 +103,10 @@ long differences(const Numbers& a, const Numbers& b) {
 int frictionless() {
     constexpr int side = 10;
     constexpr double spacing = 0.023;
-    const Box3 box{
-        3, {side * spacing, side * spacing, side * spacing}, {true, false, true}, {0.0, -9.81, 0.0}};
+    const Box box{3,
+                  {side * spacing, side * spacing, side * spacing},
+                  {periodic, Boundary::wall, periodic},
+                  {0.0, -9.81, 0.0}};
     Numbers x, v;
     Random random(1);
     for (int i = 0; i < side * side * side; ++i)
@@ -124,7 +128,7 @@ int frictionless() {
 int rolling() {
     coefficient = 0.3;
     const double radius = 0.01, weight = 0.01 * 9.81, sunk = weight / 1e5;
-    const Box3 box{3, {1.0, 0.1, 0.1}, {true, false, true}, {0.0, -9.81, 0.0}};
+    const Box box{3, {1.0, 0.1, 0.1}, {periodic, Boundary::wall, periodic}, {0.0, -9.81, 0.0}};
     Run<CundallStrack> run(box, {0.5, radius - sunk, 0.05}, {1.0, 0.0, 0.0}, 0.5);
     run.advance(0.3);
     const Numbers v = run.state(), spin = run.spins();
@@ -134,7 +138,7 @@ int rolling() {
 
 int oblique() {
     coefficient = 0.2;
-    const Box3 box{3, {1.0, 1.0, 1.0}, {true, true, true}, {}};
+    const Box box{3, {1.0, 1.0, 1.0}, {periodic, periodic, periodic}, {}};
     const Numbers x = {0.47, 0.5, 0.5, 0.5, 0.512, 0.504}, v = {1.0, 0.2, 0.0, -1.0, 0.1, 0.3};
     Run<CundallStrack> run(box, x, v, 0.8);
     const auto sums = [](const Numbers& s, const Numbers& spin) {

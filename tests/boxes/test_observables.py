@@ -38,7 +38,6 @@ def test_a_record_is_whole(name):
         unit = re.sub(r"(?<=[a-z])(\d)", r"**\1", one.unit_in(dimension)).replace(" ", " * ")
         UnitRegistry().parse_units(unit)
     assert (one.kind in ("value", "sum", "rate") and one.kind == "sum") or not one.never_falls
-    assert any(set(one.needs) <= set(engine.tells) for engine in ENGINES.values())
 
 
 @every_result
@@ -79,6 +78,29 @@ def test_values_of_the_last_sample_are_those_of_the_system(at):
 
 def test_components_are_in_the_order_of_lammps():
     assert components(3) == ["xx", "yy", "zz", "xy", "xz", "yz"] and components(2) == ["xx", "yy", "xy"]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_trace_of_the_pressure_tensor_is_the_pressure(dimension):
+    """With records as an engine would tell them: a plain sum for the pressure, by components for the tensor."""
+    rng, n = np.random.default_rng(dimension), len(components(dimension))
+    run = RESULTS["hard_spheres", dimension]
+    system, time = run.system, run.samples["time"]
+    virial, kinetic = rng.random((2, len(time), n)).cumsum(axis=1)
+    total = system.dimension * system.mass.sum()
+    records = {
+        "time": time,
+        "virial_tensor": virial,
+        "kinetic_tensor": kinetic,
+        "virial": virial[:, :dimension].sum(axis=1),
+        "granular_temperature": kinetic[:, :dimension].sum(axis=1) / total,
+    }
+    for integral in ({}, {"kinetic_integral": rng.random(len(time)).cumsum()}):
+        samples = Samples(system, records | integral)
+        tensor = OBSERVABLES["pressure_tensor"].values(samples)
+        assert tensor.shape == (len(time), n) and np.isnan(tensor[0]).all()
+        pressure = OBSERVABLES["pressure"].values(samples)[1:]
+        assert tensor[1:, :dimension].mean(axis=1) == pytest.approx(pressure, rel=1e-12)
 
 
 def test_a_rate_is_the_growth_of_its_sum():

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "../../base/math.hpp"
+#include "box.hpp"
 #include "storage.hpp"
 
 namespace hardlimit::boxes {
@@ -25,17 +26,9 @@ inline const double* as_doubles(const Records<Double4>& of) {
     return reinterpret_cast<const double*>(of.data());
 }
 
-// A box in two or three dimensions: edges from 0 [m], periodic axes, gravity [m/s²]. In two dimensions z is 0.
-struct Box3 {
-    int dimension;
-    double edge[3];
-    bool periodic[3];
-    double gravity[3];
-
-    bool wraps(int axis) const { return axis < dimension && periodic[axis]; }
-    bool walled(int axis) const { return axis < dimension && !periodic[axis]; }
-    Double4 pull() const { return Double4{gravity[0], gravity[1], gravity[2], 0.0}; }
-};
+inline Double4 gravity_of(const Box& box) {
+    return Double4{box.gravity[0], box.gravity[1], box.gravity[2], 0.0};
+}
 
 // Acceleration by contacts at the last two steps. Few bodies are in contact at a time, so entries are not cleared: an
 // entry holds only at step `step` and, as `before`, at the next one.

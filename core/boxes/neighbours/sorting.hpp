@@ -14,11 +14,11 @@ public:
         : cell_(bodies), where_(bodies), position_(bodies), velocity_(bodies), tag_(bodies) {}
 
     // Wraps the bodies first … last − 1 into the box and finds their cells.
-    void find_cells(const Box3& box, const CellLayers& grid, Bodies& bodies, std::size_t first,
+    void find_cells(const Box& box, const CellLayers& grid, Bodies& bodies, std::size_t first,
                     std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             for (int axis = 0; axis < box.dimension; ++axis)
-                if (box.periodic[axis]) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
+                if (box.wraps(axis)) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
             cell_[i] = grid.cell_of(bodies.position[i]);
         }
     }

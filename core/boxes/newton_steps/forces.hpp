@@ -20,7 +20,7 @@ struct Instant {
 template <class Law>
 class Forces {
 public:
-    Forces(const Box3& box, const CellLayers& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
+    Forces(const Box& box, const CellLayers& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
         : box_(box), grid_(grid), bodies_(bodies), laws_(laws), now_(now) {}
 
     void sweep(Slab<Law>& slab) {
@@ -47,7 +47,7 @@ public:
     }
 
 private:
-    const Box3& box_;
+    const Box& box_;
     const CellLayers& grid_;
     Bodies& bodies_;
     const PairLaws<Law>& laws_;
@@ -85,8 +85,8 @@ private:
         for (std::size_t k = 0; k < slab.walls.size(); ++k) {
             const WallNeighbour w = slab.walls[k];
             const Double4 position = bodies_.position[w.body];
-            const double x = position[static_cast<int>(w.wall / 2)];
-            const double distance = w.wall % 2 == 0 ? x : box_.edge[w.wall / 2] - x;
+            const double x = position[w.wall.axis()];
+            const double distance = box_.wall(w.wall).distance(x, now_.time);
             if (distance < position[3] || slab.contact_of_wall[k] >= 0)
                 wall_contact(slab, slab.contact_of_wall[k], w, distance);
         }
@@ -104,13 +104,13 @@ private:
     }
     HL_FN_APART void wall_contact(Slab<Law>& slab, std::int32_t& slot, WallNeighbour w, double distance) {
         const std::uint32_t i = w.body;
-        Double4 normal{};
-        normal[static_cast<int>(w.wall / 2)] = w.wall % 2 == 0 ? -1.0 : 1.0;
-        const Double4 v = -bodies_.velocity[i];
-        const Double4 a = -bodies_.acceleration[i].previous(now_.step) - box_.pull();
-        const std::int32_t number = -1 - static_cast<std::int32_t>(w.wall);
+        const Wall wall = box_.wall(w.wall);
+        Double4 normal{}, v = -bodies_.velocity[i];
+        normal[w.wall.axis()] = -wall.inward();
+        v[w.wall.axis()] += wall.velocity(now_.time);
+        const Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
         const double reach = bodies_.position[i][3];
-        update_contact(slab, slot, {i, no_body, number, no_image, normal, distance, reach, v, a},
+        update_contact(slab, slot, {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a},
                        normal * distance);
     }
 

@@ -13,7 +13,7 @@ void change_velocity(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 c
 // Velocities advance by `kick` [s] with the accelerations of a step. Contacts accelerate few bodies, gravity all.
 // `previous`: the slab whose pairs reach into this one.
 template <class Law>
-void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box3& box, std::uint64_t step,
+void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box& box, std::uint64_t step,
           double kick) {
     const auto accelerate = [&](std::uint32_t i) {
         change_velocity(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
@@ -29,7 +29,7 @@ void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box3
     };
     add_impulses(slab);
     if (&previous != &slab) add_impulses(previous);
-    const Double4 fall = box.pull() * kick;
+    const Double4 fall = gravity_of(box) * kick;
     if (dot(fall, fall) > 0.0)
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies.velocity[i] += fall;
 }

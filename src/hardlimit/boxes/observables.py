@@ -60,7 +60,7 @@ class Observable:
     name: str
     unit: str
     meaning: str
-    needs: tuple[str, ...]  #: what an engine must tell for it
+    needs: tuple[str, ...]  #: records that an engine must tell for it
     kind: Kind = "value"
     shape: Shape = "scalar"
     never_falls: bool = False
@@ -91,6 +91,15 @@ def _collision_rate(samples: Samples) -> Floats:
 def _pressure(samples: Samples) -> Floats:
     volume = samples.system.dimension * samples.system.domain.volume
     return (samples.mean_thermal_energy() + samples.rate("virial")) / volume
+
+
+def _pressure_tensor(samples: Samples) -> Floats:
+    """By components in LAMMPS' order; its trace over d is the pressure, to rounding."""
+    d, kinetic = samples.system.dimension, samples["kinetic_tensor"]
+    mean = 0.5 * (kinetic[1:] + kinetic[:-1])
+    isotropic = (samples.mean_thermal_energy() - mean[:, :d].sum(axis=1)) / d  # what samples miss of the mean
+    mean[:, :d] += isotropic[:, None]
+    return (mean + samples.rate("virial_tensor")) / samples.system.domain.volume
 
 
 def _overlapped_share(samples: Samples) -> Floats:
@@ -132,6 +141,16 @@ _RECORDS: Final = (
         "rate",
         unit_of_disks="N/m",
         of=_pressure,
+    ),
+    Observable(  # no engine sums r⊗Δp yet
+        "pressure_tensor",
+        "Pa",
+        "(Σ m v'⊗v' + Σ r⊗Δp of pairs per time)/volume, components xx, yy, zz, xy, xz, yz",
+        ("granular_temperature", "kinetic_tensor", "virial_tensor"),
+        "rate",
+        "tensor",
+        unit_of_disks="N/m",
+        of=_pressure_tensor,
     ),
     Observable("n_in_contact", "1", "contacts that last at this time", ("n_in_contact",)),
     Observable(

@@ -34,6 +34,8 @@ Log = tuple[NDArray[Any], ...]
 class EarlyEnd(NamedTuple):
     """Time, place and particles of the event that stopped a run before its end; ``outcome`` says why.
 
+    Returned by :attr:`ParticleResult.early_end`.
+
     Examples
     --------
     >>> bed = hl.ParticleSystem(
@@ -84,6 +86,29 @@ class EarlyEnd(NamedTuple):
         str
         """
         return f"at {self.time:.6g} s, near ({', '.join(f'{x:.6g}' for x in self.position)}) m"
+
+
+#: Sentence of each outcome.
+HARD_SPHERES_OUTCOMES: Final = {
+    "ok": "ok",
+    "no_contact": "nothing collides any more",
+    "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule "
+    "tc where there is room between them",
+    "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
+    "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
+    "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
+    "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
+    "of contact laws",
+    "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
+}
+NEWTON_OUTCOMES: Final = {
+    "ok": "ok",
+    "too_deep": "too deep: the contact of {who} reached half of the smaller radius, beyond the range of contact laws, "
+    "{where}",
+    "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
+    "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
+    "engine='steps' is made for that",
+}
 
 
 class Column(NamedTuple):
@@ -209,18 +234,7 @@ class ParticleResult(_Result):
 
     solves = "event-driven"
     columns = COLLISIONS
-    outcomes: ClassVar[Mapping[str, str]] = {
-        "ok": "ok",
-        "no_contact": "nothing collides any more",
-        "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule "
-        "tc where there is room between them",
-        "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
-        "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
-        "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
-        "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
-        "of contact laws",
-        "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
-    }
+    outcomes = HARD_SPHERES_OUTCOMES
 
     settings: Settings  #: what the collisions obey
     n_collisions: int  #: of pairs and with walls
@@ -363,14 +377,7 @@ class ContactResult(_Result):
 
     solves = "Newton’s equations"
     columns = CONTACTS
-    outcomes: ClassVar[Mapping[str, str]] = {
-        "ok": "ok",
-        "too_deep": "too deep: the contact of {who} reached half of the smaller radius, beyond the range of contact "
-        "laws, {where}",
-        "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
-        "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
-        "engine='steps' is made for that",
-    }
+    outcomes = NEWTON_OUTCOMES
 
     law: Law  #: of all contacts
     engine: str  #: ``"events"``, ``"steps"`` or ``"lammps"``
