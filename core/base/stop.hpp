@@ -12,9 +12,9 @@ public:
     Stop() = default;
     Stop(Ask ask, void* context) : ask_(ask), context_(context) {}
 
-    // At every step of a computation.
+    // For every step of a computation.
     bool operator()() { return stopped_ || (ask_ && (++steps_ & 63u) == 0 && now()); }
-    // Where a step takes long.
+    // For long steps: always passed on.
     bool now() { return stopped_ = stopped_ || (ask_ && ask_(context_)); }
     bool stopped() const { return stopped_; }
 

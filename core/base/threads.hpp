@@ -1,4 +1,4 @@
-// Threads that share one piece of work: how they are followed, stopped and ended.
+// Threads that work on one computation: start, progress, stop, exceptions.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -12,12 +12,12 @@
 
 namespace hardlimit {
 
-// A team of threads on one computation. What the first of them throws stops the others and is thrown to the caller.
+// The first exception of a thread stops the others and is thrown to the caller.
 class ThreadPool {
 public:
     // Calls work(stop) on `threads` threads and `watch()` on this one every `period`, until all have returned. `watch`
-    // returns whether to stop. If the system refuses to start some of the threads, the others do the work; if it starts
-    // none, this thread works alone and calls `watch` whenever the work asks whether to stop.
+    // returns whether to stop. If the system cannot start some of the threads, the others do the work. If it starts
+    // none, this thread works alone and calls `watch` when the work asks whether to stop.
     template <class Work, class Watch>
     void run(int threads, std::chrono::milliseconds period, const Work& work, const Watch& watch) {
         start(threads, work);
@@ -33,8 +33,8 @@ private:
     std::atomic<bool> stop_{false};
     std::mutex guard_;
     std::condition_variable ended_;
-    int working_ = 0;             // threads; under the guard
-    std::exception_ptr failure_;  // the first; under the guard
+    int working_ = 0;             // threads; guarded
+    std::exception_ptr failure_;  // the first; guarded
     std::vector<std::jthread> pool_;
 
     static bool asked(void* pool) { return static_cast<ThreadPool*>(pool)->stop_; }
@@ -67,7 +67,7 @@ private:
                     const std::lock_guard lock(guard_);
                     if (--working_ == 0) ended_.notify_one();
                 });
-            } catch (...) {  // of the system, for want of threads or of memory
+            } catch (...) {  // no more threads or memory
                 const std::lock_guard lock(guard_);
                 --working_;
                 break;

@@ -20,7 +20,7 @@
 // A law with friction provides in addition (concept FrictionalLaw)
 //   History                  state that it keeps for each contact: trivially copyable, value-initialized at touch;
 //                            reverse() swaps the two bodies
-//   tangential_force(m, h)   force on the second body in the tangent plane [N] from a ContactMotion; updates its History
+//   tangential_force(m, h)   tangential force on the second body [N] for a ContactMotion; updates its History
 // The engine that takes small steps accepts it. Columns, clusters of bodies in contact and tables of contacts need the
 // closed forms of a FrictionlessLaw.
 #pragma once

@@ -71,10 +71,11 @@ struct Run {
     std::unique_ptr<NewtonSteps<Law>> engine;
 
     Run(const Box& box, const Numbers& x, const Numbers& v, double restitution) : n(x.size() / 3) {
-        const Numbers hundredths(n, 0.01);
-        const System s{box, n, x.data(), v.data(), hundredths.data(), hundredths.data()};
-        const LawChoice law{0, 0, {1e5, restitution}};
-        engine = std::make_unique<NewtonSteps<Law>>(NewtonSetting(s, law, false, step), s);
+        const Numbers each(n, 0.01);  // radius and mass
+        const System system = {box, n, x.data(), v.data(), each.data(), each.data()};
+        LawChoice choice{};
+        choice.parameters[0] = 1e5, choice.parameters[1] = restitution;
+        engine = std::make_unique<NewtonSteps<Law>>(NewtonSetting(system, choice, false, step), system);
     }
     void advance(double until, int threads = 1, std::uint64_t most_steps = 1u << 30) {
         Stop never;

@@ -1,5 +1,5 @@
-// Do bodies of a box overlap? One grid of cells for each class of sizes, so that small bodies do not crowd the
-// cells of large ones: the work grows as the number of bodies, whatever the ratio of their sizes.
+// The deepest overlap of two bodies of a box. Each class of sizes has cells of its own, so that small bodies do not
+// crowd the cells of large ones: the work is proportional to the number of bodies for any ratio of their sizes.
 #pragma once
 #include <cstddef>
 #include <utility>
@@ -11,7 +11,7 @@
 
 namespace hardlimit::boxes {
 
-// Two bodies and the gap between them [m]; first < 0 where no two bodies overlap.
+// Two bodies and the gap between them [m]; first < 0 if no two bodies overlap.
 struct Overlap {
     i64 first = -1, second = -1;
     double gap = 0.0;
@@ -56,7 +56,7 @@ private:
     std::vector<std::size_t> start_;
     std::vector<Body> bodies_;  // in the order of their cells
 
-    // As many cells as their least width allows, and not many more than there are bodies.
+    // As many cells as their least width allows, and at most about four times as many as bodies.
     void divide(double width, std::size_t bodies) {
         const double most = 4.0 * static_cast<double>(bodies) + 64.0;
         for (double total = most + 1.0; total > most; width *= 1.25) {
@@ -91,7 +91,7 @@ private:
         return index(cell_along(0, b.at[0]), cell_along(1, b.at[1]), cell_along(2, b.at[2]));
     }
 
-    // The cell that holds x and those beside it, each once; how many.
+    // Lists the cell that holds x and its neighbours, each once, and returns their number.
     int neighbours(int axis, double x, int* list) const {
         const int cells = cells_[axis], here = cell_along(axis, x);
         if (cells <= 3 && (cells < 3 || box_.wraps(axis))) {
@@ -123,7 +123,7 @@ HL_FN double distance_squared(const Box& box, const Body& a, const Body& b) {
     return sum;
 }
 
-// The overlap that is deepest relative to the sum of the radii; of equally deep ones that of the lowest numbers.
+// The deepest overlap relative to the sum of the radii; of equal ones that of the lowest numbers.
 class Deepest {
 public:
     explicit Deepest(const Box& box) : box_(box) {}

@@ -10,11 +10,11 @@ namespace hardlimit::boxes::steps {
 // The list holds until a body has moved by half the skin. The sum of the largest speeds bounds how far bodies have
 // moved. Where this bound is used up distances are measured: in a dense box bodies do not get far.
 //
-// Steps are taken in batches, between which no thread waits for all others. A batch is so long that the bound holds if
-// no speed exceeds a limit, with a reserve for a body that does so for one step: such a body ends the batch with the
-// next step. Batches follow from the state alone, and a pause leaves them as they are, so lists are rebuilt at the same
-// steps in any case. If a body was too fast even for the reserve, distances show whether the list held for the last
-// step.
+// Steps are taken in batches: speeds are collected and contacts logged only once for many steps. A batch is so long
+// that the bound holds if no speed exceeds a limit, with a reserve for a body that does so for one step: such a body
+// ends the batch with the next step. Batches follow from the state alone, and a pause leaves them as they are, so lists
+// are rebuilt at the same steps in any case. If a body was too fast even for the reserve, distances show whether the
+// list held for the last step.
 struct RebuildCriterion {
     static constexpr std::uint32_t most_steps = 64;  // in a batch
 

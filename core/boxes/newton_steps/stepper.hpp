@@ -60,11 +60,11 @@ public:
         last_step_.store(static_cast<std::uint32_t>(steps) - 1, std::memory_order_relaxed);
     }
 
-    // A step has two phases, of one task per partition of the slabs, and a last one follows the batch. The sweep of a
-    // slab accelerates bodies of this slab and of the next one, which move afterwards. Every body must receive its
-    // forces in the same order with any number of partitions: those of an even slab first. So an odd slab is swept
-    // after both its neighbours, and a slab moves after the sweeps of it and of the one before. Inside a partition a
-    // slab moves soon after its sweep, while it is in the cache.
+    // A step has two phases with one task per partition, and a last phase follows the batch. The sweep of a slab
+    // accelerates bodies of this slab and of the next one, which move afterwards. Every body must receive its forces in
+    // the same order with any number of partitions, those of an even slab first. So an odd slab is swept after both its
+    // neighbours, and a slab moves after it and the slab before have been swept. Inside a partition a slab moves soon
+    // after its sweep, while it is in the cache.
     void step_inside(Partition p) {
         if (p.first == p.last) return;
         if (step_ > 0) move(p.first, step_ - 1);
@@ -132,11 +132,10 @@ private:
     std::uint32_t step_ = 0;  // of the batch
 
     // What threads report during a batch. It lies apart from what they only read.
-    alignas(128) std::atomic<std::uint32_t> last_step_{0};  // of the batch
-    std::atomic<bool> too_deep_{false};                     // a contact
-    std::atomic<bool> faster_{false};                       // a body, than criterion.fastest
-    std::array<std::atomic<double>, most_steps>
-        fastest_{};  // in each step, if beyond criterion.fastest [m/s]
+    alignas(128) std::atomic<std::uint32_t> last_step_{0};   // of the batch
+    std::atomic<bool> too_deep_{false};                      // a contact
+    std::atomic<bool> faster_{false};                        // a body, than criterion.fastest
+    std::array<std::atomic<double>, most_steps> fastest_{};  // in each step, if > criterion.fastest [m/s]
 
     void move(std::uint32_t k, std::uint32_t step) { move(k, step, !now.closing); }
     void sweep(std::uint32_t k) {
