@@ -34,6 +34,8 @@ Log = tuple[NDArray[Any], ...]
 class EarlyEnd(NamedTuple):
     """Time, place and particles of the event that stopped a run before its end; ``outcome`` says why.
 
+    Returned by :attr:`ParticleResult.early_end`.
+
     Examples
     --------
     >>> bed = hl.ParticleSystem(
