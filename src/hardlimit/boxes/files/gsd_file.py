@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from .frame import Append, Floats, Found, Frame, three, words
+from .frame import Append, Floats, Found, Frame, boundary_of, three
 
 #: Names under ``log`` of our values in double precision.
 OF_PARTICLES: Final = {
@@ -132,7 +132,7 @@ def _in_double(found: Any) -> Found:
             "log: differs from the values in single precision, which another program has changed"
         )
     values.pop("time")
-    return Found(values | {"boundary": words(values.pop("periodic"))})
+    return Found(values | {"boundary": boundary_of(values.pop("periodic"))})
 
 
 def _of_another_program(found: Any) -> Found:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ... import _core
 from ...support import validation
-from .frame import Append, Floats, Found, Frame, three, words
+from .frame import Append, Floats, Found, Frame, boundary_of, three
 
 BLOCK: Final = 65536  #: rows that are formatted together
 SECTIONS: Final = ("Atoms", "Velocities")
@@ -220,6 +220,6 @@ def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
     if len(sides) != d or len(gravity) != d:
         raise ValueError("first line: must name a side and a gravity for each axis")
     return {
-        "boundary": words(side == "p" for side in sides),
+        "boundary": boundary_of(side == "p" for side in sides),
         "gravity": [_float("gravity", word) for word in gravity],
     }

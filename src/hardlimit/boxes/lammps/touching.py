@@ -82,7 +82,7 @@ class Sums(NamedTuple):
     in_contact: int
 
 
-class Watch:
+class DumpReader:
     """Reads a dump to its end."""
 
     def __init__(
