@@ -32,7 +32,7 @@ def row(n: int, touch: float) -> list[str]:
     events, steps = by_events(system, law), by_steps(system, law, step)
     times = [cost(engine, COLLISIONS / rate) for engine in (events, steps)]
     estimates = BY_EVENTS[0] + BY_EVENTS[1] * touch, BY_STEPS[0] + BY_STEPS[1] / (rate * step)
-    per_contact = [1e6 * took / max(events.contacts_reached, 1) for took in times]
+    per_contact = [1e6 * took / max(events.n_contacts, 1) for took in times]
     shown = [f"{value:.3g}" for pair in zip(per_contact, estimates, strict=True) for value in pair]
     return [f"{n}", f"{touch:g}", *shown]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 import hardlimit as hl
 from hardlimit import _core
-from hardlimit.boxes.engines import choice, scene
+from hardlimit.boxes.falling_frame import engine_arguments, law_arguments
 from hardlimit.boxes.theory import Gas
 
 RADIUS, DENSITY, RESTITUTION = 1e-3, 2500.0, 0.9
@@ -36,25 +36,34 @@ def law_of(duration: float) -> hl.LinearDashpot:
 
 
 def by_events(system: hl.ParticleSystem, law: hl.LinearDashpot):
-    return _core.NewtonEvents(*scene(system), choice(law))
+    return _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
 
 
 def by_steps(system: hl.ParticleSystem, law: hl.LinearDashpot, step: float):
-    return _core.NewtonSteps(*scene(system), choice(law), step)
+    return _core.make_engine(
+        "newton_steps", *engine_arguments(system), law=law_arguments(law), time_step=step
+    )
 
 
 def hard_spheres(system: hl.ParticleSystem, rule: str, restitution=np.nan, law=None, duration=np.nan):
-    return _core.HardSpheres(*scene(system), rule, restitution, law, duration, False)
+    return _core.make_engine(
+        "hard_spheres",
+        *engine_arguments(system),
+        law=law,
+        rule=rule,
+        restitution=restitution,
+        rule_parameters=[duration] if rule == "tc" else [],
+    )
 
 
 class Run:
     """Advances an engine by the same time at every call."""
 
-    def __init__(self, engine, span: float, *threads: int):
+    def __init__(self, engine, span: float, threads: int = 1):
         self.engine, self.span, self.threads = engine, span, threads
 
     def __call__(self) -> None:
-        self.engine.advance(self.engine.time + self.span, *self.threads)
+        self.engine.advance(self.engine.time + self.span, threads=self.threads)
 
 
 def lammps_box(system: hl.ParticleSystem, law: hl.LinearDashpot, step: float, skin: float):

@@ -59,10 +59,10 @@ class Ours:
 
     def rate(self, seconds: float) -> float:
         """Collisions per second of CPU time, over about ``seconds``."""
-        rows, begin = self.run.n_rows, time.process_time()
+        rows, begin = self.run.n_contacts, time.process_time()
         while time.process_time() - begin < seconds:
-            self.run.advance(math.inf, self.run.n_rows + 20_000)
-        return (self.run.n_rows - rows) / (time.process_time() - begin)
+            self.run.advance(math.inf, 20_000)
+        return (self.run.n_contacts - rows) / (time.process_time() - begin)
 
 
 def peer_rate(program: str, directory: Path, seconds: float) -> float:
@@ -148,14 +148,14 @@ def cooling(n: int, restitution: float) -> list[str]:
 
     begin, costs = temperature(), []
     while temperature() > 1e-8 * begin:
-        rows, before = run.n_rows, time.process_time()
-        run.advance(math.inf, rows + 10 * n)
-        costs.append((time.process_time() - before) / (run.n_rows - rows))
+        rows, before = run.n_contacts, time.process_time()
+        run.advance(math.inf, 10 * n)
+        costs.append((time.process_time() - before) / (run.n_contacts - rows))
     first, last = np.median(costs[:5]), np.median(costs[-5:])
     return [
         f"{n:g}",
         f"{restitution:g}",
-        f"{run.n_rows / n:.0f}",
+        f"{run.n_contacts / n:.0f}",
         f"{1e6 * first:.2f}",
         f"{last / first:.2f}",
     ]

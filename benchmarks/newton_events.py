@@ -73,7 +73,7 @@ def rows_of(n: int, touch: float, repetitions: int) -> list[list[str]]:
     for run in (events, hard):
         run.engine.advance(WARM / rate)
     interleave(methods, repetitions)
-    counts = [events.engine.contacts_reached, stepping.engine.n_contacts, hard.engine.n_rows]
+    counts = [run.engine.n_contacts for run in (events, stepping, hard)]
     paces = [n / run.engine.time for n, run in zip(counts, (events, stepping, hard), strict=True)]
     cpu = [
         np.array(m.cpu) / span for m, span in zip(methods, spans, strict=True)

@@ -38,7 +38,7 @@ def rows_of(n: int, fraction: float, repetitions: int) -> list[list[str]]:
     steps = max(20, 20_000_000 // system.n)
     one, two = (Run(by_steps(system, law, step), steps * step, threads) for threads in (1, 2))
     one()  # chooses its skin
-    skin = one.engine.skin
+    skin = one.engine.statistics()["skin"]
     lammps = lammps_box(system, law, step, skin)
     lammps.run(steps)
     check_energy(one, system, lammps)

@@ -15,12 +15,9 @@ namespace hl = hardlimit;
 
 void bind_contacts(nb::module_& m);
 void bind_columns(nb::module_& m);
-void bind_planar_contact(nb::module_& m);
+void bind_binary_contact(nb::module_& m);
 void bind_sweep(nb::module_& m);
-void bind_particle_checks(nb::module_& m);
-void bind_particles(nb::module_& m);
-void bind_newton_events(nb::module_& m);
-void bind_newton_steps(nb::module_& m);
+void bind_boxes(nb::module_& m);
 
 namespace {
 
@@ -59,10 +56,7 @@ NB_MODULE(_core, m) {
     bind_contacts(m);
     bind_math(m);
     bind_columns(m);
-    bind_planar_contact(m);
+    bind_binary_contact(m);
     bind_sweep(m);
-    bind_particle_checks(m);
-    bind_particles(m);
-    bind_newton_events(m);
-    bind_newton_steps(m);
+    bind_boxes(m);
 }

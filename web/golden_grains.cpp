@@ -5,11 +5,14 @@
 
 namespace {
 
+// Places in the registry of rules.
+enum { constant, tc, by_law, soft };
+
 struct Case {
     const char* name;
     int dimension, number;
     double fraction, spread;  // of the radii, relative
-    RuleNumber rule;
+    int rule;
     double law[2 + hl::max_parameters];  // place, alternative, parameters; used by the rules law and soft
     bool walls;                          // across the last axis, with gravity along it
     double rows;                         // collisions for each particle

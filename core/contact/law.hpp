@@ -1,6 +1,6 @@
-// What every contact law states about itself, and what the solvers ask of it.
+// Interface of a contact law: what every law states about itself, and what the solvers ask of it.
 //
-// A law is a small value type: the parameters of ONE contact. It provides
+// A law is a small value type with the parameters of one contact. Every law provides (concept NormalLaw)
 //   onset_power              p such that the force is a polynomial in s = ξ^(1/p) and ξ̇ (1: linear, 2: Hertz)
 //   force(s, rate)           repulsive force before clipping [N]; any scalar type
 //   elastic_force(s)         its part at rest [N], which never falls as s grows
@@ -16,6 +16,13 @@
 //   from_parameters(...)     contact parameters from the user's
 //   values(...)              the constants of the contact, in the order of record.constants
 // and `record`, which the bindings, the command line, the documentation and the generic tests read.
+//
+// A law with friction provides in addition (concept FrictionalLaw)
+//   History                  state that it keeps for each contact: trivially copyable, value-initialized at touch;
+//                            reverse() swaps the two bodies
+//   tangential_force(m, h)   force on the second body in the tangent plane [N] from a ContactMotion; updates its History
+// The engine that takes small steps accepts it. Columns, clusters of bodies in contact and tables of contacts need the
+// closed forms of a FrictionlessLaw.
 #pragma once
 #include "../base/math.hpp"
 
@@ -27,8 +34,8 @@ struct PairGeometry {
     double effective_radius;  // R_i R_j/(R_i + R_j) [m]; the floor has infinite radius
 };
 
-// Largest compression for which a contact law is meant, as a part of the smaller radius (at a wall, of the radius). A
-// law describes two surfaces that touch; a run that gets here ends as too_deep. docs/limits.md gives the reason.
+// Largest compression to which a contact law applies, over the smaller radius (at a wall, the radius). A law describes
+// two surfaces that touch; a run that gets here ends as too_deep. docs/limits.md gives the reason.
 inline constexpr double deepest_compression = 0.5;
 
 // Symmetric to the last bit.
@@ -54,6 +61,44 @@ HL_FN double onset_root(double compression) {
 struct Slack {
     double depth;  // [m]
     double slope;  // d depth/d rate [s]; where depth <= 0 it may be zero, else it is the derivative
+};
+
+// Two surfaces in contact at one step. Motion is that of the second body relative to the first, at the contact point.
+struct ContactMotion {
+    double compression, rate;    // ξ [m], dξ/dt [m/s]
+    double normal_force;         // [N]
+    double normal[3];            // unit vector from the first body to the second
+    double sliding_velocity[3];  // in the tangent plane [m/s]
+    double duration;             // since the step before, or since touch [s]
+};
+struct TangentialForce {
+    double component[3];  // [N]
+};
+
+template <class Law>
+concept NormalLaw = requires(const Law& law, double x) {
+    Law::onset_power;
+    law.force(x, x) + law.elastic_force(x) + law.energy(x) + law.slack(x).depth;
+    law.restitution(x, x) + law.duration(x, x);
+};
+template <class Law>
+concept FrictionalLaw =
+    NormalLaw<Law> && requires(const Law& law, const ContactMotion& m, typename Law::History& h) {
+        law.tangential_force(m, h).component[0];
+        h.reverse();
+    };
+template <class Law>
+concept FrictionlessLaw = NormalLaw<Law> && !FrictionalLaw<Law>;
+
+// State of a contact under any law; empty without friction.
+struct NoHistory {};
+template <class Law>
+struct HistoryOf {
+    using Type = NoHistory;
+};
+template <FrictionalLaw Law>
+struct HistoryOf<Law> {
+    using Type = typename Law::History;
 };
 
 struct Parameter {

@@ -135,7 +135,8 @@ def collect(arguments: argparse.Namespace) -> None:
         for name in found:
             found[name][at] = values[name]
     dims = ("tc_nu", "packing_fraction", "restitution", "model", "replica")
-    meanings = QUANTITIES | {name: TOTALS[name] for name in ("overlapped_share", "n_contacts")}
+    meanings = {name: (one.unit, one.meaning) for name, one in QUANTITIES.items()}
+    meanings |= {name: TOTALS[name] for name in ("overlapped_share", "n_contacts")}
     coordinates = {
         "tc_nu": TC_NU,
         "packing_fraction": PACKING_FRACTION,

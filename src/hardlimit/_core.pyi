@@ -152,7 +152,7 @@ def effective_restitution(relative_velocity: float, impact_speed: float) -> floa
 
 def planar_contact(contact: Contact, distance: float, normal_speed: float, tangential_speed: float, gravity: float = 0.0) -> dict:
     """
-    The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: its end, and velocity and shift of the relative motion drawn back to the touch. A wall: infinite distance, gravity pressing against it.
+    The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: its end, and velocity and shift of the equivalent collision. A wall: infinite distance, gravity pressing against it.
     """
 
 def planar_path(contact: Contact, distance: float, normal_speed: float, tangential_speed: float, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], gravity: float = 0.0) -> NDArray[numpy.float64]:
@@ -164,6 +164,14 @@ def soft_contacts(own: Contact, own_distance: float, damping_varies: bool, conta
     """
     Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run computes them, whose polynomials are made for the pair `own`.
     """
+
+def step_errors(contact: Contact, speed: float, time_step: float) -> tuple[float, float, float]:
+    """
+    The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. Infinite where a contact does not end.
+    """
+
+def longest_step(contact: Contact, speed: float, error: float) -> float:
+    """The longest time step whose `step_errors` are at most `error`."""
 
 def swept_parameters(balls: int) -> list:
     """
@@ -197,83 +205,44 @@ def has_exact_solver(law: str) -> bool:
 
 def instruction_sets() -> list[str]: ...
 
-def deepest_overlap(positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], periodic: Sequence[bool]) -> tuple[int, int, float]:
-    """
-    Two bodies and their gap [m], the deepest relative to the sum of the radii; −1, −1 and 0 where none overlap.
-    """
+engine_names: tuple = ('hard_spheres', 'newton_events', 'newton_steps')
 
-class HardSpheres:
-    """Hard spheres or disks in a box, moved from collision to collision."""
+rules: tuple = ...
 
-    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], gravity: Sequence[float], rule: str, restitution: float, law: tuple[str, int, Sequence[float]] | None, contact_duration: float, log: bool) -> None: ...
+class Box:
+    """Edges [m], what bounds each axis (periodic or wall), gravity [m/s²]."""
 
-    def advance(self, until: float, max_rows: int = 0, progress: object | None = None) -> None:
+    def __init__(self, edges: Sequence[float], boundary: Sequence[str], gravity: Sequence[float] | None = None) -> None: ...
+
+    @property
+    def edges(self) -> list[float]: ...
+
+    @property
+    def boundary(self) -> tuple: ...
+
+    @property
+    def gravity(self) -> list[float]: ...
+
+    def walls(self, time: float = 0.0) -> list[tuple[int, float, float]]:
         """
-        To `until` [s] or to the instant of row number `max_rows` of the log (0: no limit). progress(time, rows) is called about every 0.1 s.
-        """
-
-    @property
-    def time(self) -> float: ...
-
-    @property
-    def n_events(self) -> int: ...
-
-    @property
-    def n_rows(self) -> int: ...
-
-    @property
-    def n_pairs(self) -> int: ...
-
-    @property
-    def n_walls(self) -> int: ...
-
-    @property
-    def n_elastic_by_tc(self) -> int: ...
-
-    @property
-    def n_soft(self) -> int: ...
-
-    @property
-    def n_soft_third_body(self) -> int: ...
-
-    @property
-    def outcome(self) -> str: ...
-
-    @property
-    def early_end(self) -> tuple[float, list[int], int | None] | None:
-        """
-        Time [s], particles and wall where the run ended before it was to; None of others.
+        Of each wall its number, as in logs (−1 − 2·axis at 0, −2 − 2·axis at L), position [m], velocity [m/s].
         """
 
-    def state(self) -> tuple:
-        """Positions [m], along continuous paths, and velocities [m/s] now."""
-
-    def observe(self) -> dict: ...
-
-    def take_log(self) -> tuple:
-        """Time, first, second and impact speed of the rows since the last call."""
-
-    def save(self) -> bytes: ...
-
-    @staticmethod
-    def load(saved: bytes) -> HardSpheres: ...
+class Engine:
+    """An engine with a box of particles in it."""
 
     @property
-    def memory(self) -> int: ...
+    def kind(self) -> str: ...
 
-def grow_packing(n: int, dimension: int, radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], seed: int, progress: object | None = None) -> object:
-    """
-    Random positions (n, dimension) of particles that do not overlap: small ones thrown in, which move and collide while they grow. progress(share of the final radii, collisions) is called now and then.
-    """
+    @property
+    def n(self) -> int: ...
 
-class NewtonEvents:
-    """Newton's equations for a box of spheres or disks by events."""
+    @property
+    def dimension(self) -> int: ...
 
-    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], gravity: Sequence[float], law: tuple[str, int, Sequence[float]], log: bool = False) -> None: ...
-
-    def advance(self, until: float, most_events: int = 18446744073709551615) -> None:
+    def advance(self, until: float, max_work: int = 18446744073709551615, threads: int = 1) -> None:
         """
-        To `until` [s], or so many events of the way; what was paused goes on with the same bits.
+        To `until` [s]; pauses after so many collisions, events or steps. What was paused goes on with the same bits.
         """
 
     @property
@@ -283,129 +252,60 @@ class NewtonEvents:
     def time(self) -> float: ...
 
     @property
-    def n_events(self) -> int: ...
-
-    @property
-    def contacts_reached(self) -> int:
-        """
-        Contacts so far, but for those that began in a cluster that is still together.
-        """
-
-    @property
-    def n_logged(self) -> int:
-        """Contacts known to be over."""
-
-    @property
-    def largest_cluster(self) -> int: ...
-
-    def safety_radius_used(self, instants: int) -> float:
-        """
-        The largest part that a body in contact uses, now, of the space that others leave it: at most 1.
-        """
-
-    @property
-    def cluster_share(self) -> float: ...
-
-    @property
     def outcome(self) -> str: ...
 
     @property
     def early_end(self) -> tuple[float, list[int], int | None] | None:
         """
-        Time [s], particles and wall where the run ended before it was to; None of others.
-        """
-
-    def state(self) -> tuple:
-        """Positions along the unfolded paths and velocities (N, d) at `time`."""
-
-    def observe(self) -> dict: ...
-
-    def take_log(self) -> tuple:
-        """
-        Contacts known to be over since the last call: begin, end, first, second, impact_speed, separation_speed, overlapped.
-        """
-
-    def open_contacts(self) -> tuple:
-        """
-        The same of contacts that last, whose end is NaN, and of those whose cluster is still together.
-        """
-
-    def save(self) -> bytes: ...
-
-    @staticmethod
-    def load(state: bytes) -> NewtonEvents: ...
-
-class NewtonSteps:
-    """Newton's equations for a box of spheres or disks in small equal steps."""
-
-    def __init__(self, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], box: Sequence[float], periodic: Sequence[bool], gravity: Sequence[float], law: tuple[str, int, Sequence[float]], time_step: float, log: bool = False) -> None: ...
-
-    def advance(self, until: float, threads: int = 1, most_steps: int = 18446744073709551615, progress: object | None = None) -> None:
-        """
-        To `until` [s], or so many steps of the way; what was paused goes on with the same bits.
+        Time [s], particles and wall where the run ended before its time; None of others.
         """
 
     @property
-    def paused(self) -> bool: ...
-
-    @property
-    def time(self) -> float: ...
-
-    @property
-    def time_step(self) -> float: ...
-
-    @property
-    def n_steps(self) -> int: ...
-
-    @property
-    def n_lists(self) -> int: ...
-
-    @property
-    def skin(self) -> float: ...
+    def work(self) -> int: ...
 
     @property
     def n_contacts(self) -> int: ...
 
     @property
-    def n_pairs(self) -> int: ...
+    def n_logged(self) -> int: ...
 
-    @property
-    def n_ended(self) -> int: ...
-
-    @property
-    def n_overlapped(self) -> int: ...
-
-    @property
-    def outcome(self) -> str: ...
-
-    @property
-    def early_end(self) -> tuple[float, list[int], int | None] | None:
-        """
-        Time [s], particles and wall where the run ended before it was to; None of others.
-        """
+    def statistics(self) -> dict: ...
 
     def state(self) -> tuple:
-        """Positions along the unfolded paths and velocities (N, d) at `time`."""
+        """
+        Positions [m], along continuous paths, and velocities [m/s] now, (n, d) each.
+        """
 
     def observe(self) -> dict: ...
 
-    def take_log(self) -> tuple:
+    def take_log(self) -> dict:
+        """Columns of the log since the last call."""
+
+    def open_contacts(self) -> dict:
         """
-        Contacts that ended since the last call: begin, end, first, second, impact_speed, separation_speed, overlapped.
+        The same of contacts that last, whose end is NaN, and of those whose cluster still holds together.
         """
 
-    def open_contacts(self) -> tuple:
-        """The same of contacts that last; their end is NaN."""
+    def safety_used(self, instants: int) -> float:
+        """
+        The largest share that a body in contact uses, now, of the space that others leave it: at most 1.
+        """
 
     def save(self) -> bytes: ...
 
-    @staticmethod
-    def load(state: bytes) -> NewtonSteps: ...
+    @property
+    def memory(self) -> int: ...
 
-def step_errors(contact: Contact, speed: float, time_step: float) -> tuple[float, float, float]:
+def make_engine(kind: str, box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], velocities: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], mass: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], *, law: tuple[str, int, Sequence[float]] | None = None, rule: str = 'constant', restitution: float = float('nan'), rule_parameters: Sequence[float] = [], time_step: float = 0.0, log: bool = False) -> Engine: ...
+
+def load_engine(kind: str, saved: bytes) -> Engine: ...
+
+def grow_packing(box: Box, radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int, progress: object | None = None) -> object:
     """
-    The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. Infinite where a contact does not end.
+    Random positions (n, d) of particles that do not overlap: small ones are inserted, which move and collide while they grow. progress(share of the final radii, collisions) is called now and then.
     """
 
-def longest_step(contact: Contact, speed: float, error: float) -> float:
-    """The longest time step whose `step_errors` are at most `error`."""
+def deepest_overlap(box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[int, int, float]:
+    """
+    Two particles and their gap [m], the deepest relative to the sum of the radii; −1, −1 and 0 where none overlap.
+    """

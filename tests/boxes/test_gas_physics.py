@@ -6,11 +6,13 @@ Every statistical check compares with the error found by blocking, for a fixed s
 import itertools
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 from scipy.stats import kstest
 
+from box_engines import grow_packing, hard_spheres
 from hardlimit import _core
 
 pytestmark = pytest.mark.slow
@@ -43,51 +45,40 @@ def maxwell(rng: np.random.Generator, n: int, dimension: int) -> np.ndarray:
 
 
 def engine(
-    position: np.ndarray, velocity: np.ndarray, edge: np.ndarray | float, **options: object
-) -> _core.HardSpheres:
+    position: np.ndarray, velocity: np.ndarray, edge: np.ndarray | float, **options: Any
+) -> _core.Engine:
     """Particles of radius and mass 1."""
-    n, dimension = position.shape
-    given = {
-        "periodic": [True] * dimension,
-        "gravity": [0.0] * dimension,
-        "rule": "constant",
-        "restitution": 1.0,
-        "law": None,
-        "contact_duration": math.nan,
-        "log": False,
-    }
-    box = [float(x) for x in np.broadcast_to(edge, dimension)]
-    return _core.HardSpheres(position, velocity, np.ones(n), np.ones(n), box, **(given | options))
+    return hard_spheres(position, velocity, box=edge, radius=1.0, **({"log": False} | options))
 
 
 def gas(
     n: int, packing_fraction: float, dimension: int = 3, seed: int = 1, **options: object
-) -> _core.HardSpheres:
+) -> _core.Engine:
     """A random start in a periodic box."""
     edge = box_edge(n, packing_fraction, dimension)
     periodic = [True] * dimension
-    position = _core.grow_packing(n, dimension, np.ones(n), [edge] * dimension, periodic, seed)
+    position = grow_packing(np.ones(n), [edge] * dimension, periodic, seed)
     velocity = maxwell(np.random.default_rng(seed), n, dimension)
     return engine(position, velocity, edge, **options)
 
 
-def run_rows(run: _core.HardSpheres, rows: int) -> None:
-    run.advance(math.inf, run.n_rows + rows)
+def run_rows(run: _core.Engine, rows: int) -> None:
+    run.advance(math.inf, rows)
 
 
-def blocks(run: _core.HardSpheres, rows: int, count: int = 20) -> Iterator[tuple[float, float, int]]:
+def blocks(run: _core.Engine, rows: int, count: int = 20) -> Iterator[tuple[float, float, int]]:
     """Duration, virial and pair collisions of each of `count` blocks of as many rows."""
     for _ in range(count):
-        time, virial, pairs = run.time, run.observe()["virial"], run.n_pairs
+        time, virial, pairs = run.time, run.observe()["virial"], run.statistics()["n_pairs"]
         run_rows(run, rows)
-        yield run.time - time, run.observe()["virial"] - virial, run.n_pairs - pairs
+        yield run.time - time, run.observe()["virial"] - virial, run.statistics()["n_pairs"] - pairs
 
 
 def mean_and_error(values: list[float]) -> tuple[float, float]:
     return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values)))
 
 
-def compressibility(run: _core.HardSpheres, n: int, dimension: int, rows: int) -> tuple[float, float]:
+def compressibility(run: _core.Engine, n: int, dimension: int, rows: int) -> tuple[float, float]:
     """Z = 1 + Σ r·Δp/(d n T t), exact for n particles if T counts d (n − 1) degrees of freedom; and its error."""
     assert 2.0 * run.observe()["kinetic_energy"] == pytest.approx(dimension * (n - 1), rel=1e-11)
     return mean_and_error([1.0 + virial / (dimension * n * time) for time, virial, _ in blocks(run, rows)])
@@ -157,7 +148,7 @@ def test_mean_free_path_and_self_diffusion() -> None:
     run_rows(run, 20 * n)
     rates, diffusion = [], []
     for _ in range(20):
-        begin, time, pairs = run.state()[0], run.time, run.n_pairs
+        begin, time, pairs = run.state()[0], run.time, run.statistics()["n_pairs"]
         # From 12 to 24 collisions of each particle on, far above the decay of the velocity correlation.
         run_rows(run, 6 * n)
         middle, early = run.state()[0] - begin, run.time
@@ -165,7 +156,7 @@ def test_mean_free_path_and_self_diffusion() -> None:
         end, late = run.state()[0] - begin, run.time
         grown = np.mean(np.sum(end * end, axis=1)) - np.mean(np.sum(middle * middle, axis=1))
         diffusion.append(grown / (6.0 * (late - early)) / 2.0)
-        rates.append(2.0 * (run.n_pairs - pairs) / (n * (late - time)))
+        rates.append(2.0 * (run.statistics()["n_pairs"] - pairs) / (n * (late - time)))
     rate, _ = mean_and_error(rates)
     assert 0.5 / rate == pytest.approx(0.1303, rel=3e-3)
     found, error = mean_and_error(diffusion)
@@ -176,7 +167,7 @@ def test_maxwell_distribution_comes_about_and_stays() -> None:
     """From equal speeds, tested with Kolmogorov and Smirnov at times between which nothing is remembered."""
     n = 4000
     edge = box_edge(n, 0.2, 3)
-    position = _core.grow_packing(n, 3, np.ones(n), [edge] * 3, [True] * 3, 6)
+    position = grow_packing(np.ones(n), [edge] * 3, [True] * 3, 6)
     direction = maxwell(np.random.default_rng(6), n, 3)
     velocity = direction / np.linalg.norm(direction, axis=1)[:, None]
     velocity -= velocity.mean(axis=0)
@@ -213,7 +204,7 @@ def test_cooling_gas(restitution: float) -> None:
         _, velocity = run.state()
         square = np.sum((velocity - velocity.mean(axis=0)) ** 2, axis=1)
         energies.append(np.mean(square))
-        counts.append(2.0 * run.n_pairs / n)
+        counts.append(2.0 * run.statistics()["n_pairs"] / n)
         cumulants.append(0.6 * np.mean(square**2) / np.mean(square) ** 2 - 1.0)
         run_rows(run, n // 2)
     slope = np.polyfit(counts, np.log(energies), 1)[0]
@@ -233,9 +224,17 @@ def test_cooling_with_a_contact_duration() -> None:
     run = gas(n, 0.05, seed=9, rule="tc", restitution=restitution, contact_duration=0.2 / rate)
     run_rows(run, n)
     for _ in range(6):
-        begin = (run.observe()["kinetic_energy"], run.n_pairs, run.n_elastic_by_tc)
+        begin = (
+            run.observe()["kinetic_energy"],
+            run.statistics()["n_pairs"],
+            run.statistics()["n_elastic_by_tc"],
+        )
         run_rows(run, 2 * n)
-        end = (run.observe()["kinetic_energy"], run.n_pairs, run.n_elastic_by_tc)
+        end = (
+            run.observe()["kinetic_energy"],
+            run.statistics()["n_pairs"],
+            run.statistics()["n_elastic_by_tc"],
+        )
         pairs = end[1] - begin[1]
         shares.append((end[2] - begin[2]) / pairs)
         per_count = math.log(end[0] / begin[0]) / (2.0 * pairs / n)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import hardlimit as hl
+from box_engines import hard_spheres, logged
 from conftest import law_of
 from hardlimit import _core
 from slow_hard_spheres import Rule, SlowHardSpheres
@@ -86,22 +87,21 @@ def random_system(seed: int, rule: str) -> SlowHardSpheres:
     return SlowHardSpheres(position, velocity, radius, mass, box, boundary, gravity, chosen)
 
 
-def fast(system: SlowHardSpheres) -> _core.HardSpheres:
+def fast(system: SlowHardSpheres) -> _core.Engine:
     rule = system.rule
     law = rule.law
-    return _core.HardSpheres(
+    return hard_spheres(
         system.position,
         system.velocity,
-        system.radius,
-        system.mass,
-        system.box,
-        [b == "periodic" for b in system.boundary],
-        system.gravity,
-        rule.name,
-        rule.restitution if law is None else math.nan,
-        None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),
-        rule.contact_duration,
-        True,
+        radius=system.radius,
+        mass=system.mass,
+        box=system.box,
+        periodic=[b == "periodic" for b in system.boundary],
+        gravity=system.gravity,
+        rule=rule.name,
+        restitution=rule.restitution if law is None else math.nan,
+        law=None if law is None else (law.record["name"], law.alternative, list(law.parameters.values())),
+        contact_duration=rule.contact_duration,
     )
 
 
@@ -121,7 +121,7 @@ def assert_same_events(seed: int, name: str) -> None:
     rows, limit = ROWS_PER_PARTICLE * system.n, 20.0 * system.box.max() / SPEED
     for each in (system, twin, engine):
         each.advance(limit, rows)
-    times, first, second, speeds, _ = engine.take_log()
+    times, first, second, speeds, _ = logged(engine)
     expected, off = np.array(system.log).reshape(-1, 4), np.array(twin.log).reshape(-1, 4)
     n = min(len(expected), len(off))
     same = np.all(expected[:n, 1:3] == off[:n, 1:3], axis=1)
@@ -137,7 +137,7 @@ def assert_same_events(seed: int, name: str) -> None:
         assert_same_state(engine, system, twin)
 
 
-def assert_same_state(engine: _core.HardSpheres, system: SlowHardSpheres, twin: SlowHardSpheres) -> None:
+def assert_same_state(engine: _core.Engine, system: SlowHardSpheres, twin: SlowHardSpheres) -> None:
     position, velocity = engine.state()
     least = system.radius.min()
     assert engine.time == pytest.approx(system.time, abs=1e-4 * least / SPEED)

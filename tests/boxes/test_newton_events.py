@@ -248,10 +248,10 @@ def test_no_path_leaves_its_safety_radius(law: hl.Law, boundary: str) -> None:
     used = []
     for seed in range(6):
         system = random_system(seed, n=60, phi=0.35, d=2 + seed % 2, boundary=boundary, mixed=seed > 2)
-        run = _core.NewtonEvents(*engine_arguments(system), law_arguments(law), False)
+        run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
         for k in range(1, 40):
             run.advance(4e-5 * k)
-            used.append(run.safety_radius_used(29))
+            used.append(run.safety_used(29))
     assert 0.9 < max(used) <= 1.0
 
 
@@ -384,9 +384,9 @@ def test_a_wall_beside_a_contact(law: hl.Law, axis: int, high: bool) -> None:
         for row, other in zip(rows(run), rows(near), strict=True):
             assert row[:2] == pytest.approx(other[:2], abs=2e-4 * duration, nan_ok=True)
         assert run.energy_error < 1e-11
-        engine = _core.NewtonEvents(*engine_arguments(system), law_arguments(law), False)
+        engine = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
         engine.advance(4.0 * duration)
-        clustered.append(engine.cluster_share > 0.0)
+        clustered.append(engine.statistics()["cluster_share"] > 0.0)
     assert clustered == [True, True, True, True, False]
 
 
@@ -412,14 +412,17 @@ def test_the_order_within_cells_does_not_matter() -> None:
     """A cell lists bodies by arrival, after loading by index. In this box several bodies come near a group at the same
     instant."""
     system = random_system(5, n=3000, phi=0.3, d=3, boundary="periodic", mixed=False)
-    whole, saved = (_core.NewtonEvents(*engine_arguments(system), law_arguments(LAWS[0])) for _ in range(2))
+    whole, saved = (
+        _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(LAWS[0]))
+        for _ in range(2)
+    )
     for k in range(1, 7):
         for run in (whole, saved):
             run.advance(0.25e-3 * k)
         assert whole.outcome == "ok"
         for one, other in zip(whole.state(), saved.state(), strict=True):
             assert np.array_equal(one, other)
-        saved = _core.NewtonEvents.load(saved.save())
+        saved = _core.load_engine("newton_events", saved.save())
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
@@ -706,10 +709,10 @@ def test_a_contact_is_not_over_before_its_end(law: hl.Law) -> None:
     )  # fmt: skip
     contacts = by_events(system, law=law, until=0.02, log=True).contacts
     begin, end = float(contacts.begin[0]), float(contacts.end[0])
-    run = _core.NewtonEvents(*engine_arguments(system), law_arguments(law), False)
+    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
     run.advance(end)
     place, velocity = run.state()
-    run = _core.NewtonEvents(*engine_arguments(system), law_arguments(law), False)
+    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
     for left in np.geomspace(0.1, 1e-5, 200) * (end - begin):
         run.advance(end - left)
         off = np.abs(run.state()[0] - (place - left * velocity)).max()
@@ -728,15 +731,15 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
         box=[4.2 * radius, 2.0 * radius], boundary=("periodic", "wall"),
     )  # fmt: skip
     frequency = math.sqrt(1e4 / float(system.mass[0]))
-    arguments = list(engine_arguments(system))
-    arguments[-1] = [0.0, fall * speed * frequency]
-    run = _core.NewtonEvents(*arguments, law_arguments(law), False)
+    _, *particles = engine_arguments(system)
+    bounds = _core.Box(system.box.tolist(), list(system.boundary), [0.0, fall * speed * frequency])
+    run = _core.make_engine("newton_events", bounds, *particles, law=law_arguments(law))
     for k in range(1, 80):
         angle = 0.37 * math.pi * k
         run.advance(angle / frequency)
         place = (run.state()[0][0, 1] - radius) * frequency / speed
         assert place == pytest.approx(math.sin(angle) + fall * (1.0 - math.cos(angle)), abs=1e-8), k
-        assert run.safety_radius_used(20) <= 1.0, k
+        assert run.safety_used(20) <= 1.0, k
 
 
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])
@@ -885,10 +888,10 @@ def test_no_cluster_lasts_thousands_of_contacts() -> None:
         youngs_modulus=1461187.2764150028, poisson_ratio=-0.42205882357666269,
         restitution=0.0012087957959949248, impact_speed=0.012087957959949241,
     )  # fmt: skip
-    run = _core.NewtonEvents(*engine_arguments(system), law_arguments(law), True)
+    run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law), log=True)
     run.advance(6e4)
     assert run.outcome == "ok" and run.n_logged > 50
-    assert len(run.open_contacts()[0]) < 20  # of the cluster that still lasts
+    assert len(run.open_contacts()["begin"]) < 20  # of the cluster that still lasts
 
 
 @pytest.mark.parametrize("bodies", [1, 2])

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from box_engines import box_of
 from conftest import draws, lattice
 from hardlimit import _core
 
@@ -213,25 +214,22 @@ def test_overlaps_are_those_of_all_pairs(data):
     periodic = [bool(flag) for flag in rng.integers(0, 2, d)]
     at = rng.uniform(0.0, box, (n, d))
     at[rng.random((n, d)) < 0.1] = 0.0  # on a side
-    first, second, gap = _core.deepest_overlap(at, radius, box, periodic)
+    first, second, gap = _core.deepest_overlap(box_of(box, periodic), at, radius)
     assert (first, second, gap) == pytest.approx(slowest(at, radius, box, periodic), rel=1e-9)
 
 
 def test_the_core_refuses_what_no_system_says():
-    at, radius, box = np.ones((2, 3)), np.ones(2), np.full(3, 5.0)
+    at, radius, bounds = np.ones((2, 3)), np.ones(2), box_of(np.full(3, 5.0), True)
     for wrong in (
         {"positions": np.ones((2, 4))},
         {"radius": np.ones(3)},
         {"radius": np.zeros(2)},
-        {"box": np.ones(2)},
-        {"box": np.zeros(3)},
-        {"periodic": [True]},
     ):
-        arguments = {"positions": at, "radius": radius, "box": box, "periodic": [True] * 3} | wrong
-        with pytest.raises(ValueError, match=f"^{next(iter(wrong))}|^box"):
+        arguments = {"box": bounds, "positions": at, "radius": radius} | wrong
+        with pytest.raises(ValueError, match=f"^{next(iter(wrong))}"):
             _core.deepest_overlap(**arguments)
     outside = np.array([[-1e300, np.nan, 1e300], [1.0, 1.0, 1.0]])
-    assert _core.deepest_overlap(outside, radius, box, [False] * 3)[0] == -1
+    assert _core.deepest_overlap(box_of(np.full(3, 5.0), False), outside, radius)[0] == -1
 
 
 # --- random starts ------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 // For test_newton_events.py: touch times of the kernels for random neighbours, against the distances at many times. A
-// neighbour touches the enlarged radius of the particle while that holds, and the usual radius later. Prints the numbers
-// of neighbours, of touches while enlarged and of later ones, the largest relative error of a distance (too close before
-// the touch, or apart at it), and the number of times that differ between numbers of lanes.
+// neighbour touches the enlarged radius of the particle while that holds, and the usual radius later. Prints the
+// numbers of neighbours, of touches while enlarged and of later ones, the largest relative error of a distance (too
+// close before the touch, or apart at it), and the number of times that differ between numbers of lanes.
 #include "boxes/kernels/touch_kernel.hpp"
 
 #include <cmath>

@@ -1,6 +1,6 @@
-// For test_newton_events.py: distances of random triangles from the origin, against the nearest of many of their points.
-// Prints the number of triangles, and by how much the nearest point was closer or farther at most, in units of the
-// longest side.
+// For test_newton_events.py: distances of random triangles from the origin, against the nearest of many of their
+// points. Prints the number of triangles, and by how much the nearest point was closer or farther at most, in units of
+// the longest side.
 #include "boxes/common/triangle.hpp"
 
 #include <cmath>

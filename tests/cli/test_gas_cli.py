@@ -223,6 +223,15 @@ def test_a_run_goes_on(start: Path, tmp_path: Path) -> None:
     longer = printed("gas", "--resume", path, "--until", "20ms")
     whole = printed("gas", start, "--until", "20ms", "--samples", 20)
     assert longer == whole
+    run("gas", start, *FAST, "--checkpoint", path, "--out", tmp_path / "first.xyz")
+    run("gas", "--resume", path, "--until", "20ms", "--out", tmp_path / "rest.xyz")
+    assert np.allclose(
+        hl.ParticleSystem.read(tmp_path / "rest.xyz", frame=9).positions,
+        hl.event_driven(hl.ParticleSystem.read(start), restitution=0.9, until=0.02).system.positions,
+        rtol=0.0,
+        atol=1e-12,
+    )
+    run("gas", "--resume", path, "--until", "20ms")
     assert "--n: must be left out with --resume" in refused("gas", "--resume", path, "--n", 3)
     assert "FILE: must be left out with --resume" in refused("gas", start, "--resume", path)
     assert "--restitution: must be left out" in refused("gas", "--resume", path, "--restitution", 0.3)

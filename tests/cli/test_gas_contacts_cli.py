@@ -61,6 +61,19 @@ def test_the_input_of_lammps_alone(start, tmp_path):
     assert "pair_style granular" in (tmp_path / "run" / "in.hardlimit").read_text(encoding="utf-8")
 
 
+def test_a_run_goes_on(start, tmp_path):
+    """From its checkpoint, with the same bits, and with frames from there on."""
+    path, until = tmp_path / "run.checkpoint", ["--until", "2ms"]
+    printed("gas", start, *LAW, "--engine", "events", "--until", "1ms", "--samples", 4, "--checkpoint", path)
+    longer = printed(
+        "gas", "--resume", path, *until, "--out", tmp_path / "run.xyz", "--animate", tmp_path / "a.gif"
+    )
+    whole = printed("gas", start, *LAW, "--engine", "events", *until, "--samples", 8)
+    assert longer["series"] == whole["series"] and len(longer["files"]) == 2
+    assert hl.ParticleSystem.read(tmp_path / "run.xyz", frame=3).n == 27
+    assert "--plot: must be left out" in refused("gas", "--resume", path, "--plot", tmp_path / "a.png")
+
+
 REFUSED = {
     "--ranks: must be left out without --engine": ["--ranks", 2],
     "--law: missing, must be given with --engine": ["--engine", "steps"],

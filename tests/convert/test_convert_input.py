@@ -657,7 +657,7 @@ def test_the_command_line_selects_a_contact():
     out = CliRunner().invoke(
         main, ["convert", *sizes[1:7], "--restitution", "0.7", "--stiffness", "1", "--contact", "1-2"]
     )
-    assert out.exit_code == 2 and "contact: must be given beside input" in out.stderr
+    assert out.exit_code == 2 and "contact: must be left out without input" in out.stderr
     out = CliRunner().invoke(
         main, ["convert", *sizes[1:3], "--density", "2500", "--code", "yade", "--input", MINDLIN]
     )

@@ -196,7 +196,7 @@ def comments(owner: type) -> dict[str, str | None]:
     lines = source.splitlines()
     found = {}
     for node in ast.parse(source).body[0].body:
-        if isinstance(node, ast.AnnAssign) and node.end_lineno is not None:
+        if isinstance(node, ast.AnnAssign) and "ClassVar" not in ast.unparse(node.annotation):
             comment = re.search("#: (.*)", lines[node.end_lineno - 1])
             found[node.target.id] = comment[1] if comment else None
     return found

@@ -1,4 +1,4 @@
-"""hl.fidelity: the same start through Newton's equations and each rule, with error bars that mean something."""
+"""hl.fidelity: rules against Newton's equations from the same initial states, with correct error bars."""
 
 import math
 import os
@@ -49,7 +49,7 @@ def same(one: hl.Fidelity, other: hl.Fidelity) -> bool:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_near_pairs_are_those_of_all_pairs(seed: int) -> None:
-    """Boxes of any shape and boundary, particles of any size, paths that have left the box."""
+    """Boxes of any shape and boundary, particles of any size, unfolded positions outside the box."""
     rng = np.random.default_rng(seed)
     d = 2 + seed % 2
     radius = rng.uniform(0.3, 1.0, n := int(rng.integers(1, 150)))
@@ -193,7 +193,7 @@ def test_a_departure_is_large_or_lasts() -> None:
     assert statistics.departure(rounding, 8) is None
 
 
-#: Noise of one replica over the samples: how long it lasts is what the number of independent looks depends on.
+#: Noise of one replica over the samples; its correlation time sets the number of independent tests.
 NOISES = {
     "of one sample": lambda e: e,
     "of ten samples": lambda e: lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], e),
@@ -217,7 +217,7 @@ def noisy(
 @pytest.mark.parametrize("noise", NOISES)
 @pytest.mark.parametrize("replicas", [2, 3, 8, 30])
 def test_nothing_departs_from_nothing_as_often_as_the_docstring_says(noise: str, replicas: int) -> None:
-    """1 %, however many samples there are: 1500 comparisons let that be 1.8 % at most by chance (one in 700)."""
+    """At most 1 % for any number of samples; in 1500 comparisons 1.8 % or less with a probability of 699/700."""
     rng = np.random.default_rng(replicas)
     found = [statistics.departure(noisy(rng, noise, replicas), replicas) for _ in range(1500)]
     assert sum(at is not None for at in found) <= 27
@@ -242,7 +242,7 @@ def test_what_departs_is_found(noise: str, replicas: int, stays: bool) -> None:
 @pytest.mark.parametrize("error", [1e-6, 1e-3, 0.3])
 @pytest.mark.parametrize("resolution", [1e-3, 0.01, 1.0])
 def test_so_many_replicas_resolve(replicas: int, error: float, resolution: float) -> None:
-    """The fewest whose bars, by 1/√N and Student's quantile, are short enough."""
+    """The smallest number whose bars, by 1/√N and Student's quantile, are short enough."""
     needed = statistics.replicas_needed(error, replicas, resolution)
 
     def bar(n: float) -> float:
@@ -257,7 +257,7 @@ def test_so_many_replicas_resolve(replicas: int, error: float, resolution: float
 
 
 def test_velocity_independent_laws_make_constant_and_law_the_same() -> None:
-    """But for rounding, which is not yet magnified after a few collisions."""
+    """Except for rounding errors, which have not yet grown after a few collisions."""
     f = compare(models=("newton", "constant", "law"), until=1e-3)
     ds = f.replicas
     for name in replica.QUANTITIES:
@@ -289,7 +289,7 @@ def test_the_values_are_those_of_the_runs() -> None:
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_hard_particles_agree_with_newton_in_every_rule(dimension: int) -> None:
-    """t_c ν → 0: no rule leaves its bars by more than its bars and the contacts' own share of time."""
+    """t_c ν → 0: differences are within the bars plus the share of time in contact."""
     law = hl.LinearDashpot(stiffness=1e11, restitution=0.8)
     f = compare(partial(gas, n=40, dimension=dimension), law, replicas=5)
     assert f.tc_nu < 1e-4
@@ -371,7 +371,7 @@ def test_the_sentence_says_what_the_dataset_holds(seed: int) -> None:
 
 @pytest.mark.parametrize("resolution", [1e-3, 0.01, 0.1, 1.0])
 def test_what_is_not_resolved_is_no_agreement(resolution: float) -> None:
-    """Two replicas of few contacts: the bars are long, and the sentence says how long and what would help."""
+    """Replicas with few contacts: the sentence gives the long bars and the number of replicas needed."""
     soft = hl.LinearDashpot(stiffness=1e3, restitution=0.9)
     f = compare(partial(gas, n=30), soft, models=("newton", "law"), replicas=3, resolution=resolution)
     error = f.final_difference("cooling", "law").error
@@ -390,7 +390,7 @@ def test_what_is_not_resolved_is_no_agreement(resolution: float) -> None:
 
 
 def test_a_rule_that_ended_before_the_first_sample_has_no_number() -> None:
-    """A dense packing collapses at once under a strong damping."""
+    """A dense packing with strong damping collapses at once."""
     law = hl.LinearDashpot(stiffness=1e6, restitution=0.1)
     f = compare(partial(gas, n=40, phi=0.7, dimension=2), law, models=("newton", "constant"), replicas=2,
                 until=2e-2, samples=1)  # fmt: skip
@@ -502,7 +502,7 @@ def test_a_cluster_gives_the_same() -> None:
 
 @pytest.mark.slow
 def test_a_store_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C in the third replica: the first two are there, and are not computed again."""
+    """Ctrl-C in the third replica: the first two are kept and not computed again."""
     store = tmp_path / "replicas"
     started: list[int] = []
 

@@ -1,4 +1,4 @@
-"""Fits of contact laws: what the data tell and what not, intervals that cover, χ² that is distributed as one."""
+"""Fits of contact laws: identifiable parameters, coverage of the intervals, distribution of χ²."""
 
 import json
 import math
@@ -25,7 +25,7 @@ def viscoelastic(restitution: float = 0.8, speed: float = 1.0) -> hl.Law:
 
 
 def peaks(law: hl.Law, height: float, n: int, scatter: float = 0.0, rng: object = None) -> np.ndarray:
-    """Heights of a ball that bounces on, by the definition of ε alone."""
+    """Heights of a bouncing ball, from the definition of ε."""
     contact, found = law.between(BALL), [height]
     for _ in range(n):
         e = contact.restitution(math.sqrt(2.0 * G * found[-1]))
@@ -71,7 +71,7 @@ def test_probability_of_chi_square(degrees: int) -> None:
 
 @pytest.mark.parametrize("kind", ["restitution", "times", slow("rebound heights"), slow("heights")])
 def test_deviations_are_independent_with_unit_variance(kind: str) -> None:
-    """From the true law, whatever was read off the instruments: the covariance of shared readings is right."""
+    """Deviations from the true law have unit covariance for every kind of reading."""
     law, rng = viscoelastic(), np.random.default_rng(3)
     tried = candidate("viscoelastic", "impacts", 1.0, {}, None, BALL, hl.FLOOR)
     samples = np.array([measured(kind, law, rng).deviations(tried, law, 0.0)[0] for _ in range(300)])
@@ -81,7 +81,7 @@ def test_deviations_are_independent_with_unit_variance(kind: str) -> None:
 
 
 def covered(kind: str, seeds: range, confidence: float = 0.68) -> tuple[float, np.ndarray]:
-    """Share of the intervals that hold the true value, and the probabilities of χ²."""
+    """Coverage of the intervals, and the probabilities of χ²."""
     truth, hits, chances = viscoelastic(0.8, 1.0), 0, []
     for seed in seeds:
         data = measured(kind, truth, np.random.default_rng(seed))
@@ -108,7 +108,7 @@ def test_intervals_cover_and_chi_square_is_one(kind: str, confidence: float) -> 
 
 @pytest.mark.slow
 def test_scatter_is_found_and_its_interval_covers() -> None:
-    """Each impact has its own ε beside the error of the reading."""
+    """Each impact has its own ε in addition to the reading error."""
     hits, values = 0, []
     for seed in range(40):
         rng = np.random.default_rng(seed)
@@ -124,7 +124,7 @@ def test_scatter_is_found_and_its_interval_covers() -> None:
 
 @pytest.mark.parametrize("span", [1.0, 30.0, 1e4])
 def test_the_polynomial_is_the_curve(span: float) -> None:
-    """ε and its slope over ln v, at any ε and over as many decades as are measured."""
+    """ε and its slope over ln v, for any ε and any measured range of speeds."""
     for e in (0.02, 0.3, 0.7, 0.95, 0.9999):
         tried = candidate("viscoelastic", "impacts", 1.0, {}, None, BALL, hl.FLOOR)
         law = viscoelastic(e)
@@ -194,7 +194,7 @@ def test_data_without_a_trend_cannot_tell_the_laws_apart() -> None:
 
 
 def test_restitution_at_its_limit() -> None:
-    """Values above 1 by noise: the best ε is 1, and its interval ends there."""
+    """Noise moves values above 1: the best ε is 1, where its interval ends."""
     e = hl.fit(hl.Impacts.of_restitution([1.0, 2.0], [1.01, 1.02], 0.02), "linear").parameters["restitution"]
     assert e.value == pytest.approx(1.0, abs=1e-3) and e.upper == pytest.approx(1.0)
     assert 0.9 < e.lower < 1.0
@@ -376,7 +376,8 @@ def test_separators_are_told_and_other_columns_ignored(tmp_path: Path, separator
     rows = [(*row[:1], *other, *row[1:]) for row, other in zip(rows, more, strict=True)] if extra else rows
     file.write_text("\r\n".join(separator.join(row) for row in rows), encoding="utf-8")
     result = run(file, "--json")
-    said = f"column {more[0][0]!r}, 'gap' is ignored: it is not one of speed, restitution, restitution_error, speed_error"
+    known = "speed, restitution, restitution_error, speed_error"
+    said = f"column {more[0][0]!r}, 'gap' is ignored: it is not one of {known}"
     assert (said in result.stderr) == extra and len(result.stderr.splitlines()) == extra
     assert json.loads(result.stdout)["data"]["speed"] == pytest.approx([1.0, 2.0])
     if extra:
@@ -385,7 +386,7 @@ def test_separators_are_told_and_other_columns_ignored(tmp_path: Path, separator
 
 
 def test_values_above_their_limit_by_an_error_are_data() -> None:
-    """Noise takes ε of 1 above it; five errors are no noise, and without errors there is none."""
+    """Noise may move ε above 1, but not by more than five errors, and not without errors."""
     hl.Impacts.of_restitution([1.0], [1.04], 0.01)
     hl.Impacts.of_rebound_heights([1.0], [1.04], 0.01)
     hl.Impacts.of_heights([[1.0, 1.0, 1.05]], 0.01)

@@ -1,7 +1,6 @@
 // Fuzz target: small boxes of hard spheres and disks, of every kind and under every rule, which nothing else runs under
 // sanitizers: a few hundred collisions, then saved, loaded and gone on with.
 #include <algorithm>
-#include <type_traits>
 #include <vector>
 
 #include "boxes/hard_spheres/make_engine.hpp"
@@ -18,36 +17,19 @@ using Draw = fuzz::Draw<fuzz::Bytes>;
 struct Case : fuzz::SmallBox {
     RuleChoice rule;
 
-    explicit Case(Draw& draw) : fuzz::SmallBox(draw, 4, 0.0) {
-        s.kernels = wide ? &kernels<8> : &kernels<2>;
-        choose_rule(draw, large / speed);
-    }
+    explicit Case(Draw& draw) : fuzz::SmallBox(draw, 4, 0.0) { choose_rule(draw, large / speed); }
 
 private:
     void choose_rule(Draw& draw, double time) {
         rule.restitution = draw.restitution();
-        const int kind = draw.below(4);
-        if (kind == 1) rule.contact_duration = time * draw.decades(1e-6, 1.0);
-        if (kind < 2) return;
-        rule.soft = kind == 3;
+        rule.rule = draw.below(rule_count);
+        const RuleRecord& chosen = rule_records[rule.rule];
+        if (chosen.n_parameters > 0) rule.parameters[0] = time * draw.decades(1e-6, 1.0);
+        if (chosen.takes_restitution) return;
         fuzz::with_some_law(draw, [&]<class Law>() {
             const fuzz::Material<Law> material(draw);
-            const LawRecord& record = Law::record;
-            rule.law = place_of<Law>();
-            rule.alternative = material.alternative;
-            std::copy_n(material.parameters, record.n_common + record.n_in_alternative[material.alternative],
-                        rule.parameters);
+            rule.law = fuzz::law_choice<Law>(material);
         });
-    }
-    template <class Wanted>
-    static int place_of() {
-        int place = 0, found = -1;
-#define HL_PLACE(Law)                                        \
-    if (std::is_same_v<Wanted, contact::Law>) found = place; \
-    ++place;
-        HARDLIMIT_LAWS(HL_PLACE)
-#undef HL_PLACE
-        return found;
     }
 };
 
@@ -69,29 +51,29 @@ void check(const Case& c, const Engine& e, const Observation& start) {
     const Observation o = e.observe();
     // Along a periodic axis a fall goes on for ever: there is no potential.
     bool closed = true, free = true;
-    for (int k = 0; k < c.s.dimension; ++k) {
-        closed = closed && (c.s.gravity[k] == 0.0 || !c.s.periodic[k]);
-        free = free && c.s.gravity[k] == 0.0 && c.s.periodic[k];
+    for (int k = 0; k < c.s.box.dimension; ++k) {
+        closed = closed && (c.s.box.gravity[k] == 0.0 || !c.s.box.wraps(k));
+        free = free && c.s.box.gravity[k] == 0.0 && c.s.box.wraps(k);
     }
     double scale = start.kinetic_energy + math::abs(start.potential_energy), impulse = 0.0;
     for (std::size_t i = 0; i < c.s.n; ++i) {
         impulse += c.s.mass[i];
-        for (int k = 0; k < c.s.dimension; ++k)
-            scale += c.s.mass[i] * math::abs(c.s.gravity[k]) * c.s.edge[k];
+        for (int k = 0; k < c.s.box.dimension; ++k)
+            scale += c.s.mass[i] * math::abs(c.s.box.gravity[k]) * c.s.box.edge[k];
     }
     impulse = math::sqrt(2.0 * scale * impulse);
     if (closed)
         require(math::abs(energy(start) - energy(o) - o.dissipated_energy) <= 1e-9 * scale + 1e-300,
                 "what energy is lost is what collisions took");
-    for (int k = 0; free && k < c.s.dimension; ++k)
+    for (int k = 0; free && k < c.s.box.dimension; ++k)
         require(math::abs(o.momentum[k] - start.momentum[k]) <= 1e-9 * impulse + 1e-300, "momentum is kept");
 }
 
 // Whether it came to its end; a run that stands still is given up.
-bool advance(Engine& e, double until, i64 rows) {
+bool advance(Engine& e, double until, u64 rows) {
     long left = 300;  // times 64 events
     Stop stop([](void* n) { return --*static_cast<long*>(n) < 0; }, &left);
-    e.advance(until, rows, stop);
+    if (rows > e.contacts()) e.advance(until, rows - e.contacts(), 1, stop);
     return !stop.stopped();
 }
 
@@ -102,13 +84,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Case c(draw);
     if (fault_of(c.s).kind != Fault::none) return 0;
     Stop never;
-    const auto engine = make_engine(c.s, c.rule, draw.below(2) == 0, never);
+    const auto& kernel = c.wide ? kernels<8> : kernels<2>;
+    const auto engine = make_hard_spheres(c.s, c.rule, draw.below(2) == 0, kernel, never);
     const Observation start = engine->observe();
     const double until = draw.decades(1e-6, 1e3);
     advance(*engine, until, 150);
     check(c, *engine, start);
     const std::vector<char> bytes = engine->save();
-    const auto again = load_engine(bytes.data(), bytes.size(), *c.s.kernels);
+    const auto again = load_hard_spheres(bytes.data(), bytes.size(), kernel);
     require(again != nullptr, "what was saved can be loaded");
     const bool ended = advance(*engine, 2.0 * until, 300), same = advance(*again, 2.0 * until, 300);
     check(c, *engine, start);
@@ -116,6 +99,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const State a(*engine), b(*again);
     require(engine->time() == again->time() && a.position == b.position && a.velocity == b.velocity,
             "what was loaded goes on with the same bits");
-    require(!load_engine(bytes.data(), bytes.size() / 2, *c.s.kernels), "half a file is refused");
+    require(!load_hard_spheres(bytes.data(), bytes.size() / 2, kernel), "half a file is refused");
     return 0;
 }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "boxes/newton_events/engine.hpp"
+#include "boxes/newton_events/make_engine.hpp"
 #include "small_box.hpp"
 
 namespace {
@@ -19,15 +19,18 @@ using Draw = fuzz::Draw<fuzz::Bytes>;
 // Speeds and gravity for which the total energy can compress a contact by a given part of the smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
-    Box3 box{};
-    std::vector<double> x, v;  // [3 N]
+    std::vector<double> v;  // [N d]
+    LawChoice choice;
     PairLaws<Law> laws;
     double energy = 0.0, momentum = 0.0;  // upper bounds [J], [kg m/s]
     double depth = 0.0;                   // of the softest contact at this energy [m]
     double until = 0.0;                   // [s]
     double least_restitution = 1.0;       // of an isolated contact at the present speeds
 
-    explicit Case(Draw& draw) : fuzz::SmallBox(draw, 3, 4.2001), laws(make_laws(draw)) {
+    explicit Case(Draw& draw)
+        : fuzz::SmallBox(draw, 3, 4.2001),
+          choice(fuzz::law_choice<Law>(fuzz::Material<Law>(draw))),
+          laws(NewtonSetting(s, choice, true).laws<Law>()) {
         const double smallest = *std::min_element(radius.begin(), radius.end());
         depth = draw.decades(1e-6, 0.02) * smallest;
         double total = 0.0;
@@ -37,22 +40,12 @@ struct Case : fuzz::SmallBox {
             for (std::int64_t j = -1; j < static_cast<std::int64_t>(s.n); ++j)
                 energy = math::min(energy, of_depth(static_cast<std::int64_t>(i), j, depth));
         }
-        const double unit = math::sqrt(2.0 * energy / (s.dimension * total)) / speed;
-        box.dimension = s.dimension;
+        const double unit = math::sqrt(2.0 * energy / (s.box.dimension * total)) / speed;
         const double fall = draw.decades(1e-3, 1.0);
-        for (int k = 0; k < s.dimension; ++k) {
-            box.edge[k] = s.edge[k];
-            box.periodic[k] = s.periodic[k];
-            box.gravity[k] = 0.1 * s.gravity[k] * fall * unit * unit * speed * speed / s.edge[k];
-        }
-        x.assign(3 * s.n, 0.0), v.assign(3 * s.n, 0.0);
-        for (std::size_t i = 0; i < s.n; ++i)
-            for (int k = 0; k < s.dimension; ++k) {
-                const std::size_t to = 3 * i + static_cast<std::size_t>(k);
-                const std::size_t from =
-                    i * static_cast<std::size_t>(s.dimension) + static_cast<std::size_t>(k);
-                x[to] = position[from], v[to] = unit * velocity[from];
-            }
+        for (int k = 0; k < s.box.dimension; ++k)
+            s.box.gravity[k] *= 0.1 * fall * unit * unit * speed * speed / s.box.edge[k];
+        for (const double component : velocity) v.push_back(unit * component);
+        s.velocity = v.data();
         for (std::size_t i = 0; i < s.n; ++i)
             for (std::int64_t j = -1; j < static_cast<std::int64_t>(s.n); ++j) {
                 const double other = j < 0 ? math::infinity : mass[static_cast<std::size_t>(j)];
@@ -70,53 +63,50 @@ struct Case : fuzz::SmallBox {
     double of_depth(std::int64_t i, std::int64_t j, double depth) const {
         return laws(i, j).energy(onset_root<Law::onset_power>(depth));
     }
+};
 
-private:
-    PairLaws<Law> make_laws(Draw& draw) const {
-        const fuzz::Material<Law> material(draw);
-        const LawRecord& record = Law::record;
-        const int n = record.n_common + record.n_in_alternative[material.alternative];
-        return {material.alternative, {material.parameters, material.parameters + n}, mass, radius};
+// Everything that an engine says of its state.
+struct Seen {
+    Observation sums;
+    std::vector<double> position, velocity;  // [N d]
+    std::vector<ContactRecord> open;
+
+    explicit Seen(const Engine& e)
+        : sums(e.observe()),
+          position(e.size() * static_cast<std::size_t>(e.dimension())),
+          velocity(position.size()),
+          open(e.open_contacts()) {
+        e.state(position.data(), velocity.data());
     }
 };
 
 template <class Law>
 class Run {
 public:
-    using Engine = NewtonEvents<Law>;
-    using Observation = NewtonObservation;
-
     explicit Run(const Case<Law>& c)
-        : c_(c),
-          engine_(std::make_unique<Engine>(c.box, c.x, c.v, c.laws, true, of(c))),
-          start_(engine_->observe()) {}
+        : c_(c), engine_(make_newton_events(c.s, c.choice, true, of(c))), start_(engine_->observe()) {}
 
     // Advances, and checks the state.
     void advance(double until) {
         const double before = engine_->time();
         Stop never;
-        engine_->advance(until, most_events, never);
+        engine_->advance(until, most_events, 1, never);
         require(engine_->time() >= before && engine_->time() <= until, "time goes on");
         check();
     }
-    std::vector<char> save() const {
-        Writer writer;
-        engine_->save(writer);
-        return writer.finish();
-    }
+    std::vector<char> save() const { return engine_->save(); }
     // Advances both the saved run and the loaded one.
     void compare(const std::vector<char>& bytes, double until) {
-        Reader reader(bytes.data(), bytes.size());
-        require(reader.whole(), "what was saved is whole");
-        Engine again(c_.box, c_.laws, c_.s.n, true, of(c_), reader);
-        require(!reader.failed(), "what was saved can be loaded");
+        const auto again = load_newton_events(bytes.data(), bytes.size(), of(c_));
+        require(again != nullptr, "what was saved can be loaded");
         Stop never;
-        again.advance(until, most_events, never);
+        again->advance(until, most_events, 1, never);
         advance(until);
-        const Observation a = engine_->observe(), b = again.observe();
-        require(engine_->time() == again.time() && a.position == b.position && a.velocity == b.velocity,
+        const Seen a(*engine_), b(*again);
+        require(engine_->time() == again->time() && a.position == b.position && a.velocity == b.velocity,
                 "what was loaded goes on with the same bits");
-        require(a.begun == b.begun && a.ended == b.ended && a.dissipated == b.dissipated,
+        require(a.sums.begun == b.sums.begun && a.sums.ended == b.sums.ended &&
+                    a.sums.dissipated_energy == b.sums.dissipated_energy,
                 "what was loaded counts the same");
     }
 
@@ -126,73 +116,80 @@ private:
     std::unique_ptr<Engine> engine_;
     Observation start_;
     double dissipated_ = 0.0;
-    double slack_ = 0.0;  // of slack pairs: not dissipated where they engage again [J]
+    double slack_ = 0.0;  // of what overlaps without force: not lost where it is pressed again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
     }
-    static double sum(const Observation& s) { return s.kinetic + s.potential + s.contact + s.dissipated; }
+    static double sum(const Observation& o) {
+        return o.kinetic_energy + o.potential_energy + o.contact_energy + o.dissipated_energy;
+    }
 
     void check() {
-        const Observation now = engine_->observe();
+        const Seen now(*engine_);
+        const std::size_t d = static_cast<std::size_t>(c_.s.box.dimension);
         for (const auto* numbers : {&now.position, &now.velocity})
             for (const double value : *numbers)
                 require(math::is_finite(value), "finite places and velocities");
         require(engine_->outcome() == Outcome::ok, "so few bodies are resolved");
-        double scale = c_.energy + math::abs(start_.potential) + now.kinetic;
+        double scale = c_.energy + math::abs(start_.potential_energy) + now.sums.kinetic_energy;
         for (std::size_t i = 0; i < c_.s.n; ++i)
-            for (int k = 0; k < c_.s.dimension; ++k)
+            for (int k = 0; k < c_.s.box.dimension; ++k)
                 scale += c_.mass[i] *
-                         math::abs(c_.box.gravity[k] * now.position[3 * i + static_cast<std::size_t>(k)]);
-        // The error of a step is about 1e-11 of the energy, and each contact takes tens of steps. A compression has the
-        // rounding error of positions.
-        const double farthest = math::max(math::max(c_.box.edge[0], c_.box.edge[1]), c_.box.edge[2]);
+                         math::abs(c_.s.box.gravity[k] * now.position[d * i + static_cast<std::size_t>(k)]);
+        // Contacts are integrated to about 1e-11 of the energy in a step, and there are tens of steps in each. A
+        // compression is known to the rounding of the places it is the difference of.
+        const double farthest = math::max(math::max(c_.s.box.edge[0], c_.s.box.edge[1]), c_.s.box.edge[2]);
         const double of_contact = 5e-10 + 20.0 * math::epsilon * farthest / c_.depth;
-        const double balance = 1e-9 + of_contact * static_cast<double>(now.begun);
-        require(math::abs(sum(now) - sum(start_)) <= balance * scale, "energy is balanced");
-        require(now.dissipated >= dissipated_ - slack_ - 1e-9 * scale, "what is lost is lost");
-        dissipated_ = now.dissipated;
+        const double balance = 1e-9 + of_contact * static_cast<double>(now.sums.begun);
+        require(math::abs(sum(now.sums) - sum(start_)) <= balance * scale, "energy is balanced");
+        require(now.sums.dissipated_energy >= dissipated_ - slack_ - 1e-9 * scale, "what is lost is lost");
+        dissipated_ = now.sums.dissipated_energy;
         bool free = true;
-        for (int k = 0; k < c_.s.dimension; ++k)
-            free = free && c_.box.periodic[k] && c_.box.gravity[k] == 0.0;
-        for (int k = 0; free && k < c_.s.dimension; ++k)
-            require(math::abs(now.momentum[k] - start_.momentum[k]) <= 1e-10 * c_.momentum,
+        for (int k = 0; k < c_.s.box.dimension; ++k)
+            free = free && c_.s.box.wraps(k) && c_.s.box.gravity[k] == 0.0;
+        for (int k = 0; free && k < c_.s.box.dimension; ++k)
+            require(math::abs(now.sums.momentum[k] - start_.momentum[k]) <= 1e-10 * c_.momentum,
                     "momentum is kept");
         check_overlaps(now, scale);
-        require(engine_->safety_radius_used(5) <= 1.0, "true paths keep to the space that is left to them");
+        require(engine_->safety_used(5) <= 1.0, "true paths keep to the space that is left to them");
         for (const ContactRecord& row : engine_->take_log())
             require(row.begin >= 0.0 && row.end >= row.begin && row.end <= engine_->time() &&
                         (row.second < 0 || row.first < row.second),
                     "contacts begin and end");
     }
 
-    // No overlap is deeper than the total energy allows; an overlapping pair that approaches is in contact.
-    void check_overlaps(const Observation& now, double energy) {
+    // Nobody is deeper in another one than all energy could press him; who approaches there is in contact.
+    void check_overlaps(const Seen& now, double energy) {
         slack_ = 0.0;
         const auto n = static_cast<std::int64_t>(c_.s.n);
+        const int d = c_.s.box.dimension;
         for (std::int64_t i = 0; i < n; ++i) {
             for (std::int64_t j = i + 1; j < n; ++j) {
                 double square = 0.0, inwards = 0.0;
-                for (int k = 0; k < c_.s.dimension; ++k) {
-                    const auto a = static_cast<std::size_t>(3 * i + k),
-                               b = static_cast<std::size_t>(3 * j + k);
+                for (int k = 0; k < c_.s.box.dimension; ++k) {
+                    const auto a = static_cast<std::size_t>(d * i + k),
+                               b = static_cast<std::size_t>(d * j + k);
                     double r = now.position[b] - now.position[a];
-                    if (c_.box.periodic[k]) r -= c_.box.edge[k] * math::round_small(r / c_.box.edge[k]);
+                    if (c_.s.box.wraps(k)) r -= c_.s.box.edge[k] * math::round_small(r / c_.s.box.edge[k]);
                     square += r * r;
                     inwards -= r * (now.velocity[b] - now.velocity[a]);
                 }
                 check_overlap(now, i, j, c_.radius[i] + c_.radius[j] - math::sqrt(square), inwards, energy);
             }
-            for (int k = 0; k < c_.s.dimension; ++k) {
-                if (c_.box.periodic[k]) continue;
-                const auto a = static_cast<std::size_t>(3 * i + k);
+            for (int k = 0; k < c_.s.box.dimension; ++k) {
+                if (c_.s.box.wraps(k)) continue;
+                const auto a = static_cast<std::size_t>(d * i + k);
                 const double at = now.position[a], speed = now.velocity[a];
-                check_overlap(now, i, -1 - 2 * k, c_.radius[i] - at, -speed, energy);
-                check_overlap(now, i, -2 - 2 * k, c_.radius[i] - (c_.box.edge[k] - at), speed, energy);
+                for (const bool high : {false, true}) {
+                    const Wall wall = c_.s.box.wall(k, high);
+                    check_overlap(now, i, wall.id.number, c_.radius[i] - wall.distance(at, engine_->time()),
+                                  -wall.inward() * speed, energy);
+                }
             }
         }
     }
-    void check_overlap(const Observation& now, std::int64_t i, std::int64_t j, double depth, double inwards,
+    void check_overlap(const Seen& now, std::int64_t i, std::int64_t j, double depth, double inwards,
                        double energy) {
         const double reach = c_.radius[i] + (j < 0 ? 0.0 : c_.radius[j]);
         if (!(depth > 0.0)) return;
@@ -214,7 +211,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::with_some_law(draw, [&]<class Law>() {
         const Case<Law> c(draw);
         if (fault_of(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
-        if (!(c.least_restitution > 1e-3)) return;  // creeping bodies take very many steps
+        if (!(c.least_restitution > 1e-3)) return;  // what creeps takes steps without number
         Run<Law> run(c);
         const double first = draw.between(0.0, c.until);
         run.advance(first);

@@ -2,9 +2,12 @@
 // touch and do not overlap. Often they have no room at all, move as in a mirror, or so slowly that the squares of
 // their speeds are no numbers.
 #pragma once
+#include <algorithm>
+#include <type_traits>
 #include <vector>
 
-#include "boxes/hard_spheres/check.hpp"
+#include "boxes/common/law_choice.hpp"
+#include "boxes/common/system_check.hpp"
 #include "boxes/kernels/kernel_table.hpp"
 #include "check.hpp"
 
@@ -13,15 +16,31 @@ namespace hardlimit::fuzz {
 template <int lanes>
 constexpr hardlimit_abi::TouchKernels kernels = boxes::touch_kernels<typename Vector<lanes>::Real>("fuzz");
 
+// The law with these parameters, by its place in the registry.
+template <class Law>
+boxes::LawChoice law_choice(const Material<Law>& material) {
+    boxes::LawChoice choice;
+    int place = 0;
+#define HL_PLACE(Other)                                          \
+    if (std::is_same_v<Law, contact::Other>) choice.law = place; \
+    ++place;
+    HARDLIMIT_LAWS(HL_PLACE)
+#undef HL_PLACE
+    choice.alternative = material.alternative;
+    const int n = Law::record.n_common + Law::record.n_in_alternative[material.alternative];
+    std::copy_n(material.parameters, n, choice.parameters);
+    return choice;
+}
+
 struct SmallBox {
-    boxes::Setting s{};
+    boxes::System s{};
     std::vector<double> position, velocity, radius, mass;
     double large, speed;  // the largest radius there can be [m], the largest component of a velocity [m/s]
 
     // `most_places`: of the lattice along an axis; least_edge: of a periodic axis, in largest radii.
     template <class Source>
     SmallBox(Draw<Source>& draw, int most_places, double least_edge) {
-        s.dimension = 2 + draw.below(2);
+        s.box.dimension = 2 + draw.below(2);
         wide = draw.below(2) != 0;
         large = draw.decades(1e-4, 1.0);
         const double ratio = draw.often({1.0}, [&] { return draw.decades(0.01, 1.0); });
@@ -34,13 +53,13 @@ struct SmallBox {
         mirrored = draw.below(8) == 0;
         slow = draw.below(4) == 0;
         int places[3] = {1, 1, 1};
-        for (int k = 0; k < s.dimension; ++k) {
+        for (int k = 0; k < s.box.dimension; ++k) {
             places[k] = 1 + draw.below(most_places);
-            s.edge[k] = spacing * places[k];
-            s.periodic[k] = draw.below(2) == 0;
-            if (s.periodic[k]) s.edge[k] = math::max(s.edge[k], least_edge * large);
-            s.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
-            if (slow) s.gravity[k] *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-320, 1.0); });
+            s.box.edge[k] = spacing * places[k];
+            s.box.boundary[k] = draw.below(2) == 0 ? boxes::Boundary::periodic : boxes::Boundary::wall;
+            if (s.box.wraps(k)) s.box.edge[k] = math::max(s.box.edge[k], least_edge * large);
+            s.box.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
+            if (slow) s.box.gravity[k] *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-320, 1.0); });
         }
         for (int x = 0; x < places[0]; ++x)
             for (int y = 0; y < places[1]; ++y)
@@ -63,10 +82,10 @@ private:
 
     template <class Source>
     void add(Draw<Source>& draw, const int (&at)[3], double spacing, double size) {
-        for (int k = 0; k < s.dimension; ++k) {
+        for (int k = 0; k < s.box.dimension; ++k) {
             const double room = 0.5 * spacing - size;
             const double aside = draw.often({0.0}, [&] { return draw.between(-room, room); });
-            position.push_back(math::min(spacing * (at[k] + 0.5) + aside, s.edge[k]));
+            position.push_back(math::min(spacing * (at[k] + 0.5) + aside, s.box.edge[k]));
             double own = draw.often({0.0, speed, -speed}, [&] { return draw.between(-speed, speed); });
             if (mirrored) own = (at[0] + at[1] + at[2]) % 2 == 0 ? speed : -speed;
             if (slow) own *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-322, 1e-10); });

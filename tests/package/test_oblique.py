@@ -62,7 +62,7 @@ def test_normal_turns(row: dict[str, str]) -> None:
 
 
 def columns(seed: int) -> hl.Column:
-    """Random drops of two balls that part."""
+    """Random drops of two balls that separate."""
     rng = np.random.default_rng(seed)
     lower, upper = 0.1 * rng.uniform(0.3, 1.0), 0.1 * rng.uniform(0.1, 0.6)
     e = rng.uniform(0.8, 1.0)
@@ -100,7 +100,7 @@ def test_offsets_are_mirrored_and_keep_momentum(seed: int) -> None:
 
 
 def linear_response(column: hl.Column) -> float:
-    """Sideways velocity per offset: x'' = F12(t) x/(μ s), with the force and the distance s of the straight drop."""
+    """Sideways velocity per offset: x'' = F12(t) x/(μ s), with force and distance s of the drop without offset."""
     straight = hl.newton(column)
     lower, upper = column.balls
     reduced = lower.mass * upper.mass / (lower.mass + upper.mass)
@@ -124,7 +124,7 @@ def linear_response(column: hl.Column) -> float:
 
 
 def test_small_offsets_follow_the_linear_response() -> None:
-    """The sideways velocity is odd in the offset: what it lacks of the linear one falls with the square."""
+    """The sideways velocity is odd in the offset: its relative deviation from linearity falls with the square."""
     column = hl.Column.paper(restitution=0.9, gap=5e-4)
     response = linear_response(column)
     offsets = np.array([4e-3, 2e-3, 1e-3])
@@ -137,7 +137,7 @@ def test_small_offsets_follow_the_linear_response() -> None:
 
 
 def test_collisions_far_apart_give_the_estimate_in_closed_form() -> None:
-    """A wide gap: (1 + ε)² V/(1 + m2/m1) along the line of centres, less the square of the tilt."""
+    """A wide gap: (1 + ε)² V/(1 + m2/m1) along the line of centres, up to the square of the tilt."""
     column = hl.Column.paper(restitution=0.9, gap=5e-3, stiffness=1e10, gravity=1e-9, height=0.11).replace(
         velocities=-3.0
     )

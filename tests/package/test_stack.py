@@ -1,4 +1,4 @@
-"""Stacks that throw their top ball fastest: closed forms of collisions, grids under Newton's equations, neighbours."""
+"""Optimal stacks: closed forms of collisions, grids under Newton's equations, optimality conditions."""
 
 import json
 import math
@@ -16,7 +16,7 @@ ELASTIC = hl.LinearDashpot(stiffness=1e7, restitution=1.0)
 
 
 def top_speed(masses: list[float], law: object, gaps: float = 0.0, model: object = hl.newton) -> float:
-    """Independently of the search: the column written out."""
+    """Top speed of a column, independent of the search."""
     balls = [hl.Ball(0.01, mass=m) for m in masses]
     column = hl.Column(balls, gaps, 0.01, law, velocities=-1.0, gravity=0.0)
     return float(model(column).final_velocities[-1])
@@ -24,7 +24,7 @@ def top_speed(masses: list[float], law: object, gaps: float = 0.0, model: object
 
 @pytest.mark.parametrize("seed", range(6))
 def test_collisions_want_a_geometric_progression(seed: int) -> None:
-    """Their top speed is the closed form, and no other masses between the same ends do better."""
+    """The top speed is the closed form, and no other masses between the same ends are better."""
     rng = np.random.default_rng(seed)
     n, e, ratio = int(rng.integers(2, 21)), rng.uniform(0.7, 1.0), rng.uniform(0.05, 0.6)
     law = hl.LinearDashpot(stiffness=1e7, restitution=e)
@@ -163,7 +163,7 @@ def test_wide_gaps_make_both_models_one() -> None:
 
 @pytest.mark.parametrize("n", [8, 12, 20])
 def test_a_push_that_is_slower_than_the_lowest_ball_arrives(n: int) -> None:
-    """With wide gaps the lowest ball is back on the floor long before the top one is hit."""
+    """With wide gaps the lowest ball returns to the floor long before the top one is hit."""
     found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
     expected = 2.0**n / (1.0 + 0.01 ** (1.0 / (n - 1))) ** (n - 1) - 1.0
     for gap in (1.0, 3.0, 10.0):

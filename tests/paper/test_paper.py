@@ -1,4 +1,4 @@
-"""The paper's figures and statements: anchor values, verdicts, files and refusals."""
+"""Figures and statements of the paper: reference values, verdicts, files and refused input."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ POINTS_DRAWN = figure4.POINTS
 
 @pytest.fixture(scope="module")
 def data():
-    """The figures at the paper's density, the maps of Fig. 4 coarser than the command draws them."""
+    """The figures at the paper's density, with coarser maps of Fig. 4 than those of the command."""
     before, figure4.POINTS = figure4.POINTS, 120
     found = Paper()
     for number in paper.FIGURES:
@@ -191,7 +191,7 @@ def test_statements_name_their_numbers(rows):
 
 
 def test_verdicts_follow_the_numbers():
-    """With another density the stated facts fail, and the table says so."""
+    """With another density the stated facts do not hold, and the verdicts are ``no``."""
     other = Paper(1140.0)
     table = {row.statement: row for row in STATEMENTS.rows(other, (3, 6))}
     (spikes,) = (row for text, row in table.items() if text.startswith("Spikes"))
@@ -207,7 +207,7 @@ def result_of(rows, beginning: str) -> str:
 
 
 def test_ranges_are_stated_where_they_were_taken(data, rows):
-    """The maps of Fig. 4 leave the range of Figs. 5 and 6 far behind, and the table says so."""
+    """The table states that the range on the maps of Fig. 4 is much larger than in Figs. 5 and 6."""
     shown = result_of(rows, "ε_eff/ε takes any value")
     for n in (5, 6):
         values = data.figure(n)["restitution_ratio"].values
@@ -218,7 +218,7 @@ def test_ranges_are_stated_where_they_were_taken(data, rows):
     assert found is not None
     upper, lower = map(float, found.groups())
     assert lower > 5.0 > 1.05 > upper > 1.0
-    # The map of the command holds less, between whose points the ridge is hidden.
+    # The ridge is narrower than the cells, so that the maximum on the map is lower.
     assert upper >= float(data.figure(4)["restitution_ratio_over_gap"].max()) - 1e-4
     assert lower >= float(data.figure(4)["restitution_ratio_over_radius_ratio"].max())
     assert hl.newton(hl.Column.paper(restitution=0.05, radius_ratio=1.05)).restitution_ratio > 1.16
@@ -245,7 +245,7 @@ def test_a_share_of_a_map_is_an_area():
     x, y = np.linspace(0.0, 1.0, 401) ** 3, np.geomspace(1.0, 100.0, 301)
     inside = (x[:, None] <= 0.5) & (y[None, :] <= 10.0)
     assert sampling.share(inside, (x, False), (y, True)) == pytest.approx(0.25, abs=0.01)
-    assert np.mean(inside) > 0.35  # a count of points is something else
+    assert np.mean(inside) > 0.35  # the share of points is different
 
 
 def percents(text: str) -> list[float]:
@@ -253,7 +253,7 @@ def percents(text: str) -> list[float]:
 
 
 class Crowded(Paper):
-    """The figures with points added where nothing happens: their nearest neighbours again."""
+    """The figures with repeated points where the number of contacts does not change."""
 
     def __init__(self, other: Paper) -> None:
         super().__init__(other.density)

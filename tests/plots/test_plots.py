@@ -1,4 +1,4 @@
-"""Pictures: drawn for every kind of result, with what they must show; films are written and show motion."""
+"""Pictures of every kind of result and what they must show; films that are written and show motion."""
 
 import gc
 import math
@@ -24,7 +24,7 @@ from hardlimit.column.comparison import compare
 from hardlimit.plots import animation, grain_film, labels, maps, stage, storyboard, video
 from legible import assert_legible, assert_moves, boxes, coloured
 
-# Modules of which plots has a function of the same name.
+# Modules with a function of the same name in plots.
 forces, gas, heights, style = (
     import_module(f"hardlimit.plots.{name}") for name in ("forces", "gas", "heights", "style")
 )
@@ -80,7 +80,7 @@ def texts(figure) -> str:
 def test_every_result_can_be_drawn(name: str, tmp_path: Path) -> None:
     found = compare(drops()[name])
     both = plots.drop(found.newton, found.independent, found.adiabatic) if name != "at rest" else None
-    # A column at rest is sampled slowly: only its forces, whose last contact does not end.
+    # Sampling a column at rest is slow: only its forces are drawn; the last contact does not end.
     for figure in (both or plots.forces(found.newton), plots.forces(found.independent)):
         figure.savefig(tmp_path / "picture.png", dpi=40)
         assert coloured(tmp_path / "picture.png") > 1e-3
@@ -123,7 +123,7 @@ def test_force_curve_has_the_jump_and_returns_to_zero() -> None:
     assert force.min() >= 0.0 and np.all(np.diff(times) >= 0.0)
 
 
-# --- what holds for every column ----------------------------------------------------------------------------
+# --- properties of all columns ------------------------------------------------------------------------------
 
 
 def seconds_per_unit(label: str) -> float:
@@ -132,10 +132,12 @@ def seconds_per_unit(label: str) -> float:
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_every_apex_is_in_view(seed: int) -> None:
-    """Time and height of the top of every flight lie within the axes, and each line goes past its top."""
+    """The top of every flight lies within the axes, and each line continues beyond it."""
     column = random_column(seed)
     results = [hl.newton(column)]
-    if len(column.balls) == 2 and column.floor:  # more hard spheres may collapse, which takes long to sample
+    if (
+        len(column.balls) == 2 and column.floor
+    ):  # more than two hard spheres may collapse, and sampling is then slow
         results.append(hl.independent(column))
     for result in results:
         assert_tops_are_in_view(result)
@@ -159,9 +161,8 @@ def assert_tops_are_in_view(result: hl.Result) -> None:
             continue
         top, highest = after + v / column.gravity, z + v**2 / (2 * column.gravity)
         assert ax.get_xlim()[0] < top / unit < ax.get_xlim()[1]
-        if float(result.trajectory(top)["position"][0, i]) == pytest.approx(
-            highest, rel=1e-6
-        ):  # not hit before
+        not_hit_before = pytest.approx(highest, rel=1e-6)
+        if float(result.trajectory(top)["position"][0, i]) == not_hit_before:
             assert highest < ax.get_ylim()[1]
             assert np.any(np.diff(height[t * unit >= after]) < 0.0)  # it falls again
             reached += 1
@@ -178,7 +179,7 @@ def test_forces_of_every_column_share_one_unit_and_can_be_read(seed: int) -> Non
 
 @pytest.mark.parametrize("seed", [slow(0), 4, slow(7)])
 def test_drops_can_be_read(seed: int) -> None:
-    """Elastic, so that the hard spheres do not collapse."""
+    """Contacts are elastic, so that hard spheres do not collapse."""
     column = random_column(seed)
     law = hl.LinearDashpot(stiffness=1e6, restitution=1.0)
     if column.floor:
@@ -229,7 +230,7 @@ def test_frames_can_be_read(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", hl.LAWS)
 def test_a_ball_alone_can_be_drawn(law: str) -> None:
-    """With no word of other balls: none is on top, and no last contact of balls ends at t_f."""
+    """The text mentions no other balls, and there is no t_f."""
     column = hl.Column([hl.Ball(0.1, density=840.0)], gaps=[], height=0.6, law=law_of(law, 0.7))
     newton, independent = hl.newton(column), hl.independent(column)
     figure = plots.drop(newton, independent)
@@ -275,7 +276,7 @@ def lightness(colour: tuple[float, float, float]) -> float:
 
 
 def test_the_more_contacts_the_lighter() -> None:
-    """Counts keep their order in grey, and neighbours differ by more than can just be seen."""
+    """The order of the counts remains visible in grey; neighbours differ by more than the visible threshold."""
     steps = np.diff([lightness(style.count_colour(n)) for n in range(16)])
     assert np.all(steps > 2.5)
     assert style.count_colour(99) == style.count_colour(15)
@@ -369,7 +370,7 @@ def test_prefixes(value: float, expected: str) -> None:
     assert labels.scaled(value, "N")[1] == expected
 
 
-# --- what a reader could miss -------------------------------------------------------------------------------
+# --- legibility ---------------------------------------------------------------------------------------------
 
 
 def drawn(figure: Figure) -> np.ndarray:
@@ -380,7 +381,7 @@ def drawn(figure: Figure) -> np.ndarray:
 
 @pytest.mark.parametrize("gap", [1e-5, 1e-4, 1e-3, 5e-3])
 def test_every_model_of_a_drop_is_seen(gap: float) -> None:
-    """Also where two coincide: without its lines the picture of the heights is another one."""
+    """The picture of heights changes if the lines of any model are removed, even if two models coincide."""
     found = compare(hl.Column.paper(gap=gap))
     figure = plots.heights(*found.results)
     ax = figure.axes[0]
@@ -394,7 +395,7 @@ def test_every_model_of_a_drop_is_seen(gap: float) -> None:
         changed = np.any(np.abs(whole - drawn(figure)) > 20, axis=2)
         for line in mine:
             line.set_visible(True)
-        # In each column of pixels more than the smoothed rim of another line.
+        # In each pixel column this is more than the antialiased edge of another line.
         assert changed.sum() > 1.6 * ax.get_window_extent().width, found.results[k].model
 
 
@@ -423,7 +424,7 @@ def test_a_restitution_fills_its_axis(law: str, epsilon: float) -> None:
 
 
 def test_all_counts_of_a_map_are_named() -> None:
-    """In their regions, or at the edge beside them; two-digit ones and thin ones too."""
+    """Labels stand in the regions or at the edge beside them, also two-digit numbers and thin regions."""
     x, y = np.linspace(0.4, 1.0, 200), np.geomspace(1e-6, 1e-2, 200)
     ds = hl.sweep(hl.Column.paper(), restitution=x, gap=y)
     counts = ds.n_contacts.values
@@ -468,9 +469,10 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
     system = hl.ParticleSystem.random(200, 0.2, 1e-3, 2500.0, 1.0, dimension=dimension)
     with style.style(**video.STYLE):
         film = grain_film.Stage(system, 1.0, 320)
-        film.picture(0.0, system, 0)
+        film.picture(grain_film.Snapshot.of(0.0, system), 0)
         before = film.bodies.get_array().copy()
-        film.picture(1.0, system.replace(velocities=slower * system.velocities), 10)
+        cooled = system.replace(velocities=slower * system.velocities)
+        film.picture(grain_film.Snapshot.of(1.0, cooled), 10)
         figure = film.figure
     after = film.bodies.get_array()
     assert film.bodies.norm.vmin == 0.0 and film.bodies.norm.vmax == 2.0
@@ -482,7 +484,7 @@ def test_a_cooled_gas_keeps_its_colours(slower: float, dimension: int) -> None:
 
 @pytest.mark.parametrize(("samples", "until"), [(100, 0.02), (400, 0.02), (20, 1e-4)])
 def test_the_transient_of_the_start_is_marked(samples: int, until: float) -> None:
-    """Outside of it the rate is Enskog's, inside it is far above; a run may be shorter."""
+    """After the transient the rate is Enskog's; within it is much higher. A run may be shorter than the transient."""
     system = hl.ParticleSystem.random(1000, 0.3, 1e-3, 2500.0, 1.0)
     run = hl.event_driven(system, restitution=0.9, until=until, samples=samples)
     end = gas.transient(run)
@@ -527,7 +529,7 @@ def test_film(ending: str, tmp_path: Path) -> None:
         progress=lambda done, total: calls.append((done, total)),
     )
     assert_moves(path, 320, calls[-1][1])
-    assert list(tmp_path.iterdir()) == [path]  # no draft is left
+    assert list(tmp_path.iterdir()) == [path]  # no temporary file is left
     assert calls[-1][0] == calls[-1][1] == len(calls)
 
 
@@ -543,7 +545,7 @@ def test_frames_move(name: str) -> None:
 
 def test_interrupted_film_leaves_nothing(tmp_path: Path) -> None:
     def interrupt(done: int, total: int) -> None:
-        if any(tmp_path.iterdir()):  # the draft has been begun
+        if any(tmp_path.iterdir()):  # writing has started
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -562,7 +564,9 @@ def test_mp4_without_ffmpeg_names_the_extra_and_gif_needs_none(
     assert_moves(result.animate(tmp_path / "film.gif", width=160, frames_per_second=1), 160)
 
 
-@pytest.mark.filterwarnings("ignore::ResourceWarning")  # imageio-ffmpeg leaves its pipe to the collector
+@pytest.mark.filterwarnings(
+    "ignore::ResourceWarning"
+)  # imageio-ffmpeg leaves its pipe to the garbage collector
 def test_ffmpeg_that_fails_is_reported_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
     with pytest.raises((ValueError, OSError), match=r"film\.mp4.* cannot be written: ffmpeg") as refused:
@@ -603,7 +607,7 @@ def test_unwritable_films_are_refused(name: str, tmp_path: Path) -> None:
 
 
 def test_a_run_that_was_not_resolved_is_drawn_as_far_as_it_is_known() -> None:
-    """A million bounces are the limit of the model: of them some are drawn, and the title says up to when."""
+    """The model stops after a million bounces. Some are drawn, and the title gives the end of the known motion."""
     ball = hl.Column([STEEL], [], 0.1, hl.LinearDashpot(stiffness=1e6, restitution=1.0))
     result = hl.independent(ball, until=1e7)
     known = result.known_until
@@ -635,7 +639,7 @@ def test_the_end_of_one_ball_is_that_of_its_first_bounce() -> None:
 
 
 def test_a_tick_outside_a_log_axis_is_not_seen() -> None:
-    """For the tests of legible pictures: it is not drawn, however near to the end of the axis in its own unit."""
+    """Test of the helper for legibility: such a tick is not drawn, however close it is to the end of the axis."""
     figure = Figure()
     ax = figure.add_subplot(xscale="log")
     ax.set_xticks([1e-13, 1e-12, 1.0], ["outside", "first", "last"])

@@ -1,4 +1,4 @@
-"""What is cited: every name of the package has its publications, and BibTeX is whole."""
+"""Every name of the package has its publications, and the BibTeX is complete."""
 
 import re
 from pathlib import Path

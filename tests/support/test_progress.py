@@ -1,4 +1,4 @@
-"""Progress: for True a bar on stderr or lines in a log, the caller's own function, or nothing."""
+"""Progress: a bar on stderr or lines in a log for True, a function of the caller, or nothing."""
 
 import io
 import math
@@ -36,7 +36,7 @@ def test_nothing_where_nobody_looks():
 
 @pytest.mark.parametrize("given", [None, False, True])
 def test_a_sweep_takes_it(given, capfd):
-    """stderr is no terminal here, and stdout is never written to."""
+    """stderr is not a terminal here, and nothing is written to stdout."""
     found = hl.sweep(PAPER, gap=[1e-4, 1e-3], progress=given)
     assert found.sizes == {"gap": 2}
     written = capfd.readouterr()
@@ -58,7 +58,7 @@ def test_everything_else_is_refused(given):
 
 
 class Clock:
-    """Seconds that pass only when somebody looks, or is told."""
+    """A clock that advances only when it is read, or on request."""
 
     def __init__(self, step: float = 0.0) -> None:
         self.now, self.step = 1000.0, step
@@ -69,7 +69,7 @@ class Clock:
 
 
 def test_lines_in_a_log(monkeypatch):
-    """The first after 10 s, then after ever longer times; what is counted is per second since the line before."""
+    """The first line after 10 s, then at growing intervals; rates are since the line before."""
     clock, out = Clock(), io.StringIO()
     monkeypatch.setattr(progress, "clock", clock)
     with bar("run", "contacts", Console(file=out, width=40)) as report:
@@ -128,7 +128,7 @@ def settle(engine, **given):
 
 
 def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd):
-    """Nothing was said: 300 disks that settle ran for 405 s in silence."""
+    """300 settling disks once ran for 405 s without a message."""
     monkeypatch.setattr(progress, "clock", Clock(step=3.0))
     monkeypatch.setattr(pace, "clock", Clock(step=3.0))
     run = settle("events", progress=True)
@@ -147,7 +147,7 @@ def test_a_run_by_events_says_in_a_log_what_steps_would_take(monkeypatch, capfd)
 
 
 def test_a_function_is_told_numbers_alone(monkeypatch):
-    """And nobody tries steps for it."""
+    """And the engine of steps is not tried."""
     monkeypatch.setattr(pace, "seconds_by_steps", None)
     told = []
     run = settle("events", progress=lambda *seen: told.append(seen))

@@ -27,7 +27,7 @@ from hardlimit.sweep.engines import dask as cluster
 from hardlimit.sweep.plan import make_plan
 
 PAPER = hl.Column.paper()
-#: Comes to rest after a long time: the slowest kind of point, some 0.1 ms.
+#: Comes to rest after a long time: the slowest kind of point, about 0.1 ms.
 SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
 GRID = {"restitution": np.linspace(0.3, 1.0, 40), "gap": np.geomspace(1e-6, 1e-2, 50)}
 SLOW = {"gap": np.geomspace(1e-6, 1e-2, 8_000)}  # seconds
@@ -88,7 +88,7 @@ def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
 
 @pytest.fixture(autouse=True)
 def no_client_left() -> Iterator[None]:
-    """A client that is collected while a thread starts would close itself there, and wait for ever."""
+    """A client that is garbage-collected while a thread starts would close itself there and deadlock."""
     yield
     gc.collect()
 
@@ -154,7 +154,7 @@ def test_an_error_here_ends_the_work_there() -> None:
 def test_a_cluster_of_this_process_is_closed_amid_the_work(
     job: str, error: Exception | None, closed: str
 ) -> None:
-    """One line says so; an error of the caller's own is not hidden by one of dask's."""
+    """The message is one line; an error of the caller is not replaced by one of dask."""
 
     def close(done: int, total: int) -> None:
         if 0 < done < total:
@@ -189,7 +189,7 @@ def small_gas(seed: int) -> hl.ParticleSystem:
 def test_a_scheduler_that_no_longer_answers(
     monkeypatch: pytest.MonkeyPatch, who: type, asked: str, job: str
 ) -> None:
-    """Not a connection that breaks, but a new one that is not made."""
+    """An existing connection does not break; a new one fails."""
 
     def fail(*_: object, **__: object) -> None:
         raise OSError("Timed out trying to connect\nto it")
@@ -208,7 +208,7 @@ def test_a_scheduler_that_no_longer_answers(
 
 @pytest.mark.slow
 def test_a_chunk_with_much_to_send_is_no_cause_for_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A list of points brings its parameters along; from 10 MiB on distributed takes that for a mistake."""
+    """A list of points carries its parameters; above 10 MiB distributed warns."""
     monkeypatch.setattr(chunking, "POINTS", 1 << 20)
     points = {"gap": xr.DataArray(np.geomspace(1e-6, 1e-2, 700_000), dims="point")}
     points["height"] = xr.DataArray(np.linspace(0.3, 0.6, 700_000), dims="point")
@@ -251,7 +251,7 @@ def test_a_worker_of_another_version_is_refused() -> None:
 
 @pytest.mark.slow
 def test_a_worker_is_killed(processes: Processes, tmp_path: Path) -> None:
-    """In mid-sweep, with chunks done, under way and waiting: nothing is lost, nothing comes twice."""
+    """During a sweep, with finished, running and waiting chunks: none is lost or repeated."""
     workers = two_workers(processes)
     told: list[int] = []
 
@@ -272,7 +272,7 @@ def test_a_worker_is_killed(processes: Processes, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_workers_come_and_go(processes: Processes) -> None:
-    """Each is killed in turn, the last one before the next has come."""
+    """Each worker is killed in turn, the last one before the next starts."""
     workers = two_workers(processes)
     killed = 0
 
@@ -297,7 +297,7 @@ def test_workers_come_and_go(processes: Processes) -> None:
 
 @pytest.mark.slow
 def test_the_scheduler_is_killed(processes: Processes, tmp_path: Path) -> None:
-    """One clear error; what came before is in the store, and another cluster goes on from there."""
+    """One error; the store keeps the finished chunks, and another cluster continues."""
     two_workers(processes)
     told: list[int] = []
 
@@ -368,7 +368,7 @@ INTERRUPTED = """
 @pytest.mark.slow
 @pytest.mark.parametrize(("chunk", "points"), [(200, 600_000), (3_000_000, 6_000_000)])
 def test_interrupted_it_stops_within_its_chunks(tmp_path: Path, chunk: int, points: int) -> None:
-    """It would go on for minutes."""
+    """Without a stop it would take minutes."""
     store = tmp_path / "map.zarr"
     script = textwrap.dedent(INTERRUPTED.format(chunk=chunk, points=points))
     command = [sys.executable, "-c", script, str(store)]

@@ -37,7 +37,7 @@ needs_compiler = pytest.mark.skipif(
 
 
 def random_points(n: int, seed: int = 1) -> dict[str, xr.DataArray]:
-    """A list of points that share nothing, from gentle to extreme, some of them no drop at all."""
+    """A list of independent points, from ordinary to extreme, some of them invalid drops."""
     rng = np.random.default_rng(seed)
     swept = {
         "restitution": rng.uniform(0.02, 1.0, n),
@@ -78,7 +78,7 @@ def same_chunks(a: dict[str, Any], b: dict[str, Any]) -> bool:
 @needs_compiler
 @pytest.mark.parametrize("arch", ["sm_80", "sm_90"])
 def test_the_kernel_compiles_within_its_registers(arch: str) -> None:
-    """A thread needs all registers there are; what they do not hold stays within a few hundred bytes."""
+    """A thread uses all registers; the spilled memory is a few hundred bytes at most."""
     log = io.StringIO()
     assert cuda_device.compile_kernel(arch, log)[:4] == b"\x7fELF"
     used = {
@@ -98,7 +98,7 @@ def test_the_kernel_compiles_within_its_registers(arch: str) -> None:
 
 
 def ptx_of_the_kernel() -> str:
-    """What NVRTC hands to ptxas. NVRTC itself is asked, because cuda-core would need a driver for it."""
+    """PTX from NVRTC itself, because cuda-core would need a driver."""
     from cuda.bindings import nvrtc
 
     with cuda_device.kernel_source("sm_80") as (source, options):
@@ -170,7 +170,7 @@ def test_maps_larger_than_the_device_come_in_chunks(library: Path, swept: dict[s
 
 @pytest.mark.slow
 def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
-    """Shared memory starts as it was left, here with bytes that are neither true nor false: such a copy traps."""
+    """Shared memory is not initialized: bytes that are neither true nor false trap when copied."""
     flags = (
         "-O1",
         "-fsanitize=bool,enum",
@@ -221,7 +221,7 @@ def test_without_the_packages(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class OneDevice:
-    """Stands for the device: notes which threads it was made current in."""
+    """A fake device that records the threads in which it was made current."""
 
     def __init__(self) -> None:
         self.current: list[int] = []
@@ -284,7 +284,7 @@ def test_without_a_device(monkeypatch: pytest.MonkeyPatch, answer: str, said: st
 
 @needs_compiler
 def test_what_this_machine_says() -> None:
-    """Not replaced by anything: the real driver, or its absence."""
+    """The real driver, or its absence."""
     try:
         cuda_device.open_gpu()
     except ValueError as error:

@@ -17,7 +17,7 @@ Results = dict[str, np.ndarray]
 
 
 def random_list(n: int, seed: int) -> dict[str, xr.DataArray]:
-    """Points that share nothing: from overdamped to nearly elastic, R1/R2 from 0.3 to 30, k over four decades."""
+    """Independent points: from overdamped to nearly elastic, R1/R2 from 0.3 to 30, k over four decades."""
     random = np.random.default_rng(seed)
     values = {
         "restitution": random.uniform(0.05, 1.0, n),

@@ -1,4 +1,4 @@
-"""hl.sweep(store=…): whatever ends a run, what is finished stays, and the bytes in the end are the same."""
+"""hl.sweep(store=…): finished chunks survive any interruption, and the final bytes are the same."""
 
 import errno
 import hashlib
@@ -38,13 +38,13 @@ TESTS = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 
 @pytest.fixture(autouse=True)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """GRID makes five chunks, the last of them smaller."""
+    """GRID has five chunks, the last one smaller."""
     monkeypatch.setattr(chunking, "POINTS", 10)
     monkeypatch.setattr(chunking, "POINTS_INTEGRATED", 10)
 
 
 def files(folder: Path) -> dict[str, str]:
-    """Every file of a folder, with its contents."""
+    """Hashes of all files of a folder."""
     return {
         str(f.relative_to(folder)): hashlib.sha256(f.read_bytes()).hexdigest()
         for f in folder.rglob("*")
@@ -53,7 +53,7 @@ def files(folder: Path) -> dict[str, str]:
 
 
 def interrupted(path: Path, after: int, **swept: object) -> None:
-    """A sweep that ends after some points."""
+    """A sweep that is interrupted after some points."""
 
     def stop(done: int, total: int) -> None:
         if done >= after:
@@ -117,7 +117,7 @@ def test_counts_above_a_byte_have_room(tmp_path: Path) -> None:
 
 
 def test_chunks_without_a_result_are_written_too(tmp_path: Path) -> None:
-    """All NaN is what an array holds before it is written; it must not be taken for a missing chunk."""
+    """An array is NaN before it is written; such results must not count as a missing chunk."""
     swept = {**GRID, "height": 0.05}
     assert bool(hl.sweep(PAPER, store=tmp_path / "map.zarr", **swept).t_end.isnull().all())
     with Store(tmp_path / "map.zarr", *plan_and_chunks(swept)) as store:
@@ -225,7 +225,7 @@ KILLED_AT_EVERY_STEP = """
 @pytest.mark.parametrize("events", ["os.rename", ""], ids=["renames", "all"])
 @pytest.mark.slow
 def test_killed_at_every_step_it_ends_with_the_same_bytes(tmp_path: Path, events: str) -> None:
-    """SIGKILL before each access to the file system in turn, again while going on, then a run to the end."""
+    """SIGKILL before each file access in turn, again while resuming, then a run to the end."""
     script = KILLED_AT_EVERY_STEP.format(tests=TESTS, folder=str(tmp_path), events=events)
     done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -304,7 +304,7 @@ def test_killed_again_and_again_it_ends_with_the_same_bytes(tmp_path: Path) -> N
 
 
 def under_way(run: subprocess.Popen) -> int:
-    """Wait until the process says that some points are done; how many."""
+    """Wait until the process reports finished points; returns their number."""
     for line in run.stdout:
         if line.strip().isdecimal() and int(line) > 0:
             return int(line)
@@ -332,7 +332,7 @@ KEPT = {"variables": ["n_contacts", "final_velocity"], **SMALL}
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A store of two chunks that nothing has happened to."""
+    """An undamaged store of two chunks."""
     path = tmp_path_factory.mktemp("finished") / "map.zarr"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(chunking, "POINTS", 10)
@@ -342,12 +342,12 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @cache
 def undamaged() -> xr.Dataset:
-    """What every damaged store must come back to."""
+    """The results of every repaired store."""
     return hl.sweep(PAPER, **KEPT)
 
 
 def damaged(path: Path, finished: Path, *, said: bool) -> None:
-    """The sweep goes on with the right results and the bytes of an undamaged store, or is refused in one line."""
+    """The sweep gives the right results and the bytes of an undamaged store, or is refused in one line."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -368,7 +368,7 @@ def every_file(folder: Path) -> list[Path]:
     return found
 
 
-#: Of the files of a store every so many-th; the slow tests take each.
+#: Every fifth file of a store; the slow tests take all.
 some_or_all = pytest.mark.parametrize("step", [5, slow(1)])
 
 
@@ -403,7 +403,7 @@ def test_a_file_cut_short_or_replaced_is_found(tmp_path: Path, finished: Path, s
 
 @some_or_all
 def test_what_is_gone_is_made_anew(tmp_path: Path, finished: Path, step: int) -> None:
-    """Each file and each folder in turn; of a chunk that is not there nobody knows whether it ever was."""
+    """Each file and each folder in turn; a missing chunk is no damage."""
     everything = sorted(f.relative_to(finished) for f in finished.rglob("*"))
     for number, gone in enumerate(everything[::step]):
         path = tmp_path / str(number)
@@ -424,7 +424,7 @@ def test_damaged_chunks_are_counted(tmp_path: Path, finished: Path) -> None:
 
 
 def test_without_its_group_a_store_with_chunks_is_refused(tmp_path: Path, finished: Path) -> None:
-    """Nobody can tell any more whose chunks these are."""
+    """The sweep of the chunks is unknown."""
     path = tmp_path / "map.zarr"
     shutil.copytree(finished, path)
     (path / "zarr.json").write_text("[]")
@@ -556,7 +556,7 @@ def test_a_writer_that_is_about_to_end_is_waited_for(tmp_path: Path) -> None:
 
 
 def test_two_may_make_a_store_at_once(tmp_path: Path) -> None:
-    """One makes it while the other waits for the lock, and then goes on with it."""
+    """One makes it while the other waits for the lock and then resumes it."""
     path = tmp_path / "map.zarr"
     found = storing._is_new
 
@@ -634,7 +634,7 @@ ON_A_FILE_SYSTEM = """
 
 
 def in_namespace(path: Path, before: str, after: str = "true") -> str:
-    """What a sweep of 45000 points, 1.9 MB, says in a process with file systems of its own."""
+    """Output of a sweep of 45000 points, 1.9 MB, in a process with its own file systems."""
     script = textwrap.dedent(ON_A_FILE_SYSTEM.format(path=str(path)))
     command = ["unshare", "-rm", "sh", "-ec", f'{before}; "$0" -c "$1"; {after}', sys.executable, script]
     return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
@@ -658,7 +658,7 @@ def test_without_zarr_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.Mon
 @pytest.mark.slow
 @pytest.mark.skipif(not can_mount(), reason="may not mount")
 def test_a_full_disk(tmp_path: Path) -> None:
-    """A real one, too small; then a larger one with what was kept."""
+    """A file system that is too small; then a larger one with the kept files."""
     disk, kept = tmp_path / "disk", tmp_path / "kept"
     disk.mkdir()
     mount = f"mount -t tmpfs -o size={{}} tmpfs {disk}"
@@ -713,7 +713,7 @@ MEMORY = """
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="units of ru_maxrss")
 def test_a_store_needs_no_memory_for_its_results(tmp_path: Path) -> None:
-    """4e6 points are 168 MB of results; 64 MiB must do."""
+    """4e6 points have 168 MB of results; 64 MiB must suffice."""
     command = [sys.executable, "-c", textwrap.dedent(MEMORY), str(tmp_path / "map.zarr"), "2000"]
     assert int(subprocess.run(command, capture_output=True, text=True, check=True).stdout) < 64
 
@@ -723,7 +723,7 @@ def test_a_store_needs_no_memory_for_its_results(tmp_path: Path) -> None:
 
 @dataclass(frozen=True)
 class Powers:
-    """x and its powers over a grid of x and an offset: all that a store, chunks and an engine ask for."""
+    """x and its powers over a grid of x and an offset: a minimal computation."""
 
     x: np.ndarray
     offset: np.ndarray

@@ -1,4 +1,4 @@
-"""hl.sweep as its user sees it: axes, variables, codes, and the same numbers as the models of one column."""
+"""hl.sweep: axes, variables, codes, and the same numbers as the models of one column."""
 
 import math
 import re
@@ -18,7 +18,7 @@ from hardlimit.sweep.variables import OF_POINT, usual
 
 PAPER = hl.Column.paper()
 SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
-#: Comes to rest after a long time: the slowest kind of point, some 0.1 ms.
+#: Comes to rest after a long time: the slowest kind of point, about 0.1 ms.
 SLOW = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=0.015))
 GRID = {"restitution": np.linspace(0.3, 1.0, 7), "gap": np.geomspace(1e-6, 1e-2, 5)}
 
@@ -69,7 +69,7 @@ def test_linear_points_are_those_of_one_column(model: str) -> None:
 
 
 def test_newton_agrees_with_one_column() -> None:
-    """The kernel for maps orders its operations otherwise than the solver that records everything."""
+    """The vector kernel orders its operations differently from the solver of single columns."""
     ds = hl.sweep(PAPER, **GRID)
     for restitution in GRID["restitution"]:
         for gap in GRID["gap"]:
@@ -113,13 +113,13 @@ SWEPT_ALONE = {
 def with_balls(
     lower: dict | None = None, upper: dict | None = None, velocities: list[float] | float = 0.0
 ) -> hl.Column:
-    """Fig. 2's column with other matter or velocities."""
+    """Fig. 2's column with other masses or velocities."""
     balls = [hl.Ball(0.1, **(lower or {"density": 840.0})), hl.Ball(0.01, **(upper or {"density": 840.0}))]
     return hl.Column(balls, 1e-4, 0.6, PAPER.laws[0], velocities)
 
 
 def with_laws(floor: dict | None = None, pair: dict | None = None) -> hl.Column:
-    """Fig. 2's column with a contact of its own."""
+    """Fig. 2's column with a different law for one contact."""
     laws = [PAPER.laws[0].replace(**changes) for changes in (floor or {}, pair or {})]
     return hl.Column(PAPER.balls, 1e-4, 0.6, laws)
 
@@ -194,7 +194,7 @@ def test_types_and_units() -> None:
 
 
 def test_outcomes_are_flags_of_cf() -> None:
-    """A point that cannot be is a value, not an exception: its neighbours are computed all the same."""
+    """An invalid point is a value, not an exception; its neighbours are computed."""
     ds = hl.sweep(PAPER, height=[0.05, 0.6], velocity=[0.0, 1.0], gravity=[0.0, 9.81])
     names = dict(zip(ds.outcome.flag_values.tolist(), ds.outcome.flag_meanings.split(), strict=True))
     assert names[0] == "ok"
@@ -206,7 +206,7 @@ def test_outcomes_are_flags_of_cf() -> None:
 
 
 def test_counts_above_a_byte_widen_their_variable() -> None:
-    """A tiny elastic ball close above a large one hits it hundreds of times while that one turns."""
+    """A tiny elastic ball close above a large one hits it hundreds of times while it reverses."""
     column = hl.Column.paper(restitution=1.0, radius_2=1e-4, radius_1=0.1, height=4.0)
     small = hl.sweep(column, gap=[1e-6])
     large = hl.sweep(column, gap=[1e-6, 1e-10])
@@ -230,7 +230,7 @@ def test_threads_do_not_matter(column: hl.Column, threads: int) -> None:
 
 @pytest.mark.parametrize("column, more", [(PAPER, {}), (SOFT, {"impact_speed": 3.0})])
 def test_the_order_of_the_axes_does_not_matter(column: hl.Column, more: dict[str, float]) -> None:
-    """However the damping comes to a point: of its row, from a table of its axis, or one by one."""
+    """The damping of a point comes from its row, from a table of its axis, or is computed."""
     restitution, gap = np.linspace(0.3, 1, 61), np.geomspace(1e-6, 1e-2, 41)
     rows = hl.sweep(column, restitution=restitution, gap=gap, **more)
     assert same_bits(rows, hl.sweep(column, gap=gap, restitution=restitution, **more).transpose(*rows.dims))
@@ -385,7 +385,7 @@ def random_law(random: np.random.Generator, kind: str) -> Law:
 
 
 def random_column(random: np.random.Generator, balls: int, kind: str) -> hl.Column:
-    """Anything from touching to far apart, at rest or thrown, each contact with a law of its own."""
+    """From touching to far apart, at rest or thrown, with a different law for each contact."""
     solids = []
     for _ in range(balls):
         radius = float(10 ** random.uniform(-2.3, -1))
@@ -400,7 +400,7 @@ def random_column(random: np.random.Generator, balls: int, kind: str) -> hl.Colu
 
 
 def same_numbers(point: xr.Dataset, result: hl.Result) -> None:
-    """A point of a map has the bits of the solver of one column."""
+    """A point of a sweep has the bits of the solver of one column."""
     assert point.outcome == result.outcome_code
     assert point.n_contacts == result.n_contacts
     np.testing.assert_array_equal(point.t_end, result.t_end)
@@ -446,7 +446,7 @@ def test_the_values_of_each_of_two_balls_are_those_of_the_column(kind: str, mode
 
 
 def three_balls(**changes: float) -> hl.Column:
-    """A stack under two gaps, with any of its numbers changed."""
+    """A column of three balls with any of its numbers changed."""
     value = {"gap_1": 1e-4, "gap_2": 2e-4, "height": 0.4, "gravity": 9.81} | changes
     balls = []
     for i, radius in enumerate((0.05, 0.03, 0.01), 1):
@@ -604,7 +604,7 @@ def test_a_gpu_refuses_before_anything_is_written(tmp_path: Path, message: str) 
 
 
 def test_more_points_than_there_is_room_for_are_refused_at_once(tmp_path: Path) -> None:
-    """1e16 points, without an array of them being made."""
+    """1e16 points, without allocating an array."""
     axis = np.geomspace(1e-6, 1e-2, 10_000)
     swept = {"gap": axis, "height": 0.5 + axis, "gravity": 9.0 + axis, "velocity_2": axis}
     with pytest.raises(ValueError, match=r"points: got 1e\+16, 420 PB of results") as no:

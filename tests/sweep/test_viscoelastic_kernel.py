@@ -1,4 +1,4 @@
-"""Maps under the viscoelastic law: the numbers of the general solver, the same bits on every machine."""
+"""Sweeps under the viscoelastic law: the numbers of the general solver, the same bits on every machine."""
 
 import numpy as np
 import pytest
@@ -153,7 +153,7 @@ def test_random_points(name: str) -> None:
 
 
 def test_error_follows_the_tolerance() -> None:
-    """Of nineteen points in twenty it is below, and it falls with it; the counts never change."""
+    """The error is below the tolerance at 95 % of the points and falls with it; the counts never change."""
     column, n = soft(), 300
     rng = np.random.default_rng(11)
     swept = points(restitution=rng.uniform(0.4, 0.999, n), gap=np.exp(rng.uniform(*np.log([1e-6, 1e-2]), n)))

@@ -1,7 +1,7 @@
-// The largest compression of an event-driven run, if its impacts were contacts of the law.
+// The largest compression that the impacts of an event-driven run would have as contacts of the law.
 //
-// The contact is solved only of those impacts that may have been the deepest so far. Without damping one would be as
-// deep as its energy e allows, and less where the path leads past the other body: ξ² + 2 (v_t/v_n)² (e²/l) ξ = e² under
+// A contact is solved only if its impact may be the deepest so far. Without damping an impact would be as deep as its
+// energy e allows, and less if the path leads past the other body: ξ² + 2 (v_t/v_n)² (e²/l) ξ = e² under
 // the linear law, so that ξ <= e/(1 + (v_t/v_n)² e/l). Impacts are compared by this bound.
 #pragma once
 #include "planar_contact.hpp"
@@ -9,12 +9,12 @@
 namespace hardlimit::boxes {
 
 struct DeepestImpact {
-    double bound = 0.0;              // the largest so far, over the smaller radius
+    double bound = 0.0;              // largest bound so far, over the smaller radius
     double compression = math::nan;  // of the impacts solved, over the smaller radius
-    bool too_deep = false;           // beyond deepest_compression
+    bool too_deep = false;           // beyond deepest_compression: the run ends
 };
 
-// `radius`: the smaller one [m].
+// radius: of the smaller body [m].
 template <class Law>
 void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, double radius) {
     constexpr int p = Law::onset_power;

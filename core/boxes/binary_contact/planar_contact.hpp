@@ -1,6 +1,5 @@
-// The isolated contact of two spheres in the plane of their approach, of any law (P. Müller and T. Pöschel, Phys.
-// Rev. E
-// 87, 033301 (2013)). r is the distance of the centres, l that at touch, ξ = l − r the compression, h = l v_t:
+// The isolated contact of two spheres in the plane of their approach, for any law (P. Müller and T. Pöschel, Phys. Rev.
+// E 87, 033301 (2013)). r is the distance of the centres, l that at touch, ξ = l − r the compression, h = l v_t:
 //   ξ̈ = −F(ξ, ξ̇)/m_eff − h²/r³ + g,   θ̇ = h/r²,   ξ = 0, ξ̇ = v_n at touch,
 // until F = 0. θ is the angle by which the line of centres has turned. At a wall the distance is infinite: nothing
 // turns, and g is the acceleration that presses the body against the wall. Between two bodies common gravity drops out.
@@ -8,18 +7,18 @@
 // Units: length L, speed V, time L/V, so that a contact 1e-8 l deep keeps its digits. With ξ = L X, c = v_t² L/(l V²),
 // λ = L/l, f = F L/(m_eff V²) and w = 1 − λX:
 //   dU/dT = −f − c/w³ + gL/V²,   turn = (v_t/V) λ (T + λ J),   dJ/dT = X (2 − λX)/w².
-// L is the depth of an elastic impact at v_n, divided by 1 + c, because c alone would turn the motion around at
-// 1/(2c): a contact that the path leaves before any force acts is as well scaled as a head-on one.
+// L is the depth of an elastic impact at v_n, divided by 1 + c, because c alone would reverse the motion at 1/(2c). So
+// a grazing contact, which ends before any force acts, is as well scaled as a head-on one.
 //
 // Order. A force like ξ^{3/2} has a singular derivative at touch. With X = σ^p, p = Law::onset_power, and dT =
 // σ^{p−1} dτ the equations have none: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which the
 // solution is smooth.
 //
-// The end is where the law says that the force ends (law.hpp). While bodies separate without a force r̈ = h²/r³ >=
-// 0, and the slack never falls: such a contact does not begin again. Between two bodies ξ̈ < 0 throughout, so that
-// it always ends. At a wall gravity may hold a contact closed. Once it is compressed anew it never ends: the orbit
-// in the plane of (ξ, ξ̇) stays inside the loop it has drawn, and the line of zero force, which begins at the
-// origin, does not enter there.
+// The contact ends where the law says that the force ends (law.hpp). While bodies separate without a force, r̈ = h²/r³
+// >= 0 and the slack does not fall, so that the contact does not begin again. Between two bodies ξ̈ < 0 throughout, and
+// the contact always ends. At a wall gravity may hold a contact closed. Once the compression rises again, the contact
+// never ends: the orbit in the plane of (ξ, ξ̇) stays inside the loop it has drawn, which the line of zero force, from
+// the origin, does not enter.
 #pragma once
 #include "../../base/dormand_prince.hpp"
 #include "../../base/outcome.hpp"
@@ -37,18 +36,18 @@ struct Approach {
     double gravity = 0.0;           // that presses a body against a wall [m/s²]
 };
 
-// The energy of a slower one may be too small for a number [m/s].
+// The energy of a slower approach may underflow [m/s].
 inline constexpr double slowest_approach = 1e-100;
 
-// The end of a contact. Where there is none (`outcome`) the numbers are NaN, but for the greatest compression at rest.
+// The end of a contact. If it does not end (`outcome`), the numbers are NaN, except the greatest compression at rest.
 struct PlanarContact {
     Outcome outcome;
     double duration;          // from touch to zero force [s]; infinite if the contact never ends
     double turn;              // of the line of centres [rad]
     double compression;       // that is left when the force has ended [m]
     double radial_speed;      // at which the bodies separate along the line of centres [m/s]
-    double tangential_speed;  // across it [m/s]
-    double speed_loss;        // normal_speed − radial_speed [m/s], with its own digits
+    double tangential_speed;  // perpendicular to it [m/s]
+    double speed_loss;        // normal_speed − radial_speed [m/s], without cancellation
     double rate_square;       // ∫ (dξ/dt)² dt [m²/s]: the virial needs it
     double greatest;          // compression [m]
 };
@@ -61,7 +60,7 @@ struct PlanarState {
     double turn;         // [rad]
 };
 
-// Angular momentum is kept.
+// From the conservation of angular momentum.
 HL_FN double tangential_speed(const Approach& a, double compression) {
     return a.distance == math::infinity ? a.tangential_speed
                                         : a.tangential_speed * (a.distance / (a.distance - compression));
@@ -102,14 +101,14 @@ struct PlanarMotion {
         gravity = a.gravity * length / speed / speed;
     }
 
-    static constexpr double faint_pull = 1e-30;  // in units of V²/L: no weight presses deeper than the impact
+    static constexpr double faint_pull = 1e-30;  // in units of V²/L; a smaller weight does not count
     static double power(double s) { return math::power<p>(s); }
 
     void operator()(const double* y, double* dy) const {
         const double s = root * y[root_depth], closing = speed * y[rate];
         const double x = power(y[root_depth]), clock = math::power<p - 1>(y[root_depth]);
         const double force = force_unit * law->force(s, closing);
-        const double damping = force - force_unit * law->force(s, 0.0);  // exactly zero where none is
+        const double damping = force - force_unit * law->force(s, 0.0);  // exactly zero without damping
         const double inverse = 1.0 / (1.0 - ratio * x), inverse2 = inverse * inverse;
         dy[root_depth] = y[rate] * (1.0 / p);
         dy[rate] = -clock * ((force + swing * (inverse2 * inverse)) - gravity);
@@ -119,8 +118,8 @@ struct PlanarMotion {
         dy[square] = clock * (y[rate] * y[rate]);
     }
 
-    // Falls to zero where the force ends, with its derivative in τ. Written as a simple zero also for a contact
-    // that ends at ξ = 0.
+    // Function that falls to zero where the force ends, and its derivative in τ. A simple zero also for a contact that
+    // ends at ξ = 0.
     struct Surface {
         double value, slope;
     };
@@ -141,8 +140,8 @@ struct PlanarMotion {
         return {y[time] * (length / speed), length * x, speed * y[rate], turned};
     }
 
-    // The end as the law states it, the state there being known to rounding. The speed of separation follows from
-    // the balance of energy: an undamped contact returns all of it, to the last bit.
+    // The end, from the state there. The speed of separation follows from the balance of energy, so that an undamped
+    // contact returns all energy to the last bit.
     PlanarContact finish(const double* y) const {
         const PlanarState at = state(y);
         const double left = math::max(law->slack(at.rate).depth, 0.0), x = left / length;
@@ -168,7 +167,7 @@ struct PlanarMotion {
     }
 
 private:
-    // A slow body is accelerated by its weight, and pressed deeper than its speed alone would press it.
+    // Weight accelerates a slow body, and presses it deeper than its speed alone would.
     void rescale_under_gravity(const Law& of) {
         const double weight = approach.effective_mass * approach.gravity;
         const auto mean_force = [&](double s) { return of.energy(s) / power(s); };
@@ -184,15 +183,14 @@ public:
     static constexpr double tolerance = 1e-14;  // relative, of one step
     // In τ. A force of a high power of σ begins so slowly that the estimator does not see the error.
     static constexpr double longest_step = 0.2;
-    static constexpr double deepest = 0.5;  // of the distance: there a contact of two bodies is given up
+    static constexpr double deepest = 0.5;  // share of the distance at which a contact is too deep
     static constexpr long most_steps = 1'000'000;
-    static constexpr double strong_pull = 1e17;  // beside which the force of a contact is rounding
-    static constexpr double resting_part =
-        1e-10;  // of speed and weight: what is left of a motion that dies away
+    static constexpr double strong_pull = 1e17;    // gravity off the wall, beside which forces are rounding
+    static constexpr double resting_part = 1e-10;  // share of speed and weight below which a body is at rest
 
     PlanarRun(const Law& law, const Approach& approach) : motion_(law, approach) {}
 
-    // Whether every number makes sense.
+    // Whether all numbers are in range.
     static bool accepts(const Approach& a) {
         const double fastest = math::max(a.normal_speed, a.tangential_speed);
         return a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
@@ -202,7 +200,7 @@ public:
 
     const PlanarMotion<Law>& motion() const { return motion_; }
 
-    // visit(*this) after every interval: from begin(), of the length length() in τ, to end().
+    // Calls visit(*this) after every step, whose states at() gives.
     template <class Visit>
     PlanarContact integrate(Visit&& visit) {
         if (motion_.gravity < -strong_pull) return pulled_off();
@@ -235,7 +233,7 @@ public:
         return without_end(Outcome::unresolved);
     }
 
-    // Gravity leads away from the wall, and turns the body around before any force acts.
+    // Gravity away from the wall reverses the body before any force acts.
     PlanarContact pulled_off() const {
         const Approach& a = motion_.approach;
         const double speed = a.normal_speed, duration = 2.0 * speed / -a.gravity;
@@ -259,7 +257,7 @@ public:
     double begin_time() const { return begin_[M::time] * time_unit(); }
     double end_time() const { return end_[M::time] * time_unit(); }
 
-    // A state of the interval just integrated, at a time [s] within it; Newton's method on T(τ), which rises.
+    // The state at a time [s] within the step just taken, by Newton's method on T(τ), which rises.
     PlanarState at(double time) {
         const double wanted = time / time_unit();
         if (wanted == begin_[M::time]) return motion_.state(begin_);
@@ -296,7 +294,7 @@ private:
     }
     double time_unit() const { return motion_.length / motion_.speed; }
 
-    // Pressed by its weight from near rest, a body begins so slowly that its steps must grow with its motion.
+    // A body that its weight presses from near rest begins so slowly that steps must grow with its motion.
     double longest() const {
         if (!(motion_.gravity > 0.0)) return longest_step;
         const double motion = math::max(math::abs(end_[M::rate]), math::abs(end_[M::root_depth]));
@@ -318,14 +316,14 @@ private:
         return true;
     }
 
-    // Where a body creeps to rest, the rounding of the forces that balance is no error of the step.
+    // While a body creeps to rest, the rounding of the balanced forces is no error of the step.
     double rounding_of_rate() const {
         const double clock = math::power<M::p - 1>(begin_[M::root_depth]);
         return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
     }
 
-    // The greatest compression [m], in the step just taken: where the rate falls through zero, by Newton's method. It
-    // hardly changes near there, so that the square of what is left of the rate is the error.
+    // The greatest compression [m] in the step just taken, where the rate is zero, by Newton's method. Its error is of
+    // second order in the rate that is left.
     double compression_at_rest() {
         double x = length_ * (begin_[M::rate] / (begin_[M::rate] - end_[M::rate]));
         double at[n], slope[n];
@@ -353,7 +351,7 @@ private:
         length_ = at;
     }
 
-    // The zero of the end's surface in (0, up], where it is below zero: Newton's method in a bracket.
+    // Locates the end in (0, up] by Newton's method in a bracket; the function is below zero at up.
     void locate(double up) {
         double low = 0.0, x = length_;
         probe(x);
@@ -368,8 +366,8 @@ private:
         }
     }
 
-    // Under gravity a body may turn around within a step: whether the force has ended before. Follows the minimum
-    // of the end's surface by the sign of its slope.
+    // Whether the force has ended within a step in which gravity reverses the body. Bisects for the minimum of the end
+    // function by the sign of its slope.
     bool dips() {
         const double whole = length_;
         double low = 0.0, up = whole;
@@ -386,7 +384,7 @@ private:
         return false;
     }
 
-    // Gravity holds the contact closed: it is compressed anew, or what is left of its motion dies away.
+    // Whether gravity holds the contact closed: the compression rises again, or the motion has died away.
     bool rests() const {
         if (begin_[M::rate] < 0.0 && end_[M::rate] >= 0.0) return true;
         const double clock = math::power<M::p - 1>(end_[M::root_depth]);
@@ -395,9 +393,9 @@ private:
     }
 };
 
-// The contact from touch to its end. `invalid` where PlanarRun::accepts refuses it, `too_deep` where the centres come
-// nearer than half of their distance at touch. An approach slower than slowest_approach is that at this speed, with all
-// speeds and lengths in proportion.
+// Solves the contact from touch to its end. The outcome is `invalid` if PlanarRun::accepts refuses it, and `too_deep`
+// if the centres come closer than half of their distance at touch. An approach slower than slowest_approach is solved
+// at that speed, and scaled in proportion.
 template <class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
     if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
@@ -413,7 +411,7 @@ PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
     return end;
 }
 
-// The pair a time [s] after the end of a contact: straight, at a wall the parabola.
+// The state in free flight at a time [s] after the end of a contact: straight, at a wall on a parabola.
 HL_FN PlanarState fly_on(const Approach& a, const PlanarContact& end, double time) {
     const double t = time - end.duration;
     if (a.distance == math::infinity) {
@@ -428,8 +426,8 @@ HL_FN PlanarState fly_on(const Approach& a, const PlanarContact& end, double tim
             end.turn + math::atan2_upper(across, along)};
 }
 
-// The true state of the pair at `count` times [s] after touch, in rising order: during the contact and after it. NaN
-// where the contact is refused, and from where it is known to last for ever.
+// The states at `count` times [s] after touch, in rising order, during the contact and after it. NaN if the contact is
+// refused, and from the time at which it is known to last for ever.
 template <class Law>
 PlanarContact sample_planar_contact(const Law& law, const Approach& approach, const double* times, long count,
                                     PlanarState* states) {

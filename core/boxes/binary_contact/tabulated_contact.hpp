@@ -1,11 +1,11 @@
-// The contact of planar_contact.hpp for the millions of contacts of an event-driven run: read from polynomials that
-// are fitted to that solver, as accurate as `accuracy` says, in some 0.2 µs.
+// The contact of planar_contact.hpp for the millions of contacts of an event-driven run: evaluated from polynomials
+// that are fitted to that solver to the accuracy stated below, in some 0.2 µs.
 //
 // What a contact depends on. Let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D
 // the damping force at the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar`
-// (law.hpp) the contact, in units of its own speed and depth, depends on v_n/v_l, on D and on v_t/v_n, whatever the
-// bodies. Where D is one for all pairs (equal bodies; a law whose restitution is given) there are two variables,
-// else three. A law that is not similar has polynomials for one kind of pair only.
+// (law.hpp) the contact, in units of its own speed and depth, depends only on v_n/v_l, D and v_t/v_n, whatever the
+// bodies. If D is the same for all pairs (equal bodies; a law whose restitution is given) there are two variables,
+// otherwise three. A law that is not similar has polynomials for one kind of pair only.
 //
 // Variables. ln(v_n/v_l)², ln D, and for the direction κ = λ v_t²/v_n², the centrifugal acceleration in units of
 // that of an elastic impact, λ ≈ its depth in units of l: y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs
@@ -16,13 +16,13 @@
 // duration, compression left, 1 − radial speed/v_n, and how much faster than v_t/l the pair has turned. An undamped
 // contact has zeros for the second and the third, and loses nothing.
 //
-// A cell is fitted when it is first asked for, and compared with the solver between the nodes; a cell that misses
-// the accuracy is not used. Of two variables there are several sets of cells, which differ in how many speeds a cell
-// holds: slow contacts depend on their speed so little that one wide cell serves, and where that misses the accuracy
-// narrow ones do. Where λ = v_n/v_l exactly, as under a linear law, the contact depends on λ smoothly down to 0: then λ
-// itself is the variable of the first set, and one cell holds all slow ones. Where no cell serves, beyond the cells,
-// at a wall across gravity and for pairs of another kind the solver itself answers. What a call returns depends on its
-// arguments and those of the constructor alone, not on the calls before.
+// A cell is fitted when it is first needed, and compared with the solver between the nodes; a cell that misses the
+// accuracy is not used. With two variables there are several sets of cells of different widths in speed: slow contacts
+// depend so little on their speed that one wide cell suffices; if it misses the accuracy, narrow ones are used. If λ =
+// v_n/v_l exactly, as under a linear law, the contact depends on λ smoothly down to 0: then λ is the variable of the
+// first set, and one cell covers all slow contacts. Where there is no cell, at a wall across gravity and for pairs of
+// another kind, the solver is called. The result depends only on the arguments of the call and of the constructor, not
+// on earlier calls.
 #pragma once
 #include <memory>
 #include <type_traits>
@@ -33,7 +33,7 @@
 
 namespace hardlimit::boxes {
 
-// The law with its damping multiplied. The damping force is proportional to the rate.
+// A law with its damping multiplied by a factor. The damping force is proportional to the rate.
 template <class Law>
 struct DampedMore {
     static constexpr int onset_power = Law::onset_power;
@@ -49,7 +49,7 @@ struct DampedMore {
     }
 };
 
-// `virial`: ∫ (dξ/dt)² dt and the greatest compression as well, which costs half as much again; NaN without.
+// `virial`: also gives ∫ (dξ/dt)² dt and the greatest compression, which are NaN otherwise; takes half as long again.
 template <class Law, bool virial = false>
 class SoftContacts {
 public:
@@ -57,7 +57,7 @@ public:
 
     using ReadCell = void (*)(const void* cell, const double* x, double* values);
 
-    // For pairs like this one; `damping_varies` where D is not one for all pairs. `reads`: a copy of read_wide_cell.
+    // For pairs like this one. `damping_varies`: D differs between pairs. `reads`: a version of read_wide_cell.
     SoftContacts(const Law& law, double effective_mass, double distance, bool damping_varies,
                  ReadCell reads = nullptr)
         : law_(law),
@@ -77,7 +77,7 @@ public:
         }
     }
 
-    // D of a pair, by which a caller finds out whether it varies.
+    // D of a pair: the caller finds out whether it varies.
     static double damping(const Law& law, double effective_mass, double distance) {
         return reduce(law, effective_mass, distance).damping;
     }
@@ -140,12 +140,12 @@ private:
     template <class Cell>
     struct Slot {
         std::unique_ptr<Cell> cell;
-        bool asked = false;
+        bool tried = false;  // whether the fit has been tried
     };
     struct Level {
         double width, per_width;  // of a cell of speeds, in ln v_n², or in λ
         int cells;                // of them
-        double error;             // in units of the accuracy, that is admitted where it is looked for
+        double error;             // admitted at the test points, in units of the accuracy
         bool of_depths;           // the variable is λ = v_n/v_l
         std::vector<Depth> depths;
         std::vector<double> bends;     // [cells or cells × dampings] b; 0 where not yet known
@@ -177,7 +177,7 @@ private:
         made.flat.resize(cells * slants);
         return made;
     }
-    // Whether an elastic impact is as deep as it is fast.
+    // Whether the depth of an elastic impact is proportional to its speed.
     bool depth_grows_with_speed() const {
         for (const double speed2 : {0.1, 1e-9})
             if (!(math::abs(elastic_depth(speed2) / math::sqrt(speed2) - 1.0) < 1e-12)) return false;
@@ -208,14 +208,14 @@ private:
         const double b = (1.0 / 24.0 + g * (1.0 / 120.0)) + g2 * (1.0 / 720.0 + g * (1.0 / 5040.0));
         return a + g4 * (b + g4 * (1.0 / 40320.0 + g * (1.0 / 362880.0)));
     }
-    // λ, which only has to be near the depth. What is off leaves the functions as smooth as they are.
+    // λ need only be close to the depth: an error does not make the functions less smooth.
     static double depth_at(const Level& level, const Place& speed) {
         if (level.of_depths) return level.width * (speed.cell + 0.5 * (speed.x + 1.0));
         const Depth& depth = level.depths[speed.cell];
         return depth.middle * near_exp(depth.growth * speed.x);
     }
 
-    // Head-on nothing depends on l, so that for a wall any will do.
+    // A head-on contact does not depend on l, so that any length serves at a wall.
     double length_of(const Approach& a) const {
         return a.distance == math::infinity ? distance_ : a.distance;
     }
@@ -235,7 +235,7 @@ private:
             if (values[i] != values_[i]) return false;
         return true;
     }
-    // Whether the polynomials are those of another pair as well.
+    // Whether the polynomials hold for this other pair.
     bool covers(const Reduced& reduced) const {
         return similar && (varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping);
     }
@@ -251,7 +251,7 @@ private:
     static Place damping_of(const Reduced& reduced) {
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
     }
-    // Without a Place in it, which would be copied as a whole where its parts have just been written.
+    // Without a Place as a member: copying it as a whole just after its parts are written would stall.
     struct Slant {
         int cell;
         double x;
@@ -349,13 +349,13 @@ private:
     // Whether there is a cell.
     template <class Cell>
     bool fitted(Slot<Cell>& slot, const Level& level, const Places& at) const {
-        if (!slot.asked) fit(slot, level, at);
+        if (!slot.tried) fit(slot, level, at);
         return slot.cell != nullptr;
     }
     template <class Cell>
     void fit(Slot<Cell>& slot, const Level& level, const Places& at) const {
         constexpr int dims = Cell::dimensions;
-        slot.asked = true;
+        slot.tried = true;
         std::vector<Values> values(Cell::grid);
         for (int i = 0; i < Cell::grid; ++i) {
             if (!Cell::wanted(i)) continue;
@@ -369,7 +369,7 @@ private:
         if (holds(cell, level, at)) slot.cell = std::make_unique<Cell>(cell);
     }
 
-    // Whether the polynomials are as accurate as they have to be: near the corners, where they are worst, and inside.
+    // Whether the polynomials are accurate enough: near the corners, where they are worst, and inside.
     template <class Cell>
     bool holds(const Cell& cell, const Level& level, const Places& at) const {
         constexpr int dims = Cell::dimensions, corners = 1 << dims;

@@ -1,6 +1,7 @@
-// A run as bytes, and back: everything that decides what comes next, so that a loaded run goes on with the same bits.
+// Checkpoints: a run as bytes, and back. They hold the whole state, so that a loaded run goes on with the same bits.
 #pragma once
 #include <cstring>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -8,9 +9,9 @@
 
 namespace hardlimit::boxes {
 
-inline constexpr char archive_mark[16] = "hardlimit box 4";
+inline constexpr char archive_mark[16] = "hardlimit box 5";
 
-// FNV-1a over words of eight bytes: tells a damaged file from a whole one.
+// FNV-1a over words of eight bytes, which detects damaged files.
 HL_FN u64 checksum(const char* data, std::size_t n) {
     u64 sum = 0xcbf29ce484222325ULL;
     for (std::size_t i = 0; i < n; i += 8) {
@@ -24,7 +25,10 @@ HL_FN u64 checksum(const char* data, std::size_t n) {
 
 class Writer {
 public:
-    Writer() : bytes_(archive_mark, archive_mark + sizeof archive_mark) {}
+    // For a run of this engine.
+    explicit Writer(std::string_view engine) : bytes_(archive_mark, archive_mark + sizeof archive_mark) {
+        (*this)(std::vector<char>(engine.begin(), engine.end()));
+    }
 
     template <class T>
     void operator()(const T& value) {
@@ -52,20 +56,23 @@ private:
     }
 };
 
-// Reads nothing beyond the end: whole() before, and failed() after, tell what was amiss.
+// Never reads beyond the end: whole() says before, and failed() after, whether the bytes are good.
 class Reader {
 public:
     Reader(const char* data, std::size_t n) : data_(data), n_(n) {}
 
-    // Whether this is an archive, complete and undamaged.
-    bool whole() {
+    // Whether this is an archive of a run of this engine, complete and undamaged.
+    bool whole(std::string_view engine) {
         if (n_ < sizeof archive_mark + 8 || std::memcmp(data_, archive_mark, sizeof archive_mark) != 0)
             return false;
         u64 sum;
         std::memcpy(&sum, data_ + n_ - 8, 8);
         n_ -= 8;
         at_ = sizeof archive_mark;
-        return sum == checksum(data_, n_);
+        if (sum != checksum(data_, n_)) return false;
+        std::vector<char> found;
+        (*this)(found);
+        return !failed_ && std::string_view(found.data(), found.size()) == engine;
     }
     bool failed() const { return failed_; }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "../../base/math.hpp"
+#include "box.hpp"
 #include "storage.hpp"
 
 namespace hardlimit::boxes {
@@ -15,6 +16,9 @@ inline constexpr Double4 double4(double x, double y, double z, double w) { retur
 
 // Of the first three components.
 inline double dot(Double4 a, Double4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
+inline Double4 cross(Double4 a, Double4 b) {
+    return Double4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0};
+}
 
 // The same memory as plain numbers, four for each.
 inline double* as_doubles(Records<Double4>& of) { return reinterpret_cast<double*>(of.data()); }
@@ -22,17 +26,9 @@ inline const double* as_doubles(const Records<Double4>& of) {
     return reinterpret_cast<const double*>(of.data());
 }
 
-// A box in two or three dimensions: edges from 0 [m], periodic axes, gravity [m/s²]. In two dimensions z is 0.
-struct Box3 {
-    int dimension;
-    double edge[3];
-    bool periodic[3];
-    double gravity[3];
-
-    bool wraps(int axis) const { return axis < dimension && periodic[axis]; }
-    bool walled(int axis) const { return axis < dimension && !periodic[axis]; }
-    Double4 pull() const { return Double4{gravity[0], gravity[1], gravity[2], 0.0}; }
-};
+inline Double4 gravity_of(const Box& box) {
+    return Double4{box.gravity[0], box.gravity[1], box.gravity[2], 0.0};
+}
 
 // Acceleration by contacts at the last two steps. Few bodies are in contact at a time, so entries are not cleared: an
 // entry holds only at step `step` and, as `before`, at the next one.
@@ -67,12 +63,15 @@ struct BodyTag {
     std::int32_t image_flags[3];   // how many times the body has crossed the box along each periodic axis
 };
 
-// Bodies in the order of their cells.
+// Bodies in the order of their cells. What only friction needs is empty without it.
 struct Bodies {
     Records<Double4> position;                  // [N] x, y, z [m] in the box, radius [m]
     Records<Double4> velocity;                  // [N] velocity [m/s], 1/mass [1/kg]
     Records<BodyTag> tag;                       // [N]
     Records<ContactAcceleration> acceleration;  // [N]
+
+    Records<Double4> spin;  // angular velocity [rad/s], 1/moment of inertia [1/(kg m²)]
+    Records<ContactAcceleration> angular_acceleration;  // [rad/s²]
 
     std::size_t count() const { return position.size(); }
 };

@@ -1,31 +1,91 @@
-// The box: from 0 to L along each axis, periodic or between two walls.
+// The box: its edges, what bounds each axis, gravity. Everything that depends on the boundaries is asked here, so that
+// another boundary (a moving wall, sheared images) is another case of these functions.
 #pragma once
-#include "particle.hpp"
+#include <cstdint>
+#include <vector>
+
+#include "../../base/math.hpp"
 
 namespace hardlimit::boxes {
 
-template <int d>
-struct Box {
-    double edge[d];     // L [m]
-    bool periodic[d];   // else walls at 0 and at L
-    double gravity[d];  // acceleration [m/s²]
+// A wall, by the number under which logs and results name it: −1 − 2·axis at 0, −2 − 2·axis at the far edge. So the
+// second partner of a contact is a particle (≥ 0) or a wall (< 0). 0: no wall.
+struct WallId {
+    std::int32_t number = 0;
 
-    bool falls() const {
-        bool any = false;
-        for (int k = 0; k < d; ++k) any = any || gravity[k] != 0.0;
-        return any;
-    }
-    double volume() const {
-        double product = 1.0;
-        for (int k = 0; k < d; ++k) product *= edge[k];
-        return product;
+    static constexpr WallId at(int axis, bool high) { return {-1 - 2 * axis - (high ? 1 : 0)}; }
+    // Of the second partner of a contact; no wall where that is a particle.
+    static constexpr WallId of(i64 second) { return {second < 0 ? static_cast<std::int32_t>(second) : 0}; }
+    constexpr explicit operator bool() const { return number < 0; }
+    constexpr int axis() const { return (-1 - number) / 2; }
+    constexpr bool high() const { return (-1 - number) % 2 != 0; }
+    constexpr bool operator==(const WallId&) const = default;
+};
+
+enum class Boundary : int {
+    none,  // no such axis
+    periodic,
+    wall,
+};
+
+struct Wall {
+    WallId id;
+    double place;  // [m]
+
+    constexpr double position(double /*time*/) const { return place; }
+    static constexpr double velocity(double /*time*/) { return 0.0; }
+    // Along its axis: the direction into the box, and how far a place in the box is away [m].
+    constexpr double inward() const { return id.high() ? -1.0 : 1.0; }
+    constexpr double distance(double x, double time) const {
+        return id.high() ? position(time) - x : x - position(time);
     }
 };
 
-// The shorter way between two places along a periodic axis.
-HL_FN double nearest_image(double distance, double edge) {
-    return distance - edge * math::round_small(distance / edge);
-}
+// From 0 to L along each axis.
+struct Box {
+    int dimension = 3;
+    double edge[3] = {};  // L [m]; 0 along an axis that does not exist
+    Boundary boundary[3] = {};
+    double gravity[3] = {};  // acceleration [m/s²]
+
+    bool wraps(int axis) const { return boundary[axis] == Boundary::periodic; }
+    bool walled(int axis) const { return boundary[axis] == Boundary::wall; }
+    bool any_wall() const { return walled(0) || walled(1) || walled(2); }
+    bool falls() const { return gravity[0] != 0.0 || gravity[1] != 0.0 || gravity[2] != 0.0; }
+    double volume() const {
+        double product = 1.0;
+        for (int k = 0; k < dimension; ++k) product *= edge[k];
+        return product;
+    }
+
+    // Of an axis between walls.
+    constexpr Wall wall(int axis, bool high) const {
+        return {WallId::at(axis, high), high ? edge[axis] : 0.0};
+    }
+    constexpr Wall wall(WallId id) const { return wall(id.axis(), id.high()); }
+    std::vector<Wall> walls() const {
+        std::vector<Wall> all;
+        for (int axis = 0; axis < dimension; ++axis)
+            if (walled(axis)) all.push_back(wall(axis, false)), all.push_back(wall(axis, true));
+        return all;
+    }
+
+    // A particle that has left the box `flags` times through the far side of this axis (image flag, negative: through
+    // the side at 0): what is added to its position in the box to get that on its continuous path [m].
+    double image_shift(int axis, int flags) const { return flags * edge[axis]; }
+    // The same for its velocity: images move with the particle.
+    static constexpr double image_velocity(int /*axis*/, int /*flags*/) { return 0.0; }
+    // The shortest distance of two images along a periodic axis, from their distance in the box [m].
+    double nearest_image(double distance, int axis) const {
+        return distance - edge[axis] * math::round_small(distance / edge[axis]);
+    }
+    // The place inside the box of one along a continuous path [m].
+    double folded(double x, int axis) const {
+        if (!wraps(axis)) return x;
+        x = nearest_image(x, axis);
+        return x < 0.0 ? math::min(x + edge[axis], edge[axis]) : x;
+    }
+};
 
 HL_FN int floor_of(double x) {
     const int toward_zero = static_cast<int>(x);
@@ -37,32 +97,6 @@ double dot(const double (&a)[d], const double (&b)[d]) {
     double sum = a[0] * b[0];
     for (int k = 1; k < d; ++k) sum += a[k] * b[k];
     return sum;
-}
-
-// Where a particle is `after` its last collision.
-template <Motion motion, int d>
-double position_after(const Particle<d>& p, int k, double after, const Box<d>& box) {
-    if constexpr (motion == Motion::falling)
-        return p.position[k] + after * (p.velocity[k] + (0.5 * box.gravity[k]) * after);
-    else
-        return p.position[k] + after * p.velocity[k];
-}
-template <Motion motion, int d>
-double velocity_after(const Particle<d>& p, int k, double after, const Box<d>& box) {
-    if constexpr (motion == Motion::falling)
-        return p.velocity[k] + box.gravity[k] * after;
-    else
-        return p.velocity[k];
-}
-
-template <Motion motion, int d>
-void advance(Particle<d>& p, double time, const Box<d>& box) {
-    const double after = time - p.time;
-    for (int k = 0; k < d; ++k) {
-        p.position[k] = position_after<motion>(p, k, after, box);
-        p.velocity[k] = velocity_after<motion>(p, k, after, box);
-    }
-    p.time = time;
 }
 
 }  // namespace hardlimit::boxes

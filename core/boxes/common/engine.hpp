@@ -1,76 +1,99 @@
-// What every engine of a box offers, whatever its dimension, particles and rule.
+// The interface of all engines that simulate a box of particles.
 #pragma once
 #include <cstddef>
-#include <memory>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "../../base/outcome.hpp"
 #include "../../base/stop.hpp"
-#include "../hard_spheres/accumulators.hpp"
-#include "../hard_spheres/rules/rules.hpp"
-#include "../kernels/interface.hpp"
+#include "box.hpp"
 
 namespace hardlimit::boxes {
 
-// A system as the user gives it: arrays of n, or n·d, row by row. Checked before an engine is made of it.
-struct Setting {
-    int dimension;
-    std::size_t n;
-    const double* position;  // [m], 0 ≤ x ≤ L
-    const double* velocity;  // [m/s]
-    const double* radius;    // [m]
-    const double* mass;      // [kg]
-    double edge[3];          // [m]
-    bool periodic[3];
-    double gravity[3];                           // [m/s²]
-    const hardlimit_abi::TouchKernels* kernels;  // for the processor at hand
+// A box of particles as the user gives it: arrays of n, or n·d, particle by particle.
+struct System {
+    Box box;
+    std::size_t n = 0;
+    const double* position = nullptr;  // [m], 0 ≤ x ≤ L
+    const double* velocity = nullptr;  // [m/s]
+    const double* radius = nullptr;    // [m]
+    const double* mass = nullptr;      // [kg]
+
+    double packing_fraction() const {
+        double filled = 0.0;
+        for (std::size_t i = 0; i < n; ++i)
+            filled += (box.dimension == 3 ? 4.0 / 3.0 * radius[i] : 1.0) * math::pi * radius[i] * radius[i];
+        return filled / box.volume();
+    }
 };
 
-// Collisions in the order of time.
-struct Log {
-    std::vector<double> time;  // [s]
-    std::vector<i64> first, second;
-    std::vector<double> impact_speed, separation_speed;  // [m/s]
-};
-
+// Sums over the box at one instant; times count from the start of the run.
 struct Observation {
-    double kinetic_energy, potential_energy;  // [J]
-    double momentum[3];                       // [kg m/s]
-    double dissipated_energy;                 // by collisions so far [J]
-    double virial;                            // Σ r·Δp of pair collisions so far [J s]
-    double kinetic_integral;                  // ∫ Σ m v'² dt so far [J s]
+    double kinetic_energy = 0.0, potential_energy = 0.0;  // [J]
+    double contact_energy = 0.0;                          // elastic, of all contacts [J]
+    double momentum[3] = {};                              // [kg m/s]
+    double dissipated_energy = 0.0;                       // so far [J]
+    double virial = 0.0;                     // ∫ Σ r·F dt of pairs, Σ r·Δp of collisions, so far [J s]
+    double kinetic_integral = math::nan;     // ∫ Σ m v'² dt so far [J s], v' relative to the mean
+    double largest_compression = math::nan;  // over the smaller radius, so far; NaN without a law
+    u64 begun = 0, pairs = 0;                // contacts so far; those of two particles
+    u64 ended = 0, overlapped = 0;  // contacts that ended; those that shared a particle with another contact
+    u64 in_contact = 0;             // contacts that last now
 };
 
-struct Counts {
-    i64 pairs, walls, elastic_by_tc, soft, soft_third_body;
+// One row of the log. A collision of hard spheres begins and ends at the same instant.
+struct ContactRecord {
+    double begin, end;                      // [s]; end is NaN while the contact is open
+    std::int32_t first, second;             // particle; particle, or number of a wall (WallId)
+    double impact_speed, separation_speed;  // [m/s]; NaN where not known
+    bool overlapped;                        // a body had another contact at the same time
 };
 
-// Of a run that ended before it was to: the collision at which it did.
+// A number that an engine knows of its own work.
+struct Statistic {
+    const char* name;
+    double value;
+};
+
+// Where a run ended before its time.
 struct EarlyEnd {
-    double time;  // [s]; NaN of others
-    i64 first, second;
+    double time = math::nan;     // [s]
+    std::vector<i64> particles;  // of the contact or group, or the one that moved too fast; ascending
+    WallId wall;                 // of the contact, if any
 };
 
 class Engine {
 public:
     virtual ~Engine() = default;
 
-    // To `until` [s], or to the instant of row number `most_rows` of the log (0: no limit), or until `stop`.
-    virtual void advance(double until, i64 most_rows, Stop& stop) = 0;
-    virtual double time() const = 0;
-    virtual i64 events() const = 0;  // since it was made or loaded: collisions, cell crossings, predictions
-    virtual Counts counts() const = 0;
+    // Advances to `until` [s]. Pauses on the way once it has done so much work, counted from here in the unit of the
+    // engine (a collision, an event, a step), or when `stop` says so; an advance to the same time goes on with the same
+    // bits. `threads`: where an engine can use several.
+    virtual void advance(double until, u64 most_work, int threads, Stop& stop) = 0;
+    virtual bool paused() const = 0;
+    virtual double time() const = 0;  // [s]
     virtual Outcome outcome() const = 0;
-    virtual EarlyEnd early_end() const = 0;
-    // Of all contacts so far as the law has them, over the smaller radius, with that at which the run ended; NaN
-    // without a law or a collision.
-    virtual double largest_compression() const = 0;
+    virtual EarlyEnd early_end() const = 0;  // where the outcome is not ok
+
+    // What is known without computing: work done so far, contacts begun and rows of the log.
+    virtual u64 work() const = 0;
+    virtual u64 contacts() const = 0;
+    virtual u64 logged() const = 0;
+    virtual std::vector<Statistic> statistics() const = 0;
+
     // n·d values each, in the user's order; positions along continuous paths, not folded into the box.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;
-    virtual Log take_log() = 0;
+    virtual bool contacts_last() const = 0;             // or are collisions: what the log holds of them
+    virtual std::vector<ContactRecord> take_log() = 0;  // rows since the last call
+    virtual std::vector<ContactRecord> open_contacts() const = 0;  // those that are in no log yet
+    // The largest share that a body uses of the space around it in which others look for it, now and at so many
+    // instants to come: at most 1. For tests.
+    virtual double safety_used(int /*instants*/) const { return 0.0; }
+
     virtual std::vector<char> save() const = 0;
-    virtual std::size_t bytes() const = 0;
+    virtual std::size_t bytes() const = 0;  // of memory, about
     virtual int dimension() const = 0;
     virtual std::size_t size() const = 0;
 };

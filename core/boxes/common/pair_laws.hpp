@@ -1,4 +1,4 @@
-// The law of any two bodies of a box.
+// The contact law of any two bodies of a box.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace hardlimit::boxes {
 
-// Kinds of equal bodies have their laws in a table. Where there are many kinds, a law is made when two bodies touch.
+// A table holds the laws of all pairs of kinds of bodies. With many kinds, a law is made when two bodies touch.
 template <class Law>
 class PairLaws {
 public:
@@ -38,7 +38,7 @@ public:
         }
     }
 
-    // Counts the bodies anew: the one that was number from[i] becomes number i.
+    // Renumbers the bodies: body from[i] becomes body i.
     template <class Numbers>
     void reorder(const Numbers& from) {
         const auto follow = [&](auto& of) {
@@ -56,7 +56,7 @@ public:
         put(first, second, law);
         return law;
     }
-    // The same, written where it stays: what is copied in larger pieces than it was written in has to wait.
+    // The same, written in place: a copy in larger pieces than were written would stall (store forwarding).
     void put(std::int64_t first, std::int64_t second, Law& law) const {
         const std::size_t a = kind(static_cast<std::size_t>(first));
         const std::size_t b = second < 0 ? kinds_.size() : kind(static_cast<std::size_t>(second));
@@ -68,7 +68,7 @@ public:
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
 
-    // Fetches what is read of a body.
+    // Prefetches what is read of a body.
     void fetch(std::size_t i) const {
         if (table_.empty()) return prefetch(kinds_.data() + i);
         if (!kind_.empty()) prefetch(kind_.data() + i);
@@ -80,11 +80,11 @@ private:
 
     int alternative_;
     std::vector<double> parameters_;
-    std::vector<Body> kinds_;          // or all bodies, where there are too many for a table
-    std::vector<std::uint32_t> kind_;  // of each body, where there are several in a table
+    std::vector<Body> kinds_;          // or all bodies, if there are too many kinds for a table
+    std::vector<std::uint32_t> kind_;  // of each body, if a table has several
     std::vector<Law> table_;
 
-    // Where all are alike nothing is read of a body: it would be another cache line.
+    // If all bodies are alike nothing is read of a body, which saves a cache line.
     std::size_t kind(std::size_t i) const {
         if (!kind_.empty()) return kind_[i];
         return kinds_.size() == 1 ? 0 : i;

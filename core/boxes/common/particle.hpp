@@ -1,8 +1,9 @@
-// What is held of one particle, and the events that lie before it.
+// A particle on its way, and its pending events.
 #pragma once
 #include <cstdint>
 
 #include "../../base/math.hpp"
+#include "box.hpp"
 
 namespace hardlimit::boxes {
 
@@ -12,15 +13,15 @@ inline constexpr u32 no_particle = 0xffffffffu;
 // One cache line. A particle keeps the state of its last collision: nothing is advanced before the next one.
 template <int d>
 struct alignas(64) Particle {
-    double position[d];  // [m] at `time`; folded into the box when a border of the box is crossed
+    double position[d];  // [m] at `time`; folded into the box whenever it crosses a periodic border
     double velocity[d];  // [m/s] at `time`
     double time;         // of the last collision [s]; 0 before the first
-    double radius;       // [m]; of equal particles, whose radius is held once, a `collision_count`
+    double radius;       // [m]; where all radii are equal, and stored once, a `collision_count` instead
 };
 static_assert(sizeof(Particle<3>) == 64 && sizeof(Particle<2>) == 64);
 
-// A number of collisions as a double that is as good as any: the last 32 bits of one that begins as 1. It lies where a
-// search reads anyway.
+// A number of collisions in the last 32 bits of a double that starts as 1. It lies in a cache line that a prediction
+// reads anyway, and the kernels may load it as a number.
 inline constexpr double collision_count = 1.0;
 HL_FN u32 collisions_in(double count) { return static_cast<u32>(bits_of(count)); }
 HL_FN double one_more_collision(double count) {
@@ -28,7 +29,7 @@ HL_FN double one_more_collision(double count) {
     return real_of<double>((bits & ~low) | ((bits + 1) & low));
 }
 
-// What a particle does by itself.
+// An event that a particle has by itself.
 enum class SelfEvent : u32 {
     low_x,
     high_x,
@@ -36,26 +37,25 @@ enum class SelfEvent : u32 {
     high_y,
     low_z,
     high_z,  // leaves its cell, or meets a wall, on that side
-    rescan,  // looks for smaller particles anew
+    rescan,  // looks for smaller particles again
     ends,    // its group of bodies in contact ends
 };
-constexpr SelfEvent own_event(int axis, bool high) {
+constexpr SelfEvent self_event(int axis, bool high) {
     return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0));
 }
-// The user's number of the wall that is met: −1 − 2·axis at 0, −2 − 2·axis at the edge.
-constexpr i64 wall_number(SelfEvent own) { return -1 - static_cast<i64>(own); }
 constexpr int axis_of(SelfEvent own) { return static_cast<int>(own) / 2; }
 constexpr bool is_high(SelfEvent own) { return (static_cast<u32>(own) & 1u) != 0; }
+constexpr WallId wall_at(SelfEvent own) { return WallId::at(axis_of(own), is_high(own)); }
 
-// The earliest collision found and the earliest event of the particle's own. `partner` has collided since if its
-// number of collisions is no longer `partner_count`: then pair_time is only a time before which nothing happens.
+// The earliest collision found and the earliest event of the particle's own. The collision is stale if the partner has
+// collided since, which its number of collisions tells: then pair_time is a lower bound of the next collision.
 struct Pending {
     double pair_time = math::infinity;  // [s]
     double own_time = math::infinity;   // [s]
     u32 partner = no_particle;
-    u32 partner_count = 0;
-    u32 count = 0;      // collisions so far, unless they are counted beside the place
-    u32 cell : 29 = 0;  // that the particle is in
+    u32 partner_count = 0;  // collisions of the partner at the time of the prediction
+    u32 count = 0;          // collisions of the particle, unless they are counted in its `radius`
+    u32 cell : 29 = 0;      // that the particle is in
     u32 own : 3 = 0;
 
     double time() const { return math::min(pair_time, own_time); }
@@ -69,5 +69,31 @@ enum class Motion {
     falling,  // all under the same gravity: relative paths stay straight
     growing,  // straight, while all radii grow
 };
+
+// Position [m] and velocity [m/s] along an axis, `after` [s] the last collision.
+template <Motion motion, int d>
+double position_after(const Particle<d>& p, int k, double after, const Box& box) {
+    if constexpr (motion == Motion::falling)
+        return p.position[k] + after * (p.velocity[k] + (0.5 * box.gravity[k]) * after);
+    else
+        return p.position[k] + after * p.velocity[k];
+}
+template <Motion motion, int d>
+double velocity_after(const Particle<d>& p, int k, double after, const Box& box) {
+    if constexpr (motion == Motion::falling)
+        return p.velocity[k] + box.gravity[k] * after;
+    else
+        return p.velocity[k];
+}
+
+template <Motion motion, int d>
+void advance(Particle<d>& p, double time, const Box& box) {
+    const double after = time - p.time;
+    for (int k = 0; k < d; ++k) {
+        p.position[k] = position_after<motion>(p, k, after, box);
+        p.velocity[k] = velocity_after<motion>(p, k, after, box);
+    }
+    p.time = time;
+}
 
 }  // namespace hardlimit::boxes

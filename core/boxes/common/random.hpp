@@ -1,4 +1,4 @@
-// Random numbers that are the same everywhere: xoshiro256++ (Blackman & Vigna, ACM Trans. Math. Softw. 47, 36 (2021)),
+// Random numbers, the same on every platform: xoshiro256++ (Blackman & Vigna, ACM Trans. Math. Softw. 47, 36 (2021)),
 // seeded by splitmix64.
 #pragma once
 #include "../../base/math.hpp"
@@ -29,7 +29,7 @@ public:
     }
     // In [0, 1).
     double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
-    // Of mean 0 and variance 1.
+    // With mean 0 and variance 1.
     double normal() {
         const double radius = math::sqrt(-2.0 * math::log(1.0 - uniform()));
         return radius * math::cos(2.0 * math::pi * uniform());

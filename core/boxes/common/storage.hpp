@@ -1,4 +1,4 @@
-// Arrays of many millions of records: on huge pages where the system has them, and without the slack of doubling.
+// Arrays of many millions of records: on huge pages if the system has them, and without doubling their capacity.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -34,7 +34,7 @@ struct HugePages {
 template <class T>
 using Records = std::vector<T, HugePages<T>>;
 
-// Scratch memory that begins a page: a vector stored across the border of two pages costs as much as twenty others.
+// Scratch memory aligned to pages: a vector store across a page boundary costs as much as twenty others.
 template <class T>
 struct WholePages {
     using value_type = T;
@@ -52,14 +52,14 @@ struct WholePages {
 template <class T>
 using Scratch = std::vector<T, WholePages<T>>;
 
-// Makes room for one more, a quarter at a time where there are many.
+// Reserves space for one more record; large arrays grow by a quarter.
 template <class T>
 void make_room(Records<T>& records) {
     if (records.size() == records.capacity() && records.size() > 1000)
         records.reserve(records.size() + records.size() / 4);
 }
 
-// A list that is held in place as long as it is short: no other memory is read for it.
+// A list that is stored in place while it is short, without a pointer to other memory.
 template <class T, std::size_t most_in_place>
 class Few {
 public:
@@ -71,7 +71,7 @@ public:
     T& operator[](std::size_t i) { return begin()[i]; }
     const T& operator[](std::size_t i) const { return begin()[i]; }
 
-    // What was held is lost.
+    // Discards the content.
     void resize(std::size_t size) {
         size_ = size;
         if (size > most_in_place) many_.assign(size, T{});

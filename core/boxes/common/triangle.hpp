@@ -1,4 +1,4 @@
-// How near a triangle comes to the origin.
+// Distance of a triangle from the origin.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -11,7 +11,7 @@ using Vector3 = std::array<double, 3>;  // disks move in the first two direction
 
 inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-// The least |corner + t side|², t in [0, 1].
+// Minimum of |corner + t side|² for t in [0, 1].
 inline double square_to_segment(const Vector3& corner, const Vector3& side) {
     const double length2 = dot(side, side);
     const double t = length2 > 0.0 ? math::clamp(-dot(corner, side) / length2, 0.0, 1.0) : 0.0;
@@ -19,8 +19,8 @@ inline double square_to_segment(const Vector3& corner, const Vector3& side) {
     return dot(at, at);
 }
 
-// The least |corner + t first + u second|², t and u >= 0 with t + u <= 1: on one of the sides, or where the derivatives
-// vanish inside.
+// Minimum of |corner + t first + u second|² for t, u >= 0 with t + u <= 1: on a side, or inside, where the derivatives
+// vanish.
 inline double square_to_triangle(const Vector3& corner, const Vector3& first, const Vector3& second) {
     Vector3 other, third;
     for (std::size_t k = 0; k < 3; ++k) other[k] = corner[k] + first[k], third[k] = second[k] - first[k];

@@ -1,4 +1,5 @@
-// What collisions have done so far, and the integral over time of the kinetic energy.
+// What is accumulated over all collisions: their numbers, energy lost, virial, and the integral over time of the
+// kinetic energy.
 //
 // Between collisions the momentum P changes by M g and the kinetic energy E by g·P per unit time. So Σ m v'², v'
 // relative to the mean velocity, is 2E − P²/M of polynomials in time, and its integral needs a few operations at
@@ -8,7 +9,7 @@
 
 namespace hardlimit::boxes {
 
-// A sum that does not lose what is small beside it (Neumaier).
+// A sum that keeps the digits of small terms (A. Neumaier, Z. Angew. Math. Mech. 54, 39 (1974)).
 class Sum {
 public:
     void add(double x) {
@@ -23,19 +24,19 @@ private:
 };
 
 template <int d>
-struct Tally {
-    i64 pairs = 0, walls = 0;
-    i64 elastic_by_tc = 0;
+struct Accumulators {
+    u64 pairs = 0, walls = 0;  // collisions
+    u64 elastic_by_tc = 0;
     Sum dissipated;     // energy lost in collisions [J]
     Sum virial;         // Σ r·Δp of pair collisions [J s]
     double mass = 0.0;  // M [kg]
     double gravity[d] = {};
-    double time = 0.0;     // to which the following belong [s]
+    double time = 0.0;     // of the kinetic energy and the momentum [s]
     double kinetic = 0.0;  // E [J]
     double momentum[d] = {};
     Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
 
-    i64 rows() const { return pairs + walls; }
+    u64 collisions() const { return pairs + walls; }
 
     // Σ m v'² [J]
     double thermal() const {
@@ -43,7 +44,7 @@ struct Tally {
         for (int k = 0; k < d; ++k) square += momentum[k] * momentum[k];
         return 2.0 * kinetic - square / mass;
     }
-    // ∫ Σ m v'² dt from `time` to `until`: gravity common to all does nothing to v'.
+    // The integral up to a later time: gravity common to all does not change v'.
     double integral_until(double until) const {
         return kinetic_integral.value() + thermal() * (until - time);
     }

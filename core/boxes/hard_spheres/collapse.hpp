@@ -1,51 +1,50 @@
-// Inelastic collapse: infinitely many collisions in a finite time, of a ball that bounces out on a floor or of a few
-// particles between each other (McNamara & Young, Phys. Fluids A 4, 496 (1992)).
+// Detection of inelastic collapse: infinitely many collisions in a finite time, of a ball that comes to rest on a floor
+// or of a few particles among each other (S. McNamara and W. R. Young, Phys. Fluids A 4, 496 (1992)).
 //
-// Speeds and waiting times then shrink together, by a factor at each collision. So a particle collapses where it
-// collides four times or more, each time more slowly than before and after less than 1e-8 radii at the speed of
-// approach, until that speed has fallen to a millionth. In a gas one collision of 1e8 comes so soon after the last.
-// Touching particles that are hit also collide at one instant, but their speeds do not fall so far; approaches at
-// the rounding of the velocities do not count. So that no run stands still for another reason, ten thousand
-// collisions, a thousand of them of one particle, in
-// 1e-9 of the time in which a particle moves by a radius are a collapse too.
+// In a collapse speeds and waiting times shrink together, by a factor at each collision. So a particle has collapsed
+// once it has collided four times or more, each time more slowly than before and within 1e-8 radii divided by the speed
+// of approach, and that speed has fallen to a millionth. In a gas one collision of 1e8 follows the last so soon.
+// Touching particles that are hit also collide at one instant, but their speeds do not fall so far. Approaches as slow
+// as the rounding of the velocities do not count. Ten thousand collisions, a thousand of them of one particle, within
+// 1e-9 of the time in which a particle moves by a radius are a collapse too, so that no run hangs.
 #pragma once
 #include <unordered_map>
 #include <vector>
 
-#include "accumulators.hpp"
+#include "../common/particle.hpp"
 
 namespace hardlimit::boxes {
 
-struct Impact {
-    double time;     // [s]
-    u32 first;       // particle
-    i64 second;      // particle, or number of a wall
-    double speed;    // of approach [m/s]
-    double waited;   // since the last collision of either, the longer of the two [s]
-    bool shrinking;  // whether speeds may shrink for ever: not under the rule tc
-};
-
-class CollapseWatch {
+class CollapseDetector {
 public:
-    // typical: root mean square speed of all particles [m/s]; name: the user's number of a particle, by which it is
-    // known here. Both are only asked for where needed.
-    template <class Typical, class Name>
-    bool collapses(const Impact& c, double radius, const Typical& typical, const Name& name) {
-        const auto other = [&] { return name(static_cast<u32>(c.second)); };
+    struct Collision {
+        double time;        // [s]
+        u32 first;          // particle
+        i64 second;         // particle, or number of a wall
+        double speed;       // of approach [m/s]
+        double waited;      // since the last collision of either, the longer of the two [s]
+        bool may_collapse;  // under the rule
+    };
+
+    // Whether this collision is part of a collapse. typical(): root mean square speed of all particles [m/s]; index(i):
+    // the user's number of a particle, under which it is stored here. Both are called only where needed.
+    template <class Typical, class Index>
+    bool collapses(const Collision& c, double radius, const Typical& typical, const Index& index) {
+        const auto other = [&] { return index(static_cast<u32>(c.second)); };
         if (c.time > instant_ + window_)
             start_instant(c.time, radius, typical());
         else if (++at_once_ > many_at_once &&
-                 (++times_[name(c.first)] > of_one || (c.second >= 0 && ++times_[other()] > of_one)))
+                 (++times_[index(c.first)] > of_one || (c.second >= 0 && ++times_[other()] > of_one)))
             return true;
-        if (!(c.shrinking && c.waited * c.speed < soon * radius)) {
+        if (!(c.may_collapse && c.waited * c.speed < soon * radius)) {
             if (!streaks_.empty()) {
-                streaks_.erase(name(c.first));
+                streaks_.erase(index(c.first));
                 if (c.second >= 0) streaks_.erase(other());
             }
             return false;
         }
         if (!(c.speed > rounding * typical())) return false;
-        const bool first = shrinks(name(c.first), c.speed);
+        const bool first = shrinks(index(c.first), c.speed);
         const bool second = c.second >= 0 && shrinks(other(), c.speed);
         return first || second;
     }
@@ -89,7 +88,7 @@ private:
         at_once_ = 0;
         if (!times_.empty()) times_.clear();
     }
-    // Whether the streak of a particle has gone far enough.
+    // Whether a particle's streak of ever slower collisions is a collapse.
     bool shrinks(u32 particle, double speed) {
         const auto [at, fresh] = streaks_.try_emplace(particle, Streak{speed, speed, 1});
         Streak& s = at->second;

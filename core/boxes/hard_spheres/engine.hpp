@@ -1,12 +1,12 @@
 // Event-driven dynamics of hard spheres and disks.
 //
-// Each particle has two events pending: the earliest collision found, which is told to be superseded by the partner's
-// number of collisions, and one of its own, the border of its cell or a wall. Whoever collides looks for its next
-// collision among all neighbours; whoever enters a cell looks only into the cells that have become neighbours. A
-// collision that is superseded when its time comes makes its particle look anew: it was a lower bound for all others.
+// Each particle has two pending events: its earliest collision found, which is stale once the partner's number of
+// collisions has changed, and an event of its own: it leaves its cell or meets a wall. After a collision both particles
+// predict their next one among all neighbours; a particle that enters a cell looks only into the cells that have become
+// neighbours. A stale event triggers a new prediction; its time is a lower bound on the particle's next collision.
 //
-// Particles are held in an order of their own, along the cells. Nothing that comes out depends on it: where order
-// matters, in ties, the user's number of a particle decides.
+// Particles are stored in the order of their cells. Results do not depend on it: simultaneous events are ordered by the
+// original index, the user's number of the particle.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -20,8 +20,9 @@
 #include "../queue/calendar_queue.hpp"
 #include "../queue/prediction.hpp"
 #include "../queue/prefetch.hpp"
+#include "accumulators.hpp"
 #include "collapse.hpp"
-#include "rules/soft.hpp"
+#include "rules/registry.hpp"
 
 namespace hardlimit::boxes {
 
@@ -36,80 +37,87 @@ struct Growth {
 template <int d, Motion motion, bool mixed>
 class HardSpheres final : public Engine {
 public:
-    // Predicting the first event of each particle takes a while; a run that `stop` has stopped is of no use.
-    HardSpheres(const Setting& s, const RuleChoice& rule, bool keep_log, Stop& stop, Growth growth = {});
-    // A run that was saved; failed() of the reader tells whether it could be.
+    // A run that `stop` has stopped while the first events were predicted must not be used.
+    HardSpheres(const System& s, const RuleChoice& rule, bool keep_log,
+                const hardlimit_abi::TouchKernels& kernels, Stop& stop, Growth growth = {});
+    // A saved run; failed() of the reader says whether it could be read.
     HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels);
 
-    void advance(double until, i64 most_rows, Stop& stop) override;
+    // The unit of work is a collision: an advance ends at the instant of the last one.
+    void advance(double until, u64 most_work, int threads, Stop& stop) override;
+    bool paused() const override { return paused_; }
     double time() const override { return now_; }
-    i64 events() const override { return events_; }
-    Counts counts() const override {
-        return {tally_.pairs, tally_.walls, tally_.elastic_by_tc, soft_contacts_, soft_third_body_};
-    }
     Outcome outcome() const override { return outcome_; }
     EarlyEnd early_end() const override { return early_end_; }
-    double largest_compression() const override { return deepest_.compression; }
+    u64 work() const override { return accumulators_.collisions(); }
+    u64 contacts() const override { return accumulators_.collisions(); }
+    u64 logged() const override { return accumulators_.collisions(); }
+    std::vector<Statistic> statistics() const override;
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
-    Log take_log() override { return std::exchange(log_, {}); }
+    bool contacts_last() const override { return false; }
+    std::vector<ContactRecord> take_log() override { return std::exchange(log_, {}); }
+    std::vector<ContactRecord> open_contacts() const override { return {}; }
     std::vector<char> save() const override;
     std::size_t bytes() const override;
     int dimension() const override { return d; }
     std::size_t size() const override { return particles_.size(); }
 
 private:
-    // Growing radii that touch part at this many times the speed at which they grow, or faster.
-    static constexpr double separation = 1.5;
-    static constexpr i64 collisions_between_sorts = 20;  // for each particle
+    // Growing radii that touch separate at this many times the speed at which they grow, or faster.
+    static constexpr double separation_of_growing = 1.5;
+    static constexpr u64 collisions_between_sorts = 20;  // for each particle
 
-    // A particle that looks for its next collision, and what it has found.
-    struct Look {
+    // The search for the next collision of a particle, and what it has found so far.
+    struct NextCollision {
         u32 id;
-        u32 except = no_particle;  // not to be met where it touches: what the particle has just collided with
+        u32 except = no_particle;    // the particle it has just collided with, ignored where they touch
         double in = math::infinity;  // [s] from now
         u32 partner = no_particle;
     };
+    // The last contact of a particle under a rule whose contacts take time.
+    struct LastContact {
+        double until;      // [s]
+        u32 partner;       // no_particle: a wall, or none yet
+        WallId wall = {};  // the wall met, if any
+    };
 
-    Box<d> box_{};
-    Rule rule_;
+    Box box_;
+    RuleChoice choice_;
+    std::unique_ptr<Rule> rule_;
     Growth growth_{};
     bool keep_log_ = false;
     double mass_ = 0.0;  // of all, unless mixed [kg]
     double smallest_radius_ = 0.0, largest_radius_ = 0.0;
     Records<Particle<d>> particles_;
     Records<Pending> pending_;
-    Records<std::array<int, d>> periods_;  // by which the continuous path differs from the folded place
-    Records<u32> names_;                   // the user's number of each
-    Records<double> masses_;               // if mixed [kg]
+    Records<std::array<int, d>>
+        image_flags_;              // how often each particle has left the box through a periodic side
+    Records<u32> original_index_;  // the user's number of each particle
+    Records<double> masses_;       // if mixed [kg]
     Cells<d> cells_;
     CalendarQueue calendar_;
-    Tally<d> tally_;
-    CollapseWatch watch_;
-    Log log_;
+    Accumulators<d> accumulators_;
+    CollapseDetector collapse_;
+    std::vector<ContactRecord> log_;
     double now_ = 0.0;  // [s]
-    i64 events_ = 0;
+    i64 events_ = 0;    // since the run was made or loaded: collisions, cell crossings, predictions
+    bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
-    EarlyEnd early_end_{math::nan, -1, 0};
+    EarlyEnd early_end_;
     hardlimit_abi::TouchKernels::Of touch_{};
-    hardlimit_abi::TouchQuery query_{};  // of the particle that looks now
+    hardlimit_abi::TouchQuery query_{};  // of the particle whose next collision is predicted
     Scratch<u32> candidates_;
-    Scratch<double> times_;    // until they are touched [s]
-    i64 next_sort_ = 0;        // row of the log
-    i64 until_refresh_ = 0;    // particles' collisions before energy and momentum are summed anew
-    Records<double> rescans_;  // time of the next look for smaller particles [s]
-    double fastest_ = 0.0;     // bound of the speeds of all particles [m/s]
-    // The last contact of a particle under the soft rule.
-    struct SoftContact {
-        double until;  // [s]
-        u32 partner;   // nobody: a wall, or none yet
-        u32 wall = 0;  // one more than the event at which it was met; 0: another particle, or none yet
-    };
-    std::unique_ptr<SoftRule> soft_;
-    Records<SoftContact> softs_;  // under the soft rule only
-    i64 soft_contacts_ = 0, soft_third_body_ = 0;
-    DeepestImpact deepest_;  // where there is a law
-    bool fetches_ = false;   // whether the system is too large for a core's caches
+    Scratch<double> times_;               // until the candidates are touched [s]
+    u64 next_sort_ = 0;                   // number of collisions
+    i64 until_refresh_ = 0;               // particles' collisions before energy and momentum are summed anew
+    Records<double> rescans_;             // time of the next search for smaller particles [s]
+    double fastest_ = 0.0;                // bound of the speeds of all particles [m/s]
+    bool takes_time_ = false;             // whether contacts take time under the rule
+    Records<LastContact> last_contacts_;  // where they do
+    u64 soft_contacts_ = 0, soft_third_body_ = 0;
+    DeepestImpact deepest_;    // where there is a law
+    bool prefetches_ = false;  // whether the system is larger than the caches
 
     static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
         return kernels.of[d - 2][static_cast<int>(motion)];
@@ -140,56 +148,15 @@ private:
     double event_time(u32 i) const { return pending_[i].time(); }
 
     void schedule(u32 i) {
-        calendar_.push(i, event_time(i), [this](u32 id) { return names_[id]; });
+        calendar_.push(i, event_time(i), [this](u32 id) { return original_index_[id]; });
     }
     const Due* next_due() {
         return calendar_.next([this](u32 id) { return event_time(id); },
-                              [this](u32 id) { return names_[id]; },
+                              [this](u32 id) { return original_index_[id]; },
                               [this] {
-                                  if (fetches_) ahead().enter_bin();
+                                  if (prefetches_) ahead().enter_bin();
                               });
     }
-
-    // hard_spheres/start.hpp
-    void take(const Setting& s);
-    void lay_cells(std::size_t n);
-    void put_into_cells();
-    void make_rule(const RuleChoice& choice);
-    void predict_all(Stop& stop);
-    void restart_calendar();
-    template <class Archive>
-    void archive(Archive& a);
-    void refresh_tally();
-
-    // hard_spheres/soft.hpp
-    void collide_softly(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance,
-                        double speed);
-    void meet_wall_softly(u32 i, int axis, double away, double speed);
-    void shift_body(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]);
-    void settle(u32 i);
-    void remember(u32 i, u32 j, double duration, u32 wall = 0);
-    double free_of_wall(u32 i, int axis, bool high) const;
-    u32 last_met(u32 i) const;
-
-    // hard_spheres/predict.hpp
-    void prepare_query();
-    Look look(u32 i);
-    void predict(u32 i, u32 except);
-    void predict_unscheduled(u32 i, u32 except);
-    void predict_own(u32 i, const Place<d>& at);
-    void search_block(Look& look, int level, const Place<d>& from, const Place<d>& to);
-    void search_images(Look& look, int level, const Place<d>& from, const Place<d>& to);
-    void search_finer(Look& look, int level);
-    void make_room_for_candidates();
-    void examine(Look& look, const hardlimit_abi::Touched& touched, bool nearest);
-    bool in_touch(u32 id, bool nearest) const;
-    void keep(const Look& found);
-    double frame_speed(const double* velocity) const;
-    double fastest_possible() const;
-
-    // hard_spheres/sort.hpp
-    void sort_along_cells();
-
     auto ahead() const {
         return Prefetcher{calendar_,
                           cells_,
@@ -202,27 +169,66 @@ private:
                           }};
     }
 
-    // hard_spheres/events.hpp
-    void happen(u32 i);
+    // start.hpp
+    void sort_in(const System& s);
+    void make_cells(std::size_t n);
+    void fill_cells();
+    void set_rule(const RuleChoice& choice);
+    void predict_all(Stop& stop);
+    void rebuild_queue();
+    void sort_along_cells();
+    template <class Archive>
+    void archive(Archive& a);
+
+    // observe.hpp
+    std::vector<u32> in_original_order() const;
+    void refresh_accumulators();
+
+    // predict.hpp
+    void prepare_query();
+    NextCollision begin_prediction(u32 i, u32 except);
+    void predict(u32 i, u32 except);
+    void predict_unscheduled(u32 i, u32 except);
+    void predict_self_event(u32 i, const Place<d>& at);
+    void predict_in_block(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
+    void predict_in_images(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
+    void predict_finer(NextCollision& next, int level);
+    void make_room_for_candidates();
+    void keep_earliest(NextCollision& next, const hardlimit_abi::Touched& touched, bool nearest);
+    bool touches(u32 id, bool nearest) const;
+    void store(const NextCollision& next);
+    double frame_speed(const double* velocity) const;
+    double speed_bound() const;
+
+    // events.hpp
+    void process_event(u32 i);
     void leave_cell(u32 i, Place<d> at);
-    void meet_wall(u32 i);
+    void collide_with_wall(u32 i);
     void collide(u32 i, u32 j);
-    void advance_to_now(u32 i);
-    void nearest(u32 i, u32 j, double (&r)[d]) const;
-    bool had_before(u32 i, double waited) const;
-    void collide_at_once(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance,
-                         double speed, std::array<double, 2> waited);
-    u32 except_for(u32 i, u32 partner) const;
-    void keep_bounds(u32 i);
-    double restitution(bool within_contact, double speed, PairGeometry pair, double smaller_radius);
+    void advance_to_now(u32 i) { boxes::advance<motion>(particles_[i], now_, box_); }
+    void to_nearest_image(u32 i, u32 j, double (&r)[d]) const;
+    void rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed,
+                 std::array<double, 2> waited);
+    Rebound rebound_of(const Impact& impact);
+    double since_last(u32 i, double waited) const { return collisions(i) > 0 ? waited : math::infinity; }
     PairGeometry geometry(u32 i, u32 j) const;
-    void note(u32 i, i64 second, double speed, double separation_speed, double lost, double waited);
-    std::pair<i64, i64> named(u32 i, i64 second) const;
-    void end_here(Outcome outcome, u32 i, i64 second);
-    void give_up(Outcome outcome, u32 i, i64 second, double speed);
+    void after_collision(u32 i);
+    void record(u32 i, i64 second, double speed, double separation_speed, double lost, double waited);
+    std::pair<i64, i64> original_pair(u32 i, i64 second) const;
+    void end_run(Outcome outcome, u32 i, i64 second);
+    void end_unsolved(Outcome outcome, u32 i, i64 second, double speed);
+
+    // soft_contact.hpp
+    void contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d], double distance, double speed);
+    void contact_with_wall(u32 i, const Wall& wall, double away, double speed);
+    void displace(u32 i, double share, const double (&velocity)[d], const double (&shift)[d]);
+    void update_cell(u32 i);
+    void remember_contact(u32 i, u32 j, double duration, WallId wall = {});
+    double wall_blocked_until(u32 i, WallId wall) const;
+    u32 excluded_partner(u32 i) const;
 };
 
-// What a saved run begins with, to be known before its type is.
+// What a saved run begins with: the type of its engine.
 struct Kind {
     int dimension;
     Motion motion;
@@ -230,21 +236,30 @@ struct Kind {
 };
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::advance(double until, i64 most_rows, Stop& stop) {
-    while (outcome_ == Outcome::ok && (most_rows == 0 || tally_.rows() < most_rows)) {
-        if (fetches_ && tally_.rows() >= next_sort_) sort_along_cells();
+void HardSpheres<d, motion, mixed>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
+    const u64 done = accumulators_.collisions(), last = most_work > ~done ? ~u64{0} : done + most_work;
+    paused_ = false;
+    while (outcome_ == Outcome::ok) {
+        if (accumulators_.collisions() >= last) {
+            paused_ = true;
+            return;
+        }
+        if (prefetches_ && accumulators_.collisions() >= next_sort_) sort_along_cells();
         const Due* due = next_due();
         if (!due || due->time > until) {
             now_ = math::max(now_, until);
             return;
         }
-        if (stop()) return;
+        if (stop()) {
+            paused_ = true;
+            return;
+        }
         now_ = math::max(now_, due->time);
         const u32 i = due->id;
         calendar_.pop();
         ++events_;
-        if (fetches_) ahead().step();
-        happen(i);
+        if (prefetches_) ahead().step();
+        process_event(i);
     }
 }
 
@@ -253,9 +268,10 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
     for (u32 i = 0; i < size32(); ++i) {
         const Particle<d>& p = particles_[i];
         for (int k = 0; k < d; ++k) {
-            const std::size_t at = std::size_t{names_[i]} * d + static_cast<std::size_t>(k);
+            const std::size_t at = std::size_t{original_index_[i]} * d + static_cast<std::size_t>(k);
             const double after = now_ - p.time;
-            position[at] = position_after<motion>(p, k, after, box_) + periods_[i][k] * box_.edge[k];
+            position[at] =
+                position_after<motion>(p, k, after, box_) + box_.image_shift(k, image_flags_[i][k]);
             velocity[at] = velocity_after<motion>(p, k, after, box_);
         }
     }
@@ -264,7 +280,7 @@ void HardSpheres<d, motion, mixed>::state(double* position, double* velocity) co
 }  // namespace hardlimit::boxes
 
 #include "events.hpp"
+#include "observe.hpp"
 #include "predict.hpp"
-#include "soft.hpp"
-#include "sort.hpp"
+#include "soft_contact.hpp"
 #include "start.hpp"

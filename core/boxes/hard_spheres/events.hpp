@@ -1,33 +1,33 @@
-// What happens when an event's time has come.
+// Processing of an event: a collision of two particles or with a wall, or a cell that is left.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::happen(u32 i) {
+void HardSpheres<d, motion, mixed>::process_event(u32 i) {
     const Pending& e = pending_[i];
     if (e.pair_time <= e.own_time) {
         if (collisions(e.partner) == e.partner_count)
             collide(i, e.partner);
         else
-            predict(i, last_met(i));
+            predict(i, excluded_partner(i));
         return;
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
-    if (own == SelfEvent::rescan) return predict(i, last_met(i));
+    if (own == SelfEvent::rescan) return predict(i, excluded_partner(i));
     const int axis = axis_of(own), level_i = level(i);
     const Place<d> at = cells_.place(level_i, e.cell);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level_i)];
     const int last = is_high(own) ? g.cells[axis] - 1 : 0;
-    if (at[axis] == last && !box_.periodic[axis])
-        meet_wall(i);
+    if (at[axis] == last && box_.walled(axis))
+        collide_with_wall(i);
     else
         leave_cell(i, at);
 }
 
-// Moves on from the cell at this place to the next one and looks into the cells that have become neighbours, in its own
-// grid and where the border is one of a coarser grid too.
+// Moves a particle from the cell at this place to the next one, and predicts its collisions in the cells that have
+// become neighbours: of its own grid, and of coarser grids whose border it has crossed as well.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     Pending& e = pending_[i];
@@ -39,84 +39,81 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        p.position[axis] -= step * box_.edge[axis];
-        periods_[i][static_cast<std::size_t>(axis)] += step;
+        p.position[axis] -= box_.image_shift(axis, step);
+        image_flags_[i][static_cast<std::size_t>(axis)] += step;
     }
     e.cell = cells_.number(fine, at) & (most_cells - 1);
     cells_.insert(e.cell, i);
 
-    Look found = look(i);
-    found.except = last_met(i);
+    NextCollision next = begin_prediction(i, excluded_partner(i));
     Place<d> place = at;
     for (int q = fine;; ++q) {
         Place<d> from, to;
         for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
         from[axis] = to[axis] = place[axis] + step;
-        search_block(found, q, from, to);
+        predict_in_block(next, q, from, to);
         // The border just crossed is one of the next coarser grid where an even number of cells lies below it.
         const int border = step > 0 ? place[axis] : place[axis] + 1;
         if (q + 1 == cells_.levels() || border % 2 != 0) break;
         for (int k = 0; k < d; ++k) place[k] >>= 1;
     }
-    keep(found);
-    predict_own(i, at);
+    store(next);
+    predict_self_event(i, at);
     schedule(i);
 }
 
-// Bounces off the wall of its own event. One that arrives without a speed stays there if gravity presses it on.
+// Rebounds from the wall of the particle's own event. A particle that arrives without speed stays there if gravity
+// presses it on.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::meet_wall(u32 i) {
+void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
     Particle<d>& p = particles_[i];
     const SelfEvent own = static_cast<SelfEvent>(pending_[i].own);
     const int axis = axis_of(own);
+    const Wall wall = box_.wall(axis, is_high(own));
     const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
     advance_to_now(i);
-    const double size = radius(i) * growth_.at(now_);
-    const double place = is_high(own) ? box_.edge[axis] - size : size;
+    const double place = wall.position(now_) + away * (radius(i) * growth_.at(now_));
     const double moved = place - p.position[axis];  // by rounding, or where a soft contact was cut short
     p.position[axis] = place;
     const double before = p.velocity[axis], speed = math::abs(before);
-    const i64 wall = wall_number(own);
-    if (soft_) tally_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
+    if (takes_time_) accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
     if constexpr (motion == Motion::growing) {
-        p.velocity[axis] = away * math::max(speed, separation * radius(i) * growth_.rate);
-        ++tally_.walls;
+        p.velocity[axis] = away * math::max(speed, separation_of_growing * radius(i) * growth_.rate);
+        ++accumulators_.walls;
     } else if (speed == 0.0) {
-        ++tally_.walls;
-        note(i, wall, speed, 0.0, 0.0, math::infinity);
-        if (!(away * box_.gravity[axis] > 0.0)) return end_here(Outcome::at_rest, i, wall);
-    } else if (soft_) {
-        meet_wall_softly(i, axis, away, speed);
+        ++accumulators_.walls;
+        record(i, wall.id.number, speed, 0.0, 0.0, math::infinity);
+        if (!(away * box_.gravity[axis] > 0.0)) return end_run(Outcome::at_rest, i, wall.id.number);
+    } else if (takes_time_) {
+        contact_with_wall(i, wall, away, speed);
     } else {
-        const double m = mass(i), e = restitution(had_before(i, waited), speed, {m, radius(i)}, radius(i));
-        if (deepest_.too_deep) return give_up(Outcome::too_deep, i, wall, speed);
+        const double m = mass(i);
+        const double e =
+            rebound_of({{m, math::infinity, speed}, {m, radius(i)}, radius(i), since_last(i, waited)})
+                .restitution;
+        if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, wall.id.number, speed);
         p.velocity[axis] = away * (e * speed);
         const double lost = 0.5 * m * (1.0 - e) * (1.0 + e) * speed * speed;
-        tally_.advance(now_);
-        tally_.kinetic -= lost;
-        tally_.momentum[axis] += m * (p.velocity[axis] - before);
-        ++tally_.walls;
-        note(i, wall, speed, e * speed, lost, waited);
+        accumulators_.advance(now_);
+        accumulators_.kinetic -= lost;
+        accumulators_.momentum[axis] += m * (p.velocity[axis] - before);
+        ++accumulators_.walls;
+        record(i, wall.id.number, speed, e * speed, lost, waited);
     }
     count_collision(i);
-    keep_bounds(i);
+    after_collision(i);
     predict(i, no_particle);
-}
-
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::advance_to_now(u32 i) {
-    boxes::advance<motion>(particles_[i], now_, box_);
 }
 
 // From i to the image of j that i touches.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::nearest(u32 i, u32 j, double (&r)[d]) const {
+void HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d]) const {
     const Particle<d>&p = particles_[i], &q = particles_[j];
     for (int k = 0; k < d; ++k) {
         r[k] = q.position[k] - p.position[k];
         const double edge = box_.edge[k];
-        if (math::abs(r[k]) < 0.499 * edge || !box_.periodic[k]) continue;
-        r[k] = nearest_image(r[k], edge);
+        if (math::abs(r[k]) < 0.499 * edge || !box_.wraps(k)) continue;
+        r[k] = box_.nearest_image(r[k], k);
         // Where both images may touch, the one that approaches does.
         const double other = r[k] > 0.0 ? r[k] - edge : r[k] + edge;
         const double v = q.velocity[k] - p.velocity[k];
@@ -124,20 +121,11 @@ void HardSpheres<d, motion, mixed>::nearest(u32 i, u32 j, double (&r)[d]) const 
     }
 }
 
-// Whether i collided less than t_c ago.
 template <int d, Motion motion, bool mixed>
-bool HardSpheres<d, motion, mixed>::had_before(u32 i, double waited) const {
-    return rule_.is_tc() && waited < rule_.contact_duration() && collisions(i) > 0;
-}
-
-template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::restitution(bool within_contact, double speed, PairGeometry pair,
-                                                  double smaller_radius) {
-    if (within_contact) {
-        ++tally_.elastic_by_tc;
-        return 1.0;
-    }
-    return rule_.restitution(speed, pair, smaller_radius, deepest_);
+Rebound HardSpheres<d, motion, mixed>::rebound_of(const Impact& impact) {
+    const Rebound rebound = rule_->rebound(impact, deepest_);
+    accumulators_.elastic_by_tc += rebound.elastic_by_tc;
+    return rebound;
 }
 
 template <int d, Motion motion, bool mixed>
@@ -146,47 +134,48 @@ PairGeometry HardSpheres<d, motion, mixed>::geometry(u32 i, u32 j) const {
     return {0.5 * mass_, 0.5 * largest_radius_};
 }
 
-// The bookkeeping of a collision, before it is counted: i has met another particle or a wall, which is negative.
+// Logs a collision of i, before it is counted, and ends the run if it is part of a collapse. second: the other
+// particle, or the number of a wall.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::note(u32 i, i64 second, double speed, double separation_speed,
-                                         double lost, double waited) {
-    if (lost != 0.0) tally_.dissipated.add(lost);
-    const auto name = [this](u32 id) { return names_[id]; };
+void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, double separation_speed,
+                                           double lost, double waited) {
+    if (lost != 0.0) accumulators_.dissipated.add(lost);
+    const auto index = [this](u32 id) { return original_index_[id]; };
     if (keep_log_) {
-        const auto [first, last] = named(i, second);
-        log_.time.push_back(now_);
-        log_.first.push_back(first);
-        log_.second.push_back(last);
-        log_.impact_speed.push_back(speed);
-        log_.separation_speed.push_back(separation_speed);
+        const auto [first, last] = original_pair(i, second);
+        log_.push_back({now_, now_, static_cast<std::int32_t>(first), static_cast<std::int32_t>(last), speed,
+                        separation_speed, false});
     }
-    const auto typical = [&] { return math::sqrt(math::max(0.0, 2.0 * tally_.kinetic / tally_.mass)); };
-    const Impact impact{now_, i, second, speed, waited, !rule_.is_tc() && !rule_.elastic_always()};
-    if (watch_.collapses(impact, largest_radius_, typical, name)) end_here(Outcome::collapse, i, second);
+    const auto typical = [&] {
+        return math::sqrt(math::max(0.0, 2.0 * accumulators_.kinetic / accumulators_.mass));
+    };
+    const CollapseDetector::Collision c{now_, i, second, speed, waited, rule_->can_collapse()};
+    if (collapse_.collapses(c, largest_radius_, typical, index)) end_run(Outcome::collapse, i, second);
 }
 
-// A particle and another one, or a wall, which is negative, by the user's numbers.
+// A particle and its partner, which may be a wall, by the user's numbers.
 template <int d, Motion motion, bool mixed>
-std::pair<i64, i64> HardSpheres<d, motion, mixed>::named(u32 i, i64 second) const {
-    const i64 a = names_[i];
+std::pair<i64, i64> HardSpheres<d, motion, mixed>::original_pair(u32 i, i64 second) const {
+    const i64 a = original_index_[i];
     if (second < 0) return {a, second};
-    return std::minmax({a, i64{names_[static_cast<u32>(second)]}});
+    return std::minmax({a, i64{original_index_[static_cast<u32>(second)]}});
 }
 
-// The run is over, at a collision.
+// Ends the run at a collision.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::end_here(Outcome outcome, u32 i, i64 second) {
-    const auto [first, last] = named(i, second);
+void HardSpheres<d, motion, mixed>::end_run(Outcome outcome, u32 i, i64 second) {
+    const auto [first, last] = original_pair(i, second);
     outcome_ = outcome;
-    early_end_ = {now_, first, last};
+    early_end_ = {now_, {first}, WallId::of(last)};
+    if (!early_end_.wall) early_end_.particles.push_back(last);
 }
 
-// The same where the collision has no result: it is logged, and velocities stay.
+// The same where the collision has no result: it is logged, and the velocities stay.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::give_up(Outcome outcome, u32 i, i64 second, double speed) {
-    ++(second < 0 ? tally_.walls : tally_.pairs);
-    note(i, second, speed, math::nan, 0.0, math::infinity);
-    end_here(outcome, i, second);
+void HardSpheres<d, motion, mixed>::end_unsolved(Outcome outcome, u32 i, i64 second, double speed) {
+    ++(second < 0 ? accumulators_.walls : accumulators_.pairs);
+    record(i, second, speed, math::nan, 0.0, math::infinity);
+    end_run(outcome, i, second);
 }
 
 template <int d, Motion motion, bool mixed>
@@ -196,29 +185,29 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     advance_to_now(i);
     advance_to_now(j);
     double r[d], v[d];
-    nearest(i, j, r);
+    to_nearest_image(i, j, r);
     for (int k = 0; k < d; ++k) v[k] = q.velocity[k] - p.velocity[k];
     const double square = dot(r, r), distance = math::sqrt(square), speed = -dot(r, v) / distance;
     if (motion != Motion::growing && !(speed > 0.0)) {  // by rounding: they only touch
-        if (soft_) softs_[i] = {now_, j}, softs_[j] = {now_, i};
-    } else if (motion != Motion::growing && soft_) {
-        collide_softly(i, j, r, v, distance, speed);
+        if (takes_time_) last_contacts_[i] = {now_, j}, last_contacts_[j] = {now_, i};
+    } else if (motion != Motion::growing && takes_time_) {
+        contact(i, j, r, v, distance, speed);
     } else {
-        collide_at_once(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
+        rebound(i, j, r, v, distance, speed, std::array{waited_i, waited_j});
     }
     count_collision(i);
     count_collision(j);
-    keep_bounds(i);
-    keep_bounds(j);
-    predict(i, except_for(i, j));
-    predict(j, except_for(j, i));
+    after_collision(i);
+    after_collision(j);
+    // Two that have just collided cannot collide again before either has met something else; other images may.
+    predict(i, takes_time_ ? excluded_partner(i) : j);
+    predict(j, takes_time_ ? excluded_partner(j) : i);
 }
 
-// All but the soft rule. r leads from i to j.
+// An instantaneous collision. r leads from i to j.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
-                                                    double distance, double speed,
-                                                    std::array<double, 2> waited) {
+void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
+                                            double distance, double speed, std::array<double, 2> waited) {
     Particle<d>&p = particles_[i], &q = particles_[j];
     const PairGeometry pair = geometry(i, j);
     const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
@@ -228,40 +217,35 @@ void HardSpheres<d, motion, mixed>::collide_at_once(u32 i, u32 j, const double (
     double gain;
     if constexpr (motion == Motion::growing) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;
-        gain = (speed + math::max(speed, separation * rate)) / distance;
+        gain = (speed + math::max(speed, separation_of_growing * rate)) / distance;
     } else {
-        const bool within_contact = had_before(i, waited[0]) || had_before(j, waited[1]);
-        const double e = restitution(within_contact, speed, pair, math::min(radius(i), radius(j)));
-        if (deepest_.too_deep) return give_up(Outcome::too_deep, i, j, speed);
+        const double since = math::min(since_last(i, waited[0]), since_last(j, waited[1]));
+        const double e =
+            rebound_of({{reduced, distance, speed}, pair, math::min(radius(i), radius(j)), since})
+                .restitution;
+        if (deepest_.too_deep) return end_unsolved(Outcome::too_deep, i, j, speed);
         gain = (1.0 + e) * (-dot(r, v) / dot(r, r));
         const double lost = 0.5 * reduced * (1.0 - e) * (1.0 + e) * speed * speed;
-        tally_.virial.add(distance * distance * reduced * gain);
+        accumulators_.virial.add(distance * distance * reduced * gain);
         if (lost != 0.0) {
-            tally_.advance(now_);
-            tally_.kinetic -= lost;
+            accumulators_.advance(now_);
+            accumulators_.kinetic -= lost;
         }
-        note(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
+        record(i, j, speed, e * speed, lost, math::max(waited[0], waited[1]));
     }
     for (int k = 0; k < d; ++k) {
         const double impulse = reduced * gain * r[k];
         p.velocity[k] -= impulse / mi;
         q.velocity[k] += impulse / mj;
     }
-    ++tally_.pairs;
+    ++accumulators_.pairs;
 }
 
-// What a particle that has just collided need not look at: its partner, which cannot be met again before either has met
-// something else; another image of it may be.
+// Keeps the bound of the speeds, and the accumulators exact.
 template <int d, Motion motion, bool mixed>
-u32 HardSpheres<d, motion, mixed>::except_for(u32 i, u32 partner) const {
-    return soft_ ? last_met(i) : partner;
-}
-
-// After each collision of a particle.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::keep_bounds(u32 i) {
+void HardSpheres<d, motion, mixed>::after_collision(u32 i) {
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));
-    if (--until_refresh_ == 0) refresh_tally();
+    if (--until_refresh_ == 0) refresh_accumulators();
 }
 
 }  // namespace hardlimit::boxes

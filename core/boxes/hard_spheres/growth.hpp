@@ -1,9 +1,8 @@
-// Random packings without overlap: particles thrown in where they fit while they are small, which then move and collide
-// while their radii grow to the size asked for (Lubachevsky & Stillinger, J. Stat. Phys. 60, 561 (1990)).
+// Random packings without overlap: small particles are inserted at random, then move and collide while their radii grow
+// to the size asked for (B. D. Lubachevsky and F. H. Stillinger, J. Stat. Phys. 60, 561 (1990)).
 //
-// The growth is slowed down as the packing gets dense, and again where collisions pile up, so that the particles find
-// the room that there is. The radii grow by 1e-10 more than asked for: what rounding does to the positions afterwards
-// makes no overlap.
+// The growth slows down as the packing gets dense, and again where collisions accumulate, so that the particles have
+// time to rearrange. The radii grow by 1e-10 more than asked for, so that rounding of the positions makes no overlap.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -14,11 +13,11 @@
 
 namespace hardlimit::boxes {
 
-// Where particles are thrown in at random, one after the other, the largest first.
+// Random sequential insertion, the largest particles first.
 template <int d>
-class Throws {
+class RandomInsertion {
 public:
-    Throws(const Setting& s, const Box<d>& box, Random& random) : s_(s), box_(box), random_(random) {
+    RandomInsertion(const System& s, const Box& box, Random& random) : s_(s), box_(box), random_(random) {
         order_.resize(s.n);
         for (u32 i = 0; i < order_.size(); ++i) order_[i] = i;
         std::sort(order_.begin(), order_.end(), [&](u32 a, u32 b) {
@@ -27,7 +26,7 @@ public:
         alike_ = s.radius[order_.front()] == s.radius[order_.back()];
     }
 
-    // Places for radii `share` of the final ones; whether there was one for each.
+    // Finds positions for radii that are this share of the final ones; false where one particle has found none.
     bool place(double share, std::vector<double>& position, Stop& stop) {
         const double smallest = 2.0 * share * s_.radius[order_.back()];
         const double largest = 2.0 * share * s_.radius[order_.front()];
@@ -37,28 +36,28 @@ public:
         for (int draw = 0; draw < draws_ahead * d; ++draw) (void)neighbours_ahead_.uniform();
         for (const u32 i : order_) {
             if (stop()) return true;
-            if (!throw_in(i, share, position)) return false;
+            if (!insert(i, share, position)) return false;
         }
         return true;
     }
 
 private:
-    static constexpr int most_throws = 2'000, draws_ahead = 8;
+    static constexpr int most_attempts = 2'000, draws_ahead = 8;
 
-    const Setting& s_;
-    const Box<d>& box_;
+    const System& s_;
+    const Box& box_;
     Random& random_;
-    // Go ahead of it, to fetch what later throws will read: a large system is otherwise a chain of waits for memory.
+    // Copies that draw in advance, to prefetch what later attempts will read from memory.
     Random cells_ahead_{0}, neighbours_ahead_{0};
     std::vector<u32> order_;
     bool alike_ = false;
     Cells<d> cells_;
     Scratch<u32> list_ = Scratch<u32>(256);
 
-    bool throw_in(u32 i, double share, std::vector<double>& position) {
+    bool insert(u32 i, double share, std::vector<double>& position) {
         const double radius = share * s_.radius[i];
         const int level = cells_.level_for(2.0 * radius);
-        for (int attempt = 0; attempt < most_throws; ++attempt) {
+        for (int attempt = 0; attempt < most_attempts; ++attempt) {
             fetch(level, radius, position);
             double x[d];
             const u32 cell = draw(random_, level, radius, x);
@@ -69,10 +68,10 @@ private:
         }
         return false;
     }
-    // A place at random; returns its cell.
+    // Draws a position; returns its cell.
     u32 draw(Random& random, int level, double radius, double (&x)[d]) const {
         for (int k = 0; k < d; ++k) {
-            const double room = box_.periodic[k] ? 0.0 : radius;
+            const double room = box_.wraps(k) ? 0.0 : radius;
             x[k] = room + (box_.edge[k] - 2.0 * room) * random.uniform();
         }
         return cells_.number(level, cells_.place_of(level, x));
@@ -108,50 +107,37 @@ private:
     }
 };
 
-// How far a growth is: share of the final radii reached, and collisions so far.
+// The share of the final radii reached, and the collisions so far.
 struct GrowthReport {
     double share;
-    i64 collisions;
+    u64 collisions;
 };
 
-inline double packing_fraction(const Setting& s) {
-    double filled = 0.0, box = 1.0;
-    for (std::size_t i = 0; i < s.n; ++i)
-        filled += (s.dimension == 3 ? 4.0 / 3.0 * s.radius[i] : 1.0) * math::pi * s.radius[i] * s.radius[i];
-    for (int k = 0; k < s.dimension; ++k) box *= s.edge[k];
-    return filled / box;
-}
-
 template <int d>
-class Grow {
+class PackingGrowth {
 public:
-    // s: of which velocities, masses and positions are not read.
-    Grow(const Setting& s, u64 seed)
+    // Velocities, masses, positions and gravity of the system are not used.
+    PackingGrowth(const System& s, u64 seed)
         : s_(s), random_(seed), position_(s.n * d), velocity_(s.n * d), mass_(s.n, 1.0) {
-        for (int k = 0; k < d; ++k) {
-            box_.edge[k] = s.edge[k];
-            box_.periodic[k] = s.periodic[k];
-        }
         s_.position = position_.data();
         s_.velocity = velocity_.data();
         s_.mass = mass_.data();
-        for (int k = 0; k < 3; ++k) s_.gravity[k] = 0.0;
-        fraction_ = packing_fraction(s);
+        for (double& g : s_.box.gravity) g = 0.0;
+        fraction_ = s.packing_fraction();
         diameter_ = 2.0 * *std::max_element(s.radius, s.radius + s.n);
     }
 
-    // Whether the radii reached the size asked for; report(GrowthReport) is called after each step and
-    // says whether to go on.
+    // Whether the radii reached the size asked for. report(GrowthReport) is called after each step and says whether to
+    // go on.
     template <class Report>
-    bool run(Stop& stop, const Report& report) {
-        double share = begin(stop), slowness = 1.0;
-        i64 collisions = 0;
+    bool run(const hardlimit_abi::TouchKernels& kernels, Stop& stop, const Report& report) {
+        double share = insert(stop), slowness = 1.0;
+        u64 collisions = 0;
         for (int step = 0; share < 1.0 + beyond && !stop.stopped(); ++step) {
             if (step == most_steps) return false;
-            const double fraction = fraction_at(share);
-            const Pace pace = pace_at(fraction);
+            const Pace pace = pace_at(fraction_at(share));
             const double target = std::min(1.0 + beyond, share_at(std::min(pace.until, fraction_ * 2.0)));
-            const double reached = grow(share, target, pace.rate * slowness, stop, collisions);
+            const double reached = grow(share, target, pace.rate * slowness, kernels, stop, collisions);
             if (reached < target) slowness *= 0.5;
             share = reached;
             if (!report(GrowthReport{share, collisions})) return false;
@@ -159,35 +145,31 @@ public:
         return true;
     }
 
-    // Folded into the box.
+    // In the box.
     std::vector<double> positions() && {
-        for (std::size_t at = 0; at < position_.size(); ++at) {
-            const int k = static_cast<int>(at % d);
-            if (box_.periodic[k]) position_[at] = folded(position_[at], box_.edge[k]);
-        }
+        fold();
         return std::move(position_);
     }
 
 private:
     static constexpr double beyond = 1e-10;
     static constexpr int most_steps = 60;
-    static constexpr double thrown_fraction = d == 3 ? 0.15 : 0.3;
-    static constexpr i64 most_collisions = 400;  // of a particle in one step, about
+    static constexpr double inserted_fraction = d == 3 ? 0.15 : 0.3;
+    static constexpr u64 most_collisions = 400;  // of a particle in one step, about
 
     // Growth per second at a packing fraction below `until`, where the thermal speed is one diameter per second.
     struct Pace {
         double until, rate;
     };
 
-    Setting s_;
+    System s_;
     Random random_;
-    Box<d> box_{};
     std::vector<double> position_, velocity_, mass_;
     double fraction_, diameter_;
 
-    static double folded(double x, double edge) {
-        x -= edge * math::round_small(x / edge);
-        return x < 0.0 ? math::min(x + edge, edge) : x;
+    void fold() {
+        for (std::size_t at = 0; at < position_.size(); ++at)
+            position_[at] = s_.box.folded(position_[at], static_cast<int>(at % d));
     }
     double fraction_at(double share) const {
         return fraction_ * (d == 3 ? share * share * share : share * share);
@@ -201,36 +183,34 @@ private:
         return *pace;
     }
 
-    // Thrown in with radii that leave room; the share of the final radii.
-    double begin(Stop& stop) {
-        double share = std::min(1.0 + beyond, share_at(thrown_fraction));
-        Throws<d> throws(s_, box_, random_);
-        while (!throws.place(share, position_, stop)) share *= 0.9;
+    // With radii that leave enough space; returns their share of the final radii.
+    double insert(Stop& stop) {
+        double share = std::min(1.0 + beyond, share_at(inserted_fraction));
+        RandomInsertion<d> insertion(s_, s_.box, random_);
+        while (!insertion.place(share, position_, stop)) share *= 0.9;
         return share;
     }
 
-    // Lets the radii grow from one share to another, or until collisions pile up; the share reached.
-    double grow(double from, double to, double rate, Stop& stop, i64& collisions) {
+    // Lets the radii grow from one share to another, or until collisions accumulate; returns the share reached.
+    double grow(double from, double to, double rate, const hardlimit_abi::TouchKernels& kernels, Stop& stop,
+                u64& collisions) {
         for (double& v : velocity_) v = diameter_ * random_.normal();
-        for (std::size_t at = 0; at < position_.size(); ++at) {
-            const int k = static_cast<int>(at % d);
-            if (box_.periodic[k]) position_[at] = folded(position_[at], box_.edge[k]);
-        }
-        const bool alike = *std::min_element(s_.radius, s_.radius + s_.n) * 2.0 == diameter_;
+        fold();
+        const RuleChoice elastic;
+        const Growth growth{from, rate};
         std::unique_ptr<Engine> engine;
-        if (alike)
-            engine = std::make_unique<HardSpheres<d, Motion::growing, false>>(s_, RuleChoice{}, false, stop,
-                                                                              Growth{from, rate});
+        if (*std::min_element(s_.radius, s_.radius + s_.n) * 2.0 == diameter_)
+            engine = std::make_unique<HardSpheres<d, Motion::growing, false>>(s_, elastic, false, kernels,
+                                                                              stop, growth);
         else
-            engine = std::make_unique<HardSpheres<d, Motion::growing, true>>(s_, RuleChoice{}, false, stop,
-                                                                             Growth{from, rate});
-        const i64 most = most_collisions * static_cast<i64>(s_.n) + 10'000;
-        engine->advance((to - from) / rate, most, stop);
+            engine = std::make_unique<HardSpheres<d, Motion::growing, true>>(s_, elastic, false, kernels,
+                                                                             stop, growth);
+        const u64 most = most_collisions * s_.n + 10'000;
+        engine->advance((to - from) / rate, most, 1, stop);
         engine->state(position_.data(), velocity_.data());
-        const Counts c = engine->counts();
-        collisions += c.pairs + c.walls;
+        collisions += engine->contacts();
         // What was reached by time, less a rounding of it.
-        return c.pairs + c.walls >= most ? from + rate * engine->time() * (1.0 - 1e-14) : to;
+        return engine->contacts() >= most ? from + rate * engine->time() * (1.0 - 1e-14) : to;
     }
 };
 

@@ -1,4 +1,5 @@
-// The engine for a system: dimension, gravity and whether all particles are alike are decided once.
+// The engine of hard spheres for a system: the types for dimension, gravity and equal or different particles are chosen
+// once.
 #pragma once
 #include <memory>
 
@@ -24,29 +25,27 @@ std::unique_ptr<Engine> with_kind(const Kind& kind, const F& f) {
     return nullptr;
 }
 
-inline Kind kind_of(const Setting& s) {
-    Kind kind{s.dimension, Motion::straight, false};
-    for (int k = 0; k < s.dimension; ++k)
-        if (s.gravity[k] != 0.0) kind.motion = Motion::falling;
+inline Kind kind_of(const System& s) {
+    Kind kind{s.box.dimension, s.box.falls() ? Motion::falling : Motion::straight, false};
     for (std::size_t i = 1; i < s.n; ++i)
         kind.mixed = kind.mixed || s.radius[i] != s.radius[0] || s.mass[i] != s.mass[0];
     return kind;
 }
 
-// Of a system that fault_of() has no objection to.
-inline std::unique_ptr<Engine> make_engine(const Setting& s, const RuleChoice& rule, bool keep_log,
-                                           Stop& stop) {
+// For a system in which fault_of() finds none.
+inline std::unique_ptr<Engine> make_hard_spheres(const System& s, const RuleChoice& rule, bool keep_log,
+                                                 const hardlimit_abi::TouchKernels& kernels, Stop& stop) {
     return with_kind(kind_of(s), [&]<int d, Motion motion, bool mixed>() -> std::unique_ptr<Engine> {
-        return std::make_unique<HardSpheres<d, motion, mixed>>(s, rule, keep_log, stop);
+        return std::make_unique<HardSpheres<d, motion, mixed>>(s, rule, keep_log, kernels, stop);
     });
 }
 
-// Nothing where the bytes are not a whole archive.
-inline std::unique_ptr<Engine> load_engine(const char* data, std::size_t n,
-                                           const hardlimit_abi::TouchKernels& kernels) {
+// Nothing where the bytes are no whole archive of this engine.
+inline std::unique_ptr<Engine> load_hard_spheres(const char* data, std::size_t n,
+                                                 const hardlimit_abi::TouchKernels& kernels) {
     Reader reader(data, n);
+    if (!reader.whole("hard_spheres")) return nullptr;
     Kind kind{};
-    if (!reader.whole()) return nullptr;
     reader(kind);
     auto engine = with_kind(kind, [&]<int d, Motion motion, bool mixed>() -> std::unique_ptr<Engine> {
         return std::make_unique<HardSpheres<d, motion, mixed>>(reader, kernels);

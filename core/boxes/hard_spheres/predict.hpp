@@ -1,4 +1,4 @@
-// How a particle finds its next event.
+// Prediction of a particle's next events: collisions, walls, cell borders.
 #pragma once
 #include "engine.hpp"
 
@@ -14,14 +14,14 @@ void HardSpheres<d, motion, mixed>::prepare_query() {
     query_.rate = growth_.rate;
     for (int k = 0; k < d; ++k) {
         query_.edge[k] = box_.edge[k];
-        query_.per_edge[k] = box_.periodic[k] ? 1.0 / box_.edge[k] : 0.0;
+        query_.per_edge[k] = box_.wraps(k) ? 1.0 / box_.edge[k] : 0.0;
         query_.half_gravity[k] = 0.5 * box_.gravity[k];
         query_.gravity[k] = box_.gravity[k];
     }
 }
 
 template <int d, Motion motion, bool mixed>
-auto HardSpheres<d, motion, mixed>::look(u32 i) -> Look {
+auto HardSpheres<d, motion, mixed>::begin_prediction(u32 i, u32 except) -> NextCollision {
     const Particle<d>& p = particles_[i];
     query_.now = now_;
     if constexpr (mixed) query_.radius = radius(i);
@@ -30,13 +30,13 @@ auto HardSpheres<d, motion, mixed>::look(u32 i) -> Look {
         query_.position[k] = position_after<motion>(p, k, now_ - p.time, box_);
         query_.velocity[k] = velocity_after<motion>(p, k, now_ - p.time, box_);
     }
-    return Look{i};
+    return NextCollision{i, except};
 }
 
-// Whether the image of a particle that was just examined touches the one that looks, or lies in it. `nearest`: of its
+// Whether the image of a particle that was just examined touches or overlaps the one of the query. `nearest`: of its
 // images the nearest one is meant.
 template <int d, Motion motion, bool mixed>
-bool HardSpheres<d, motion, mixed>::in_touch(u32 id, bool nearest) const {
+bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
     const Particle<d>& p = particles_[id];
     double square = 0.0;
     for (int k = 0; k < d; ++k) {
@@ -48,22 +48,24 @@ bool HardSpheres<d, motion, mixed>::in_touch(u32 id, bool nearest) const {
     return square <= touch * touch * (1.0 + 1e-9);
 }
 
-// What a kernel has found among the candidates. Simultaneous ones are told apart by the user's numbers.
+// Keeps the earliest collision that a kernel has found among the candidates; of simultaneous ones that with the lowest
+// original index.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::examine(Look& look, const hardlimit_abi::Touched& touched, bool nearest) {
-    if (!(touched.time <= look.in) || touched.time == math::infinity) return;
-    if (touched.time < look.in && !touched.several && touched.id != look.except) {
-        look.in = touched.time;
-        look.partner = touched.id;
+void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next, const hardlimit_abi::Touched& touched,
+                                                  bool nearest) {
+    if (!(touched.time <= next.in) || touched.time == math::infinity) return;
+    if (touched.time < next.in && !touched.several && touched.id != next.except) {
+        next.in = touched.time;
+        next.partner = touched.id;
         return;
     }
     for (std::size_t k = 0; k < touched.n; ++k) {
-        if (times_[k] > look.in || times_[k] == math::infinity) continue;
+        if (times_[k] > next.in || times_[k] == math::infinity) continue;
         const u32 id = candidates_[k];
-        if (id == look.except && in_touch(id, nearest)) continue;
-        if (times_[k] < look.in || names_[id] < names_[look.partner]) {
-            look.in = times_[k];
-            look.partner = id;
+        if (id == next.except && touches(id, nearest)) continue;
+        if (times_[k] < next.in || original_index_[id] < original_index_[next.partner]) {
+            next.in = times_[k];
+            next.partner = id;
         }
     }
 }
@@ -76,40 +78,44 @@ void HardSpheres<d, motion, mixed>::make_room_for_candidates() {
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::search_block(Look& look, int level, const Place<d>& from,
-                                                 const Place<d>& to) {
-    if (cells_.grids()[static_cast<std::size_t>(level)].few) return search_images(look, level, from, to);
+void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int level, const Place<d>& from,
+                                                     const Place<d>& to) {
+    if (cells_.grids()[static_cast<std::size_t>(level)].few) return predict_in_images(next, level, from, to);
     make_room_for_candidates();
     hardlimit_abi::CellBlock block;
     const bool across = cells_.lay_block(block, box_, level, from, to);
     const auto touch = across ? touch_.across : touch_.near;
-    examine(look, touch(query_, particles_.data(), look.id, candidates_.data(), times_.data(), block),
-            across);
+    keep_earliest(next, touch(query_, particles_.data(), next.id, candidates_.data(), times_.data(), block),
+                  across);
 }
 
-// A block that is so large a part of the box that several images of a particle may lie in it.
+// In a block that is so large a part of the box that several images of a particle may lie in it.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::search_images(Look& look, int level, const Place<d>& from,
-                                                  const Place<d>& to) {
+void HardSpheres<d, motion, mixed>::predict_in_images(NextCollision& next, int level, const Place<d>& from,
+                                                      const Place<d>& to) {
     make_room_for_candidates();
     cells_.for_block(box_, level, from, to, [&](u32 cell, const double (&shift)[d]) {
         for (int k = 0; k < d; ++k) query_.shift[k] = shift[k];
         const std::size_t n = cells_.collect(cell, candidates_, 0);
-        examine(look, touch_.listed(query_, particles_.data(), look.id, candidates_.data(), times_.data(), n),
-                false);
+        keep_earliest(next,
+                      touch_.listed(query_, particles_.data(), next.id, candidates_.data(), times_.data(), n),
+                      false);
     });
     for (double& shift : query_.shift) shift = 0.0;
 }
 
+// Stores the collision if it is earlier than the one that is pending.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::keep(const Look& found) {
-    Pending& e = pending_[found.id];
-    const double time = now_ + found.in;
-    if (found.partner == no_particle || time > e.pair_time) return;
-    if (time == e.pair_time && e.partner != no_particle && names_[e.partner] < names_[found.partner]) return;
+void HardSpheres<d, motion, mixed>::store(const NextCollision& next) {
+    Pending& e = pending_[next.id];
+    const double time = now_ + next.in;
+    if (next.partner == no_particle || time > e.pair_time) return;
+    if (time == e.pair_time && e.partner != no_particle &&
+        original_index_[e.partner] < original_index_[next.partner])
+        return;
     e.pair_time = time;
-    e.partner = found.partner;
-    e.partner_count = collisions(found.partner);
+    e.partner = next.partner;
+    e.partner_count = collisions(next.partner);
 }
 
 template <int d, Motion motion, bool mixed>
@@ -118,23 +124,22 @@ void HardSpheres<d, motion, mixed>::predict(u32 i, u32 except) {
     schedule(i);
 }
 
-// All events of a particle anew.
+// Predicts all events of a particle.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
     Pending& e = pending_[i];
     const int own = level(i);
     const Place<d> at = cells_.place(own, e.cell);
-    Look found = look(i);
-    found.except = except;
+    NextCollision next = begin_prediction(i, except);
     cells_.for_neighbourhoods(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
-        search_block(found, level, from, to);
+        predict_in_block(next, level, from, to);
     });
     e.pair_time = math::infinity;
     e.partner = no_particle;
     if constexpr (mixed)
-        if (own > 0) search_finer(found, own);
-    keep(found);
-    predict_own(i, at);
+        if (own > 0) predict_finer(next, own);
+    store(next);
+    predict_self_event(i, at);
 }
 
 // Speed now in a frame that falls with gravity along the periodic axes, where a speed would grow for ever.
@@ -142,25 +147,26 @@ template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const {
     double square = 0.0;
     for (int k = 0; k < d; ++k) {
-        const double v = velocity[k] - (box_.periodic[k] ? box_.gravity[k] * now_ : 0.0);
+        const double v = velocity[k] - (box_.wraps(k) ? box_.gravity[k] * now_ : 0.0);
         square += v * v;
     }
     return math::sqrt(square);
 }
 // A bound of that speed for all particles: between walls a fall gains no more than the height of the box gives.
 template <int d, Motion motion, bool mixed>
-double HardSpheres<d, motion, mixed>::fastest_possible() const {
+double HardSpheres<d, motion, mixed>::speed_bound() const {
     double square = fastest_ * fastest_;
     for (int k = 0; k < d; ++k)
-        if (!box_.periodic[k]) square += 2.0 * math::abs(box_.gravity[k]) * box_.edge[k];
+        if (box_.walled(k)) square += 2.0 * math::abs(box_.gravity[k]) * box_.edge[k];
     return math::sqrt(square);
 }
 
-// Smaller particles may be many: only those that can arrive before the next look are examined.
+// In finer grids than the particle's own, where particles may be many: only those are examined that can arrive before
+// the next such search, whose time is noted.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::search_finer(Look& look, int level) {
+void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level) {
     double horizon = math::infinity;
-    const double speed = frame_speed(query_.velocity) + fastest_possible();
+    const double speed = frame_speed(query_.velocity) + speed_bound();
     for (int q = 0; q < level; ++q) {
         const Grid<d>& g = cells_.grids()[q];
         const double margin = 1.5 * g.diameter, reach = query_.radius + 0.5 * g.diameter + margin;
@@ -173,44 +179,45 @@ void HardSpheres<d, motion, mixed>::search_finer(Look& look, int level) {
         bool wide = false;
         for (int k = 0; k < d; ++k) wide = wide || to[k] - from[k] > 2;
         if (wide)
-            search_images(look, q, from, to);
+            predict_in_images(next, q, from, to);
         else
-            search_block(look, q, from, to);
+            predict_in_block(next, q, from, to);
     }
-    rescans_[look.id] = now_ + horizon;
+    rescans_[next.id] = now_ + horizon;
 }
 
-// Leaves the cell, which is at this place, or meets a wall, whichever comes first.
+// When the particle leaves its cell, which is at this place, or meets a wall, whichever comes first.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::predict_own(u32 i, const Place<d>& at) {
+void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at) {
     Pending& e = pending_[i];
     const Particle<d>& p = particles_[i];
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(own)];
     double in = math::infinity;
     SelfEvent which = SelfEvent::low_x;
-    // Without branches: which border is the first, no processor can foresee.
+    // Without branches, which the processor could not predict.
     const auto consider = [&](double time, int axis, bool high) {
-        which = time < in ? own_event(axis, high) : which;
+        which = time < in ? self_event(axis, high) : which;
         in = math::min(in, time);
     };
     HL_UNROLL
     for (int k = 0; k < d; ++k) {
         const double x = p.position[k], v = p.velocity[k], size = radius(i);
         const double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const bool walls = motion != Motion::growing && !box_.periodic[k];
-        const double lowest = walls && at[k] == 0 ? size : low;
-        const double highest = walls && at[k] == g.cells[k] - 1 ? box_.edge[k] - size : high;
+        const bool walls = motion != Motion::growing && box_.walled(k);
+        const double lowest = walls && at[k] == 0 ? box_.wall(k, false).position(now_) + size : low;
+        const double highest =
+            walls && at[k] == g.cells[k] - 1 ? box_.wall(k, true).position(now_) - size : high;
         if constexpr (motion == Motion::falling) {
             // From now on: a border passed on the way up is not to be met again in the past.
             for (const bool upper : {true, false}) {
                 const bool wall = walls && at[k] == (upper ? g.cells[k] - 1 : 0);
-                const double since = (wall ? free_of_wall(i, k, upper) : now_) - p.time;
+                const double since = (wall ? wall_blocked_until(i, WallId::at(k, upper)) : now_) - p.time;
                 const double x_then = position_after<motion>(p, k, since, box_);
                 const double v_then = velocity_after<motion>(p, k, since, box_);
-                const double pull = box_.gravity[k];
-                consider(since + (upper ? time_below(x_then, v_then, pull, highest)
-                                        : time_below(-x_then, -v_then, -pull, -lowest)),
+                const double g_k = box_.gravity[k];
+                consider(since + (upper ? time_below(x_then, v_then, g_k, highest)
+                                        : time_below(-x_then, -v_then, -g_k, -lowest)),
                          k, upper);
             }
         } else {
@@ -218,7 +225,7 @@ void HardSpheres<d, motion, mixed>::predict_own(u32 i, const Place<d>& at) {
             const bool up = v > 0.0;
             consider(time_to(borders[up] - x, v), k, up);
         }
-        if (motion == Motion::growing && !box_.periodic[k]) {
+        if (motion == Motion::growing && box_.walled(k)) {
             const double touch = size * growth_.at(p.time), rate = size * growth_.rate;
             if (at[k] == 0) consider(time_below(touch - x, rate - v, 0.0), k, false);
             if (at[k] == g.cells[k] - 1) consider(time_below(x + touch, v + rate, box_.edge[k]), k, true);

@@ -1,30 +1,26 @@
-// How a run begins, and what is kept exact on the way.
+// The start of a run, new or loaded, and the order in which particles are stored.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
 template <int d, Motion motion, bool mixed>
-HardSpheres<d, motion, mixed>::HardSpheres(const Setting& s, const RuleChoice& rule, bool keep_log,
-                                           Stop& stop, Growth growth)
-    : growth_(growth), keep_log_(keep_log), touch_(kernels_of(*s.kernels)) {
-    for (int k = 0; k < d; ++k) {
-        box_.edge[k] = s.edge[k];
-        box_.periodic[k] = s.periodic[k];
-        box_.gravity[k] = s.gravity[k];
-    }
+HardSpheres<d, motion, mixed>::HardSpheres(const System& s, const RuleChoice& rule, bool keep_log,
+                                           const hardlimit_abi::TouchKernels& kernels, Stop& stop,
+                                           Growth growth)
+    : box_(s.box), growth_(growth), keep_log_(keep_log), touch_(kernels_of(kernels)) {
     smallest_radius_ = *std::min_element(s.radius, s.radius + s.n);
     largest_radius_ = *std::max_element(s.radius, s.radius + s.n);
     mass_ = s.mass[0];
-    make_rule(rule);
-    lay_cells(s.n);
-    take(s);
-    put_into_cells();
-    next_sort_ = collisions_between_sorts * static_cast<i64>(s.n);
-    if (rule.soft) softs_.assign(s.n, {-math::infinity, no_particle});
-    refresh_tally();
+    set_rule(rule);
+    make_cells(s.n);
+    sort_in(s);
+    fill_cells();
+    next_sort_ = collisions_between_sorts * s.n;
+    if (takes_time_) last_contacts_.assign(s.n, {-math::infinity, no_particle});
+    refresh_accumulators();
     predict_all(stop);
-    restart_calendar();
+    rebuild_queue();
 }
 
 template <int d, Motion motion, bool mixed>
@@ -32,14 +28,14 @@ HardSpheres<d, motion, mixed>::HardSpheres(Reader& saved, const hardlimit_abi::T
     : touch_(kernels_of(kernels)) {
     archive(saved);
     if (saved.failed()) return;
-    lay_cells(particles_.size());
-    put_into_cells();
-    restart_calendar();
+    make_cells(particles_.size());
+    fill_cells();
+    rebuild_queue();
 }
 
 template <int d, Motion motion, bool mixed>
 std::vector<char> HardSpheres<d, motion, mixed>::save() const {
-    Writer w;
+    Writer w("hard_spheres");
     w(Kind{d, motion, mixed});
     const_cast<HardSpheres*>(this)->archive(w);  // which does not change what it writes
     return w.finish();
@@ -48,35 +44,32 @@ std::vector<char> HardSpheres<d, motion, mixed>::save() const {
 template <int d, Motion motion, bool mixed>
 template <class Archive>
 void HardSpheres<d, motion, mixed>::archive(Archive& a) {
-    RuleChoice choice = rule_.choice();
-    a(box_), a(choice), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
-    a(particles_), a(pending_), a(periods_), a(names_), a(masses_), a(rescans_), a(fastest_);
-    a(tally_), a(until_refresh_), a(now_), a(outcome_), a(early_end_);
-    a(log_.time), a(log_.first), a(log_.second), a(log_.impact_speed), a(log_.separation_speed);
-    a(softs_), a(soft_contacts_), a(soft_third_body_), a(deepest_);
-    watch_.archive(a);
-    make_rule(choice);
+    a(box_), a(choice_), a(growth_), a(keep_log_), a(mass_), a(smallest_radius_), a(largest_radius_);
+    a(particles_), a(pending_), a(image_flags_), a(original_index_), a(masses_), a(rescans_), a(fastest_);
+    a(accumulators_), a(until_refresh_), a(now_), a(paused_), a(outcome_), a(log_);
+    a(early_end_.time), a(early_end_.particles), a(early_end_.wall);
+    a(last_contacts_), a(soft_contacts_), a(soft_third_body_), a(deepest_);
+    collapse_.archive(a);
+    set_rule(choice_);
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::make_rule(const RuleChoice& choice) {
-    std::vector<PairGeometry> alike;
-    if (!mixed) alike = {{0.5 * mass_, 0.5 * largest_radius_}, {mass_, largest_radius_}};
-    rule_ = Rule(choice, alike);
-    if (choice.soft)
-        soft_ = soft_rule(choice, {0.5 * mass_, 0.5 * largest_radius_}, 2.0 * largest_radius_, !mixed);
+void HardSpheres<d, motion, mixed>::set_rule(const RuleChoice& choice) {
+    choice_ = choice;
+    rule_ = make_rule(choice, {mass_, largest_radius_, !mixed});
+    takes_time_ = rule_ && rule_->takes_time();
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::lay_cells(std::size_t n) {
+void HardSpheres<d, motion, mixed>::make_cells(std::size_t n) {
     cells_ = Cells<d>(box_, n, 2.0 * smallest_radius_, 2.0 * largest_radius_);
     prepare_query();
-    fetches_ = n > most_in_caches;
+    prefetches_ = n > most_in_caches;
 }
 
-// Particles in the order of their cells: neighbours in space are neighbours in memory.
+// Stores the particles in the order of their cells: neighbours in space are neighbours in memory.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::take(const Setting& s) {
+void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
     const u32 n = static_cast<u32>(s.n);
     std::vector<u32> cell(n), order(n);
     const auto position_of = [&](u32 i, double (&x)[d]) {
@@ -93,8 +86,8 @@ void HardSpheres<d, motion, mixed>::take(const Setting& s) {
               [&](u32 a, u32 b) { return cell[a] != cell[b] ? cell[a] < cell[b] : a < b; });
     particles_.resize(n);
     pending_.resize(n);
-    periods_.resize(n, {});
-    names_.assign(order.begin(), order.end());
+    image_flags_.resize(n, {});
+    original_index_.assign(order.begin(), order.end());
     if constexpr (mixed) {
         masses_.resize(n);
         if (cells_.levels() > 1) rescans_.assign(n, math::infinity);
@@ -114,7 +107,7 @@ void HardSpheres<d, motion, mixed>::take(const Setting& s) {
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::put_into_cells() {
+void HardSpheres<d, motion, mixed>::fill_cells() {
     cells_.clear();
     for (u32 i = 0; i < size32(); ++i) cells_.insert(pending_[i].cell, i);
 }
@@ -125,70 +118,54 @@ void HardSpheres<d, motion, mixed>::predict_all(Stop& stop) {
 }
 
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::restart_calendar() {
+void HardSpheres<d, motion, mixed>::rebuild_queue() {
     calendar_.rebuild(
-        size32(), [this](u32 id) { return event_time(id); }, [this](u32 id) { return names_[id]; });
+        size32(), [this](u32 id) { return event_time(id); }, [this](u32 id) { return original_index_[id]; });
 }
 
-// Energy and momentum anew: what accumulates loses its digits while a gas cools by many orders of magnitude.
-template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::refresh_tally() {
-    until_refresh_ = std::max<i64>(8192, 32 * static_cast<i64>(particles_.size()));
-    std::vector<u32> place(size32());
-    for (u32 i = 0; i < size32(); ++i) place[names_[i]] = i;
-    Sum mass_sum, kinetic, momentum[d];
-    for (const u32 i : place) {
-        const Particle<d>& p = particles_[i];
-        double square = 0.0;
-        for (int k = 0; k < d; ++k) {
-            const double v = velocity_after<motion>(p, k, now_ - p.time, box_);
-            square += v * v;
-            momentum[k].add(mass(i) * v);
+// records[i] = records[from[i]], in place, one cycle of the permutation after the other.
+template <class T>
+void permute(Records<T>& records, const std::vector<u32>& from) {
+    std::vector<bool> done(from.size());
+    for (u32 start = 0; start < from.size(); ++start) {
+        if (done[start] || from[start] == start) continue;
+        const T first = records[start];
+        u32 at = start;
+        for (; from[at] != start; at = from[at]) {
+            records[at] = records[from[at]];
+            done[at] = true;
         }
-        kinetic.add(0.5 * mass(i) * square);
-        mass_sum.add(mass(i));
+        records[at] = first;
+        done[at] = true;
     }
-    tally_.mass = mass_sum.value();
-    for (int k = 0; k < d; ++k) tally_.gravity[k] = box_.gravity[k];
-    tally_.advance(now_);
-    tally_.kinetic = kinetic.value();
-    for (int k = 0; k < d; ++k) tally_.momentum[k] = momentum[k].value();
 }
 
+// Sorts the particles along the cells again, since neighbours in memory move apart. It changes nothing but the speed.
 template <int d, Motion motion, bool mixed>
-Observation HardSpheres<d, motion, mixed>::observe() const {
-    Observation o{};
-    std::vector<u32> place(size32());
-    for (u32 i = 0; i < size32(); ++i) place[names_[i]] = i;
-    Sum kinetic, potential, momentum[d];
-    for (const u32 i : place) {
-        const Particle<d>& p = particles_[i];
-        const double after = now_ - p.time, m = mass(i);
-        double square = 0.0;
-        for (int k = 0; k < d; ++k) {
-            const double v = velocity_after<motion>(p, k, after, box_);
-            const double x = position_after<motion>(p, k, after, box_) +
-                             periods_[i][static_cast<std::size_t>(k)] * box_.edge[k];
-            square += v * v;
-            momentum[k].add(m * v);
-            potential.add(-m * box_.gravity[k] * x);
-        }
-        kinetic.add(0.5 * m * square);
-    }
-    o.kinetic_energy = kinetic.value();
-    o.potential_energy = potential.value();
-    for (int k = 0; k < d; ++k) o.momentum[k] = momentum[k].value();
-    o.dissipated_energy = tally_.dissipated.value();
-    o.virial = tally_.virial.value();
-    o.kinetic_integral = tally_.integral_until(now_);
-    return o;
-}
-
-template <int d, Motion motion, bool mixed>
-std::size_t HardSpheres<d, motion, mixed>::bytes() const {
-    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-    return sizeof(*this) + of(particles_) + of(pending_) + of(periods_) + of(names_) + of(masses_) +
-           of(rescans_) + of(softs_) + of(candidates_) + cells_.bytes() + calendar_.bytes();
+void HardSpheres<d, motion, mixed>::sort_along_cells() {
+    next_sort_ = accumulators_.collisions() + collisions_between_sorts * particles_.size();
+    const u32 n = size32();
+    std::vector<u32> from(n);
+    for (u32 i = 0; i < n; ++i) from[i] = i;
+    std::sort(from.begin(), from.end(), [this](u32 a, u32 b) {
+        return pending_[a].cell != pending_[b].cell ? pending_[a].cell < pending_[b].cell : a < b;
+    });
+    permute(particles_, from);
+    permute(pending_, from);
+    permute(image_flags_, from);
+    permute(original_index_, from);
+    if (!masses_.empty()) permute(masses_, from);
+    if (!rescans_.empty()) permute(rescans_, from);
+    if (!last_contacts_.empty()) permute(last_contacts_, from);
+    std::vector<u32> now_at(n);
+    for (u32 i = 0; i < n; ++i) now_at[from[i]] = i;
+    const auto follow = [&](u32& partner) {
+        if (partner != no_particle) partner = now_at[partner];
+    };
+    for (Pending& e : pending_) follow(e.partner);
+    for (LastContact& c : last_contacts_) follow(c.partner);
+    fill_cells();
+    rebuild_queue();
 }
 
 }  // namespace hardlimit::boxes

@@ -10,8 +10,8 @@
 // Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). If radii grow faster than the pair separates, b ≥ 0 and a <
 // 0, and the root is (b + √(b² − a c))/(−a).
 //
-// With `enlarged`, radii include safety radii, and two particles may be too close without approaching: then c < 0 by more
-// than rounding means now, for any b. The particle itself may have a larger radius for a limited time. A neighbour
+// With `enlarged`, radii include safety radii, and two particles may be too close without approaching: then c < 0 by
+// more than rounding means now, for any b. The particle itself may have a larger radius for a limited time. A neighbour
 // touches that radius before its end only if c + 2 b τ <= 0 at the end, as a τ² >= 0; otherwise it touches the usual
 // radius.
 #pragma once

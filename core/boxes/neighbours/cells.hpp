@@ -9,13 +9,13 @@
 #include <algorithm>
 #include <vector>
 
-#include "../common/box.hpp"
+#include "../common/particle.hpp"
 #include "../common/storage.hpp"
 #include "../kernels/interface.hpp"
 
 namespace hardlimit::boxes {
 
-// Up to three ids, the others nobody's, then their number; or, where there are more, four more than the index of the
+// Up to three ids, the unused ones no_particle, then their number; or, where there are more, four plus the index of the
 // cell that holds the rest.
 struct Cell {
     u32 id[3];
@@ -50,9 +50,7 @@ public:
 
     // Grids for `n` particles, the finest first.
     Cells() = default;
-    Cells(const Box<d>& box, std::size_t n, double smallest, double largest) {
-        lay(box, n, smallest, largest);
-    }
+    Cells(const Box& box, std::size_t n, double smallest, double largest) { lay(box, n, smallest, largest); }
 
     const std::vector<Grid<d>>& grids() const { return grids_; }
     int levels() const { return static_cast<int>(grids_.size()); }
@@ -142,7 +140,7 @@ public:
     // A block of at most three cells along each axis, for the kernels that collect it themselves; what lies beyond a
     // border is found on the other side, or not at a wall. Its ids need at most room(). Returns whether the block
     // reaches across a periodic border.
-    bool lay_block(hardlimit_abi::CellBlock& block, const Box<d>& box, int level, const Place<d>& from,
+    bool lay_block(hardlimit_abi::CellBlock& block, const Box& box, int level, const Place<d>& from,
                    const Place<d>& to) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
         block.cells = cells_.data() + g.first;
@@ -197,7 +195,7 @@ public:
     // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles
     // in the cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
     template <class F>
-    void for_block(const Box<d>& box, int level, const Place<d>& from, const Place<d>& to, const F& f) const {
+    void for_block(const Box& box, int level, const Place<d>& from, const Place<d>& to, const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
         Place<d> at = from;
         for (;;) {
@@ -205,9 +203,9 @@ public:
             double shift[d] = {};
             bool inside = true;
             for (int k = 0; k < d; ++k) {
-                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.edge[k];
-                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.edge[k];
-                inside = inside && (box.periodic[k] || shift[k] == 0.0);
+                while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.image_shift(k, 1);
+                while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.image_shift(k, 1);
+                inside = inside && (box.wraps(k) || shift[k] == 0.0);
             }
             if (inside) f(number(level, cell), shift);
             int k = 0;
@@ -246,8 +244,8 @@ private:
     std::vector<u32> free_;          // of the spilled ones
     std::size_t longest_chain_ = 0;  // cells beyond the first
 
-    void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box<d>& box,
-                     const Place<d>& from, const Place<d>& to) const {
+    void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box& box, const Place<d>& from,
+                     const Place<d>& to) const {
         block.rows = 0;
         block.row = block.own_rows;
         const u32* const along_y = steps_.data() + g.steps[1] + steps_beyond;
@@ -262,11 +260,11 @@ private:
             for (int z = from[2]; z <= to[2]; ++z)
                 if (along_z[z] != no_particle) add_rows(along_z[z]);
         }
-        cut(block, from[0], to[0], g.cells[0], box.periodic[0]);
+        cut(block, from[0], to[0], g.cells[0], box.wraps(0));
     }
-    // Where the cells along an axis lie, counted from the first: what is beyond a border is found on the other side,
-    // or nobody's at a wall.
-    void lay_steps(Grid<d>& g, const Box<d>& box) {
+    // Offsets of the cells along an axis from the first: beyond a periodic border those of the other side, beyond a
+    // wall no_particle.
+    void lay_steps(Grid<d>& g, const Box& box) {
         u32 stride = 1;
         for (int k = 0; k < d; ++k) {
             const int n = g.cells[k];
@@ -274,8 +272,7 @@ private:
             for (int at = -steps_beyond; at < n + steps_beyond; ++at) {
                 const bool inside = at >= 0 && at < n;
                 const int wrapped = ((at % n) + n) % n;
-                steps_.push_back(inside || box.periodic[k] ? static_cast<u32>(wrapped) * stride
-                                                           : no_particle);
+                steps_.push_back(inside || box.wraps(k) ? static_cast<u32>(wrapped) * stride : no_particle);
             }
             stride *= static_cast<u32>(n);
         }
@@ -328,7 +325,7 @@ private:
 
     // Cells as long as the largest diameter, and longer where that would make more than two for each particle; finer
     // grids while there are smaller particles and the cells stay few.
-    void lay(const Box<d>& box, std::size_t n, double smallest, double largest) {
+    void lay(const Box& box, std::size_t n, double smallest, double largest) {
         const double most = 2.0 * static_cast<double>(n) + 32.0;
         double edge = largest;
         Grid<d> coarse = grid(box, edge);
@@ -353,7 +350,7 @@ private:
             g.first = first;
             g.few = false;
             // With four cells an image that is not the nearest one is more than two cells away.
-            for (int k = 0; k < d; ++k) g.few = g.few || (box.periodic[k] && g.cells[k] < 4);
+            for (int k = 0; k < d; ++k) g.few = g.few || (box.wraps(k) && g.cells[k] < 4);
             lay_steps(g, box);
             first += static_cast<u32>(count(g));
             const u32 row = static_cast<u32>(g.cells[0]),
@@ -366,7 +363,7 @@ private:
         cells_.resize(first + beyond);
         clear();
     }
-    static Grid<d> grid(const Box<d>& box, double edge) {
+    static Grid<d> grid(const Box& box, double edge) {
         Grid<d> g{};
         for (int k = 0; k < d; ++k) {
             g.cells[k] = std::max(1, static_cast<int>(math::min(box.edge[k] / edge, 1e9)));

@@ -37,10 +37,10 @@ inline std::array<std::int32_t, 3> relative_image(NeighbourPair p, const Records
     return image;
 }
 
-// A body that may touch a wall, 2·axis at 0 or 2·axis + 1 at the far edge.
+// A body that may touch a wall.
 struct WallNeighbour {
     std::uint32_t body;
-    std::uint32_t wall;
+    WallId wall;
 };
 
 class CellLayers {
@@ -48,7 +48,7 @@ public:
     CellLayers() = default;
     // Cells are at least as wide as `reach`, and at most about twice as many as bodies. A large number of layers is
     // rounded to an even one: the number of slabs is even too, so slabs then have equal work.
-    CellLayers(const Box3& box, double reach, std::size_t bodies) : box_(box) {
+    CellLayers(const Box& box, double reach, std::size_t bodies) : box_(box) {
         divide(reach, 2.0 * static_cast<double>(bodies) + 64.0);
         for (int a = 0; a < 3; ++a) order_[a] = a;
         std::stable_sort(order_, order_ + 3, [&](int a, int b) { return cells_[a] > cells_[b]; });
@@ -56,7 +56,7 @@ public:
         for (std::uint32_t code = 0; code < 27; ++code) {
             const int step[3] = {static_cast<int>(code % 3) - 1, static_cast<int>(code / 3 % 3) - 1,
                                  static_cast<int>(code / 9) - 1};
-            for (int a = 0; a < 3; ++a) shift_[code][a] = step[a] * box.edge[a];
+            for (int a = 0; a < 3; ++a) shift_[code][a] = box.image_shift(a, step[a]);
         }
     }
 
@@ -80,7 +80,7 @@ public:
     }
 
 private:
-    Box3 box_{};
+    Box box_{};
     int cells_[3] = {1, 1, 1};  // along x, y, z
     int order_[3] = {0, 1, 2};  // axes by decreasing number of cells
     Double4 shift_[27] = {};    // of the images [m]
@@ -165,15 +165,15 @@ inline void list_pairs(const CellLayers& grid, const Records<Double4>& position,
 }
 
 // Appends the walls that the bodies first … last − 1 may touch while they move by less than half the skin.
-inline void list_walls(const Box3& box, const Records<Double4>& position, std::uint32_t first,
-                       std::uint32_t last, double skin, std::vector<WallNeighbour>& walls) {
+inline void list_walls(const Box& box, const Records<Double4>& position, std::uint32_t first,
+                       std::uint32_t last, double skin, double time, std::vector<WallNeighbour>& walls) {
     for (std::uint32_t i = first; i < last; ++i)
         for (int axis = 0; axis < box.dimension; ++axis) {
             if (!box.walled(axis)) continue;
             const double near = position[i][3] + 0.5 * skin, x = position[i][axis];
-            const auto wall = static_cast<std::uint32_t>(2 * axis);
-            if (x < near) walls.push_back({i, wall});
-            if (box.edge[axis] - x < near) walls.push_back({i, wall + 1});
+            for (const bool high : {false, true})
+                if (const Wall wall = box.wall(axis, high); wall.distance(x, time) < near)
+                    walls.push_back({i, wall.id});
         }
 }
 

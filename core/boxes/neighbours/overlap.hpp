@@ -7,15 +7,9 @@
 
 #include "../../base/math.hpp"
 #include "../../base/stop.hpp"
+#include "../common/box.hpp"
 
 namespace hardlimit::boxes {
-
-// Edges and periodicity of a box in two or three dimensions; positions in it run from 0 to the edge.
-struct Enclosure {
-    int dimension;
-    double edge[3];
-    bool periodic[3];
-};
 
 // Two bodies and the gap between them [m]; first < 0 where no two bodies overlap.
 struct Overlap {
@@ -34,7 +28,7 @@ struct Body {
 // Bodies of similar size in cells that are at least as wide as two of them.
 class SizeClass {
 public:
-    SizeClass(const Enclosure& box, std::vector<Body> bodies) : box_(box) {
+    SizeClass(const Box& box, std::vector<Body> bodies) : box_(box) {
         double widest = 0.0;
         for (const Body& b : bodies) widest = b.radius > widest ? b.radius : widest;
         divide(2.0 * widest, bodies.size());
@@ -57,7 +51,7 @@ public:
     }
 
 private:
-    Enclosure box_;
+    Box box_;
     int cells_[3] = {1, 1, 1};
     std::vector<std::size_t> start_;
     std::vector<Body> bodies_;  // in the order of their cells
@@ -100,7 +94,7 @@ private:
     // The cell that holds x and those beside it, each once; how many.
     int neighbours(int axis, double x, int* list) const {
         const int cells = cells_[axis], here = cell_along(axis, x);
-        if (cells <= 3 && (cells < 3 || box_.periodic[axis])) {
+        if (cells <= 3 && (cells < 3 || box_.wraps(axis))) {
             for (int i = 0; i < cells; ++i) list[i] = i;
             return cells;
         }
@@ -108,7 +102,7 @@ private:
         for (int step = -1; step <= 1; ++step) {
             int cell = here + step;
             if (cell < 0 || cell >= cells) {
-                if (!box_.periodic[axis]) continue;
+                if (!box_.wraps(axis)) continue;
                 cell += cell < 0 ? cells : -cells;
             }
             list[count++] = cell;
@@ -118,12 +112,12 @@ private:
 };
 
 // Square of the distance to the nearest image. A periodic edge is at least twice as long as two bodies are wide.
-HL_FN double distance_squared(const Enclosure& box, const Body& a, const Body& b) {
+HL_FN double distance_squared(const Box& box, const Body& a, const Body& b) {
     double sum = 0.0;
     for (int axis = 0; axis < box.dimension; ++axis) {
         double d = a.at[axis] - b.at[axis];
         d = d < 0.0 ? -d : d;
-        if (box.periodic[axis] && box.edge[axis] - d < d) d = box.edge[axis] - d;
+        if (box.wraps(axis) && box.edge[axis] - d < d) d = box.edge[axis] - d;
         sum += d * d;
     }
     return sum;
@@ -132,7 +126,7 @@ HL_FN double distance_squared(const Enclosure& box, const Body& a, const Body& b
 // The overlap that is deepest relative to the sum of the radii; of equally deep ones that of the lowest numbers.
 class Deepest {
 public:
-    explicit Deepest(const Enclosure& box) : box_(box) {}
+    explicit Deepest(const Box& box) : box_(box) {}
 
     void consider(const Body& a, const Body& b) {
         const double apart = a.radius + b.radius, squared = distance_squared(box_, a, b);
@@ -148,13 +142,13 @@ public:
     const Overlap& found() const { return found_; }
 
 private:
-    Enclosure box_;
+    Box box_;
     Overlap found_;
     double share_ = 0.0;
 };
 
 // Bodies by size, the largest class first; the radii of a class differ by less than a factor of two.
-inline std::vector<SizeClass> size_classes(const Enclosure& box, const double* position, const double* radius,
+inline std::vector<SizeClass> size_classes(const Box& box, const double* position, const double* radius,
                                            std::size_t count) {
     double largest = 0.0;
     for (std::size_t i = 0; i < count; ++i) largest = radius[i] > largest ? radius[i] : largest;
@@ -179,7 +173,7 @@ inline std::vector<SizeClass> size_classes(const Enclosure& box, const double* p
 
 // The deepest overlap of two bodies, relative to the sum of their radii. Positions (count × dimension) lie in the box,
 // radii (count) are positive, and a periodic edge is at least four of the largest radii.
-inline Overlap deepest_overlap(const Enclosure& box, const double* position, const double* radius,
+inline Overlap deepest_overlap(const Box& box, const double* position, const double* radius,
                                std::size_t count, Stop& stop) {
     const std::vector<detail::SizeClass> classes = detail::size_classes(box, position, radius, count);
     detail::Deepest deepest(box);

@@ -14,16 +14,17 @@ public:
         : cell_(bodies), where_(bodies), position_(bodies), velocity_(bodies), tag_(bodies) {}
 
     // Wraps the bodies first … last − 1 into the box and finds their cells.
-    void find_cells(const Box3& box, const CellLayers& grid, Bodies& bodies, std::size_t first,
+    void find_cells(const Box& box, const CellLayers& grid, Bodies& bodies, std::size_t first,
                     std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             for (int axis = 0; axis < box.dimension; ++axis)
-                if (box.periodic[axis]) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
+                if (box.wraps(axis)) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
             cell_[i] = grid.cell_of(bodies.position[i]);
         }
     }
     // Computes the new index of each body; the sort is stable. Sets start [cells + 1], the first body of each cell.
-    void order(std::uint32_t cells, std::vector<std::uint32_t>& start) {
+    void order(const Bodies& bodies, std::uint32_t cells, std::vector<std::uint32_t>& start) {
+        spin_.resize(bodies.spin.size());
         start.assign(cells + 2, 0);
         for (const std::uint32_t c : cell_) ++start[c + 2];
         for (std::size_t c = 2; c < start.size(); ++c) start[c] += start[c - 1];
@@ -36,12 +37,14 @@ public:
             position_[to] = bodies.position[i];
             velocity_[to] = bodies.velocity[i];
             tag_[to] = bodies.tag[i];
+            if (!spin_.empty()) spin_[to] = bodies.spin[i];
         }
     }
     void swap(Bodies& bodies) {
         bodies.position.swap(position_);
         bodies.velocity.swap(velocity_);
         bodies.tag.swap(tag_);
+        bodies.spin.swap(spin_);
     }
     std::uint32_t where(std::uint32_t body) const { return where_[body]; }
 
@@ -57,6 +60,7 @@ private:
     std::vector<std::uint32_t> cell_, where_;  // [N]
     Records<Double4> position_, velocity_;
     Records<BodyTag> tag_;
+    Records<Double4> spin_;  // as long as that of the bodies
 
     static void wrap(Double4& position, BodyTag& tag, int axis, double edge) {
         if (position[axis] < 0.0) position[axis] += edge, --tag.image_flags[axis];

@@ -5,21 +5,18 @@
 namespace hardlimit::boxes {
 
 template <class Law>
-NewtonEvents<Law>::NewtonEvents(const Box& box, const std::vector<double>& position,
-                                const std::vector<double>& velocity, PairLaws<Law> laws, bool log,
+NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, const System& s,
                                 const hardlimit_abi::TouchKernels& kernels)
-    : box_(box),
-      laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, position.size() / 3, kernels)),
-      keep_log_(log),
-      gravity_(std::to_array(box.gravity)) {
-    const std::size_t n = position.size() / 3;
-    find_extreme_radii(n);
-    largest_safety_radius_ = initial_safety_radius(velocity);
-    make_cells(n, kernels);
-    load(position, velocity);
+    : setting_(setting),
+      laws_(setting_.laws<Law>()),
+      soft_(soft_contacts(laws_, s.n, kernels)),
+      gravity_(std::to_array(box_.gravity)) {
+    find_extreme_radii(s.n);
+    largest_safety_radius_ = initial_safety_radius(s.velocity);
+    make_cells(s.n, kernels);
+    sort_in(s);
     begin_contacts();
-    for (int i = 0; i < static_cast<int>(n); ++i)
+    for (int i = 0; i < static_cast<int>(s.n); ++i)
         if (free(i)) predict_events(i);
     restart_calendar_queue();
 }
@@ -35,13 +32,13 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
 // A multiple of the compression of contacts at the initial speeds; wider cells hold more candidates to examine. Under
 // gravity speeds grow: the largest value.
 template <class Law>
-double NewtonEvents<Law>::initial_safety_radius(const std::vector<double>& velocity) const {
+double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     const double most = 0.1 * largest_radius_;
     if (dot(gravity_, gravity_) > 0.0) return most;
     double square = 0.0;
     std::size_t at = 0;
-    for (const double v : velocity) square += v * v;
-    const std::size_t n = velocity.size() / 3;
+    const std::size_t n = setting_.count();
+    for (std::size_t k = 0; k < n * setting_.axes(); ++k) square += velocity[k] * velocity[k];
     for (std::size_t i = 0; i < n; ++i)
         if (laws_.radius(i) == largest_radius_) at = i;
     const double speed = math::sqrt(square / static_cast<double>(n));
@@ -70,9 +67,9 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     for (int a = 0; a < 3; ++a) {
         const bool used = a < box_.dimension;
         cell_box_.edge[a] = used ? box_.edge[a] : most;
-        cell_box_.periodic[a] = used && box_.periodic[a];
+        cell_box_.boundary[a] = box_.boundary[a];
         query_.edge[a] = box_.edge[a];
-        query_.per_edge[a] = cell_box_.periodic[a] ? 1.0 / box_.edge[a] : 0.0;
+        query_.per_edge[a] = cell_box_.wraps(a) ? 1.0 / box_.edge[a] : 0.0;
         query_.gravity[a] = box_.gravity[a];
         query_.half_gravity[a] = 0.5 * box_.gravity[a];
     }
@@ -84,19 +81,19 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
-        several_images_ = several_images_ || (box_.periodic[a] && g.cells[a] < 4);
+        several_images_ = several_images_ || (box_.wraps(a) && g.cells[a] < 4);
         walled_ = walled_ || box_.walled(a);
     }
 }
 
 // Sorted by cells: neighbours in space are neighbours in memory.
 template <class Law>
-void NewtonEvents<Law>::load(const std::vector<double>& position, const std::vector<double>& velocity) {
-    const auto n = static_cast<u32>(position.size() / 3);
+void NewtonEvents<Law>::sort_in(const System& s) {
+    const auto n = static_cast<u32>(s.n);
     std::vector<u32> cell(n), order(n);
     for (u32 i = 0; i < n; ++i) {
         double x[3];
-        std::copy_n(position.data() + 3 * std::size_t{i}, 3, x);
+        setting_.in_three(s.position, i, x);
         cell[i] = cells_.number(level_, cells_.place_of(level_, x));
         order[i] = i;
     }
@@ -107,8 +104,8 @@ void NewtonEvents<Law>::load(const std::vector<double>& position, const std::vec
     for (u32 i = 0; i < n; ++i) {
         const u32 from = order[i];
         Particle<3>& p = particles_[i];
-        std::copy_n(position.data() + 3 * std::size_t{from}, 3, p.position);
-        std::copy_n(velocity.data() + 3 * std::size_t{from}, 3, p.velocity);
+        setting_.in_three(s.position, from, p.position);
+        setting_.in_three(s.velocity, from, p.velocity);
         p.time = 0.0;
         p.radius = radius(static_cast<int>(i));
         pending_[i].original_index = from;
@@ -173,7 +170,7 @@ void NewtonEvents<Law>::leave_cell(int i) {
     at[axis] += step;
     if (at[axis] < 0 || at[axis] == g.cells[axis]) {
         at[axis] -= step * g.cells[axis];
-        particles_[i].position[axis] -= step * box_.edge[axis];
+        particles_[i].position[axis] -= box_.image_shift(axis, step);
         pending_[i].image_flags[static_cast<std::size_t>(axis)] += step;
     }
     e.cell = cells_.number(level_, at) & (most_cells - 1);

@@ -20,7 +20,8 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
     archive(particles_), archive(pending_), archive(free_groups_), archive(log_);
     archive(now_), archive(dissipated_), archive(virial_), archive(clustered_);
     archive(begun_), archive(begun_pairs_), archive(ended_), archive(overlapped_), archive(events_);
-    archive(largest_cluster_), archive(work_), archive(begun_before_), archive(paused_), archive(outcome_);
+    archive(largest_cluster_), archive(integration_steps_), archive(begun_before_), archive(paused_),
+        archive(outcome_);
     archive(ended_by_), archive(ended_at_wall_), archive(largest_compression_);
 }
 
@@ -45,23 +46,26 @@ void NewtonEvents<Law>::exchange(Archive& archive, Group& g) {
 }
 
 template <class Law>
-void NewtonEvents<Law>::save(Writer& writer) const {
+std::vector<char> NewtonEvents<Law>::save() const {
     NewtonEvents& self =
         const_cast<NewtonEvents&>(*this);  // exchange() serves reading and writing; a writer only reads
+    Writer writer("newton_events");
+    self.setting_.exchange(writer);
     writer(largest_safety_radius_);
     self.exchange(writer);
     writer(groups_.size());
     for (Group& g : self.groups_) exchange(writer, g);
+    return writer.finish();
 }
 
 template <class Law>
-NewtonEvents<Law>::NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
-                                const hardlimit_abi::TouchKernels& kernels, Reader& reader)
-    : box_(box),
-      laws_(std::move(laws)),
-      soft_(soft_contacts(laws_, count, kernels)),
-      keep_log_(log),
-      gravity_(std::to_array(box.gravity)) {
+NewtonEvents<Law>::NewtonEvents(const NewtonSetting& setting, Reader& reader,
+                                const hardlimit_abi::TouchKernels& kernels)
+    : setting_(setting),
+      laws_(setting_.laws<Law>()),
+      soft_(soft_contacts(laws_, setting_.count(), kernels)),
+      gravity_(std::to_array(box_.gravity)) {
+    const std::size_t count = setting_.count();
     find_extreme_radii(count);
     reader(largest_safety_radius_);
     make_cells(count, kernels);

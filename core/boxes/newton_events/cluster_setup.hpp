@@ -36,11 +36,12 @@ bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     const bool small = members < large_cluster;
     if (small && c.steps() < steps_of_small_cluster) return false;
     const auto bodies = static_cast<double>(particles_.size());
-    const double most = most_work * (small ? math::max(bodies, fewest_bodies) : bodies);
-    work_ = math::max(work_ - most_work * static_cast<double>(begun_ - begun_before_), 0.0);
+    const double most = most_integration_steps * (small ? math::max(bodies, fewest_bodies) : bodies);
+    integration_steps_ = math::max(
+        integration_steps_ - most_integration_steps * static_cast<double>(begun_ - begun_before_), 0.0);
     begun_before_ = begun_;
-    work_ += static_cast<double>(members) * static_cast<double>(c.steps());
-    return work_ > most;
+    integration_steps_ += static_cast<double>(members) * static_cast<double>(c.steps());
+    return integration_steps_ > most;
 }
 
 // Clears a cluster, and sets what does not depend on its members.
@@ -101,8 +102,8 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& active) co
         }
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
-                if (box_.walled(axis) && near_wall(g.body[i], axis, high))
-                    c.pairs.push_back(wall_pair(g, static_cast<int>(i), axis, high));
+                if (box_.walled(axis) && near_wall(g.body[i], box_.wall(axis, high)))
+                    c.pairs.push_back(wall_pair(g, static_cast<int>(i), box_.wall(axis, high)));
     }
     first[n] = c.pairs.size();
     const MemberIndex member(g.body);
@@ -113,7 +114,7 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& active) co
         for (std::size_t k = first[of]; k < first[of + 1]; ++k) {
             ContactPair<Law>& q = c.pairs[k];
             const bool same = (q.first == a && q.second == b) || (q.first == b && q.second == a);
-            const bool same_wall = b >= 0 || (l.pair.axis == q.axis && l.pair.side == q.side);
+            const bool same_wall = b >= 0 || l.pair.wall_id == q.wall_id;
             if (same && same_wall) carry_over(q, l.pair, c);
         }
     }
@@ -166,26 +167,26 @@ void NewtonEvents<Law>::set_pair(const Group& g, int i, int j, const Member& a, 
 }
 
 template <class Law>
-bool NewtonEvents<Law>::near_wall(int i, int axis, bool high) const {
-    return wall_distance(i, axis, high) < radius(i) + largest_displacement_;
+bool NewtonEvents<Law>::near_wall(int i, const Wall& wall) const {
+    return wall_distance(i, wall) < radius(i) + largest_displacement_;
 }
 
 // Distance of a body's centre from a wall, at the begin of its path [m].
 template <class Law>
-double NewtonEvents<Law>::wall_distance(int i, int axis, bool high) const {
-    const double x = particles_[i].position[axis];
-    return high ? box_.edge[axis] - x : x;
+double NewtonEvents<Law>::wall_distance(int i, const Wall& wall) const {
+    return wall.distance(particles_[i].position[wall.id.axis()], now_);
 }
 
 template <class Law>
-ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, int axis, bool high) const {
+ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall& wall) const {
     const int body = g.body[static_cast<std::size_t>(i)];
     ContactPair<Law> q{};
     q.first = i;
     q.second = -1;
-    q.axis = axis;
-    q.side = high ? -1.0 : 1.0;
-    q.wall = (high ? box_.edge[axis] : 0.0) - g.origin[static_cast<std::size_t>(axis)];
+    q.wall_id = wall.id;
+    q.axis = wall.id.axis();
+    q.side = wall.inward();
+    q.wall = wall.position(now_) - g.origin[static_cast<std::size_t>(q.axis)];
     q.contact_distance = radius(body);
     q.mass = mass(body);
     q.law = law(body, -1);
@@ -227,8 +228,8 @@ double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
     for (const int i : g.body)
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
-                if (box_.walled(axis) && !near_wall(i, axis, high))
-                    gap = math::min(gap, wall_distance(i, axis, high) - radius(i));
+                if (const Wall wall = box_.wall(axis, high); box_.walled(axis) && !near_wall(i, wall))
+                    gap = math::min(gap, wall_distance(i, wall) - radius(i));
     if (gap == math::infinity) return gap;
     const Vector3 drift = g.cluster->before.mean_velocity();
     return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);

@@ -29,9 +29,7 @@
 #include "../../base/outcome.hpp"
 #include "../binary_contact/tabulated_contact.hpp"
 #include "../common/archive.hpp"
-#include "../common/bodies.hpp"
-#include "../common/contact_record.hpp"
-#include "../common/pair_laws.hpp"
+#include "../common/newton_setting.hpp"
 #include "../kernels/interface.hpp"
 #include "../neighbours/cells.hpp"
 #include "../queue/calendar_queue.hpp"
@@ -43,11 +41,8 @@
 namespace hardlimit::boxes {
 
 template <class Law>
-class NewtonEvents {
+class NewtonEvents final : public Engine {
 public:
-    using Box = Box3;
-    using Row = ContactRecord;
-
     // The cost of integrating a cluster for the duration of a contact grows with the square of its members, because
     // each contact that ends also ends a step of all of them. A large cluster is integrated for few steps, since any
     // body that comes near restarts the integration.
@@ -57,7 +52,7 @@ public:
     static constexpr long steps_of_small_cluster = 10'000;
     // Limit of the integration steps, summed over members, per body of the box and contact begun: beyond it contacts
     // last, and time stepping is cheaper. Small clusters may use the steps of `fewest_bodies` bodies.
-    static constexpr double most_work = 1e4, fewest_bodies = 1e3;
+    static constexpr double most_integration_steps = 1e4, fewest_bodies = 1e3;
     // Members up to which a cluster that another body joins is integrated for a full horizon again. A larger one ends
     // when it was to end before, and splits into connected parts. Otherwise bodies that separated long ago stay
     // members, and in a large gas a cluster would grow without bound.
@@ -67,36 +62,35 @@ public:
     // Overlap at the start, over the sum of the radii, up to which it is rounding.
     static constexpr double touching_depth = 1e-9;
 
-    // position, velocity [3 N], body by body; positions in the box. Bodies that overlap start in contact.
-    NewtonEvents(const Box& box, const std::vector<double>& position, const std::vector<double>& velocity,
-                 PairLaws<Law> laws, bool log, const hardlimit_abi::TouchKernels& kernels);
-    NewtonEvents(const Box& box, PairLaws<Law> laws, std::size_t count, bool log,
-                 const hardlimit_abi::TouchKernels& kernels, Reader& reader);
+    // Bodies that overlap start in contact if their force is repulsive.
+    NewtonEvents(const NewtonSetting& setting, const System& s, const hardlimit_abi::TouchKernels& kernels);
+    // Continues a saved run.
+    NewtonEvents(const NewtonSetting& setting, Reader& reader, const hardlimit_abi::TouchKernels& kernels);
 
-    // Runs to `until`, for `most_events` events, or until `stop`.
-    void advance(double until, std::uint64_t most_events, Stop& stop);
-    bool paused() const { return paused_; }
-    double time() const { return now_; }
-    Outcome outcome() const { return outcome_; }
-    // Where a run ended early: original indices of the bodies, and the number of the wall, 0 without one.
-    const std::vector<i64>& ended_by() const { return ended_by_; }
-    i64 ended_at_wall() const { return ended_at_wall_; }
-    std::uint64_t events() const { return events_; }
-    int largest_cluster() const { return largest_cluster_; }
-    // Fraction of the bodies' time spent in clusters.
-    double cluster_share() const;
-    // Contacts so far, except those that begin or end within a group that still lasts.
-    std::uint64_t contacts_reached() const { return begun_; }
-    std::uint64_t contacts_logged() const { return ended_; }
+    // The unit of work is an event.
+    void advance(double until, u64 most_work, int threads, Stop& stop) override;
+    bool paused() const override { return paused_; }
+    double time() const override { return now_; }
+    Outcome outcome() const override { return outcome_; }
+    EarlyEnd early_end() const override { return {now_, ended_by_, ended_at_wall_}; }
+    u64 work() const override { return events_; }
+    // Except those that begin or end within a group that still lasts.
+    u64 contacts() const override { return begun_; }
+    u64 logged() const override { return ended_; }
+    std::vector<Statistic> statistics() const override;
 
-    // State at the current time. Const: groups are integrated in a copy.
-    NewtonObservation observe() const;
-    // Largest part of its safety radius that a member of any group uses, at `instants` times of each group. Above 1,
-    // other bodies could miss it. Groups are integrated in a copy. For tests.
-    double safety_radius_used(int instants) const;
-    std::vector<Row> take_log() { return std::exchange(log_, {}); }
+    // Const: groups are integrated in a copy.
+    void state(double* position, double* velocity) const override;
+    Observation observe() const override { return snapshot().sums; }
+    bool contacts_last() const override { return true; }
+    std::vector<ContactRecord> take_log() override { return std::exchange(log_, {}); }
+    std::vector<ContactRecord> open_contacts() const override { return snapshot().open; }
+    double safety_used(int instants) const override;
 
-    void save(Writer& writer) const;
+    std::vector<char> save() const override;
+    std::size_t bytes() const override;
+    int dimension() const override { return box_.dimension; }
+    std::size_t size() const override { return particles_.size(); }
 
 private:
     using IsolatedContact = boxes::IsolatedContact<Law>;
@@ -112,11 +106,11 @@ private:
         Place<3> from, to;
     };
 
-    Box box_;
-    boxes::Box<3> cell_box_{};  // one cell deep in two dimensions
-    PairLaws<Law> laws_;        // by index in memory
+    NewtonSetting setting_;
+    const Box& box_ = setting_.box;
+    Box cell_box_;        // one cell deep in two dimensions
+    PairLaws<Law> laws_;  // by index in memory
     SoftContacts<Law, true> soft_;
-    bool keep_log_;
     // By index in memory. A path is a parabola that starts at `time`, in the frame of the cell; the radius includes the
     // safety radius.
     Records<Particle<3>> particles_;
@@ -146,13 +140,13 @@ private:
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
     double largest_compression_ = 0.0;  // without groups that still last
-    double work_ = 0.0;                 // that counts towards the limit [steps of a body]
-    std::uint64_t begun_before_ = 0;    // contacts at the last update of work_
+    double integration_steps_ = 0.0;    // that counts towards the limit [steps of a body]
+    std::uint64_t begun_before_ = 0;    // contacts at the last update of integration_steps_
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<i64> ended_by_;
-    i64 ended_at_wall_ = 0;
-    std::vector<Row> log_;
+    WallId ended_at_wall_;
+    std::vector<ContactRecord> log_;
 
     u32 size32() const { return static_cast<u32>(particles_.size()); }
     double radius(int i) const { return laws_.radius(static_cast<std::size_t>(i)); }
@@ -188,10 +182,10 @@ private:
 
     // cells.hpp
     void find_extreme_radii(std::size_t n);
-    double initial_safety_radius(const std::vector<double>& velocity) const;
+    double initial_safety_radius(const double* velocity) const;
     double smallest_edge() const;
     void make_cells(std::size_t n, const hardlimit_abi::TouchKernels& kernels);
-    void load(const std::vector<double>& position, const std::vector<double>& velocity);
+    void sort_in(const System& s);
     void put_into_cells();
     void restart_calendar_queue();
     void reserve_candidates() const;
@@ -221,22 +215,22 @@ private:
 
     // groups.hpp
     void begin_contacts();
-    void begin_contact(int i, int j, int side);
-    ActivePair active_pair(int i, int j, int side) const;
+    void begin_contact(int i, int j, WallId wall);
+    ActivePair active_pair(int i, int j, WallId wall) const;
     void resolve_conflict(int i, int j);
     void end_cluster(int i);
     void end_isolated_contact(int index);
     void form_parts();
     void split_cluster(const std::vector<int>& bodies, const std::vector<ActivePair>& active);
-    void open_isolated_contact(Group& g, int i, int j, int side) const;
-    bool try_isolated_contact(int i, int j, int side, int& third_body);
+    void open_isolated_contact(Group& g, int i, int j, WallId wall) const;
+    bool try_isolated_contact(int i, int j, WallId wall, int& third_body);
     void form_group(ClusterSeed& set);
     void absorb(int i, ClusterSeed& set);
     void absorb_touching(std::size_t last, ClusterSeed& set);
     void find_third_bodies(int i, int index, std::vector<int>& near) const;
     void schedule_group(int index);
     bool ends_too_deep(int index);
-    void end_run(Outcome outcome, const std::vector<int>& bodies, i64 wall = 0);
+    void end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall = {});
 
     // membership.hpp
     int new_group();
@@ -259,9 +253,9 @@ private:
     void carry_over(ContactPair<Law>& q, ContactPair<Law>& old, const Cluster<Law>& c) const;
     double nearest_period(double x, int axis) const;
     void set_pair(const Group& g, int i, int j, const Member& a, const Member& b, ContactPair<Law>& q) const;
-    bool near_wall(int i, int axis, bool high) const;
-    double wall_distance(int i, int axis, bool high) const;
-    ContactPair<Law> wall_pair(const Group& g, int i, int axis, bool high) const;
+    bool near_wall(int i, const Wall& wall) const;
+    double wall_distance(int i, const Wall& wall) const;
+    ContactPair<Law> wall_pair(const Group& g, int i, const Wall& wall) const;
     double horizon_of(const Group& g) const;
     double time_to_cover(double distance, double speed, bool falls) const;
     double time_to_a_wall(const Group& g, double speed) const;
@@ -286,10 +280,11 @@ private:
     bool far_from_walls(const Group& g, const SeparatedMembers& after) const;
 
     // observe.hpp
-    void add_group(NewtonObservation& s, const Group& g, Cluster<Law>& c) const;
-    void add_body(NewtonObservation& s, int i, const Vector3& x, const Vector3& v) const;
+    void add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const;
+    void add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const;
     void log(const Group& g, const ContactPair<Law>& q, const EndedContact& e);
-    Row contact_row(const Group& g, const ContactPair<Law>& q, const EndedContact& e) const;
+    NewtonSnapshot snapshot() const;
+    ContactRecord contact_row(const Group& g, const ContactPair<Law>& q, const EndedContact& e) const;
 
     // checkpoint.hpp
     template <class Archive>
@@ -303,8 +298,8 @@ private:
 };
 
 template <class Law>
-void NewtonEvents<Law>::advance(double until, std::uint64_t most_events, Stop& stop) {
-    const std::uint64_t last = most_events > ~events_ ? ~std::uint64_t{0} : events_ + most_events;
+void NewtonEvents<Law>::advance(double until, u64 most_work, int /*threads*/, Stop& stop) {
+    const u64 last = most_work > ~events_ ? ~u64{0} : events_ + most_work;
     paused_ = false;
     while (outcome_ == Outcome::ok) {
         const Due* due =
@@ -360,14 +355,14 @@ void NewtonEvents<Law>::process_event(int i) {
     if (e.pair_time <= e.own_time) {
         if (pending_[e.partner].count != e.partner_count) return reschedule(i);
         const int j = static_cast<int>(e.partner);
-        return free(i) && free(j) ? begin_contact(i, j, 0) : resolve_conflict(i, j);
+        return free(i) && free(j) ? begin_contact(i, j, {}) : resolve_conflict(i, j);
     }
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     if (own == SelfEvent::ends) return end_cluster(i);
     const int axis = axis_of(own);
     const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
-    if (!box_.periodic[axis] && cells_.place(level_, e.cell)[axis] == last)
-        return begin_contact(i, -1, 2 * axis + (is_high(own) ? 1 : 0));
+    if (!box_.wraps(axis) && cells_.place(level_, e.cell)[axis] == last)
+        return begin_contact(i, -1, wall_at(own));
     leave_cell(i);
 }
 

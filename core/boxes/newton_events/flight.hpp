@@ -138,9 +138,9 @@ void NewtonEvents<Law>::take_candidate(int i, u32 id, double enlarged_time) {
     e.partner_count = pending_[id].count;
 }
 
-// When bodies i and j collide, at least one of them busy; `enlarged_time` is the time at which they would if both kept their
-// safety radius. Nothing is known of a cluster's members beyond its end: their collisions are predicted then. Members
-// of one group do not collide here.
+// When bodies i and j collide, at least one of them busy; `enlarged_time` is the time at which they would if both kept
+// their safety radius. Nothing is known of a cluster's members beyond its end: their collisions are predicted then.
+// Members of one group do not collide here.
 template <class Law>
 double NewtonEvents<Law>::collision_time(int i, int j, double enlarged_time) const {
     if (pending_[i].group == pending_[j].group) return math::infinity;
@@ -225,7 +225,7 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     const auto consider = [&](double time, int axis, bool up) {
         const auto sooner =
             0u - static_cast<u32>(time < in);  // a mask, since gcc would turn ?: into a branch
-        which = static_cast<SelfEvent>((static_cast<u32>(own_event(axis, up)) & sooner) |
+        which = static_cast<SelfEvent>((static_cast<u32>(self_event(axis, up)) & sooner) |
                                        (static_cast<u32>(which) & ~sooner));
         in = math::min(in, time);
     };
@@ -234,9 +234,11 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
         if (a == box_.dimension) break;
         const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
-        if (walled_ && !box_.periodic[a]) {
-            if (at[a] == 0) low = is_free ? query_.radius : -math::infinity;
-            if (at[a] == g.cells[a] - 1) high = is_free ? box_.edge[a] - query_.radius : math::infinity;
+        if (walled_ && box_.walled(a)) {
+            if (at[a] == 0)
+                low = is_free ? box_.wall(a, false).position(now_) + query_.radius : -math::infinity;
+            if (at[a] == g.cells[a] - 1)
+                high = is_free ? box_.wall(a, true).position(now_) - query_.radius : math::infinity;
         }
         if (pull == 0.0) {
             const double borders[2] = {low, high};

@@ -10,9 +10,9 @@ void NewtonEvents<Law>::begin_contacts() {
     std::vector<int> bodies;
     std::vector<char> known(particles_.size(), 0);
     std::vector<ActivePair> active;
-    const auto overlap = [&](int i, int j, int side, double depth, double rate) {
+    const auto overlap = [&](int i, int j, WallId wall, double depth, double rate) {
         if (!(depth > touching_depth * (j < 0 ? radius(i) : radius(i) + radius(j)))) return;
-        ActivePair pair = active_pair(i, j, side);
+        ActivePair pair = active_pair(i, j, wall);
         if (depth > law(i, j).slack(rate).depth) {
             pair.pair.state = ContactState::closed;
             ++begun_;
@@ -31,29 +31,31 @@ void NewtonEvents<Law>::begin_contacts() {
             Vector3 v;
             for (std::size_t a = 0; a < 3; ++a) v[a] = particles_[j].velocity[a] - p.velocity[a];
             const double distance = math::sqrt(dot(r, r));
-            overlap(i, j, 0, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
+            overlap(i, j, {}, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
         });
         for (int axis = 0; axis < box_.dimension; ++axis) {
-            const double x = p.position[axis], v = p.velocity[axis];
             if (!box_.walled(axis)) continue;
-            overlap(i, -1, 2 * axis, radius(i) - x, -v);
-            overlap(i, -1, 2 * axis + 1, radius(i) - (box_.edge[axis] - x), v);
+            for (const bool high : {false, true}) {
+                const Wall wall = box_.wall(axis, high);
+                overlap(i, -1, wall.id, radius(i) - wall.distance(p.position[axis], now_),
+                        -wall.inward() * p.velocity[axis]);
+            }
         }
     }
     split_cluster(bodies, active);
     form_parts();
 }
 
-// A contact begins between bodies i and j, or for j < 0 between body i and a wall: side = 2·axis, + 1 at the far edge.
+// A contact begins between bodies i and j, or for j < 0 between body i and a wall.
 template <class Law>
-void NewtonEvents<Law>::begin_contact(int i, int j, int side) {
+void NewtonEvents<Law>::begin_contact(int i, int j, WallId wall) {
     restart_path(i);
     if (j >= 0) restart_path(j);
     ++begun_;
     begun_pairs_ += j >= 0;
     int third_body = -1;
-    if (try_isolated_contact(i, j, side, third_body)) return;
-    ClusterSeed set{{i}, {active_pair(i, j, side)}};
+    if (try_isolated_contact(i, j, wall, third_body)) return;
+    ClusterSeed set{{i}, {active_pair(i, j, wall)}};
     set.pairs[0].pair.state = ContactState::closed;
     set.pairs[0].pair.fresh = true;
     if (j >= 0) set.bodies.push_back(j);
@@ -63,13 +65,12 @@ void NewtonEvents<Law>::begin_contact(int i, int j, int side) {
 
 // A pair that starts to overlap at the current time.
 template <class Law>
-ActivePair<Law> NewtonEvents<Law>::active_pair(int i, int j, int side) const {
+ActivePair<Law> NewtonEvents<Law>::active_pair(int i, int j, WallId wall) const {
     ActivePair active{};
     active.first = i;
     active.second = j;
     active.pair.state = ContactState::slack;
-    active.pair.axis = side / 2;
-    active.pair.side = side % 2 ? -1.0 : 1.0;
+    active.pair.wall_id = wall;
     active.pair.begin = now_;
     active.pair.impact_speed = math::nan;
     return active;
@@ -104,7 +105,7 @@ void NewtonEvents<Law>::end_isolated_contact(int index) {
     const IsolatedContact& l = group(index).isolated_contact;
     ++ended_;
     largest_compression_ = math::max(largest_compression_, l.compression);
-    if (keep_log_) log_.push_back(contact_row(group(index), l.pair, l.contact));
+    if (setting_.log) log_.push_back(contact_row(group(index), l.pair, l.contact));
     dissipated_ += l.dissipated;
     virial_ += l.virial;
     const int first = l.body[0], second = l.body[1];
@@ -160,7 +161,7 @@ void NewtonEvents<Law>::split_cluster(const std::vector<int>& bodies, const std:
 
 // Group of a new contact at the current time, not solved yet.
 template <class Law>
-void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, int side) const {
+void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, WallId wall) const {
     g.alive = g.isolated = true;
     const std::size_t members = j >= 0 ? 2 : 1;
     g.body.resize(members);
@@ -174,7 +175,7 @@ void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, int side) 
     if (j >= 0)
         set_pair(g, 0, 1, l.before[0], l.before[1], l.pair);
     else
-        l.pair = wall_pair(g, 0, side / 2, side % 2 != 0);
+        l.pair = wall_pair(g, 0, box_.wall(wall));
     l.pair.state = ContactState::closed;
     l.pair.fresh = true;
     l.pair.begin = now_;
@@ -183,10 +184,10 @@ void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, int side) 
 // Solves a new contact as isolated if, as far as is known now, no third body disturbs it. Otherwise nothing changes;
 // `third_body` is a body that has come too near, if that is the reason.
 template <class Law>
-bool NewtonEvents<Law>::try_isolated_contact(int i, int j, int side, int& third_body) {
+bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& third_body) {
     const int index = new_group();
     Group& g = group(index);
-    open_isolated_contact(g, i, j, side);
+    open_isolated_contact(g, i, j, wall);
     IsolatedContact& l = g.isolated_contact;
     SeparatedMembers after;
     const std::size_t members = g.body.size();
@@ -306,13 +307,13 @@ bool NewtonEvents<Law>::ends_too_deep(int index) {
     const ContactPair<Law>& q = c.pairs[static_cast<std::size_t>(c.too_deep)];
     std::vector<int> bodies{g.body[static_cast<std::size_t>(q.first)]};
     if (q.second >= 0) bodies.push_back(g.body[static_cast<std::size_t>(q.second)]);
-    end_run(Outcome::too_deep, bodies, q.second < 0 ? wall_number(q) : 0);
+    end_run(Outcome::too_deep, bodies, q.wall_id);
     return true;
 }
 
 // Ends the run at these bodies.
 template <class Law>
-void NewtonEvents<Law>::end_run(Outcome outcome, const std::vector<int>& bodies, i64 wall) {
+void NewtonEvents<Law>::end_run(Outcome outcome, const std::vector<int>& bodies, WallId wall) {
     if (outcome_ != Outcome::ok) return;
     outcome_ = outcome;
     ended_at_wall_ = wall;

@@ -160,9 +160,11 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
             const double least = math::min(math::min(begin, end), vertex);
             const double most = math::max(math::max(begin, end), vertex);
             const double needed = enlarged * (1.0 + rounding_of_touch);
-            const bool own = l.pair.second < 0 && l.pair.axis == axis, at_low = own && l.pair.side > 0.0;
-            if (!at_low && !(least > needed)) return false;
-            if (!(own && !at_low) && !(box_.edge[axis] - most > needed)) return false;
+            for (const bool high : {false, true}) {
+                const Wall wall = box_.wall(axis, high);
+                if (l.pair.second < 0 && l.pair.wall_id == wall.id) continue;
+                if (!(wall.distance(high ? most : least, now_) > needed)) return false;
+            }
         }
     }
     return true;

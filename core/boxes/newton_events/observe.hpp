@@ -5,14 +5,13 @@
 namespace hardlimit::boxes {
 
 template <class Law>
-NewtonObservation NewtonEvents<Law>::observe() const {
-    NewtonObservation s;
-    s.position.resize(3 * particles_.size());
-    s.velocity.resize(3 * particles_.size());
-    s.dissipated = dissipated_;
-    s.virial = virial_;
-    s.largest_compression = largest_compression_;
-    s.begun = begun_, s.begun_pairs = begun_pairs_, s.ended = ended_, s.overlapped = overlapped_;
+NewtonSnapshot NewtonEvents<Law>::snapshot() const {
+    NewtonSnapshot s;
+    s.position.resize(setting_.axes() * particles_.size());
+    s.velocity.resize(s.position.size());
+    Observation& o = s.sums;
+    o.dissipated_energy = dissipated_, o.virial = virial_, o.largest_compression = largest_compression_;
+    o.begun = begun_, o.pairs = begun_pairs_, o.ended = ended_, o.overlapped = overlapped_;
     for (int i = 0; i < static_cast<int>(particles_.size()); ++i)
         if (free(i)) add_body(s, i, position(i, now_), velocity(i, now_));
     Cluster<Law> c;
@@ -22,63 +21,82 @@ NewtonObservation NewtonEvents<Law>::observe() const {
 }
 
 template <class Law>
-void NewtonEvents<Law>::add_body(NewtonObservation& s, int i, const Vector3& x, const Vector3& v) const {
-    const std::size_t at = 3 * std::size_t{pending_[i].original_index};
+void NewtonEvents<Law>::add_body(NewtonSnapshot& s, int i, const Vector3& x, const Vector3& v) const {
+    const std::size_t d = setting_.axes(), at = d * std::size_t{pending_[i].original_index};
     const double m = mass(i);
-    for (std::size_t a = 0; a < 3; ++a) {
-        s.position[at + a] = x[a] + pending_[i].image_flags[a] * box_.edge[a];
+    for (std::size_t a = 0; a < d; ++a) {
+        s.position[at + a] = x[a] + box_.image_shift(static_cast<int>(a), pending_[i].image_flags[a]);
         s.velocity[at + a] = v[a];
-        s.kinetic += 0.5 * m * v[a] * v[a];
-        s.potential -= m * box_.gravity[a] * s.position[at + a];
-        s.momentum[a] += m * v[a];
+        s.sums.kinetic_energy += 0.5 * m * v[a] * v[a];
+        s.sums.potential_energy -= m * box_.gravity[a] * s.position[at + a];
+        s.sums.momentum[a] += m * v[a];
     }
 }
 
 // Adds a group, integrated in c up to the current time.
 template <class Law>
-void NewtonEvents<Law>::add_group(NewtonObservation& s, const Group& g, Cluster<Law>& c) const {
+void NewtonEvents<Law>::add_group(NewtonSnapshot& s, const Group& g, Cluster<Law>& c) const {
+    Observation& o = s.sums;
     initial_cluster(g, c);
     c.run_through(now_ - c.base);
     const double slack = c.stored(ContactState::slack);
-    s.contact += c.stored(ContactState::closed) + slack;
-    s.dissipated += c.dissipated - slack;
-    s.virial += c.virial;
-    s.largest_compression = math::max(s.largest_compression, c.largest_compression);
-    s.begun += static_cast<std::uint64_t>(c.begun);
-    s.begun_pairs += static_cast<std::uint64_t>(c.begun_pairs);
+    o.contact_energy += c.stored(ContactState::closed) + slack;
+    o.dissipated_energy += c.dissipated - slack;
+    o.virial += c.virial;
+    o.largest_compression = math::max(o.largest_compression, c.largest_compression);
+    o.begun += static_cast<u64>(c.begun);
+    o.pairs += static_cast<u64>(c.begun_pairs);
     for (std::size_t m = 0; m < g.body.size(); ++m)
         add_body(s, g.body[m], body_position(g, m, c.members[m].position), c.members[m].velocity);
     for (const EndedContact& e : c.ended) {
-        ++s.ended;
-        s.overlapped += e.overlapped;
+        ++o.ended;
+        o.overlapped += e.overlapped;
         s.open.push_back(contact_row(g, c.pairs[static_cast<std::size_t>(e.pair)], e));
     }
     for (const ContactPair<Law>& q : c.pairs) {
         if (q.state != ContactState::closed) continue;
-        ++s.in_contact;
+        ++o.in_contact;
         s.open.push_back(contact_row(g, q, {0, q.begin, math::nan, q.impact_speed, math::nan, q.overlapped}));
     }
 }
 
 template <class Law>
-double NewtonEvents<Law>::cluster_share() const {
-    return now_ > 0.0 ? clustered_ / (now_ * static_cast<double>(particles_.size())) : 0.0;
+void NewtonEvents<Law>::state(double* position, double* velocity) const {
+    const NewtonSnapshot now = snapshot();
+    std::ranges::copy(now.position, position);
+    std::ranges::copy(now.velocity, velocity);
+}
+
+// cluster_share: fraction of the bodies' time spent in clusters.
+template <class Law>
+std::vector<Statistic> NewtonEvents<Law>::statistics() const {
+    const double time = now_ * static_cast<double>(size());
+    return {{"n_events", static_cast<double>(events_)},
+            {"largest_cluster", static_cast<double>(largest_cluster_)},
+            {"cluster_share", now_ > 0.0 ? clustered_ / time : 0.0}};
+}
+
+template <class Law>
+std::size_t NewtonEvents<Law>::bytes() const {
+    const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+    return sizeof *this + of(particles_) + of(pending_) + of(groups_) + of(candidates_) + of(times_) +
+           cells_.bytes() + calendar_queue_.bytes();
 }
 
 template <class Law>
 void NewtonEvents<Law>::log(const Group& g, const ContactPair<Law>& q, const EndedContact& e) {
     ++ended_;
     overlapped_ += e.overlapped;
-    if (keep_log_) log_.push_back(contact_row(g, q, e));
+    if (setting_.log) log_.push_back(contact_row(g, q, e));
 }
 
 template <class Law>
-typename NewtonEvents<Law>::Row NewtonEvents<Law>::contact_row(const Group& g, const ContactPair<Law>& q,
-                                                               const EndedContact& e) const {
+ContactRecord NewtonEvents<Law>::contact_row(const Group& g, const ContactPair<Law>& q,
+                                             const EndedContact& e) const {
     const auto index = [&](int member) {
         return static_cast<int>(pending_[g.body[static_cast<std::size_t>(member)]].original_index);
     };
-    int first = index(q.first), second = q.second >= 0 ? index(q.second) : wall_number(q);
+    int first = index(q.first), second = q.second >= 0 ? index(q.second) : q.wall_id.number;
     if (second >= 0 && second < first) std::swap(first, second);
     return {e.begin, e.end, first, second, e.impact_speed, e.separation_speed, e.overlapped};
 }

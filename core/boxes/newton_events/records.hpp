@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "../common/contact_record.hpp"
+#include "../common/engine.hpp"
 #include "../common/particle.hpp"
 #include "../common/storage.hpp"
 #include "cluster/cluster.hpp"
@@ -100,14 +100,10 @@ private:
 };
 
 // State of the whole box at one time.
-struct NewtonObservation {
-    std::vector<double> position, velocity;  // [3 N], along the unfolded paths
-    double kinetic = 0.0, potential = 0.0, contact = 0.0, dissipated = 0.0;  // [J]
-    double momentum[3] = {};
-    double virial = 0.0;               // ∫ Σ r·F dt over pairs since the start [J s]
-    double largest_compression = 0.0;  // of all contacts so far, over the smaller radius
-    std::uint64_t in_contact = 0, begun = 0, begun_pairs = 0, ended = 0, overlapped = 0;
-    std::vector<ContactRecord> open;  // contacts that last, and ended ones of groups that still last
+struct NewtonSnapshot {
+    Observation sums;
+    std::vector<double> position, velocity;  // [N d], along the unfolded paths
+    std::vector<ContactRecord> open;         // contacts that last, and ended ones of groups that still last
 };
 
 }  // namespace hardlimit::boxes

@@ -99,7 +99,7 @@ void NewtonEvents<Law>::set_radius(int i, double safety_radius) {
 }
 
 template <class Law>
-double NewtonEvents<Law>::safety_radius_used(int instants) const {
+double NewtonEvents<Law>::safety_used(int instants) const {
     double most = 0.0;
     Cluster<Law> c;
     for (const Group& g : groups_) {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "../common/contact_record.hpp"
+#include "../common/engine.hpp"
 #include "slab.hpp"
 
 namespace hardlimit::boxes::steps {

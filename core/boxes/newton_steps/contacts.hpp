@@ -34,6 +34,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     bool is_new;  // the last step was its first
     bool in_contact;
     std::int32_t begin_event;  // index of its begin among the events of the slab; −1 once it is in the log
+    [[no_unique_address]] typename HistoryOf<Law>::Type history;
 };
 
 // The begin or the end of a contact between two steps. It is logged after several steps, when the slot of the contact
@@ -44,9 +45,8 @@ struct ContactEvent {
     double time;         // [s]
     std::int32_t slot;
     bool begins;
-    double separation_speed;  // [m/s]
-    std::int32_t
-        begin_event;  // of an end: index of the begin among the events, −1 if it is already in the log
+    double separation_speed;   // [m/s]
+    std::int32_t begin_event;  // of an end: index of the begin among the events, −1 if already logged
 
     std::tuple<std::uint64_t, double, std::int32_t, std::int32_t> order() const {
         return {step, time, contact.first, contact.second};

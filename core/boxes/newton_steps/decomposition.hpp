@@ -20,7 +20,7 @@ public:
     // Sums over contacts before the list was built [J], [J s].
     double dissipated = 0.0, virial = 0.0;
 
-    Decomposition(const Box3& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
+    Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
         for (std::size_t i = 0; i < n; ++i) {
             const double width = 2.0 * laws.radius(i);
             widest_ = math::max(widest_, width);
@@ -51,7 +51,7 @@ public:
     void find_cells(std::size_t first, std::size_t last) {
         sort_.find_cells(box_, grid, bodies, first, last);
     }
-    void order() { sort_.order(grid.cells(), start_); }
+    void order() { sort_.order(bodies, grid.cells(), start_); }
     void gather(std::size_t first, std::size_t last) { sort_.move(bodies, first, last); }
     void divide() {
         sort_.swap(bodies);
@@ -60,11 +60,11 @@ public:
         saved_accelerations_.clear();
         divide_into_slabs();
     }
-    void list(Slab<Law>& slab) {
+    void list(Slab<Law>& slab, double time) {
         slab.pairs.clear(), slab.walls.clear();
         for (std::uint32_t cell = slab.first_cell; cell < slab.last_cell; ++cell)
             list_pairs(grid, bodies.position, start_, cell, skin_, slab.pairs);
-        list_walls(box_, bodies.position, slab.first_body, slab.last_body, skin_, slab.walls);
+        list_walls(box_, bodies.position, slab.first_body, slab.last_body, skin_, time, slab.walls);
         slab.contact_of_pair.assign(slab.pairs.size(), -1);
         slab.contact_of_wall.assign(slab.walls.size(), -1);
         sort_.index_by_original(bodies, slab.first_body, slab.last_body);
@@ -125,6 +125,7 @@ public:
     template <class Archive>
     void exchange(Archive& archive) {
         archive(bodies.position), archive(bodies.velocity), archive(bodies.tag), archive(bodies.acceleration);
+        if constexpr (FrictionalLaw<Law>) archive(bodies.spin), archive(bodies.angular_acceleration);
         archive(sort_.reference()), archive(grid), archive(start_), archive(skin_), archive(lists_);
         archive(dissipated), archive(virial), archive(largest_compression_);
         std::size_t count = slabs.size();
@@ -134,7 +135,7 @@ public:
     }
 
 private:
-    const Box3& box_;
+    const Box& box_;
     CellSort sort_;
     std::vector<std::uint32_t> start_;  // [cells + 1] first body of each cell
     double widest_ = 0.0, mean_width_ = 0.0, smallest_ = math::infinity;  // diameters [m]
@@ -197,7 +198,7 @@ private:
     }
     void restore_wall(const Contact<Law>& c, std::uint32_t body) {
         Slab<Law>& s = slab_of(body);
-        const auto wall = static_cast<std::uint32_t>(-1 - c.second);
+        const WallId wall = WallId::of(c.second);
         for (std::size_t k = 0; k < s.walls.size(); ++k)
             if (s.walls[k].body == body && s.walls[k].wall == wall) put(s, s.contact_of_wall[k], c);
     }
@@ -215,6 +216,8 @@ private:
             if (!same) continue;
             put(s, s.contact_of_pair[static_cast<std::size_t>(p - s.pairs.begin())], c);
             s.contacts.back().normal *= static_cast<double>(sense);
+            if constexpr (FrictionalLaw<Law>)
+                if (sense < 0) s.contacts.back().history.reverse();
             return true;
         }
         return false;

@@ -11,7 +11,6 @@
 // same time as the positions.
 #pragma once
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <utility>
@@ -20,6 +19,7 @@
 #include "../../base/outcome.hpp"
 #include "../../base/threads.hpp"
 #include "../common/archive.hpp"
+#include "../common/newton_setting.hpp"
 #include "contact_log.hpp"
 #include "observables.hpp"
 #include "stepper.hpp"
@@ -28,15 +28,13 @@
 namespace hardlimit::boxes {
 
 template <class Law>
-class NewtonSteps {
+class NewtonSteps final : public Engine {
 public:
-    // position, velocity [3 N], body by body; positions in the box.
-    NewtonSteps(const Box3& box, const std::vector<double>& position, const std::vector<double>& velocity,
-                PairLaws<Law> laws, double time_step, bool log)
-        : NewtonSteps(box, std::move(laws), position.size() / 3, time_step, log) {
-        for (std::size_t i = 0; i < position.size() / 3; ++i) {
-            const double* x = position.data() + 3 * i;
-            const double* v = velocity.data() + 3 * i;
+    NewtonSteps(const NewtonSetting& setting, const System& s) : NewtonSteps(setting) {
+        for (std::size_t i = 0; i < s.n; ++i) {
+            double x[3], v[3];
+            setting_.in_three(s.position, i, x);
+            setting_.in_three(s.velocity, i, v);
             bodies_.position.push_back(Double4{x[0], x[1], x[2], laws_.radius(i)});
             bodies_.velocity.push_back(Double4{v[0], v[1], v[2], 1.0 / laws_.mass(i)});
             bodies_.tag.push_back({static_cast<std::uint32_t>(i), {0, 0, 0}});
@@ -44,25 +42,20 @@ public:
                 math::max(criterion_.fastest, math::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
         }
         bodies_.acceleration.resize(bodies_.count());
+        if constexpr (FrictionalLaw<Law>) make_spins();
         begin_rebuild();
         const auto never = [] { return false; };
         run(1, std::chrono::milliseconds(1000), never);  // forces at the start
     }
     // Continues a saved run.
-    NewtonSteps(const Box3& box, PairLaws<Law> laws, std::size_t bodies, double time_step, bool log,
-                Reader& reader)
-        : NewtonSteps(box, std::move(laws), bodies, time_step, log) {
-        exchange(reader);
-    }
-    void save(Writer& writer) { exchange(writer); }
+    NewtonSteps(const NewtonSetting& setting, Reader& reader) : NewtonSteps(setting) { exchange(reader); }
 
-    // To `until` [s] in equal steps of at most the time step. After `most_steps`, or if the watch says stop, the run
-    // pauses earlier. Asked to go on to the same time, it continues with the same bits as without the pause.
-    template <class Watch>
-    void advance(double until, std::uint64_t most_steps, int threads, std::chrono::milliseconds period,
-                 const Watch& watch) {
+    // In equal steps of at most the time step, which are the unit of work.
+    void advance(double until, u64 most_work, int threads, Stop& stop) override {
+        constexpr std::chrono::milliseconds period{50};  // between two questions
+        const auto watch = [&] { return stop.now(); };
         if (outcome_ != Outcome::ok) return;
-        quota_ = std::max(most_steps, std::uint64_t{1});
+        quota_ = std::max(most_work, u64{1});
         if (paused_ && until != plan_.until) plan_.planned = plan_.done;
         if (paused_) {
             Stop never;
@@ -73,47 +66,55 @@ public:
         plan(until);
         run(threads, period, watch);
     }
-    bool paused() const { return paused_; }
+    bool paused() const override { return paused_; }
+    double time() const override { return time_; }
+    Outcome outcome() const override { return outcome_; }
+    // Of the body that moved too far in a step, or of the bodies of the contact that was too deep.
+    EarlyEnd early_end() const override { return {time_, ended_by_, ended_at_wall_}; }
+    u64 work() const override { return taken_; }
+    u64 contacts() const override { return log_.begun(); }
+    u64 logged() const override { return log_.ended(); }
+    std::vector<Statistic> statistics() const override {
+        return {{"time_step", setting_.time_step},
+                {"n_steps", static_cast<double>(taken_)},
+                {"n_lists", static_cast<double>(domain_.lists_built())},
+                {"skin", domain_.skin()}};
+    }
 
-    double time() const { return time_; }
-    double time_step() const { return time_step_; }
-    std::uint64_t steps_taken() const { return taken_; }
-    Outcome outcome() const { return outcome_; }
-    // If the run ended early: original index of the body that moved too far in a step, or of the bodies of the contact
-    // that was too deep; and the wall of that contact, or 0.
-    const std::vector<i64>& ended_by() const { return ended_by_; }
-    i64 ended_at_wall() const { return ended_at_wall_; }
-    double largest_compression() const { return domain_.largest_compression(); }
-    const steps::ContactLog& log() const { return log_; }
-    std::size_t count() const { return bodies_.count(); }
-    double skin() const { return domain_.skin(); }
-    std::uint64_t lists_made() const { return domain_.lists_built(); }
-    // For another thread during an advance: time and contacts so far.
-    double time_reached() const { return reached_.load(std::memory_order_relaxed); }
-    std::uint64_t contacts_reached() const { return contacts_.load(std::memory_order_relaxed); }
-
-    // Positions along the unfolded paths [m] and velocities [m/s], [3 N] each, by original index. In a pause the
-    // velocities are estimates, without the contacts of the last step.
-    void state(double* position, double* velocity) const {
+    // In a pause the velocities are estimates, without the contacts of the last step.
+    void state(double* position, double* velocity) const override {
+        const int d = box_.dimension;
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
             const Double4 v = velocity_of(i);
-            for (int axis = 0; axis < 3; ++axis) {
-                const std::size_t to =
-                    3 * std::size_t{bodies_.tag[i].original_index} + static_cast<std::size_t>(axis);
-                position[to] = steps::unfolded(box_, bodies_, i, axis);
-                velocity[to] = v[axis];
+            const std::size_t to = std::size_t{bodies_.tag[i].original_index} * static_cast<std::size_t>(d);
+            for (int axis = 0; axis < d; ++axis) {
+                position[to + static_cast<std::size_t>(axis)] = steps::unfolded(box_, bodies_, i, axis);
+                velocity[to + static_cast<std::size_t>(axis)] = v[axis];
             }
         }
     }
-
-    StepsObservables observe() const {
-        return steps::observe(box_, domain_, [this](std::size_t i) { return velocity_of(i); });
+    Observation observe() const override {
+        Observation o = steps::observe(box_, domain_, [this](std::size_t i) { return velocity_of(i); });
+        o.begun = log_.begun(), o.pairs = log_.pairs(), o.ended = log_.ended();
+        o.overlapped = log_.overlapped();
+        return o;
     }
 
+    // Angular velocities [rad/s], [3 N] by original index; zero at the start.
+    void angular_velocity(double* spin) const
+        requires FrictionalLaw<Law>
+    {
+        for (std::size_t i = 0; i < bodies_.count(); ++i)
+            for (int axis = 0; axis < 3; ++axis)
+                spin[3 * std::size_t{bodies_.tag[i].original_index} + static_cast<std::size_t>(axis)] =
+                    bodies_.spin[i][axis];
+    }
+    bool contacts_last() const override { return true; }
+
     // Contacts that ended since the last call, ordered by their ends.
-    std::vector<ContactRecord> take_log() { return log_.take(); }
+    std::vector<ContactRecord> take_log() override { return log_.take(); }
     // Open contacts, ordered by their begins.
-    std::vector<ContactRecord> open_contacts() const {
+    std::vector<ContactRecord> open_contacts() const override {
         std::vector<ContactRecord> rows;
         for (const Slab& s : slabs_)
             for (const Contact& c : s.contacts)
@@ -123,6 +124,25 @@ public:
         return rows;
     }
 
+    std::vector<char> save() const override {
+        Writer writer("newton_steps");
+        NewtonSteps& self = const_cast<NewtonSteps&>(*this);  // exchange reads and writes with one list
+        self.setting_.exchange(writer);
+        self.exchange(writer);
+        return writer.finish();
+    }
+    std::size_t bytes() const override {
+        // Bodies are stored twice, to be sorted.
+        constexpr std::size_t per_body =
+            2 * (2 * sizeof(Double4) + sizeof(ContactAcceleration) + sizeof(BodyTag));
+        std::size_t sum = sizeof *this + bodies_.count() * per_body;
+        for (const Slab& s : slabs_)
+            sum += s.pairs.capacity() * sizeof(NeighbourPair) + s.contacts.capacity() * sizeof(Contact);
+        return sum;
+    }
+    int dimension() const override { return box_.dimension; }
+    std::size_t size() const override { return bodies_.count(); }
+
 private:
     using Slab = steps::Slab<Law>;
     using Contact = steps::Contact<Law>;
@@ -130,7 +150,8 @@ private:
     // batch the first slab of each partition moves.
     enum class Phase { resume, move, measure, cells, gather, list, inside, border, last_move, over };
 
-    Box3 box_;
+    NewtonSetting setting_;
+    const Box& box_ = setting_.box;
     PairLaws<Law> laws_;
     steps::Decomposition<Law> domain_;
     steps::RebuildCriterion criterion_;
@@ -140,7 +161,6 @@ private:
     steps::StepPlan& plan_ = stepper_.plan;
     steps::Instant& now_ = stepper_.now;
 
-    double time_step_;  // the longest [s]
     Phase phase_ = Phase::cells;
     double time_ = 0.0;
     std::uint64_t taken_ = 0;  // steps since the start
@@ -148,21 +168,18 @@ private:
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;
     std::vector<i64> ended_by_;
-    i64 ended_at_wall_ = 0;
+    WallId ended_at_wall_;
     steps::ContactLog log_;
-    std::atomic<double> reached_{0.0};
-    std::atomic<std::uint64_t> contacts_{0};
 
-    NewtonSteps(const Box3& box, PairLaws<Law> laws, std::size_t bodies, double time_step, bool log)
-        : box_(box),
-          laws_(std::move(laws)),
-          domain_(box_, laws_, bodies),
+    explicit NewtonSteps(const NewtonSetting& setting)
+        : setting_(setting),
+          laws_(setting_.laws<Law>()),
+          domain_(box_, laws_, setting_.count()),
           stepper_(box_, laws_, domain_, criterion_),
-          time_step_(time_step),
-          log_(bodies, log) {}
+          log_(setting_.count(), setting_.log) {}
 
     void plan(double until) {
-        const double steps = (until - time_) / time_step_ * (1.0 - 1e-12);
+        const double steps = (until - time_) / setting_.time_step * (1.0 - 1e-12);
         plan_.planned = static_cast<std::uint64_t>(math::max(0.0, steps)) + 1;
         plan_.from = time_, plan_.until = until, plan_.done = 0;
         plan_.h = (until - time_) / static_cast<double>(plan_.planned);
@@ -181,11 +198,21 @@ private:
         }
     }
 
+    // Moment of inertia of a solid sphere, or in two dimensions of a disk.
+    void make_spins() {
+        for (std::size_t i = 0; i < bodies_.count(); ++i) {
+            const double radius = bodies_.position[i][3], factor = box_.dimension == 2 ? 0.5 : 0.4;
+            const double inverse = bodies_.velocity[i][3] / (factor * radius * radius);
+            bodies_.spin.push_back(Double4{0.0, 0.0, 0.0, inverse});
+        }
+        bodies_.angular_acceleration.resize(bodies_.count());
+    }
     Double4 velocity_of(std::size_t i) const {
         if (!paused_) return bodies_.velocity[i];
-        return bodies_.velocity[i] + (bodies_.acceleration[i].at(now_.step) + box_.pull()) * (0.5 * plan_.h);
+        return bodies_.velocity[i] +
+               (bodies_.acceleration[i].at(now_.step) + gravity_of(box_)) * (0.5 * plan_.h);
     }
-    double pull() const { return math::sqrt(dot(box_.pull(), box_.pull())); }
+    double pull() const { return math::sqrt(dot(gravity_of(box_), gravity_of(box_))); }
 
     // --- phases ---------------------------------------------------------------------------------------------------
 
@@ -216,7 +243,7 @@ private:
             case Phase::gather:
                 return domain_.gather(first, last);
             case Phase::list:
-                return for_slabs([&](std::uint32_t slab) { domain_.list(slabs_[slab]); });
+                return for_slabs([&](std::uint32_t slab) { domain_.list(slabs_[slab], time_); });
             case Phase::inside:
                 return stepper_.step_inside(p);
             case Phase::border:
@@ -301,8 +328,6 @@ private:
             criterion_.add_step(taken_, fastest, pull(), plan_.h);
         });
         time_ = plan_.time_at(plan_.done);
-        reached_.store(time_, std::memory_order_relaxed);
-        contacts_.store(log_.begun(), std::memory_order_relaxed);
         if (taken_ < criterion_.batch_end) return begin_steps(stop);
         if (criterion_.holds()) return begin_batch(stop);
         phase_ = Phase::measure;
@@ -324,7 +349,7 @@ private:
     }
     void begin_rebuild() {
         phase_ = Phase::cells;
-        domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? plan_.h : time_step_);
+        domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? plan_.h : setting_.time_step);
     }
 
     // The run ends since a contact has reached the largest compression of its law.
@@ -332,8 +357,8 @@ private:
         const auto deepest = std::ranges::max_element(slabs_, {}, &Slab::largest_compression);
         outcome_ = Outcome::too_deep;
         ended_by_ = {deepest->deepest[0]};
-        ended_at_wall_ = deepest->deepest[1] < 0 ? deepest->deepest[1] : 0;
-        if (ended_at_wall_ == 0) ended_by_.push_back(deepest->deepest[1]);
+        ended_at_wall_ = WallId::of(deepest->deepest[1]);
+        if (!ended_at_wall_) ended_by_.push_back(deepest->deepest[1]);
         std::ranges::sort(ended_by_);
     }
 

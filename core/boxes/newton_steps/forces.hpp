@@ -20,7 +20,7 @@ struct Instant {
 template <class Law>
 class Forces {
 public:
-    Forces(const Box3& box, const CellLayers& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
+    Forces(const Box& box, const CellLayers& grid, Bodies& bodies, const PairLaws<Law>& laws, Instant now)
         : box_(box), grid_(grid), bodies_(bodies), laws_(laws), now_(now) {}
 
     void sweep(Slab<Law>& slab) {
@@ -47,7 +47,7 @@ public:
     }
 
 private:
-    const Box3& box_;
+    const Box& box_;
     const CellLayers& grid_;
     Bodies& bodies_;
     const PairLaws<Law>& laws_;
@@ -85,8 +85,8 @@ private:
         for (std::size_t k = 0; k < slab.walls.size(); ++k) {
             const WallNeighbour w = slab.walls[k];
             const Double4 position = bodies_.position[w.body];
-            const double x = position[static_cast<int>(w.wall / 2)];
-            const double distance = w.wall % 2 == 0 ? x : box_.edge[w.wall / 2] - x;
+            const double x = position[w.wall.axis()];
+            const double distance = box_.wall(w.wall).distance(x, now_.time);
             if (distance < position[3] || slab.contact_of_wall[k] >= 0)
                 wall_contact(slab, slab.contact_of_wall[k], w, distance);
         }
@@ -104,13 +104,13 @@ private:
     }
     HL_FN_APART void wall_contact(Slab<Law>& slab, std::int32_t& slot, WallNeighbour w, double distance) {
         const std::uint32_t i = w.body;
-        Double4 normal{};
-        normal[static_cast<int>(w.wall / 2)] = w.wall % 2 == 0 ? -1.0 : 1.0;
-        const Double4 v = -bodies_.velocity[i];
-        const Double4 a = -bodies_.acceleration[i].previous(now_.step) - box_.pull();
-        const std::int32_t number = -1 - static_cast<std::int32_t>(w.wall);
+        const Wall wall = box_.wall(w.wall);
+        Double4 normal{}, v = -bodies_.velocity[i];
+        normal[w.wall.axis()] = -wall.inward();
+        v[w.wall.axis()] += wall.velocity(now_.time);
+        const Double4 a = -bodies_.acceleration[i].previous(now_.step) - gravity_of(box_);
         const double reach = bodies_.position[i][3];
-        update_contact(slab, slot, {i, no_body, number, no_image, normal, distance, reach, v, a},
+        update_contact(slab, slot, {i, no_body, w.wall.number, no_image, normal, distance, reach, v, a},
                        normal * distance);
     }
 
@@ -139,6 +139,8 @@ private:
         static_cast<ContactForce&>(c) = f;
         record_depth(slab, c, m);
         apply(slab, c);
+        if constexpr (FrictionalLaw<Law>)
+            if (compression > 0.0) apply_friction(slab, c, m);
         if (!(compression > 0.0)) {
             c.index_first = no_body;
             slab.vacated.push_back(slot);
@@ -242,6 +244,30 @@ private:
         accelerate(slab, c.index_first, c.normal * (-c.force * bodies_.velocity[c.index_first][3]));
         if (c.index_second != no_body)
             accelerate(slab, c.index_second, c.normal * (c.force * bodies_.velocity[c.index_second][3]));
+    }
+    // The lever arms of two bodies end in the middle of their overlap, so that angular momentum is conserved.
+    void apply_friction(Slab<Law>& slab, Contact<Law>& c, const RelativeMotion& m) {
+        const std::uint32_t i = m.first, j = m.second;
+        const bool wall = j == no_body;
+        const double radius = bodies_.position[i][3];
+        const double arm = wall ? m.distance : radius - 0.5 * c.compression;
+        const double other_arm = wall ? 0.0 : m.distance - arm;
+        Double4 turning = bodies_.spin[i] * arm;
+        if (!wall) turning += bodies_.spin[j] * other_arm;
+        Double4 v = m.velocity + m.acceleration * now_.velocity_lag - cross(turning, m.normal);
+        v -= m.normal * dot(v, m.normal);
+        const double duration = c.is_new ? c.onset.since : now_.h;
+        const ContactMotion motion = {
+            c.compression,      c.rate,  c.force, {m.normal[0], m.normal[1], m.normal[2]},
+            {v[0], v[1], v[2]}, duration};
+        const TangentialForce f = c.law.tangential_force(motion, c.history);
+        const Double4 force{f.component[0], f.component[1], f.component[2], 0.0};
+        const Double4 torque = -cross(m.normal, force);  // over the lever arm, on either body
+        accelerate(slab, i, -force * bodies_.velocity[i][3]);
+        bodies_.angular_acceleration[i].add(now_.step, torque * (arm * bodies_.spin[i][3]));
+        if (wall) return;
+        accelerate(slab, j, force * bodies_.velocity[j][3]);
+        bodies_.angular_acceleration[j].add(now_.step, torque * (other_arm * bodies_.spin[j][3]));
     }
     void accelerate(Slab<Law>& slab, std::uint32_t body, Double4 acceleration) {
         if (bodies_.acceleration[body].add(now_.step, acceleration))

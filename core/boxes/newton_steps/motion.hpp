@@ -5,7 +5,7 @@
 namespace hardlimit::boxes::steps {
 
 template <class Law>
-void kick_body(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 change) {
+void change_velocity(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 change) {
     bodies.velocity[i] += change;
     slab.fastest = math::max(slab.fastest, dot(bodies.velocity[i], bodies.velocity[i]));
 }
@@ -13,19 +13,23 @@ void kick_body(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 change)
 // Velocities advance by `kick` [s] with the accelerations of a step. Contacts accelerate few bodies, gravity all.
 // `previous`: the slab whose pairs reach into this one.
 template <class Law>
-void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box3& box, std::uint64_t step,
+void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box& box, std::uint64_t step,
           double kick) {
-    for (const std::uint32_t i : slab.accelerated)
-        kick_body(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
+    const auto accelerate = [&](std::uint32_t i) {
+        change_velocity(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
+        if constexpr (FrictionalLaw<Law>) bodies.spin[i] += bodies.angular_acceleration[i].at(step) * kick;
+    };
+    for (const std::uint32_t i : slab.accelerated) accelerate(i);
     for (const std::uint32_t i : previous.accelerated_next)
-        if (slab.holds(i)) kick_body(slab, bodies, i, bodies.acceleration[i].at(step) * kick);
+        if (slab.holds(i)) accelerate(i);
     const auto add_impulses = [&](const Slab<Law>& from) {
         for (const Impulse& impulse : from.impulses)
-            if (slab.holds(impulse.body)) kick_body(slab, bodies, impulse.body, impulse.velocity_change);
+            if (slab.holds(impulse.body))
+                change_velocity(slab, bodies, impulse.body, impulse.velocity_change);
     };
     add_impulses(slab);
     if (&previous != &slab) add_impulses(previous);
-    const Double4 fall = box.pull() * kick;
+    const Double4 fall = gravity_of(box) * kick;
     if (dot(fall, fall) > 0.0)
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies.velocity[i] += fall;
 }

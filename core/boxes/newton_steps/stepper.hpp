@@ -46,7 +46,7 @@ public:
     double kick = 0.0;  // by which velocities advance in a step [s]
     StepPlan plan;
 
-    Stepper(const Box3& box, const PairLaws<Law>& laws, Decomposition<Law>& domain,
+    Stepper(const Box& box, const PairLaws<Law>& laws, Decomposition<Law>& domain,
             const RebuildCriterion& criterion)
         : box_(box), laws_(laws), domain_(domain), slabs_(domain.slabs), criterion_(criterion) {}
 
@@ -124,7 +124,7 @@ public:
     }
 
 private:
-    const Box3& box_;
+    const Box& box_;
     const PairLaws<Law>& laws_;
     Decomposition<Law>& domain_;
     std::vector<Slab<Law>>& slabs_;

@@ -84,7 +84,7 @@ struct Scales {
 };
 
 // The equations of motion between two events.
-template <class Law>
+template <FrictionlessLaw Law>
 struct Motion {
     static constexpr int p = Law::onset_power;
 

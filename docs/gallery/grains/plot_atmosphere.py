@@ -2,11 +2,12 @@ r"""
 How high is an atmosphere of marbles?
 =====================================
 
-Elastic spheres in a tall box under gravity, between a floor and a ceiling. An ideal gas of temperature
-:math:`T` would thin out as :math:`e^{-gz/T}`, the barometric formula (dashed). Spheres need room and push each
-other up. Hydrostatics, :math:`\mathrm{d}p/\mathrm{d}z = -n m g`, with the equation of state of Carnahan &
-Starling, gives the full line: it holds from a few radii above the floor on. Right at the floor the centres
-lie in layers, which no equation of state knows. 600 spheres of radius 1 mm, mean of 200 snapshots.
+Elastic spheres in a tall box under gravity, between a floor and a ceiling. The density of an ideal gas of
+temperature :math:`T` would decrease as :math:`e^{-gz/T}`, the barometric formula (dashed). Spheres have a
+finite volume and push each other up. Hydrostatics, :math:`\mathrm{d}p/\mathrm{d}z = -n m g`, with the equation
+of state of Carnahan & Starling, gives the solid line. It holds from a few radii above the floor on. Directly at
+the floor the centres form layers, which an equation of state does not describe. 600 spheres of radius 1 mm,
+mean of 200 snapshots.
 """
 
 import matplotlib.pyplot as plt

@@ -2,15 +2,15 @@ r"""
 How fast does a granular gas cool?
 ==================================
 
-In every collision of a thousand spheres in a periodic box a fifth of the energy of the approach is lost
+A thousand spheres in a periodic box lose a fifth of the energy of approach in every collision
 (:math:`\varepsilon = 0.9`). Haff's law (J. Fluid Mech. 134, 401 (1983)),
 
 .. math:: T(t) = \frac{T(0)}{\left[1 + (1-\varepsilon^2)\,\nu(0)\,t/6\right]^2},
 
 describes the temperature with no free parameter if :math:`\nu(0)` is Enskog's collision rate. Collision rate
-and pressure (Carnahan & Starling, with Jenkins & Richman's factor for :math:`\varepsilon`) follow at the
-temperature measured. The law holds while the gas stays homogeneous; in a larger, denser or more dissipative
-one clusters grow sooner.
+and pressure (Carnahan & Starling, with Jenkins & Richman's factor for :math:`\varepsilon`) follow from the
+measured temperature. The law holds while the gas is homogeneous. In a larger, denser or more dissipative gas
+clusters form earlier.
 """
 
 import hardlimit as hl

@@ -2,10 +2,10 @@ r"""
 How soon do speeds follow Maxwell?
 ==================================
 
-All spheres of an elastic gas begin with the same speed, in random directions. After as few as two or three
-collisions of each, one component of the velocity is distributed as in equilibrium (line, a normal
-distribution of variance :math:`T`), although nothing but the two conservation laws is at work in a collision.
-8000 spheres, :math:`\varphi = 0.1`.
+All spheres of an elastic gas start with the same speed, in random directions. After only two or three
+collisions per sphere, one component of the velocity is distributed as in equilibrium (line, a normal
+distribution of variance :math:`T`), although collisions only conserve momentum and energy. 8000 spheres,
+:math:`\varphi = 0.1`.
 """
 
 import matplotlib.pyplot as plt

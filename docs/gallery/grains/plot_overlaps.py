@@ -2,12 +2,12 @@ r"""
 How often do three grains touch?
 ================================
 
-A rule for hard spheres takes contacts to be pairwise. Newton's equations know better: the share of contacts
-that have a grain in common with another one while they last, over :math:`t_c\,\nu`, the duration of a contact
-times the collision rate of a grain. As long as it is small it is about :math:`3\,t_c\nu` (dotted), almost
-whatever the packing fraction. This product, not the stiffness or the density alone, says how far an
-event-driven simulation may be trusted; 0.01 is a common limit. 300 spheres, :math:`\varepsilon = 0.95`, linear
-dashpot.
+A rule for hard spheres assumes that contacts are pairwise. Under Newton's equations some contacts share a grain
+with another contact while they last. The picture shows the fraction of these contacts over :math:`t_c\,\nu`,
+the duration of a contact times the collision rate of a grain. If small, it is about :math:`3\,t_c\nu` (dotted),
+almost independent of the packing fraction. This product, not the stiffness or the density alone, decides
+whether an event-driven simulation can be trusted; 0.01 is a common limit. 300 spheres, :math:`\varepsilon =
+0.95`, linear dashpot.
 """
 
 import matplotlib.pyplot as plt

@@ -3,10 +3,10 @@ What is the pressure of hard spheres?
 =====================================
 
 The compressibility :math:`Z = p/(n\,m\,T)` of elastic spheres over the packing fraction, from the momentum
-that they exchange in collisions. The line is the equation of state of Carnahan & Starling, J. Chem. Phys. 51,
-635 (1969), :math:`Z = (1+\varphi+\varphi^2-\varphi^3)/(1-\varphi)^3`; the lower panel is the difference from
-it, with the spread of five parts of a run as error bar. Even 500 spheres and 120 collisions of each give the
-pressure to about one per cent.
+exchanged in collisions. The line is the equation of state of Carnahan & Starling, J. Chem. Phys. 51, 635
+(1969), :math:`Z = (1+\varphi+\varphi^2-\varphi^3)/(1-\varphi)^3`. The lower panel shows the difference from it;
+error bars are the spread of five parts of a run. Even 500 spheres with 120 collisions each give the pressure to
+about one per cent.
 """
 
 import matplotlib.pyplot as plt

@@ -2,12 +2,12 @@ r"""
 Which rule for hard spheres may I use?
 ======================================
 
-One cooling gas, five times from the same start: Newton's equations (black), and hard spheres under four
-rules. *constant* and *law* take the restitution of an isolated contact, *tc* makes collisions elastic that
-follow each other within :math:`t_c` (Luding & McNamara, Granular Matter 1, 113 (1998)), *soft* gives each
-contact its duration and turn (Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)). Bands are standard errors
-over the replicas, dots mark where a difference leaves its error bars. Contacts are long on purpose, and the
-example is small: 150 spheres. Over a grid of densities, durations and restitutions: :doc:`/grains`.
+One cooling gas, five times from the same initial state: Newton's equations (black), and hard spheres under four
+rules. *constant* and *law* use the restitution of an isolated contact. *tc* makes collisions elastic that
+follow another within :math:`t_c` (Luding & McNamara, Granular Matter 1, 113 (1998)), *soft* gives each contact
+its duration and rotation (Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)). Bands are standard errors over the
+replicas; dots mark significant differences. Contacts are long on purpose, and the example is small, 150
+spheres. :doc:`/grains` has a grid of densities, durations and restitutions.
 """
 
 import hardlimit as hl

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..support import validation
 
 Floats = NDArray[np.float64]
@@ -59,6 +60,11 @@ class Box:
             if side == "wall":
                 yield -1 - 2 * axis, axis, False
                 yield -2 - 2 * axis, axis, True
+
+    def of_core(self) -> _core.Box:
+        """The box as the core takes it: with the gravity that is left in the frame of the common fall."""
+        gravity = self.gravity - self.common_fall
+        return _core.Box(self.edges.tolist(), list(self.boundary), gravity.tolist())
 
     def fold(self, positions: Floats) -> None:
         """Move positions (N, d) [m] of unfolded paths back into the box, in place."""

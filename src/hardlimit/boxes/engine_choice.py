@@ -11,7 +11,7 @@ import numpy as np
 from .. import _core
 from ..contact.contact import Law
 from ..support import validation
-from . import shim, time_step
+from . import time_step
 from .falling_frame import engine_arguments, law_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
@@ -108,7 +108,7 @@ def lasting_contacts(system: ParticleSystem) -> float:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
     law = ("linear", 0, [1.0, 1.0])
-    touching = shim.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
+    touching = _core.make_engine("newton_steps", *at_rest, law=law, time_step=1.0).observe()["n_in_contact"]
     return 2.0 * float(touching) / system.n
 
 

@@ -10,9 +10,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import _core
 from ..contact.contact import Law
 from ..contact.laws import LAWS
-from . import shim as _core
 from .box import Floats
 from .falling_frame import engine_arguments, laboratory_sums, law_arguments, present, state
 from .pace import Pace

@@ -10,24 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from .. import _core
 from ..contact.contact import Law
 from .box import Floats
 from .system import ParticleSystem
 
 
-def engine_arguments(
-    system: ParticleSystem,
-) -> tuple[Floats, Floats, Floats, Floats, list[float], list[bool], list[float]]:
-    """A system as compiled engines take it: without the common fall."""
-    box = system.domain
+def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats, Floats, Floats]:
+    """Box, positions, velocities, radius and mass as compiled engines take them: without the common fall."""
     return (
+        system.domain.of_core(),
         system.positions,
         system.velocities,
         np.ascontiguousarray(system.radius),
         np.ascontiguousarray(system.mass),
-        box.edges.tolist(),
-        box.periodic,
-        (box.gravity - box.common_fall).tolist(),
     )
 
 

@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
+from .. import _core
 from ..contact.contact import Law
 from ..support.formatting import duration
-from . import shim as _core
 from . import time_step
 from .falling_frame import engine_arguments, law_arguments
 from .system import ParticleSystem

@@ -2,48 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from .. import _core
 from ..contact.contact import Law
 from ..support import validation
 
 
 class Rule(NamedTuple):
-    """A rule of collision."""
+    """A rule of collision: a record of the core."""
 
     name: str  #: for ``rule=`` and the core
     takes: tuple[str, ...]  #: arguments of which exactly one gives the restitution
     meaning: str  #: what a collision does
     assumes: str  #: what must hold for the rule to be right
-    counts: tuple[str, ...] = ()  #: attributes of a result that count what the rule did
-    source: str = ""
-    has_contact_duration: bool = False
+    counts: tuple[str, ...]  #: attributes of a result that count what the rule did
+    source: str
+    has_contact_duration: bool
 
 
-_RECORDS: Final = (
-    Rule("constant", ("restitution",), "restitution ε", "ε depends on nothing"),
-    Rule("law", ("law",), "ε(v) of `law.between(i, j)`", "contacts take no time"),
-    Rule(
-        "tc",
-        ("restitution", "law"),
-        "elastic where a partner has collided less than t_c ago, with anything; else as above",
-        "contacts of many particles lose little energy",
-        ("n_elastic_by_tc", "elastic_share"),
-        "Luding & McNamara, Granular Matter 1, 113 (1998)",
-        has_contact_duration=True,
-    ),
-    Rule(
-        "soft",
-        ("law",),
-        "takes the time of a contact and turns the normal, as the law says",
-        "no third body touches meanwhile",
-        ("n_soft", "n_soft_third_body", "third_body_share"),
-        "Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)",
-    ),
-)
-#: By name. The first rule that takes an argument is the default with it.
-RULES: Final = {rule.name: rule for rule in _RECORDS}
+_COUNTS: Final = {
+    "tc": ("n_elastic_by_tc", "elastic_share"),
+    "soft": ("n_soft", "n_soft_third_body", "third_body_share"),
+}
+
+
+def _rule(record: Mapping[str, Any]) -> Rule:
+    return Rule(
+        record["name"],
+        tuple(argument for argument in ("restitution", "law") if record[argument]),
+        record["meaning"],
+        record["assumes"],
+        _COUNTS.get(record["name"], ()),
+        record["source"],
+        any(parameter["name"] == "contact_duration" for parameter in record["parameters"]),
+    )
+
+
+#: By name. The first rule without a contact duration that takes an argument is the default with it.
+RULES: Final = {record["name"]: _rule(record) for record in _core.rules}
 
 
 @dataclass(frozen=True)
@@ -80,8 +79,9 @@ def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: An
     given = validation.exactly_one(law=law, restitution=restitution)
     if given == "law" and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
-    allowed = [record.name for record in _RECORDS if given in record.takes]
-    chosen = allowed[0] if rule is None else validation.one_of("rule", rule, sorted(RULES))
+    allowed = [record.name for record in RULES.values() if given in record.takes]
+    default = next(name for name in allowed if not RULES[name].has_contact_duration)
+    chosen = default if rule is None else validation.one_of("rule", rule, sorted(RULES))
     if chosen not in allowed:
         raise ValueError(f"rule: got {rule!r} with {given}, must be one of {', '.join(allowed)}")
     if given == "restitution":

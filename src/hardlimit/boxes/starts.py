@@ -156,11 +156,8 @@ def positions(radius: Floats, box: Box, generators: Generators, report: Report) 
         If growth found none, as it may for a few large particles between walls.
     """
     found = _core.grow_packing(
-        len(radius),
-        box.dimension,
+        box.of_core(),
         np.ascontiguousarray(radius),
-        box.edges.tolist(),
-        box.periodic,
         generators.seed_of_positions,
         lambda share, collisions: report(int(1000.0 * share), 1000),
     )

@@ -390,7 +390,7 @@ class ParticleSystem:
     def _deepest_overlap(self) -> tuple[int, int, float]:
         """The two particles that overlap most, −1 each without two of them, and their gap [m]."""
         radius = np.ascontiguousarray(self.radius)
-        return _core.deepest_overlap(self.positions, radius, self.box, self.domain.periodic)
+        return _core.deepest_overlap(self.domain.of_core(), self.positions, radius)
 
     @cached_property
     def _overlap_share(self) -> float:

@@ -30,7 +30,10 @@ Example:
   hardlimit convert --radius 0.5mm --density 2500 --code lammps \\
       --input 'hooke 1e5 0.7 damping coeff_restitution limit_damping'"""
 
-USUAL = "Usual input: the desired ε itself, or the damping of the usual formula. For input to paste, add --code NAME"
+USUAL = (
+    "Usual ε: that of the usual input, which is the desired ε itself or the damping of the usual formula. Input: that "
+    "for the desired ε; --code NAME prints it to paste."
+)
 #: Units of damping and stiffness for each law.
 DAMPING_UNITS = {"linear": "N s/m", "tsuji": "N s/m^1.25", "viscoelastic": "N s/m^1.5"}
 #: Short names of numbers in the heads of columns.
@@ -231,7 +234,7 @@ def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> No
             print_model(out, model)
     else:
         rows = [row for model in found.models for row in overview_rows(model)]
-        head = ["code and model", "contact", "ε of usual input", "corrected input", "its ε"]
+        head = ["code and model", "contact", "usual ε", "input", "ε"]
         show(out, "Input of the codes", table(head, rows), USUAL)
 
 
@@ -292,7 +295,7 @@ def main_number(model: ModelConversion, row: ModelNumbers) -> str:
 def print_model(out: Any, model: ModelConversion) -> None:
     """The numbers of a model for each contact, and its input to paste."""
     given = list(next((row.numbers for row in model.contacts if row.numbers is not None), {}))
-    head = ["contact", *(SHORT.get(name, name) for name in given), "ε", "ε of usual input", "time step"]
+    head = ["contact", *(SHORT.get(name, name) for name in given), "ε", "usual ε", "time step"]
     rows = []
     for row in model.contacts:
         values = ["–"] * len(given) if row.numbers is None else [digits(row.numbers[n], 6) for n in given]

@@ -186,14 +186,17 @@ def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[A
     outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
     end = {name: given.pop(name) for name in ("until", "max_collisions")}
     refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
-    return with_frames(
-        lambda **observe: hl.resume(checkpoint, **end, **observe, progress=True), outputs
-    ), outputs
+    result = with_frames(lambda **observe: hl.resume(checkpoint, **end, **observe, progress=True), outputs)
+    if outputs["plot"] is not None and isinstance(result, hl.ContactResult):
+        raise ValueError("--plot: must be left out: this run solves Newton's equations")
+    return result, outputs
 
 
 def with_frames(solve: Callable[..., Any], outputs: dict[str, Path | None]) -> Any:
     """The result of ``solve``, with a frame of the trajectory and of the film at each sample."""
-    states: list[tuple[float, hl.ParticleSystem]] = []
+    snapshots: list[Any] = []  # of the film, which is written at the end
+    if outputs["animate"] is not None:
+        from ..plots import grain_film
     with ExitStack() as open_files:
         path = outputs["out"]
         append = None if path is None else open_files.enter_context(box_files.appender(path))
@@ -202,18 +205,17 @@ def with_frames(solve: Callable[..., Any], outputs: dict[str, Path | None]) -> A
             if append is not None:
                 append(system.as_frame(time))
             if outputs["animate"] is not None:
-                states.append((time, system))
+                snapshots.append(grain_film.Snapshot.of(time, system))
             return {}
 
-        frames = append is not None or outputs["animate"] is not None
-        result = solve(**({"observe": observe} if frames else {}))
+        wanted = append is not None or outputs["animate"] is not None
+        result = solve(**({"observe": observe} if wanted else {}))
     if outputs["animate"] is not None:
-        from ..plots.grain_film import film
-
-        at = np.searchsorted(result.series["time"].values, [time for time, _ in states])
-        collisions = result.series["n_collisions"].values[at].tolist()
-        instants = ((time, system, n) for (time, system), n in zip(states, collisions, strict=True))
-        film(outputs["animate"], instants, result.time)
+        series = result.series
+        at = np.searchsorted(series["time"].values, [one.time for one in snapshots])
+        counts = series["n_contacts" if isinstance(result, hl.ContactResult) else "n_collisions"].values[at]
+        frames = zip(snapshots, counts.tolist(), strict=True)
+        grain_film.film(outputs["animate"], result.system, frames, result.time)
     return result
 
 

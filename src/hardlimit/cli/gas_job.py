@@ -29,7 +29,8 @@ COLLISIONS: Final = 20
 
 def default(function: Any, name: str) -> str:
     """The default of an argument of a function, as help shows it."""
-    return f"  [default: {inspect.signature(function).parameters[name].default}]"
+    value = inspect.signature(function).parameters[name].default
+    return f"  [default: {value:g}]" if isinstance(value, float) else f"  [default: {value}]"
 
 
 def _of_beads(name: str) -> str:
@@ -67,7 +68,7 @@ START: Final = (
     ),
     Entry(
         "gravity",
-        f"Gravity [m/s²] against the last axis; or repeat it for each component.{_of_random('gravity')}",
+        f"Gravity [m/s²], down the last axis; repeat it for a vector, one component for each axis.{_of_random('gravity')}",
         unit="m/s2",
         many=True,
     ),

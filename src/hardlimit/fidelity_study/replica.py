@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..boxes import hard_spheres, newton, time_step
 from ..boxes.box import Floats
 from ..boxes.engines import NewtonSettings
-from ..boxes.observables import OBSERVABLES, Samples
+from ..boxes.observables import OBSERVABLES, Observable, Samples
 from ..boxes.result import ContactResult
 from ..boxes.rules import Settings
 from ..boxes.run import Keeping, Run
@@ -31,24 +31,48 @@ RESTITUTION_ERROR: Final = 1e-4
 ROUNDING: Final = 1e-12
 
 
-def _observable(name: str, since: str = ", mean since the start") -> tuple[str, str]:
-    """Unit and meaning of an observable of boxes."""
-    return OBSERVABLES[name].unit, OBSERVABLES[name].meaning + since
+def _mean(name: str) -> Observable:
+    """The mean since the start of a rate of a box."""
+    found = OBSERVABLES[name]
+    return replace(found, meaning=f"{found.meaning}, mean since the start")
 
 
-#: Observables of every sample and model: unit and meaning.
-QUANTITIES: Final = {
-    "granular_temperature": _observable("granular_temperature", ""),
-    "cooling": ("1", "√(E(0)/E) − 1, E the energy not yet dissipated: linear in time under Haff’s law"),
-    "dissipation_rate": ("W", "energy lost in contacts per time, mean since the start"),
-    "collision_rate": _observable("collision_rate"),
-    "pressure": _observable("pressure"),
-    "pair_correlation": ("1", "g near contact, between 1 and 1.1 sums of radii, overlaps included"),
-    "density_variance": ("1", "variance over mean of the number of particles in cells of about 8"),
-}
-DIVERGENCE: Final = (
+_COMPARED: Final = (
+    OBSERVABLES["granular_temperature"],
+    Observable(
+        "cooling",
+        "1",
+        "√(E(0)/E) − 1, E the energy not yet dissipated: linear in time under Haff’s law",
+        ("dissipated_energy",),
+    ),
+    Observable(
+        "dissipation_rate",
+        "W",
+        "energy lost in contacts per time, mean since the start",
+        ("dissipated_energy",),
+    ),
+    _mean("collision_rate"),
+    _mean("pressure"),
+    Observable(
+        "pair_correlation",
+        "1",
+        "g near contact, between 1 and 1.1 sums of radii, overlaps included",
+        ("state",),
+    ),
+    Observable(
+        "density_variance",
+        "1",
+        "variance over mean of the number of particles in cells of about 8",
+        ("state",),
+    ),
+)
+#: Observables of every sample and model that are compared, by name.
+QUANTITIES: Final = {one.name: one for one in _COMPARED}
+DIVERGENCE: Final = Observable(
+    "divergence",
     "1",
     "rms distance of the particles from their positions under Newton’s equations, in radii",
+    ("state",),
 )
 
 Arrays = dict[str, NDArray[Any]]
@@ -101,18 +125,18 @@ def compute(plan: Plan, system: ParticleSystem, sampled: Call, alive: Call) -> A
     found = {name: np.full((len(runs), len(times)), math.nan) for name in (*QUANTITIES, "divergence")}
     reached = [0] * len(runs)
     for k, time in enumerate(times):
-        truth: Floats | None = None
+        newton_places: Floats | None = None
         for i, (run, path) in enumerate(zip(runs, paths, strict=True)):
             sampled()
             if reached[i] < k or next(path, None) != time:
                 continue
             reached[i] = k + 1
             places = run.engine.state()[0]
-            truth = places if i == 0 else truth
+            newton_places = places if i == 0 else newton_places
             found["pair_correlation"][i, k] = observer.pair_correlation(places)
             found["density_variance"][i, k] = observer.density_variance(places)
-            if truth is not None:
-                found["divergence"][i, k] = observer.divergence(places, truth)
+            if newton_places is not None:
+                found["divergence"][i, k] = observer.divergence(places, newton_places)
     totals = []
     for i, run in enumerate(runs):
         ended = run.result()

@@ -322,10 +322,12 @@ class Fidelity:
 
     def _attributes(self) -> dict[str, dict[str, str]]:
         """Unit and meaning of each variable."""
-        found = QUANTITIES | {"divergence": DIVERGENCE} | TOTALS
-        if self.dimension == 2:
-            found["pressure"] = ("N/m", found["pressure"][1])
-        return {name: {"units": unit, "long_name": meaning} for name, (unit, meaning) in found.items()}
+        found = {
+            one.name: (one.unit_in(self.dimension), one.meaning) for one in (*QUANTITIES.values(), DIVERGENCE)
+        }
+        return {
+            name: {"units": unit, "long_name": meaning} for name, (unit, meaning) in (found | TOTALS).items()
+        }
 
     def _coordinates(self) -> dict[str, Any]:
         time = {"units": "s", "long_name": "time"}

@@ -119,7 +119,7 @@ def _paths(ax: Axes, f: Fidelity, factor: float) -> None:
     ax.set_ylim(10.0 ** (low - room), 10.0 ** (high + room))
     ax.yaxis.set_major_locator(LogLocator(numticks=6))
     ax.yaxis.set_minor_formatter(NullFormatter())
-    ax.set_ylabel("distance of paths\n[radii]")
+    ax.set_ylabel("distance of\ntrajectories [radii]")
 
 
 def _contacts(ax: Axes, f: Fidelity) -> None:

@@ -63,7 +63,7 @@ def gas(run: ParticleResult) -> Figure:
 
 def transient(run: ParticleResult) -> float:
     """End of the transient of rate and pressure [s]; the time of the last sample if it lasts longer."""
-    time, pairs = (run.samples[name] for name in ("time", "n_pairs"))
+    time, pairs = run.samples["time"], run.samples["n_pairs"]
     forgotten = 2.0 * pairs >= theory.RELAXED * run.system.n
     return float(time[forgotten][0] if forgotten.any() else time[-1])
 

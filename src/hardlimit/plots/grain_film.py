@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,20 +25,42 @@ if TYPE_CHECKING:
     from ..boxes.system import ParticleSystem
 
 Floats = NDArray[np.float64]
-#: Time [s], state, collisions so far.
-Instant = tuple[float, "ParticleSystem", int]
-
 COLOURS = "viridis"
 FASTEST = 2.0  #: end of the colour bar, in root mean squares; few particles are faster
 
 
-def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 640, rate: int = 15) -> Path:
-    """Write one picture for each instant as MP4 or GIF, by the ending of ``path``.
+@dataclass(frozen=True)
+class Snapshot:
+    """What a frame shows of a state; for many spheres it takes far less memory than the state."""
+
+    time: float  #: [s]
+    circles: tuple[Floats, Floats, Floats]  #: of :func:`shown`
+    rms_speed: float  #: of all particles [m/s]
+    granular_temperature: float  #: [m²/s²]
+
+    @classmethod
+    def of(cls, time: float, system: ParticleSystem) -> Snapshot:
+        """The snapshot of a system at ``time`` [s]."""
+        return cls(time, shown(system), root_mean_square(system), system.granular_temperature)
+
+
+def film(
+    path: Path,
+    system: ParticleSystem,
+    frames: Iterable[tuple[Snapshot, int]],
+    end: float,
+    *,
+    width: int = 640,
+    rate: int = 15,
+) -> Path:
+    """Write a picture of each snapshot as MP4 or GIF, by the ending of ``path``.
 
     Parameters
     ----------
     path : path
-    instants : iterable of (time [s], ParticleSystem, collisions so far)
+    system : ParticleSystem
+        Any state; its box and its particles are those of the film.
+    frames : iterable of (Snapshot, collisions so far)
         Consumed one by one while the film is written.
     end : float [s]
         End of the run; it sets the unit of the clock.
@@ -51,16 +74,17 @@ def film(path: Path, instants: Iterable[Instant], end: float, *, width: int = 64
     OSError
         If the file cannot be written; names it.
     """
-    return video.write(path, pictures(instants, end, width), width, rate)
+    return video.write(path, pictures(system, frames, end, width), width, rate)
 
 
-def pictures(instants: Iterable[Instant], end: float, width: int) -> Iterator[Frame]:
-    """The frames in order."""
-    stage: Stage | None = None
+def pictures(
+    system: ParticleSystem, frames: Iterable[tuple[Snapshot, int]], end: float, width: int
+) -> Iterator[Frame]:
+    """The pictures in order."""
     with style(**STYLE):
-        for time, system, collisions in instants:
-            stage = stage or Stage(system, end, width)
-            yield stage.picture(time, system, collisions)
+        stage = Stage(system, end, width)
+        for snapshot, collisions in frames:
+            yield stage.picture(snapshot, collisions)
 
 
 class Stage(Canvas):
@@ -104,18 +128,18 @@ class Stage(Canvas):
             look: dict[str, Any] = {"lw": 2.0, "ls": "-"} if solid else {"lw": 0.9, "ls": (0, (4, 3))}
             self.ax.plot([a[0], b[0]], [a[1], b[1]], color="black", zorder=3, clip_on=False, **look)
 
-    def picture(self, time: float, system: ParticleSystem, collisions: int) -> Frame:
-        """The frame of one state."""
-        at, radius, speed = shown(system)
-        size, usual = 2.0 * radius, root_mean_square(system)
-        relative = speed / (usual or 1.0)
+    def picture(self, snapshot: Snapshot, collisions: int) -> Frame:
+        """The picture of one state."""
+        at, radius, speed = snapshot.circles
+        size, rms = 2.0 * radius, snapshot.rms_speed
+        relative = speed / (rms or 1.0)
         self.bodies.set(offsets=at, widths=size, heights=size, angles=np.zeros(len(size)), array=relative)
         factor, unit = self.unit
-        self.clock.set_text(f"t = {time * factor:.3f} {unit}")
+        self.clock.set_text(f"t = {snapshot.time * factor:.3f} {unit}")
         grouped = f"{collisions:,}".replace(",", "\u202f")
         self.facts.set_text(
-            f"{grouped} collisions\ngranular temperature {system.granular_temperature:.3g} m²/s²\n"
-            f"root mean square of the speeds {usual:.3g} m/s"
+            f"{grouped} collisions\ngranular temperature {snapshot.granular_temperature:.3g} m²/s²\n"
+            f"root mean square of the speeds {rms:.3g} m/s"
         )
         self.canvas.draw()
         return self.pixels()

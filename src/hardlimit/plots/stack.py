@@ -1,4 +1,4 @@
-"""A stack: its masses, and the speed of its top ball over the gap between neighbours."""
+"""Plot of stacks: masses, and speed of the top ball over the gap."""
 
 from __future__ import annotations
 

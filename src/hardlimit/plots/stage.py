@@ -33,8 +33,15 @@ class _Stage(Canvas):
         self.result, self.ghost, self.scene = result, ghost, scene
         self.states = [gaps_at(model, scene.times) for model in (result, ghost)]
         self.moving: list[Any] = []
+        self.radii: NDArray[np.float64]
         self.axes = [self.figure.add_axes(box) for box in self.boxes()]
         self.set_up()
+        names = (MODELS[model.model].label for model in (result, ghost))
+        for ax, name in zip(self.axes, names, strict=True):
+            ax.set_title(name, fontsize=10.5, pad=6)
+        self.balls = [_make_balls(ax, list(self.radii), k == 1) for k, ax in enumerate(self.axes)]
+        self.moving += [ball for balls in self.balls for ball in balls]
+        self.add_forces()
         self.clock = self.figure.text(0.645, 0.925, "", fontsize=15, va="center")
         self.moving.append(self.clock)
         for artist in self.moving:
@@ -49,7 +56,7 @@ class _Stage(Canvas):
         return (0.03, 0.5, 0.56, 0.34), (0.03, 0.1, 0.56, 0.34)
 
     def set_up(self) -> None:
-        """Draw the background and create the moving artists."""
+        """Set limits, background and ``radii`` of the drawn balls."""
         raise NotImplementedError
 
     def move(self, i: int) -> None:
@@ -76,11 +83,6 @@ class _Stage(Canvas):
         how = f"{_grouped(1.0 / slowed)} times faster" if slowed < 1.0 else how
         speed = f"{how}: 1 s of film is {_grouped(factor / slowed)} {unit}" if slowed != 1.0 else how
         self.figure.text(0.645, 0.875, f"{speed}\n{text}", fontsize=9, color="#333333", va="top")
-
-    def title_models(self) -> None:
-        names = (MODELS[self.result.model].label, MODELS[self.ghost.model].label)
-        for ax, name in zip(self.axes, names, strict=True):
-            ax.set_title(name, fontsize=10.5, pad=6)
 
     def add_forces(self) -> None:
         """Forces over time with a cursor, beside the balls."""
@@ -128,8 +130,8 @@ class Wide(_Stage):
         column = self.result.column
         # The same scale for fall and rebound.
         highest = max(self.scene.highest, *(float(z.max()) for z, _ in self.states))
-        largest = max(ball.radius for ball in column.balls)
-        top = 1.08 * (highest + largest)
+        self.radii = np.array([ball.radius for ball in column.balls])
+        top = 1.08 * (highest + float(self.radii.max()))
         for ax in self.axes:
             box = ax.get_window_extent()
             half = 0.5 * top * box.width / box.height
@@ -144,14 +146,8 @@ class Wide(_Stage):
                 text = _contact_count(model)
                 ax.text(0.5, 0.975, text, transform=ax.transAxes, ha="center", va="top", fontsize=9.5)
         self.axes[0].set_ylabel("height [m]")
-        self.title_models()
         whose = "top ball" if len(column.balls) > 1 else "ball"
         self.caption(f"true sizes and heights\ndotted: release of the {whose}")
-        self.balls = [
-            _make_balls(ax, [b.radius for b in column.balls], k == 1) for k, ax in enumerate(self.axes)
-        ]
-        self.moving += [ball for balls in self.balls for ball in balls]
-        self.add_forces()
 
     def move(self, i: int) -> None:
         for balls, (z, _) in zip(self.balls, self.states, strict=True):
@@ -189,10 +185,7 @@ class CloseUp(_Stage):
             ax.set_xticks([])
             ax.set_yticks([])
         self.length = length
-        self.title_models()
         self.caption(self._scale_text(power))
-        self.balls = [_make_balls(ax, list(self.radii), k == 1) for k, ax in enumerate(self.axes)]
-        self.moving += [ball for balls in self.balls for ball in balls]
         self.gone = [
             ax.text(
                 *((0.985, 0.5) if self.horizontal else (0.5, 0.985)),
@@ -206,7 +199,6 @@ class CloseUp(_Stage):
             for ax in self.axes
         ]
         self.moving += self.gone
-        self.add_forces()
 
     def _scale(self, pair: int, largest: float) -> float:
         """Drawn length for one metre of gap, such that the largest deformation is SQUEEZE radii."""

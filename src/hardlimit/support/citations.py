@@ -1,4 +1,4 @@
-"""What to cite for what one has used: publications by model, law, rule, engine and figure, as BibTeX."""
+"""Publications to cite for models, laws, rules, engines and figures, as BibTeX."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from .. import _core
+from .formatting import listed
 
-#: Fields of an entry in the order in which they are printed; an article has a journal, a book a publisher.
+#: Fields of an entry in order; an article has a journal, a book a publisher.
 _FIELDS: Final = ("journal", "volume", "pages", "publisher", "edition", "year", "doi")
 
 
@@ -20,17 +21,17 @@ def _references() -> dict[str, Any]:
 
 
 def topics() -> MappingProxyType[str, tuple[str, ...]]:
-    """The topics that have publications, by their kind."""
+    """Topics with publications, by kind."""
     return MappingProxyType({kind: tuple(names) for kind, names in _references()["topics"].items()})
 
 
 def publications(*names: str) -> tuple[str, ...]:
-    """Keys of the publications behind these topics, each once, in the order in which they come first.
+    """Keys of the publications for these topics, without repetition.
 
     Raises
     ------
     ValueError
-        If a name is no topic.
+        If a name is not a topic.
     """
     known = {name: keys for kind in _references()["topics"].values() for name, keys in kind.items()}
     for name in names:
@@ -40,14 +41,10 @@ def publications(*names: str) -> tuple[str, ...]:
 
 
 def in_words(key: str) -> str:
-    """A publication in a line: authors, journal or publisher, year."""
+    """A publication in one line: authors, journal or publisher, year."""
     entry = _references()["publications"][key]
     family = [author.split(",")[0] for author in entry["authors"]]
-    authors = (
-        f"{family[0]} et al."
-        if len(family) > 3
-        else " & ".join([", ".join(family[:-1]), family[-1]][-len(family) :])
-    )
+    authors = f"{family[0]} et al." if len(family) > 3 else listed(family, "&")
     if "journal" not in entry:
         return f"{authors}, {entry['title']}, {entry['publisher']} ({entry['year']})"
     first_page = entry["pages"].split("--")[0]
@@ -55,12 +52,12 @@ def in_words(key: str) -> str:
 
 
 def bibtex(*names: str) -> str:
-    """BibTeX of this package and of the publications behind the topics, in UTF-8.
+    """BibTeX of this package and of the publications for these topics, in UTF-8.
 
     Raises
     ------
     ValueError
-        If a name is no topic.
+        If a name is not a topic.
     """
     return "\n".join([_software(), *map(_entry, publications(*names))])
 

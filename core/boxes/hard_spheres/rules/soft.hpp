@@ -1,70 +1,58 @@
-// The soft rule for any law: what a contact that takes time does to two bodies, or to a body and a wall.
+// The rule "soft": a contact takes time and turns the line of centres, as the law says (P. Müller and T. Pöschel, Phys.
+// Rev. E 87, 033301 (2013)).
 #pragma once
-#include <memory>
-
-#include "../../../contact/registry.hpp"
-#include "../../binary_contact/equivalent_collision.hpp"
 #include "../../binary_contact/tabulated_contact.hpp"
-#include "rules.hpp"
+#include "rule.hpp"
 
-namespace hardlimit::boxes {
+namespace hardlimit::boxes::rules {
 
-struct SoftImpact {
-    Outcome outcome;
-    DrawnBack drawn_back;
-    double duration;  // [s]
-};
-
-class SoftRule {
+class Soft {
 public:
-    virtual ~SoftRule() = default;
-    // `radius`: the smaller one, for the deepest impact [m].
-    virtual SoftImpact operator()(const Approach& approach, PairGeometry pair, double radius,
-                                  DeepestImpact& deepest) = 0;
-};
-
-template <class Law>
-class SoftRuleOf final : public SoftRule {
-public:
-    // The usual pair, at the distance of its touch; `alike`: there is no other kind.
-    SoftRuleOf(const RuleChoice& choice, PairGeometry usual, double distance, bool alike)
-        : choice_(choice),
-          usual_(usual),
-          law_(law_of(usual)),
-          alike_(alike),
-          contacts_(law_, usual.effective_mass, distance, !alike) {}
-
-    SoftImpact operator()(const Approach& approach, PairGeometry pair, double radius,
-                          DeepestImpact& deepest) override {
-        const bool usual = alike_ && pair.effective_mass == usual_.effective_mass &&
-                           pair.effective_radius == usual_.effective_radius;
-        const Law law = usual ? law_ : law_of(pair);
-        note_impact(deepest, law, approach, radius);
-        if (deepest.too_deep) return {Outcome::too_deep, {}, 0.0};
-        const PlanarContact end = contacts_(law, approach);
-        return {end.outcome, draw_back(approach, end), end.duration};
+    static constexpr RuleRecord record = {"soft",
+                                          "takes the time of a contact and turns the normal, as the law says",
+                                          "no third body touches meanwhile",
+                                          "Müller & Pöschel, Phys. Rev. E 87, 033301 (2013)",
+                                          false,
+                                          true,
+                                          0,
+                                          {}};
+    static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle& typical) {
+        return with_law<std::unique_ptr<Rule>>(choice.law.law, [&]<class Law>() -> std::unique_ptr<Rule> {
+            return std::make_unique<Of<Law>>(choice.law, typical);
+        });
     }
 
 private:
-    RuleChoice choice_;
-    PairGeometry usual_;
-    Law law_;
-    bool alike_;
-    SoftContacts<Law> contacts_;
+    // Contacts of the typical pair come from a table.
+    template <class Law>
+    class Of final : public Rule {
+    public:
+        Of(const LawChoice& choice, const TypicalParticle& typical)
+            : choice_(choice),
+              usual_(typical.pair()),
+              law_(make_law<Law>(choice, usual_)),
+              alike_(typical.alike),
+              contacts_(law_, usual_.effective_mass, 2.0 * typical.radius, !alike_) {}
 
-    Law law_of(PairGeometry pair) const {
-        return Law::from_parameters(choice_.alternative, choice_.parameters, pair);
-    }
+        bool takes_time() const override { return true; }
+        SoftContact contact(const Impact& impact, DeepestImpact& deepest) override {
+            const PairGeometry pair = impact.pair;
+            const bool usual = alike_ && pair.effective_mass == usual_.effective_mass &&
+                               pair.effective_radius == usual_.effective_radius;
+            const Law law = usual ? law_ : make_law<Law>(choice_, pair);
+            note_impact(deepest, law, impact.approach, impact.smaller_radius);
+            if (deepest.too_deep) return {Outcome::too_deep};
+            const PlanarContact end = contacts_(law, impact.approach);
+            return {end.outcome, equivalent_collision(impact.approach, end), end.duration};
+        }
+
+    private:
+        LawChoice choice_;
+        PairGeometry usual_;
+        Law law_;
+        bool alike_;
+        SoftContacts<Law> contacts_;
+    };
 };
 
-inline std::unique_ptr<SoftRule> soft_rule(const RuleChoice& choice, PairGeometry usual, double distance,
-                                           bool alike) {
-    int place = choice.law;
-#define HL_SOFT_RULE_OF(Law) \
-    if (place-- == 0) return std::make_unique<SoftRuleOf<contact::Law>>(choice, usual, distance, alike);
-    HARDLIMIT_LAWS(HL_SOFT_RULE_OF)
-#undef HL_SOFT_RULE_OF
-    return nullptr;
-}
-
-}  // namespace hardlimit::boxes
+}  // namespace hardlimit::boxes::rules

@@ -29,6 +29,8 @@ inline constexpr long no_limit = std::numeric_limits<long>::max();
 
 template <class Law>
 class Cluster {
+    static_assert(FrictionlessLaw<Law>);
+
 public:
     static constexpr int p = Law::onset_power;
 

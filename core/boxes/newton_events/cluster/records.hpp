@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "../../common/box.hpp"
 #include "../../common/triangle.hpp"
 
 namespace hardlimit::boxes {
@@ -23,6 +24,7 @@ template <class Law>
 struct ContactPair {
     int first, second;        // second < 0: a wall
     Vector3 image;            // shift to the nearest periodic image, added to x_second − x_first
+    WallId wall_id;           // if it is one
     int axis;                 // of the wall's normal
     double side;              // +1 for a wall at the low end of the axis, −1 at the high end
     double wall;              // coordinate of the wall along the axis, from the cluster's origin
@@ -39,12 +41,6 @@ struct ContactPair {
     double s_unit = 0.0, depth_unit = 0.0;                 // at the cluster's energy
     double begin = 0.0, impact_speed = 0.0;                // of the closed contact
 };
-
-// Number of the wall in logs: −1 − 2·axis at 0, −2 − 2·axis at the far edge.
-template <class Law>
-int wall_number(const ContactPair<Law>& q) {
-    return (q.side > 0.0 ? -1 : -2) - 2 * q.axis;
-}
 
 struct EndedContact {
     int pair;

@@ -1,13 +1,16 @@
-// Bindings of the isolated contact in the plane of approach.
+// Bindings of one isolated contact: in the plane of approach, tabulated, in small steps.
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "arrays.hpp"
 #include "boxes/binary_contact/equivalent_collision.hpp"
 #include "boxes/binary_contact/tabulated_contact.hpp"
+#include "boxes/newton_steps/time_step.hpp"
 #include "contact.hpp"
 
 namespace nb = nanobind;
@@ -20,12 +23,12 @@ using hl::boxes::Approach;
 
 namespace {
 
-// The end of the contact by name, and where the path drawn back to the touch starts.
+// The end of the contact by name, and the equivalent collision.
 nb::dict planar_contact(const Contact& c, double distance, double normal, double tangential, double gravity) {
     const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
     const auto end =
         std::visit([&](const auto& law) { return hl::boxes::solve_planar_contact(law, approach); }, c.law);
-    const auto drawn = hl::boxes::draw_back(approach, end);
+    const auto collision = hl::boxes::equivalent_collision(approach, end);
     nb::dict d;
     d["outcome"] = hl::outcome_records[static_cast<int>(end.outcome)].name;
     d["duration"] = end.duration;
@@ -33,10 +36,10 @@ nb::dict planar_contact(const Contact& c, double distance, double normal, double
     d["compression"] = end.compression;
     d["radial_speed"] = end.radial_speed;
     d["tangential_speed"] = end.tangential_speed;
-    d["normal_velocity"] = drawn.normal_velocity;
-    d["tangential_velocity"] = drawn.tangential_velocity;
-    d["normal_shift"] = drawn.normal_shift;
-    d["tangential_shift"] = drawn.tangential_shift;
+    d["normal_velocity"] = collision.normal_velocity;
+    d["tangential_velocity"] = collision.tangential_velocity;
+    d["normal_shift"] = collision.normal_shift;
+    d["tangential_shift"] = collision.tangential_shift;
     return d;
 }
 
@@ -91,12 +94,12 @@ auto soft_contacts(const Contact& own, double own_distance, bool damping_varies,
 
 }  // namespace
 
-void bind_planar_contact(nb::module_& m) {
+void bind_binary_contact(nb::module_& m) {
     m.def(
         "planar_contact", &planar_contact, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
         "gravity"_a = 0.0,
         "The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: "
-        "its end, and velocity and shift of the relative motion drawn back to the touch. A wall: infinite distance, "
+        "its end, and velocity and shift of the equivalent collision. A wall: infinite distance, "
         "gravity pressing against it.");
     m.def("planar_path", &planar_path, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
           "times"_a, "gravity"_a = 0.0,
@@ -106,4 +109,28 @@ void bind_planar_contact(nb::module_& m) {
         "distance"_a, "normal_speed"_a, "tangential_speed"_a,
         "Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run "
         "computes them, whose polynomials are made for the pair `own`.");
+    m.def(
+        "step_errors",
+        [](const Contact& c, double speed, double time_step) {
+            const auto found = std::visit(
+                [&](const auto& law) {
+                    return hl::boxes::steps::contact_errors(law, c.pair.effective_mass, speed, time_step);
+                },
+                c.law);
+            return std::tuple(found.restitution, found.energy, found.position);
+        },
+        "contact"_a, "speed"_a, "time_step"_a,
+        "The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the "
+        "energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. "
+        "Infinite where a contact does not end.");
+    m.def(
+        "longest_step",
+        [](const Contact& c, double speed, double error) {
+            return std::visit(
+                [&](const auto& law) {
+                    return hl::boxes::steps::longest_step(law, c.pair.effective_mass, speed, error);
+                },
+                c.law);
+        },
+        "contact"_a, "speed"_a, "error"_a, "The longest time step whose `step_errors` are at most `error`.");
 }

@@ -1,0 +1,472 @@
+// Bindings of boxes of particles: the box, one class for all engines, random packings, the deepest overlap.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "boxes/common/system_check.hpp"
+#include "boxes/hard_spheres/rules/registry.hpp"
+#include "boxes/neighbours/overlap.hpp"
+#include "engines.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+namespace hl = hardlimit;
+namespace box = hardlimit::boxes;
+using hl::bindings::In;
+using hl::bindings::make_array;
+using hl::bindings::unlocked;
+using hl::bindings::Unlocked;
+
+namespace {
+
+using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+// --- checks -------------------------------------------------------------------------------------------------
+
+std::string shown(double x) {
+    char text[32];
+    PyOS_snprintf(text, sizeof text, "%.16g", x);
+    return text;
+}
+nb::builtin_exception refusal(const std::string& line) { return nb::value_error(line.c_str()); }
+
+void require_values(const char* name, std::size_t got, std::size_t wanted, const char* what) {
+    if (got != wanted)
+        throw refusal(std::string(name) + ": got " + std::to_string(got) + " values, must be " +
+                      std::to_string(wanted) + ", " + what);
+}
+
+void require_particles(std::size_t n) {
+    if (n == 0) throw refusal("positions: got no particles, must be at least one");
+    if (n >= (std::size_t{1} << 27))
+        throw refusal("positions: got " + std::to_string(n) + " particles, must be < 2^27");
+}
+
+std::string of_particle(const char* name, std::size_t i) {
+    return std::string(name) + "[" + std::to_string(i) + "]: got ";
+}
+
+std::string message_of(const box::Fault& f, const box::System& s) {
+    const std::string edge = shown(s.box.edge[f.axis]), along = " along axis " + std::to_string(f.axis);
+    switch (f.kind) {
+        case box::Fault::not_finite:
+            return "positions, velocities: got a value of particle " + std::to_string(f.particle) +
+                   " that is not finite, must be finite";
+        case box::Fault::radius:
+            return of_particle("radius", f.particle) + shown(f.value) + ", must be > 0 and finite";
+        case box::Fault::mass:
+            return of_particle("mass", f.particle) + shown(f.value) + ", must be > 0 and finite";
+        case box::Fault::box:
+            return "box: got " + edge + along + ", must be >= " + shown(f.value) + ", the largest diameter";
+        case box::Fault::outside:
+            return of_particle("positions", f.particle) + shown(f.value) + along +
+                   ", must be >= 0 and <= " + edge;
+        case box::Fault::none:
+            break;
+    }
+    return {};
+}
+
+// --- the box ------------------------------------------------------------------------------------------------
+
+constexpr const char* boundary_names[] = {"none", "periodic", "wall"};
+
+box::Box make_box(const std::vector<double>& edges, const std::vector<std::string>& boundary,
+                  const std::optional<std::vector<double>>& gravity) {
+    const std::size_t d = edges.size();
+    if (d != 2 && d != 3) throw refusal("box: got " + std::to_string(d) + " edges, must be 2 or 3");
+    require_values("boundary", boundary.size(), d, "one for each axis");
+    if (gravity) require_values("gravity", gravity->size(), d, "one for each axis");
+    box::Box made;
+    made.dimension = static_cast<int>(d);
+    for (std::size_t k = 0; k < d; ++k) {
+        made.edge[k] = edges[k];
+        if (!(edges[k] > 0.0)) throw refusal("box: got " + shown(edges[k]) + ", must be > 0");
+        if (boundary[k] == "periodic")
+            made.boundary[k] = box::Boundary::periodic;
+        else if (boundary[k] == "wall")
+            made.boundary[k] = box::Boundary::wall;
+        else
+            throw refusal("boundary: got " + boundary[k] + ", must be periodic or wall");
+        if (gravity) made.gravity[k] = (*gravity)[k];
+        if (!hl::math::is_finite(made.gravity[k]))
+            throw refusal("gravity: got " + shown(made.gravity[k]) + ", must be finite");
+    }
+    return made;
+}
+
+nb::tuple boundaries(const box::Box& b) {
+    nb::list names;
+    for (int k = 0; k < b.dimension; ++k) names.append(boundary_names[static_cast<int>(b.boundary[k])]);
+    return nb::tuple(names);
+}
+
+auto walls(const box::Box& b, double time) {
+    std::vector<std::tuple<hl::i64, double, double>> all;
+    for (const box::Wall& w : b.walls()) all.emplace_back(w.id.number, w.position(time), w.velocity(time));
+    return all;
+}
+
+// --- the engines --------------------------------------------------------------------------------------------
+
+constexpr const hl::bindings::EngineRecord* engines[] = {&hl::bindings::hard_spheres_engine,
+                                                         &hl::bindings::newton_events_engine,
+                                                         &hl::bindings::newton_steps_engine};
+
+const hl::bindings::EngineRecord& engine_record(const std::string& kind) {
+    for (const auto* record : engines)
+        if (kind == record->name) return *record;
+    throw refusal("kind: got " + kind + ", must be hard_spheres, newton_events or newton_steps");
+}
+
+// A law as (name, alternative, parameters), as make_contact takes it.
+using Law = std::tuple<std::string, int, std::vector<double>>;
+
+box::LawChoice law_choice(const Law& law) {
+    const auto& [name, alternative, parameters] = law;
+    box::LawChoice choice;
+    int place = 0;
+    const auto consider = [&](const hl::LawRecord& record) {
+        if (name == record.name) {
+            choice.law = place;
+            if (alternative < 0 || alternative >= record.n_alternatives)
+                throw refusal("alternative: got " + std::to_string(alternative) +
+                              ", must be a set of parameters of the law");
+            const int wanted = record.n_common + record.n_in_alternative[alternative];
+            require_values("parameters", parameters.size(), static_cast<std::size_t>(wanted),
+                           "those of the law");
+        }
+        ++place;
+    };
+#define HL_CONSIDER(Law) consider(hl::contact::Law::record);
+    HARDLIMIT_LAWS(HL_CONSIDER)
+#undef HL_CONSIDER
+    if (!choice) throw refusal("law: got " + name + ", must be a registered law");
+    choice.alternative = alternative;
+    std::copy(parameters.begin(), parameters.end(), choice.parameters);
+    return choice;
+}
+
+box::RuleChoice rule_choice(const std::string& name, double restitution, const std::optional<Law>& law,
+                            const std::vector<double>& parameters) {
+    box::RuleChoice choice;
+    if (law) choice.law = law_choice(*law);
+    while (choice.rule < box::rule_count && name != box::rule_records[choice.rule].name) ++choice.rule;
+    if (choice.rule == box::rule_count) throw refusal("rule: got " + name + ", must be a registered rule");
+    const box::RuleRecord& record = box::rule_records[choice.rule];
+    if (!record.takes_restitution && !law) throw refusal("law: got None, must be a law for the rule " + name);
+    if (!record.takes_law) choice.law = {};
+    if (!choice.law) {
+        if (!(restitution >= 0.0 && restitution <= 1.0))
+            throw refusal("restitution: got " + shown(restitution) + ", must be >= 0 and <= 1");
+        choice.restitution = restitution;
+    }
+    require_values("rule_parameters", parameters.size(), static_cast<std::size_t>(record.n_parameters),
+                   "those of the rule");
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+        if (!(parameters[k] >= 0.0))
+            throw refusal(std::string(record.parameters[k].name) + ": got " + shown(parameters[k]) +
+                          ", must be >= 0");
+        choice.parameters[k] = parameters[k];
+    }
+    return choice;
+}
+
+nb::tuple rule_records() {
+    nb::list rules;
+    for (const box::RuleRecord& r : box::rule_records) {
+        nb::list parameters;
+        for (int k = 0; k < r.n_parameters; ++k) {
+            nb::dict p;
+            p["name"] = r.parameters[k].name, p["unit"] = r.parameters[k].unit;
+            p["meaning"] = r.parameters[k].meaning;
+            parameters.append(p);
+        }
+        nb::dict rule;
+        rule["name"] = r.name, rule["meaning"] = r.meaning, rule["assumes"] = r.assumes;
+        rule["source"] = r.source;
+        rule["restitution"] = r.takes_restitution, rule["law"] = r.takes_law;
+        rule["parameters"] = nb::tuple(parameters);
+        rules.append(rule);
+    }
+    return nb::tuple(rules);
+}
+
+// Columns of the log: an instantaneous collision has only its time.
+nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
+    nb::dict d;
+    const auto column = [&](const char* name, const auto& value) {
+        using Value = std::decay_t<decltype(value(rows[0]))>;
+        std::vector<Value> values;
+        values.reserve(rows.size());
+        for (const box::ContactRecord& r : rows) values.push_back(value(r));
+        d[name] = make_array(std::move(values), {rows.size()});
+    };
+    using Row = box::ContactRecord;
+    column(lasting ? "begin" : "time", [](const Row& r) { return r.begin; });
+    if (lasting) column("end", [](const Row& r) { return r.end; });
+    column("first", [](const Row& r) { return hl::i64{r.first}; });
+    column("second", [](const Row& r) { return hl::i64{r.second}; });
+    column("impact_speed", [](const Row& r) { return r.impact_speed; });
+    column("separation_speed", [](const Row& r) { return r.separation_speed; });
+    if (lasting) column("overlapped", [](const Row& r) { return std::uint8_t{r.overlapped}; });
+    return d;
+}
+
+class Engine {
+public:
+    Engine(const char* kind, std::unique_ptr<box::Engine> engine) : kind_(kind), engine_(std::move(engine)) {}
+    Engine(Engine&& other) noexcept : kind_(other.kind_), engine_(std::move(other.engine_)) {}
+
+    const char* kind() const { return kind_; }
+    // Refused while another thread is in advance().
+    box::Engine& get() const {
+        if (running_) throw std::runtime_error("this run is being advanced by another thread");
+        return *engine_;
+    }
+
+    void advance(double until, hl::u64 max_work, int threads) {
+        if (hl::math::is_nan(until)) throw refusal("until: got nan, must be a time");
+        if (max_work < 1) throw refusal("max_work: got 0, must be >= 1");
+        if (threads < 1) throw refusal("threads: got " + std::to_string(threads) + ", must be >= 1");
+        box::Engine& engine = get();
+        const Running running(running_);
+        unlocked([&](hl::Stop& stop) {
+            engine.advance(until, max_work, threads, stop);
+            return true;
+        });
+    }
+
+private:
+    const char* kind_;
+    std::unique_ptr<box::Engine> engine_;
+    std::atomic<bool> running_{false};
+
+    struct Running {
+        std::atomic<bool>& flag;
+        explicit Running(std::atomic<bool>& f) : flag(f) { flag = true; }
+        ~Running() { flag = false; }
+    };
+};
+
+Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positions, Rows velocities,
+                   In radius, In mass, const std::optional<Law>& law, const std::string& rule,
+                   double restitution, const std::vector<double>& rule_parameters, double time_step,
+                   bool log) {
+    const hl::bindings::EngineRecord& record = engine_record(kind);
+    box::System s{bounds,        positions.shape(0), positions.data(), velocities.data(),
+                  radius.data(), mass.data()};
+    require_particles(s.n);
+    require_values("positions", positions.shape(1), static_cast<std::size_t>(bounds.dimension),
+                   "one for each axis of the box");
+    require_values("velocities", velocities.size(), positions.size(), "as of positions");
+    require_values("radius", radius.size(), s.n, "one for each particle");
+    require_values("mass", mass.size(), s.n, "one for each particle");
+    hl::bindings::EngineArguments arguments;
+    if (kind == "hard_spheres")
+        arguments.rule = rule_choice(rule, restitution, law, rule_parameters);
+    else if (law)
+        arguments.rule.law = law_choice(*law);
+    else
+        throw refusal("law: got None, must be a contact law");
+    if (kind == "newton_steps" && !(time_step > 0.0))
+        throw refusal("time_step: got " + shown(time_step) + ", must be > 0");
+    arguments.time_step = time_step;
+    arguments.log = log;
+    box::Fault fault;
+    auto engine = unlocked([&](hl::Stop& stop) {
+        fault = box::fault_of(s);
+        return fault.kind == box::Fault::none ? record.make(s, arguments, stop) : nullptr;
+    });
+    if (!engine) throw refusal(message_of(fault, s));
+    return Engine(record.name, std::move(engine));
+}
+
+Engine load_engine(const std::string& kind, const nb::bytes& saved) {
+    const hl::bindings::EngineRecord& record = engine_record(kind);
+    const char* data = saved.c_str();
+    const std::size_t n = saved.size();
+    auto engine = unlocked([&](hl::Stop&) { return record.load(data, n); });
+    if (!engine)
+        throw refusal(
+            "saved: got " + std::to_string(n) +
+            " bytes that are damaged, cut short or of another engine or version, must be what save() "
+            "gave");
+    return Engine(record.name, std::move(engine));
+}
+
+nb::bytes save(const Engine& e) {
+    const std::vector<char> bytes = e.get().save();
+    return nb::bytes(bytes.data(), bytes.size());
+}
+
+auto state(const Engine& e) {
+    const std::size_t n = e.get().size(), d = static_cast<std::size_t>(e.get().dimension());
+    std::vector<double> position(n * d), velocity(n * d);
+    e.get().state(position.data(), velocity.data());
+    return nb::make_tuple(make_array(std::move(position), {n, d}), make_array(std::move(velocity), {n, d}));
+}
+
+nb::dict observe(const Engine& e) {
+    const box::Observation o = e.get().observe();
+    const std::size_t d = static_cast<std::size_t>(e.get().dimension());
+    nb::dict seen;
+    seen["kinetic_energy"] = o.kinetic_energy;
+    seen["potential_energy"] = o.potential_energy;
+    seen["contact_energy"] = o.contact_energy;
+    seen["momentum"] = make_array(std::vector<double>(o.momentum, o.momentum + d), {d});
+    seen["dissipated_energy"] = o.dissipated_energy;
+    seen["virial"] = o.virial;
+    seen["kinetic_integral"] = o.kinetic_integral;
+    seen["largest_compression"] = o.largest_compression;
+    seen["n_contacts"] = o.begun;
+    seen["n_pairs"] = o.pairs;
+    seen["n_ended"] = o.ended;
+    seen["n_overlapped"] = o.overlapped;
+    seen["n_in_contact"] = o.in_contact;
+    return seen;
+}
+
+// Numbers whose names begin with n_ are whole.
+nb::dict statistics(const Engine& e) {
+    nb::dict d;
+    for (const box::Statistic& s : e.get().statistics()) {
+        if (std::string_view(s.name).starts_with("n_") || std::string_view(s.name) == "largest_cluster")
+            d[s.name] = static_cast<hl::i64>(s.value);
+        else
+            d[s.name] = s.value;
+    }
+    return d;
+}
+
+const char* outcome_name(const Engine& e) {
+    return hl::outcome_records[static_cast<int>(e.get().outcome())].name;
+}
+
+std::optional<std::tuple<double, std::vector<hl::i64>, std::optional<hl::i64>>> early_end(const Engine& e) {
+    if (e.get().outcome() == hl::Outcome::ok) return {};
+    const box::EarlyEnd end = e.get().early_end();
+    const auto wall = end.wall ? std::optional(end.wall.number) : std::nullopt;
+    return std::tuple(end.time, end.particles, wall);
+}
+
+// --- starts -------------------------------------------------------------------------------------------------
+
+nb::object grow_packing(const box::Box& bounds, In radius, hl::u64 seed, const nb::object& progress) {
+    box::System s{bounds, radius.size(), nullptr, nullptr, radius.data(), nullptr};
+    require_particles(s.n);
+    if (const box::Fault fault = box::fault_of_sizes(s); fault.kind != box::Fault::none)
+        throw refusal(message_of(fault, s));
+    const std::string fraction = "packing_fraction: got " + shown(s.packing_fraction());
+    if (!(s.packing_fraction() < 1.0)) throw refusal(fraction + ", must be < 1");
+    bool stopped, refused = false;
+    std::optional<std::vector<double>> positions;
+    {
+        Unlocked open;
+        hl::Stop stop = open.stop();
+        positions = hl::bindings::grow_packing(s, seed, stop, [&](double share, hl::u64 collisions) {
+            if (progress.is_none()) return true;
+            open.lock();
+            PyObject* answer = PyObject_CallFunction(progress.ptr(), "dK", share, collisions);
+            refused = answer == nullptr;
+            Py_XDECREF(answer);
+            open.unlock();
+            return !refused;
+        });
+        stopped = stop.stopped();
+        open.lock();
+    }
+    if (stopped || refused) throw nb::python_error();
+    if (!positions)
+        throw refusal(fraction + ", at which no random places without overlap were found, must be lower");
+    return nb::cast(make_array(std::move(*positions), {s.n, static_cast<std::size_t>(bounds.dimension)}));
+}
+
+auto deepest_overlap(const box::Box& bounds, Rows positions, In radius) {
+    require_values("positions", positions.shape(1), static_cast<std::size_t>(bounds.dimension),
+                   "one for each axis of the box");
+    require_values("radius", radius.size(), positions.shape(0), "one for each particle");
+    for (std::size_t i = 0; i < radius.size(); ++i)
+        if (!(radius.data()[i] > 0.0))
+            throw refusal(of_particle("radius", i) + shown(radius.data()[i]) + ", must be > 0");
+    const box::Overlap found = unlocked([&](hl::Stop& stop) {
+        return box::deepest_overlap(bounds, positions.data(), radius.data(), positions.shape(0), stop);
+    });
+    return std::tuple(found.first, found.second, found.gap);
+}
+
+}  // namespace
+
+void bind_boxes(nb::module_& m) {
+    nb::list names;
+    for (const auto* record : engines) names.append(record->name);
+    m.attr("engine_names") = nb::tuple(names);
+    m.attr("rules") = rule_records();
+
+    nb::class_<box::Box>(m, "Box", "Edges [m], what bounds each axis (periodic or wall), gravity [m/s²].")
+        .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none())
+        .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
+        .def_prop_ro("boundary", &boundaries)
+        .def_prop_ro("gravity",
+                     [](const box::Box& b) { return std::vector(b.gravity, b.gravity + b.dimension); })
+        .def(
+            "walls", &walls, "time"_a = 0.0,
+            "Of each wall its number, as in logs (−1 − 2·axis at 0, −2 − 2·axis at L), position [m], velocity [m/s].");
+
+    nb::class_<Engine>(m, "Engine", "An engine with a box of particles in it.")
+        .def_prop_ro("kind", &Engine::kind)
+        .def_prop_ro("n", [](const Engine& e) { return e.get().size(); })
+        .def_prop_ro("dimension", [](const Engine& e) { return e.get().dimension(); })
+        .def(
+            "advance", &Engine::advance, "until"_a, "max_work"_a = ~hl::u64{0}, "threads"_a = 1,
+            "To `until` [s]; pauses after so many collisions, events or steps. What was paused goes on with the same "
+            "bits.")
+        .def_prop_ro("paused", [](const Engine& e) { return e.get().paused(); })
+        .def_prop_ro("time", [](const Engine& e) { return e.get().time(); })
+        .def_prop_ro("outcome", &outcome_name)
+        .def_prop_ro("early_end", &early_end,
+                     "Time [s], particles and wall where the run ended before its time; None of others.")
+        .def_prop_ro("work", [](const Engine& e) { return e.get().work(); })
+        .def_prop_ro("n_contacts", [](const Engine& e) { return e.get().contacts(); })
+        .def_prop_ro("n_logged", [](const Engine& e) { return e.get().logged(); })
+        .def("statistics", &statistics)
+        .def("state", &state, "Positions [m], along continuous paths, and velocities [m/s] now, (n, d) each.")
+        .def("observe", &observe)
+        .def_prop_ro("largest_compression",
+                     [](const Engine& e) { return e.get().observe().largest_compression; })
+        .def(
+            "take_log", [](const Engine& e) { return columns(e.get().take_log(), e.get().contacts_last()); },
+            "Columns of the log since the last call.")
+        .def(
+            "open_contacts",
+            [](const Engine& e) { return columns(e.get().open_contacts(), e.get().contacts_last()); },
+            "The same of contacts that last, whose end is NaN, and of those whose cluster still holds together.")
+        .def(
+            "safety_used", [](const Engine& e, int instants) { return e.get().safety_used(instants); },
+            "instants"_a,
+            "The largest share that a body in contact uses, now, of the space that others leave it: at most 1.")
+        .def("save", &save)
+        .def_prop_ro("memory", [](const Engine& e) { return e.get().bytes(); });
+    m.def("make_engine", &make_engine, "kind"_a, "box"_a, "positions"_a, "velocities"_a, "radius"_a, "mass"_a,
+          nb::kw_only(), "law"_a.none() = nb::none(), "rule"_a = "constant", "restitution"_a = hl::math::nan,
+          "rule_parameters"_a = std::vector<double>(), "time_step"_a = 0.0, "log"_a = false);
+    m.def("load_engine", &load_engine, "kind"_a, "saved"_a);
+    m.def(
+        "grow_packing", &grow_packing, "box"_a, "radius"_a, "seed"_a, "progress"_a.none() = nb::none(),
+        "Random positions (n, d) of particles that do not overlap: small ones are inserted, which move and collide "
+        "while they grow. progress(share of the final radii, collisions) is called now and then.");
+    m.def(
+        "deepest_overlap", &deepest_overlap, "box"_a, "positions"_a, "radius"_a,
+        "Two particles and their gap [m], the deepest relative to the sum of the radii; −1, −1 and 0 where none "
+        "overlap.");
+}

@@ -1,0 +1,23 @@
+// The rule "constant": the same restitution in all collisions.
+#pragma once
+#include "rule.hpp"
+
+namespace hardlimit::boxes::rules {
+
+class Constant final : public Rule {
+public:
+    static constexpr RuleRecord record = {
+        "constant", "restitution ε", "ε depends on nothing", "", true, false, 0, {}};
+    static std::unique_ptr<Rule> make(const RuleChoice& choice, const TypicalParticle&) {
+        return std::make_unique<Constant>(choice.restitution);
+    }
+
+    explicit Constant(double restitution) : restitution_(restitution) {}
+    Rebound rebound(const Impact&, DeepestImpact&) override { return {restitution_}; }
+    bool can_collapse() const override { return restitution_ != 1.0; }
+
+private:
+    double restitution_;
+};
+
+}  // namespace hardlimit::boxes::rules

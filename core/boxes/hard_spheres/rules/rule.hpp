@@ -1,0 +1,84 @@
+// What a rule of collision provides: the restitution of a collision, or the equivalent collision of a contact.
+//
+// A rule is a class that derives from Rule, with
+//   record                    name, parameters and meaning, which the bindings and the documentation read
+//   make(choice, typical)     the rule as the user chose it
+// in a header of its own, and one line in registry.hpp.
+#pragma once
+#include <memory>
+
+#include "../../binary_contact/deepest_impact.hpp"
+#include "../../binary_contact/equivalent_collision.hpp"
+#include "../../common/law_choice.hpp"
+
+namespace hardlimit::boxes {
+
+struct RuleParameter {
+    const char* name;
+    const char* unit;
+    const char* meaning;
+};
+inline constexpr int max_rule_parameters = 2;
+
+struct RuleRecord {
+    const char* name;
+    const char* meaning;  // what a collision does
+    const char* assumes;  // what must hold for the rule to be right
+    const char* source;
+    bool takes_restitution, takes_law;  // both: either of the two
+    int n_parameters;
+    RuleParameter parameters[max_rule_parameters];
+};
+
+// A rule as Python and files choose it.
+struct RuleChoice {
+    int rule = 0;              // place in the registry of rules
+    double restitution = 1.0;  // without a law
+    LawChoice law;
+    double parameters[max_rule_parameters] = {};  // in the order of the record
+};
+
+// The particle that rules make tables for: the largest; `alike`: there is no other kind.
+struct TypicalParticle {
+    double mass, radius;  // [kg], [m]
+    bool alike;
+
+    PairGeometry pair() const { return {0.5 * mass, 0.5 * radius}; }
+    PairGeometry at_wall() const { return {mass, radius}; }
+};
+
+// Two particles, or a particle and a wall, at touch.
+struct Impact {
+    Approach approach;
+    PairGeometry pair;
+    double smaller_radius;  // [m]
+    double since_last;  // time since the last collision of either, the shorter [s]; infinite before the first
+};
+
+// The velocities after an instantaneous collision.
+struct Rebound {
+    double restitution;
+    bool elastic_by_tc = false;  // whatever the restitution would be, because of the rule tc
+};
+
+// The path after a contact that takes time.
+struct SoftContact {
+    Outcome outcome = Outcome::ok;
+    EquivalentCollision collision{};
+    double duration = 0.0;  // [s]
+};
+
+class Rule {
+public:
+    virtual ~Rule() = default;
+
+    // Whether contacts take time and displace the particles: then contact() is asked, else rebound(). Both note the
+    // deepest impact of a law; where it is too deep, the run is over and their answer does not count.
+    virtual bool takes_time() const { return false; }
+    virtual Rebound rebound(const Impact&, DeepestImpact&) { return {1.0}; }
+    virtual SoftContact contact(const Impact&, DeepestImpact&) { return {}; }
+    // Whether infinitely many collisions are possible in a finite time.
+    virtual bool can_collapse() const { return true; }
+};
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,130 @@
+// Contacts that take time, of a rule that answers with an equivalent collision: both particles are put where the
+// straight path, or at a wall the parabola, on which they fly after the contact was at the instant of touch.
+#pragma once
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+// Adds one particle's share of a change of the relative motion.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (&velocity)[d],
+                                             const double (&shift)[d]) {
+    Particle<d>& p = particles_[i];
+    for (int k = 0; k < d; ++k) {
+        p.velocity[k] += share * velocity[k];
+        p.position[k] += share * shift[k];
+    }
+    update_cell(i);
+}
+
+// Puts a particle that was displaced into the cell where it is now.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
+    Particle<d>& p = particles_[i];
+    for (int k = 0; k < d; ++k)
+        while (box_.wraps(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
+            const int step = p.position[k] < 0.0 ? -1 : 1;
+            p.position[k] -= box_.image_shift(k, step);
+            image_flags_[i][static_cast<std::size_t>(k)] += step;
+        }
+    const u32 cell = cells_.number(level(i), cells_.place_of(level(i), p.position));
+    if (cell == pending_[i].cell) return;
+    cells_.remove(pending_[i].cell, i);
+    cells_.insert(cell, i);
+    pending_[i].cell = cell & (most_cells - 1);
+}
+
+// Two particles, both at the instant of touch; r leads from i to j, v is the velocity of j relative to i.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
+                                            double distance, double speed) {
+    double across[d], square = 0.0;
+    for (int k = 0; k < d; ++k) {
+        across[k] = v[k] + speed / distance * r[k];
+        square += across[k] * across[k];
+    }
+    const double tangential = math::sqrt(square);
+    const PairGeometry pair = geometry(i, j);
+    const double touch = radius(i) + radius(j), smaller = math::min(radius(i), radius(j));
+    const SoftContact found = rule_->contact(
+        {{pair.effective_mass, touch, speed, tangential, 0.0}, pair, smaller, math::infinity}, deepest_);
+    if (found.outcome != Outcome::ok) return end_unsolved(found.outcome, i, j, speed);
+    const EquivalentCollision& end = found.collision;
+    double change[d], shift[d];
+    for (int k = 0; k < d; ++k) {
+        const double n = r[k] / distance, t = tangential > 0.0 ? across[k] / tangential : 0.0;
+        change[k] = end.normal_velocity * n + end.tangential_velocity * t - v[k];
+        shift[k] = end.normal_shift * n + end.tangential_shift * t;
+    }
+    const double before = dot(v, v);
+    const double after =
+        end.normal_velocity * end.normal_velocity + end.tangential_velocity * end.tangential_velocity;
+    const double lost = 0.5 * pair.effective_mass * (before - after);
+    accumulators_.virial.add(pair.effective_mass * distance * (end.normal_velocity + speed));
+    accumulators_.advance(now_);
+    accumulators_.kinetic -= lost;
+    const double whole = mass(i) + mass(j);
+    displace(i, -mass(j) / whole, change, shift);
+    displace(j, mass(i) / whole, change, shift);
+    remember_contact(i, j, found.duration);
+    // Angular momentum: at equal distances the tangential speed is the same.
+    const double separation = math::sqrt(math::max(0.0, after - square));
+    record(i, j, speed, separation, lost, math::infinity);
+    ++accumulators_.pairs;
+}
+
+// A particle at a wall; away: −1 or 1, the direction that leads from the wall.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double away, double speed) {
+    const int axis = wall.id.axis();
+    const double m = mass(i), pressing = -away * box_.gravity[axis];
+    const SoftContact found = rule_->contact(
+        {{m, math::infinity, speed, 0.0, pressing}, {m, radius(i)}, radius(i), math::infinity}, deepest_);
+    if (found.outcome != Outcome::ok) return end_unsolved(found.outcome, i, wall.id.number, speed);
+    ++accumulators_.walls;
+    const EquivalentCollision& end = found.collision;
+    double change[d] = {}, shift[d] = {};
+    change[axis] = away * (end.normal_velocity + speed);
+    shift[axis] = away * end.normal_shift;
+    const double lost = 0.5 * m * (speed - end.normal_velocity) * (speed + end.normal_velocity);
+    accumulators_.advance(now_);
+    accumulators_.kinetic -= lost;
+    accumulators_.momentum[axis] += m * change[axis];
+    displace(i, 1.0, change, shift);
+    remember_contact(i, no_particle, found.duration, wall.id);
+    const double dissipated = lost - m * pressing * end.normal_shift;
+    const double separation = math::sqrt(math::max(0.0, speed * speed - 2.0 * dissipated / m));
+    record(i, wall.id.number, speed, separation, dissipated, math::infinity);
+}
+
+// Until either has met something else a pair must not collide again, though its equivalent collision may leave it
+// overlapping and approaching. Where a particle is hit before its last contact is over, a third body takes part in both
+// contacts, which the rule does not describe.
+template <int d, Motion motion, bool mixed>
+void HardSpheres<d, motion, mixed>::remember_contact(u32 i, u32 j, double duration, WallId wall) {
+    bool third = now_ < last_contacts_[i].until;
+    if (j != no_particle) third = third || now_ < last_contacts_[j].until;
+    ++soft_contacts_;
+    if (third) ++soft_third_body_;
+    last_contacts_[i] = {now_ + duration, j, wall};
+    if (j != no_particle) last_contacts_[j] = {now_ + duration, i, {}};
+}
+
+// When a particle may meet this wall at the earliest: not before its contact with it is over, though the parabola of
+// the equivalent collision may lie behind the wall and lead further into it, where gravity pulls the particle off (at a
+// ceiling that it just reaches).
+template <int d, Motion motion, bool mixed>
+double HardSpheres<d, motion, mixed>::wall_blocked_until(u32 i, WallId wall) const {
+    const bool met = !last_contacts_.empty() && last_contacts_[i].wall == wall;
+    return met ? math::max(now_, last_contacts_[i].until) : now_;
+}
+
+// The particle that this one must not meet, or no_particle.
+template <int d, Motion motion, bool mixed>
+u32 HardSpheres<d, motion, mixed>::excluded_partner(u32 i) const {
+    if (last_contacts_.empty()) return no_particle;
+    const u32 j = last_contacts_[i].partner;
+    return j != no_particle && last_contacts_[j].partner == i ? j : no_particle;
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,31 @@
+// The event-driven engine of Newton's equations for the contact law of a run.
+#pragma once
+#include <memory>
+
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+inline std::unique_ptr<Engine> make_newton_events(const System& s, const LawChoice& law, bool keep_log,
+                                                  const hardlimit_abi::TouchKernels& kernels) {
+    const NewtonSetting setting(s, law, keep_log);
+    return with_law<std::unique_ptr<Engine>>(law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+        return std::make_unique<NewtonEvents<Law>>(setting, s, kernels);
+    });
+}
+
+// Nothing where the bytes are no whole archive of this engine.
+inline std::unique_ptr<Engine> load_newton_events(const char* data, std::size_t n,
+                                                  const hardlimit_abi::TouchKernels& kernels) {
+    Reader reader(data, n);
+    if (!reader.whole("newton_events")) return nullptr;
+    NewtonSetting setting;
+    setting.exchange(reader);
+    auto engine = with_law<std::unique_ptr<Engine>>(
+        reader.failed() ? -1 : setting.law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+            return std::make_unique<NewtonEvents<Law>>(setting, reader, kernels);
+        });
+    return reader.failed() ? nullptr : std::move(engine);
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,30 @@
+// The engine of small steps for the contact law of a run.
+#pragma once
+#include <memory>
+
+#include "engine.hpp"
+
+namespace hardlimit::boxes {
+
+inline std::unique_ptr<Engine> make_newton_steps(const System& s, const LawChoice& law, bool keep_log,
+                                                 double time_step) {
+    const NewtonSetting setting(s, law, keep_log, time_step);
+    return with_law<std::unique_ptr<Engine>>(law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+        return std::make_unique<NewtonSteps<Law>>(setting, s);
+    });
+}
+
+// Nothing where the bytes are no whole archive of this engine.
+inline std::unique_ptr<Engine> load_newton_steps(const char* data, std::size_t n) {
+    Reader reader(data, n);
+    if (!reader.whole("newton_steps")) return nullptr;
+    NewtonSetting setting;
+    setting.exchange(reader);
+    auto engine = with_law<std::unique_ptr<Engine>>(
+        reader.failed() ? -1 : setting.law.law, [&]<class Law>() -> std::unique_ptr<Engine> {
+            return std::make_unique<NewtonSteps<Law>>(setting, reader);
+        });
+    return reader.failed() ? nullptr : std::move(engine);
+}
+
+}  // namespace hardlimit::boxes

@@ -1,0 +1,173 @@
+// For test_friction.py: a law with friction in the engine that takes small steps.
+//
+//   friction frictionless   prints how many numbers of a run with a friction coefficient of 0 differ from those of the
+//                           linear dashpot; with pauses, and with friction, from those of another number of threads
+//   friction rolling        a sphere slides on the floor until it rolls: prints its final speed over the initial one
+//                           and the speed of its surface at the floor over that
+//   friction oblique        two spheres collide with an offset: prints the changes of momentum and angular momentum
+//                           over their scales, the change of the sum of spins, and the largest |F_t|/F_n
+#include "boxes/common/random.hpp"
+#include "boxes/newton_steps/engine.hpp"
+#include "contact/linear_dashpot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+namespace {
+
+using namespace hardlimit;
+using namespace hardlimit::boxes;
+
+double coefficient = 0.0, largest_ratio = 0.0;
+
+// Linear dashpot with a tangential spring that slips at Coulomb's limit (P. A. Cundall & O. D. L. Strack,
+// Géotechnique 29, 47 (1979)).
+struct CundallStrack : contact::LinearDashpot {
+    struct History {
+        double spring[3];  // displacement of the second surface relative to the first [m]
+        void reverse() {
+            for (double& x : spring) x = -x;
+        }
+    };
+    double tangential_stiffness;
+
+    static CundallStrack from_parameters(int alternative, const double* p, PairGeometry pair) {
+        const auto normal = contact::LinearDashpot::from_parameters(alternative, p, pair);
+        return {normal, 2.0 / 7.0 * normal.stiffness};
+    }
+    TangentialForce tangential_force(const ContactMotion& m, History& h) const {
+        double along = 0.0, square = 0.0;
+        for (int k = 0; k < 3; ++k) along += h.spring[k] * m.normal[k];
+        for (int k = 0; k < 3; ++k) {
+            h.spring[k] += m.sliding_velocity[k] * m.duration - along * m.normal[k];
+            square += h.spring[k] * h.spring[k];
+        }
+        const double limit = coefficient * m.normal_force / tangential_stiffness, length = std::sqrt(square);
+        if (length > limit)
+            for (double& x : h.spring) x *= limit / length;
+        TangentialForce f{};
+        square = 0.0;
+        for (int k = 0; k < 3; ++k) {
+            f.component[k] = -tangential_stiffness * h.spring[k];
+            square += f.component[k] * f.component[k];
+        }
+        if (m.normal_force > 0.0) largest_ratio = std::max(largest_ratio, std::sqrt(square) / m.normal_force);
+        return f;
+    }
+};
+static_assert(FrictionalLaw<CundallStrack> && !FrictionlessLaw<CundallStrack>);
+static_assert(FrictionlessLaw<contact::LinearDashpot>);
+static_assert(sizeof(steps::Contact<CundallStrack>) > sizeof(steps::Contact<contact::LinearDashpot>));
+
+using Numbers = std::vector<double>;
+constexpr Boundary periodic = Boundary::periodic;
+
+template <class Law>
+struct Run {
+    static constexpr double step = 2e-6;
+    std::size_t n;
+    std::unique_ptr<NewtonSteps<Law>> engine;
+
+    Run(const Box& box, const Numbers& x, const Numbers& v, double restitution) : n(x.size() / 3) {
+        const Numbers hundredths(n, 0.01);
+        const System s{box, n, x.data(), v.data(), hundredths.data(), hundredths.data()};
+        const LawChoice law{0, 0, {1e5, restitution}};
+        engine = std::make_unique<NewtonSteps<Law>>(NewtonSetting(s, law, false, step), s);
+    }
+    void advance(double until, int threads = 1, std::uint64_t most_steps = 1u << 30) {
+        Stop never;
+        do engine->advance(until, most_steps, threads, never);
+        while (engine->paused());
+    }
+    Numbers state() const {
+        Numbers position(3 * n), all(3 * n);
+        engine->state(position.data(), all.data());
+        all.insert(all.end(), position.begin(), position.end());
+        return all;  // velocities first
+    }
+    Numbers spins() const {
+        Numbers spin(3 * n);
+        engine->angular_velocity(spin.data());
+        return spin;
+    }
+};
+
+long differences(const Numbers& a, const Numbers& b) {
+    long count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
+    return count;
+}
+
+int frictionless() {
+    constexpr int side = 10;
+    constexpr double spacing = 0.023;
+    const Box box{3,
+                  {side * spacing, side * spacing, side * spacing},
+                  {periodic, Boundary::wall, periodic},
+                  {0.0, -9.81, 0.0}};
+    Numbers x, v;
+    Random random(1);
+    for (int i = 0; i < side * side * side; ++i)
+        for (const int k : {i % side, i / side % side, i / side / side})
+            x.push_back((k + 0.5) * spacing), v.push_back(random.normal());
+    Run<contact::LinearDashpot> plain(box, x, v, 0.8);
+    Run<CundallStrack> smooth(box, x, v, 0.8);
+    plain.advance(0.02), smooth.advance(0.02);
+    const long changed = differences(plain.state(), smooth.state());
+    coefficient = 0.5;
+    Run<CundallStrack> one(box, x, v, 0.8), three(box, x, v, 0.8);
+    one.advance(0.02), three.advance(0.02, 3, 97);
+    std::printf("%ld %ld %ld\n", changed,
+                differences(one.state(), three.state()) + differences(one.spins(), three.spins()),
+                differences(one.state(), plain.state()));
+    return 0;
+}
+
+int rolling() {
+    coefficient = 0.3;
+    const double radius = 0.01, weight = 0.01 * 9.81, sunk = weight / 1e5;
+    const Box box{3, {1.0, 0.1, 0.1}, {periodic, Boundary::wall, periodic}, {0.0, -9.81, 0.0}};
+    Run<CundallStrack> run(box, {0.5, radius - sunk, 0.05}, {1.0, 0.0, 0.0}, 0.5);
+    run.advance(0.3);
+    const Numbers v = run.state(), spin = run.spins();
+    std::printf("%.9g %.3g\n", v[0], v[0] + spin[2] * (radius - sunk));
+    return 0;
+}
+
+int oblique() {
+    coefficient = 0.2;
+    const Box box{3, {1.0, 1.0, 1.0}, {periodic, periodic, periodic}, {}};
+    const Numbers x = {0.47, 0.5, 0.5, 0.5, 0.512, 0.504}, v = {1.0, 0.2, 0.0, -1.0, 0.1, 0.3};
+    Run<CundallStrack> run(box, x, v, 0.8);
+    const auto sums = [](const Numbers& s, const Numbers& spin) {
+        Numbers p(3), l(3);
+        for (std::size_t i = 0; i < 2; ++i) {
+            const double *u = s.data() + 3 * i, *r = s.data() + 6 + 3 * i;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
+                p[k] += u[k];
+                l[k] += r[a] * u[b] - r[b] * u[a] + 0.4 * 1e-4 * spin[3 * i + k];
+            }
+        }
+        p.insert(p.end(), l.begin(), l.end());
+        return p;
+    };
+    const Numbers before = sums(run.state(), run.spins());
+    run.advance(0.03);
+    const Numbers spin = run.spins(), after = sums(run.state(), spin);
+    double changed[2] = {}, turned = 0.0;
+    for (std::size_t k = 0; k < 6; ++k)
+        changed[k / 3] = std::max(changed[k / 3], std::abs(after[k] - before[k]));
+    for (std::size_t k = 0; k < 3; ++k) turned = std::max(turned, std::abs(spin[k] + spin[3 + k]));
+    std::printf("%.3g %.3g %.3g %.12g\n", changed[0], changed[1] / 0.01, turned, largest_ratio);
+    return 0;
+}
+
+}  // namespace
+
+int main(int, char** words) {
+    if (std::strcmp(words[1], "frictionless") == 0) return frictionless();
+    return std::strcmp(words[1], "rolling") == 0 ? rolling() : oblique();
+}

@@ -1,0 +1,43 @@
+"""A law with friction and a state for each contact (tests/boxes/friction.cpp) in the engine that takes small steps."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def ask(tmp_path_factory):
+    made = tmp_path_factory.mktemp("friction") / "friction"
+    flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", "-pthread", f"-I{ROOT / 'core'}"]
+    source = ROOT / "tests" / "boxes" / "friction.cpp"
+    subprocess.run(["g++", *flags, str(source), "-o", str(made)], check=True)
+
+    def ask(word):
+        done = subprocess.check_output([made, word], text=True, timeout=120)
+        return [float(number) for number in done.split()]
+
+    return ask
+
+
+@pytest.mark.slow
+def test_without_friction_the_bits_are_those_of_the_law_without_it(ask):
+    without, threads, friction = ask("frictionless")
+    assert without == threads == 0 and friction > 5000
+
+
+@pytest.mark.slow
+def test_a_sliding_sphere_rolls_at_five_sevenths_of_its_speed(ask):
+    speed, surface = ask("rolling")
+    assert speed == pytest.approx(5 / 7, abs=2e-3)  # the undamped tangential spring oscillates
+    assert abs(surface) < 5e-3
+
+
+@pytest.mark.slow
+def test_an_oblique_collision_keeps_both_momenta_and_coulomb_s_bound(ask):
+    momentum, angular_momentum, turned, ratio = ask("oblique")
+    assert momentum < 1e-14 and angular_momentum < 1e-9
+    assert turned > 10.0  # rad/s
+    assert ratio <= 0.2 * (1 + 1e-12)
