@@ -278,6 +278,9 @@ class Engine:
 
     def observe(self) -> dict: ...
 
+    @property
+    def largest_compression(self) -> float: ...
+
     def take_log(self) -> dict:
         """Columns of the log since the last call."""
 

@@ -60,13 +60,7 @@ def _comment(frame: Frame) -> str:
 
 
 def read(path: Path, frame: int) -> Found:
-    """One frame of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not extended XYZ, is cut short, or lacks a column or the cell.
-    """
+    """One frame of the file."""
     with open(path, "rb") as file:
         starts = list(_frames(file))
         if not -len(starts) <= frame < len(starts):

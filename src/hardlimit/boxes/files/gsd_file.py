@@ -74,13 +74,7 @@ def _in_single(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def read(path: Path, frame: int) -> Found:
-    """One frame of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not GSD, is damaged, or gsd is not installed.
-    """
+    """One frame of the file."""
     library = _library()
     try:
         with library.open(str(path), "r") as file:

@@ -107,13 +107,7 @@ def sphere_masses(density: Floats, radius: Floats) -> Floats:
 
 
 def read(path: Path, frame: int) -> Found:
-    """The system in the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not LAMMPS data of atom_style sphere in a box along the axes.
-    """
+    """The system in the file."""
     if frame not in (0, -1):
         raise ValueError(f"frame: got {frame}, must be 0 or -1: the format holds one")
     try:

@@ -141,13 +141,7 @@ def make_job(
     samples: Any,
     log: Any,
 ) -> Job:
-    """The job of LAMMPS, checked.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range, or LAMMPS cannot do it.
-    """
+    """The job of LAMMPS, checked."""
     count, keep, *_ = checked_keeping(samples, log, None, 60.0)
     refuse_too_soft(system, law)
     types_of(system, law)

@@ -25,13 +25,7 @@ MOST_RANKS: Final = 1_000_000
 
 
 def checked_ranks(ranks: Any) -> int:
-    """The number of processes.
-
-    Raises
-    ------
-    ValueError
-        If it is no such number.
-    """
+    """The number of processes."""
     return 1 if ranks is None else validation.whole("ranks", ranks, 1, MOST_RANKS)
 
 
@@ -84,13 +78,7 @@ def dump_readers(job: Job) -> dict[str, DumpReader]:
 
 
 def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
-    """The result from the files of LAMMPS in the folder.
-
-    Raises
-    ------
-    ValueError
-        If something is missing.
-    """
+    """The result from the files of LAMMPS in the folder."""
     plan = job.plan
     positions, velocities = rows.state(folder / jobs.END, job.system.dimension)
     found = _contacts(readers) if plan.log else None
