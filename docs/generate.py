@@ -76,7 +76,7 @@ def observables() -> str:
 
     lines = ["| variable | unit | meaning | shape | engines |", "|---|---|---|---|---|"]
     for one in OBSERVABLES.values():
-        engines = [name for name, engine in ENGINES.items() if set(one.needs) <= set(engine.tells)]
+        engines = [name for name, engine in ENGINES.items() if set(one.needs) <= set(engine.records)]
         if not engines:
             continue
         shown = "all" if len(engines) == len(ENGINES) else ", ".join(engines).replace("_", " ")

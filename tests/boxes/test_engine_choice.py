@@ -316,8 +316,8 @@ def test_the_command_line_says_it(tmp_path: Any) -> None:
     found = printed(*options, "--engine", "auto")
     assert found["engine"] == "events" and found["engine_reason"].startswith("at t_c ν = ")
     text = " ".join(run(*options, "--engine", "auto", "--save", tmp_path / "run.nc").stdout.split())
-    assert f"chose events: {found['engine_reason']}" in text
-    assert "chose" not in run(*options, "--engine", "events").stdout
+    assert f"Chose events: {found['engine_reason']}." in text
+    assert "Chose" not in run(*options, "--engine", "events").stdout
     assert printed(*options, "--engine", "auto", "--time-step", "0.1us")["engine"] == "steps"
 
 

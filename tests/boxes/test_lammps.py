@@ -102,7 +102,7 @@ def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
         none = np.zeros(len(at), np.int64)
         finder.add(touching.Overlaps(at, none, none + 1, depth[at], none > 0), int(part[-1]))
         if part[-1] < n:
-            finder._look(int(part[-1]) - 1)
+            finder._search(int(part[-1]) - 1)
     log = contacts.contacts(finder.begins, finder.ends)
     assert log.first.tolist() == [0] and log.second.tolist() == [1] and not log.overlapped[0]
     assert log.impact_speed[0] == pytest.approx(speed, rel=1e-6)

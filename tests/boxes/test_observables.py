@@ -43,7 +43,7 @@ def test_a_record_is_whole(name):
 @every_result
 def test_a_series_has_what_its_engine_provides(at):
     series = RESULTS[at].series
-    assert list(series) == [one.name for one in provided(ENGINES[at[0]].tells)]
+    assert list(series) == [one.name for one in provided(ENGINES[at[0]].records)]
     assert "momentum" in series and series.axis.values.tolist() == ["x", "y", "z"][: at[1]]
 
 
@@ -52,7 +52,7 @@ def test_a_series_has_what_its_engine_provides(at):
 def test_values_are_as_the_record_says(at, name):
     engine, dimension = at
     one, run = OBSERVABLES[name], RESULTS[at]
-    if not set(one.needs) <= set(ENGINES[engine].tells):
+    if not set(one.needs) <= set(ENGINES[engine].records):
         assert name not in run.series
         return
     found = run.series[name]
@@ -82,7 +82,7 @@ def test_components_are_in_the_order_of_lammps():
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_trace_of_the_pressure_tensor_is_the_pressure(dimension):
-    """With records as an engine would tell them: a plain sum for the pressure, by components for the tensor."""
+    """With synthetic records: a scalar sum for the pressure, components for the tensor."""
     rng, n = np.random.default_rng(dimension), len(components(dimension))
     run = RESULTS["hard_spheres", dimension]
     system, time = run.system, run.samples["time"]

@@ -30,11 +30,15 @@ gas = hl.ParticleSystem(
 gas = hl.event_driven(gas, restitution=1.0, until=1.0, samples=1).system
 
 edges = np.linspace(0.0, box[2], 121)
-counts, temperature = np.zeros(edges.size - 1), 0.0
-for _ in range(200):
-    gas = hl.event_driven(gas, restitution=1.0, until=0.02, samples=1).system
-    counts += np.histogram(gas.positions[:, 2], edges)[0] / 200
-    temperature += gas.granular_temperature / 200
+
+
+def look(time, system):
+    counts, _ = np.histogram(system.positions[:, 2], edges)
+    return {"spheres": counts, "temperature": system.granular_temperature}
+
+
+series = hl.event_driven(gas, restitution=1.0, until=4.0, samples=200, observe=look).series
+counts, temperature = series.spheres.mean("time").values, float(series.temperature.mean())
 
 volume = 4 / 3 * np.pi * radius**3
 middle = 0.5 * (edges[1:] + edges[:-1])

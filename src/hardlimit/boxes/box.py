@@ -75,13 +75,7 @@ class Box:
             np.clip(x, 0.0, edge, out=x)
 
     def check_size(self, largest_radius: float) -> None:
-        """Refuse a box in which a particle could touch two images of another one, or two opposite walls.
-
-        Raises
-        ------
-        ValueError
-            If an edge is too short; names it.
-        """
+        """Refuse a box in which a particle could touch two images of another one, or two opposite walls."""
         for axis, side in enumerate(self.boundary):
             radii = FEWEST_RADII[side]
             if not self.edges[axis] >= radii * largest_radius:
@@ -99,24 +93,12 @@ def wall_name(number: int) -> str:
 
 
 def checked_edges(box: Any, d: int) -> Floats:
-    """Edges [m] from one number or one for each axis.
-
-    Raises
-    ------
-    ValueError
-        If they are not positive numbers.
-    """
+    """Edges [m] from one number or one for each axis."""
     return np.array(validation.numbers("box", box, d, lowest=0.0, highest=LARGEST, highest_allowed=True))
 
 
 def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
-    """The boundary of each axis, from one word or one for each.
-
-    Raises
-    ------
-    ValueError
-        If a word is neither "periodic" nor "wall", or there are not d of them.
-    """
+    """The boundary of each axis, from one word or one for each."""
     if isinstance(boundary, str):
         return (validation.one_of("boundary", boundary, BOUNDARIES),) * d
     words = validation.instances("boundary", boundary, str, "word")
@@ -126,13 +108,7 @@ def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
 
 
 def checked_gravity(gravity: Any, d: int) -> Floats:
-    """Gravity as a vector [m/s²]; one number g is (0, …, −g).
-
-    Raises
-    ------
-    ValueError
-        If it is neither a number nor d of them.
-    """
+    """Gravity as a vector [m/s²]; one number g is (0, …, −g)."""
     limits = {"lowest": -LARGEST, "highest": LARGEST, "lowest_allowed": True, "highest_allowed": True}
     values = validation.numbers("gravity", gravity, d, **limits)
     if np.ndim(gravity) == 0:

@@ -22,13 +22,7 @@ HEADER: Final = "header"
 
 
 def checked_path(path: Any) -> Path:
-    """The path of a checkpoint.
-
-    Raises
-    ------
-    ValueError
-        If it is no path, or no file can be written there.
-    """
+    """The path of a checkpoint."""
     if not isinstance(path, str | os.PathLike):
         raise ValueError(f"checkpoint: got {validation.shown(path)}, must be a path")
     target = Path(path)
@@ -43,13 +37,7 @@ def checked_path(path: Any) -> Path:
 
 
 def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Replace the checkpoint.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it. The previous one stays.
-    """
+    """Replace the checkpoint."""
     facts = {"format": FORMAT, "hardlimit_version": _core.version, **header}
     content: dict[str, Any] = {HEADER: np.frombuffer(json.dumps(facts).encode(), np.uint8), **arrays}
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
@@ -59,13 +47,7 @@ def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[An
 
 
 def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Header and arrays of a checkpoint.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read, is none, is damaged, or was written by another version; names it.
-    """
+    """Header and arrays of a checkpoint."""
     if not isinstance(path, str | os.PathLike):
         raise ValueError(f"path: got {validation.shown(path)}, must be a path")
     try:

@@ -138,13 +138,7 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
 
 
 def check_box(system: ParticleSystem) -> None:
-    """Refuse boxes in which a particle could come near two images of another one, which events do not handle.
-
-    Raises
-    ------
-    ValueError
-        If a periodic edge is too short; names it.
-    """
+    """Refuse boxes in which a particle could come near two images of another one, which events do not handle."""
     least = SMALLEST_EDGE * float(system.radius.max())
     for axis, side in enumerate(system.boundary):
         if side == "periodic" and not system.box[axis] >= least:

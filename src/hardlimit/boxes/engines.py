@@ -21,7 +21,7 @@ from .rules import Settings
 from .system import ParticleSystem
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
-#: What every engine tells at a sample.
+#: Records that every engine gives at a sample.
 COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
 OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
 #: Arrays of a system in a checkpoint; the engine's own bytes hold positions and velocities.
@@ -36,7 +36,7 @@ class EngineRecord:
     kind: str  #: name in the core; "" of a program of its own
     task: str  #: what a progress bar calls a run
     counts: str  #: what a progress bar counts
-    tells: tuple[str, ...]  #: records at each sample, from which observables follow
+    records: tuple[str, ...]  #: what it gives at each sample; observables follow from these
     columns: tuple[Column, ...]  #: of the log
     options: tuple[str, ...]  #: arguments of molecular_dynamics that not all engines take
 
@@ -150,8 +150,10 @@ class Engine:
         """Progress: collisions, contacts or steps so far, and how many there will be at the same rate."""
         if self.record.name == "steps":
             assert until is not None
-            told = self.compiled.statistics()
-            return told["n_steps"], told["n_steps"] + math.ceil((until - self.time) / told["time_step"])
+            statistics = self.compiled.statistics()
+            return statistics["n_steps"], statistics["n_steps"] + math.ceil(
+                (until - self.time) / statistics["time_step"]
+            )
         done, expected = self.n_contacts, math.inf
         if until is not None and self.time > 0.0:
             expected = done * (until / self.time)
@@ -184,7 +186,7 @@ class Engine:
         if fall.any():
             seen["potential_energy"] -= float(system.mass @ (self.compiled.state()[0] @ fall))
         seen = laboratory_sums(system, time, seen) | {"time": time, "n_collisions": seen["n_contacts"]}
-        return {name: np.asarray(seen[name], float) for name in self.record.tells}
+        return {name: np.asarray(seen[name], float) for name in self.record.records}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
         """Whether this sample is of the present state."""
@@ -223,7 +225,7 @@ class Engine:
         self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
     ) -> ParticleResult | ContactResult:
         """The result of a run that ends now; ``idle`` where nothing collides any more."""
-        now, seen, told = self.current(), self.compiled.observe(), self.compiled.statistics()
+        now, seen, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
         largest = float(self.compiled.largest_compression)
         common: dict[str, Any] = {
             "system": now,
@@ -241,7 +243,7 @@ class Engine:
                 settings=self.settings,
                 n_collisions=seen["n_contacts"],
                 n_pairs=seen["n_pairs"],
-                **{name: told[name] for name in counts},
+                **{name: statistics[name] for name in counts},
                 **common,
             )
         own = ("time_step", "n_steps", "largest_cluster", "cluster_share")
@@ -250,7 +252,7 @@ class Engine:
             engine=self.record.name,
             engine_reason=self.settings.reason,
             **{name: seen[name] for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")},
-            **{name: told[name] for name in own if name in told},
+            **{name: statistics[name] for name in own if name in statistics},
             **common,
         )
 

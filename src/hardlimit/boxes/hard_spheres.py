@@ -125,13 +125,7 @@ class End(NamedTuple):
 
 
 def checked_end(until: Any, max_collisions: Any) -> End:
-    """The end of a run.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range.
-    """
+    """The end of a run."""
     end = None if until is None else validation.number("until", until, 0.0, lowest_allowed=True)
     most = None
     if max_collisions is not None:
@@ -140,13 +134,7 @@ def checked_end(until: Any, max_collisions: Any) -> End:
 
 
 def start(system: ParticleSystem, settings: Settings, end: End, keeping: Keeping) -> Run:
-    """A run at its beginning; the arguments are checked.
-
-    Raises
-    ------
-    ValueError
-        If contacts under the law would be too deep.
-    """
+    """A run at its beginning; the arguments are checked."""
     refuse_too_soft(system, settings.law)
     span = end.until
     if span is None:
@@ -157,13 +145,7 @@ def start(system: ParticleSystem, settings: Settings, end: End, keeping: Keeping
 
 
 def later_end(run: Run, until: Any, max_collisions: Any) -> End:
-    """A new end of a run that goes on.
-
-    Raises
-    ------
-    ValueError
-        If it lies before the state of the checkpoint, or takes too many samples.
-    """
+    """A new end of a run that goes on."""
     end = None if until is None else checked_until(run, until)
     most = None
     if max_collisions is not None:

@@ -167,13 +167,7 @@ def start(
     keeping: Keeping,
     time_step: float | None = None,
 ) -> Run:
-    """A run at its beginning; the arguments are checked.
-
-    Raises
-    ------
-    ValueError
-        If contacts under the law would be too deep, or there would be more steps than can be counted.
-    """
+    """A run at its beginning; the arguments are checked."""
     refuse_too_soft(system, settings.law)
     if time_step is not None and not until / time_step <= MOST_STEPS:
         raise ValueError(
@@ -185,13 +179,7 @@ def start(
 
 
 def refuse_options(engine: str, given: dict[str, Any]) -> None:
-    """Refuse options that only other engines take.
-
-    Raises
-    ------
-    ValueError
-        If one is given; names the engines that take it.
-    """
+    """Refuse options that only other engines take."""
     for name, value in given.items():
         if value is not None and name not in ENGINES[engine].options:
             others = [repr(other) for other in NEWTON if name in ENGINES[other].options]
@@ -202,13 +190,7 @@ def refuse_options(engine: str, given: dict[str, Any]) -> None:
 
 
 def checked_threads(threads: Any, n: int) -> int:
-    """How many threads work on n particles.
-
-    Raises
-    ------
-    ValueError
-        If it is no number of threads.
-    """
+    """How many threads work on n particles."""
     if threads is not None:
         return validation.whole("threads", threads, 1, MOST_THREADS)
     return max(1, min(machine.processors(), n // LEAST_SHARE, MOST_THREADS))

@@ -24,7 +24,7 @@ KINDS: Final[Mapping[Kind, str]] = {
 
 
 class Samples:
-    """What an engine told at the samples of a run; ``samples[name]`` is an array over them."""
+    """Records of an engine at the samples of a run; ``samples[name]`` is an array over them."""
 
     def __init__(self, system: ParticleSystem, records: Mapping[str, Floats]) -> None:
         self.system, self._records = system, records
@@ -60,7 +60,7 @@ class Observable:
     name: str
     unit: str
     meaning: str
-    needs: tuple[str, ...]  #: records that an engine must tell for it
+    needs: tuple[str, ...]  #: records of an engine from which it follows
     kind: Kind = "value"
     shape: Shape = "scalar"
     never_falls: bool = False
@@ -168,9 +168,9 @@ OBSERVABLES: Final = {one.name: one for one in _RECORDS}
 RESERVED: Final = ("time", "axis", "component")
 
 
-def provided(told: Any) -> Iterator[Observable]:
-    """The observables that follow from what an engine tells."""
-    return (one for one in OBSERVABLES.values() if all(name in told for name in one.needs))
+def provided(records: Any) -> Iterator[Observable]:
+    """The observables that follow from the records of an engine."""
+    return (one for one in OBSERVABLES.values() if all(name in records for name in one.needs))
 
 
 def components(dimension: int) -> list[str]:

@@ -18,26 +18,14 @@ Values = dict[str, NDArray[Any]]
 
 
 def checked_function(observe: Any) -> Observe | None:
-    """The function, or None.
-
-    Raises
-    ------
-    ValueError
-        If it cannot be called.
-    """
+    """The function, or None."""
     if observe is not None and not callable(observe):
         raise ValueError(f"observe: got {validation.shown(observe)}, must be a function of time and system")
     return observe  # type: ignore[no-any-return]
 
 
 def call(observe: Observe, time: float, system: ParticleSystem, before: Values | None) -> Values:
-    """What the function returns, as arrays; ``before`` is what it returned at the sample before.
-
-    Raises
-    ------
-    ValueError
-        If it returns no mapping of names to numbers, a name is taken, or names or shapes have changed.
-    """
+    """What the function returns, as arrays; ``before`` is what it returned at the sample before."""
     returned = observe(time, system)
     at = f"observe: at {time:.6g} s"
     if not isinstance(returned, Mapping):

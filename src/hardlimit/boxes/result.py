@@ -34,7 +34,7 @@ Log = tuple[NDArray[Any], ...]
 class EarlyEnd(NamedTuple):
     """Time, place and particles of the event that stopped a run before its end; ``outcome`` says why.
 
-    Returned by :attr:`ParticleResult.early_end`.
+    Made by :func:`hardlimit.event_driven` and :func:`hardlimit.molecular_dynamics`.
 
     Examples
     --------

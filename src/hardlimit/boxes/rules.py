@@ -41,8 +41,13 @@ def _rule(record: Mapping[str, Any]) -> Rule:
     )
 
 
-#: By name. The first rule without a contact duration that takes an argument is the default with it.
-RULES: Final = {record["name"]: _rule(record) for record in _core.rules}
+#: The default rule for each argument.
+DEFAULTS: Final = {"restitution": "constant", "law": "law"}
+#: By name, the defaults first.
+RULES: Final = {
+    record["name"]: _rule(record)
+    for record in sorted(_core.rules, key=lambda record: record["name"] not in DEFAULTS.values())
+}
 
 
 @dataclass(frozen=True)
@@ -69,19 +74,12 @@ class Settings:
 
 
 def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
-    """The rule of a run with its parameters.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range, or two do not go together.
-    """
+    """The rule of a run with its parameters."""
     given = validation.exactly_one(law=law, restitution=restitution)
     if given == "law" and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")
     allowed = [record.name for record in RULES.values() if given in record.takes]
-    default = next(name for name in allowed if not RULES[name].has_contact_duration)
-    chosen = default if rule is None else validation.one_of("rule", rule, sorted(RULES))
+    chosen = DEFAULTS[given] if rule is None else validation.one_of("rule", rule, sorted(RULES))
     if chosen not in allowed:
         raise ValueError(f"rule: got {rule!r} with {given}, must be one of {', '.join(allowed)}")
     if given == "restitution":

@@ -41,13 +41,7 @@ class Keeping(NamedTuple):
 
 
 def checked_keeping(samples: Any, log: Any, checkpoint: Any, every: Any, observe: Any = None) -> Keeping:
-    """What a run is to keep.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range.
-    """
+    """What a run is to keep."""
     return Keeping(
         checked_samples(samples),
         validation.flag("log", log),
@@ -58,13 +52,7 @@ def checked_keeping(samples: Any, log: Any, checkpoint: Any, every: Any, observe
 
 
 def checked_samples(samples: Any) -> int:
-    """Number of intervals between samples.
-
-    Raises
-    ------
-    ValueError
-        If it is no such number.
-    """
+    """Number of intervals between samples."""
     return validation.whole("samples", samples, 1, MOST_SAMPLES)
 
 
@@ -127,13 +115,7 @@ class Run:
         self._sampled = samples, replace(target, until=until, max_collisions=max_collisions)
 
     def set_observe(self, observe: Any) -> None:
-        """Go on with this function of the user, whose names and shapes must stay.
-
-        Raises
-        ------
-        ValueError
-            If it cannot be called, or is missing although values of it are in the samples.
-        """
+        """Go on with this function of the user, whose names and shapes must stay."""
         found, samples = observing.checked_function(observe), self._sampled[0]
         returned = samples[-1].observed if samples else self._keeping.observe
         if found is None and returned:
@@ -238,13 +220,7 @@ class Run:
             self.save()
 
     def save(self) -> None:
-        """Write the checkpoint, if the run has one.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written; names it.
-        """
+        """Write the checkpoint, if the run has one."""
         keeping, (samples, target) = self._keeping, self._sampled
         if keeping.path is None:
             return
@@ -292,13 +268,7 @@ def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:
 
 
 def load(path: Any) -> Run:
-    """The run of a checkpoint.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read, is no checkpoint or damaged; names it.
-    """
+    """The run of a checkpoint."""
     header, arrays = checkpoints.read(path)
     try:
         engine = Engine.load(header, arrays)
@@ -318,13 +288,7 @@ def load(path: Any) -> Run:
 
 
 def checked_until(run: Run, until: Any) -> float:
-    """A new end [s] of a run that goes on.
-
-    Raises
-    ------
-    ValueError
-        If it lies before the state of the checkpoint, or takes too many samples at their spacing.
-    """
+    """A new end [s] of a run that goes on."""
     end, target, reached = validation.number("until", until), run.target, run.engine.time
     if end < reached:
         raise ValueError(

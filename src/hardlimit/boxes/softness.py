@@ -21,13 +21,7 @@ def typical_speed(system: ParticleSystem) -> float:
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
-    """Refuse a law under which a mean impact of any two particles would exceed the range of contact laws.
-
-    Raises
-    ------
-    ValueError
-        If it would; says by how much.
-    """
+    """Refuse a law under which a mean impact of any two particles would exceed the range of contact laws."""
     speed = typical_speed(system)
     if law is None or not 0.0 < speed < math.inf:
         return

@@ -40,13 +40,7 @@ class Generators:
 
 
 def count(n: Any) -> int:
-    """N, if so many particles fit in memory.
-
-    Raises
-    ------
-    ValueError
-        If it is no whole number from 1 on, or they do not fit.
-    """
+    """N, if so many particles fit in memory."""
     wanted = validation.whole("n", n, 1, MOST_PARTICLES)
     needed, room = wanted * BYTES_PER_PARTICLE, machine.free_memory()
     if needed > room:
@@ -57,13 +51,7 @@ def count(n: Any) -> int:
 
 
 def radii(radius: Any, n: int, generators: Generators) -> Floats:
-    """N radii [m]: one for all, N of them, or a uniform spread between two.
-
-    Raises
-    ------
-    ValueError
-        If they are neither, or not positive.
-    """
+    """N radii [m]: one for all, N of them, or a uniform spread between two."""
     limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST}
     pair = n != 2 and not isinstance(radius, str | bytes) and _length(radius) == 2
     if not pair:
@@ -79,13 +67,7 @@ def radii(radius: Any, n: int, generators: Generators) -> Floats:
 
 
 def checked_masses(given: str, matter: Floats, radius: Floats) -> Floats:
-    """Masses [kg] from ``matter``, the densities or masses; one broadcast number where all are equal.
-
-    Raises
-    ------
-    ValueError
-        If one is outside the accepted range; names the particle.
-    """
+    """Masses [kg] from ``matter``, the densities or masses; one broadcast number where all are equal."""
     if given == "mass":
         mass = matter
     elif matter.strides == radius.strides == (0,):
@@ -117,13 +99,7 @@ def solid_volume(radius: Floats, dimension: int) -> float:
 
 
 def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
-    """Edge [m] of the square or cube in which the particles fill this share.
-
-    Raises
-    ------
-    ValueError
-        If the share is not in (0, 0.62], in 2-D (0, 0.82].
-    """
+    """Edge [m] of the square or cube in which the particles fill this share."""
     share = validation.number(
         "packing_fraction", packing_fraction, 0.0, DENSEST[dimension], highest_allowed=True
     )
@@ -132,13 +108,7 @@ def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
 
 
 def check_room(box: Box, radius: Floats) -> None:
-    """Refuse a box that is too small for its boundaries.
-
-    Raises
-    ------
-    ValueError
-        If an edge is too short.
-    """
+    """Refuse a box that is too small for its boundaries."""
     try:
         box.check_size(float(radius.max()))
     except ValueError as error:
@@ -148,13 +118,7 @@ def check_room(box: Box, radius: Floats) -> None:
 
 
 def positions(radius: Floats, box: Box, generators: Generators, report: Report) -> Floats:
-    """Positions (N, d) [m] without overlap; reports thousandths of the growth.
-
-    Raises
-    ------
-    ValueError
-        If growth found none, as it may for a few large particles between walls.
-    """
+    """Positions (N, d) [m] without overlap; reports thousandths of the growth."""
     found = _core.grow_packing(
         box.of_core(),
         np.ascontiguousarray(radius),
@@ -167,13 +131,7 @@ def positions(radius: Floats, box: Box, generators: Generators, report: Report) 
 def velocities(
     mass: Floats, dimension: int, rms_speed: float, periodic: Sequence[bool], generators: Generators
 ) -> Floats:
-    """Maxwell's velocities (N, d) [m/s] with this root mean square and no momentum along periodic axes.
-
-    Raises
-    ------
-    ValueError
-        If particles shall move, but one alone in a periodic box has no velocity relative to itself.
-    """
+    """Maxwell's velocities (N, d) [m/s] with this root mean square and no momentum along periodic axes."""
     n = len(mass)
     if rms_speed == 0.0:
         return np.zeros((n, dimension))

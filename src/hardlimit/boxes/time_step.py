@@ -35,13 +35,7 @@ def chosen(
     time_step: Any,
     longest_step: LongestStep = _core.longest_step,
 ) -> float:
-    """The longest step [s] of a run: as given, or the longest within the accepted error.
-
-    Raises
-    ------
-    ValueError
-        If both are given, one is outside its range, or contacts would not be stable with this step.
-    """
+    """The longest step [s] of a run: as given, or the longest within the accepted error."""
     if restitution_error is not None and time_step is not None:
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is None:

@@ -24,13 +24,7 @@ FORMATS: Final[dict[str, ModuleType]] = {
 
 
 def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
-    """The path and the format of its ending.
-
-    Raises
-    ------
-    ValueError
-        If it is no path or has an unknown ending.
-    """
+    """The path and the format of its ending."""
     if not isinstance(path, str | os.PathLike):
         raise ValueError(f"{parameter}: got {validation.shown(path)}, must be a path")
     target = Path(path)
@@ -45,11 +39,6 @@ def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
     """Arguments of ParticleSystem in the file, and the rounding error of distances.
 
     The error is relative to a radius, and 0 in double precision.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read or is damaged; names it.
     """
     target, kind = format_of(path)
     which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
@@ -67,15 +56,7 @@ def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
 
 
 def write(path: str | Path, frames: Iterable[Frame]) -> Path:
-    """Write frames to a file, which appears when it is complete.
-
-    Raises
-    ------
-    ValueError
-        If the ending is unknown, or the format cannot hold the frames.
-    OSError
-        If the file cannot be written; names it.
-    """
+    """Write frames to a file, which appears when it is complete."""
     with appender(path) as append:
         for frame in frames:
             append(frame)
@@ -84,15 +65,7 @@ def write(path: str | Path, frames: Iterable[Frame]) -> Path:
 
 @contextmanager
 def appender(path: str | Path) -> Iterator[Append]:
-    """Takes frames for a file, which appears when the block is left.
-
-    Raises
-    ------
-    ValueError
-        If the ending is unknown, or the format is not installed.
-    OSError
-        If the file cannot be written; names it.
-    """
+    """Takes frames for a file, which appears when the block is left."""
     _, kind = format_of(path)
     with saving.whole(path) as unfinished, kind.appender(unfinished) as append:
         yield append

@@ -15,7 +15,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 
 from ...support import validation
-from .frame import Append, Floats, Found, Frame, three, words
+from .frame import Append, Floats, Found, Frame, boundary_of, three
 
 COLUMNS: Final = "species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1"
 NAMES: Final = {
@@ -60,13 +60,7 @@ def _comment(frame: Frame) -> str:
 
 
 def read(path: Path, frame: int) -> Found:
-    """One frame of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not extended XYZ, is cut short, or lacks a column or the cell.
-    """
+    """One frame of the file."""
     with open(path, "rb") as file:
         starts = list(_frames(file))
         if not -len(starts) <= frame < len(starts):
@@ -156,7 +150,7 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
         "radius": table[:, where["radius"]][:, 0],
         "mass": table[:, where["mass"]][:, 0],
         "box": np.diag(cell)[:d],
-        "boundary": words(flag in "T1" for flag in flags[:d]),
+        "boundary": boundary_of(flag in "T1" for flag in flags[:d]),
         "gravity": _vector(entries, "gravity", 3, 0.0)[:d],
     }
 

@@ -44,6 +44,6 @@ def three(values: Floats, last: float = 0.0) -> Floats:
     return np.concatenate([values, np.full((*values.shape[:-1], missing), last)], axis=-1)
 
 
-def words(periodic: Any) -> tuple[str, ...]:
+def boundary_of(periodic: Any) -> tuple[str, ...]:
     """The boundary of each axis from a flag."""
     return tuple("periodic" if flag else "wall" for flag in periodic)

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from .frame import Append, Floats, Found, Frame, three, words
+from .frame import Append, Floats, Found, Frame, boundary_of, three
 
 #: Names under ``log`` of our values in double precision.
 OF_PARTICLES: Final = {
@@ -74,13 +74,7 @@ def _in_single(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def read(path: Path, frame: int) -> Found:
-    """One frame of the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not GSD, is damaged, or gsd is not installed.
-    """
+    """One frame of the file."""
     library = _library()
     try:
         with library.open(str(path), "r") as file:
@@ -132,7 +126,7 @@ def _in_double(found: Any) -> Found:
             "log: differs from the values in single precision, which another program has changed"
         )
     values.pop("time")
-    return Found(values | {"boundary": words(values.pop("periodic"))})
+    return Found(values | {"boundary": boundary_of(values.pop("periodic"))})
 
 
 def _of_another_program(found: Any) -> Found:

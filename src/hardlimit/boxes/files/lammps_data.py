@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ... import _core
 from ...support import validation
-from .frame import Append, Floats, Found, Frame, three, words
+from .frame import Append, Floats, Found, Frame, boundary_of, three
 
 BLOCK: Final = 65536  #: rows that are formatted together
 SECTIONS: Final = ("Atoms", "Velocities")
@@ -107,13 +107,7 @@ def sphere_masses(density: Floats, radius: Floats) -> Floats:
 
 
 def read(path: Path, frame: int) -> Found:
-    """The system in the file.
-
-    Raises
-    ------
-    ValueError
-        If it is not LAMMPS data of atom_style sphere in a box along the axes.
-    """
+    """The system in the file."""
     if frame not in (0, -1):
         raise ValueError(f"frame: got {frame}, must be 0 or -1: the format holds one")
     try:
@@ -220,6 +214,6 @@ def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
     if len(sides) != d or len(gravity) != d:
         raise ValueError("first line: must name a side and a gravity for each axis")
     return {
-        "boundary": words(side == "p" for side in sides),
+        "boundary": boundary_of(side == "p" for side in sides),
         "gravity": [_float("gravity", word) for word in gravity],
     }

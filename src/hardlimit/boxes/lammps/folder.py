@@ -120,12 +120,12 @@ def lammps_result(folder: str | Path) -> ContactResult:
     """
     target = _checked_folder(folder)
     job = jobs.read(target)
-    watches = running.watches_of(job)
+    readers = running.dump_readers(job)
     try:
-        for name, watch in watches.items():
+        for name, reader in readers.items():
             with open(target / name, encoding="utf-8", errors="replace") as lines:
-                watch.follow(lines)
-        return running.result(job, target, list(watches.values()))
+                reader.follow(lines)
+        return running.result(job, target, list(readers.values()))
     except OSError as error:
         raise ValueError(f"{error.filename}: cannot be read: {error.strerror or error}") from None
     except (KeyError, ValueError) as error:
@@ -141,13 +141,7 @@ def make_job(
     samples: Any,
     log: Any,
 ) -> Job:
-    """The job of LAMMPS, checked.
-
-    Raises
-    ------
-    ValueError
-        If a value is outside its range, or LAMMPS cannot do it.
-    """
+    """The job of LAMMPS, checked."""
     count, keep, *_ = checked_keeping(samples, log, None, 60.0)
     refuse_too_soft(system, law)
     types_of(system, law)

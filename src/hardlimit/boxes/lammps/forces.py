@@ -49,13 +49,7 @@ class Types:
 
 
 def types_of(system: ParticleSystem, law: Law) -> Types:
-    """The types that LAMMPS needs.
-
-    Raises
-    ------
-    ValueError
-        If LAMMPS does not have the law, or would need too many types.
-    """
+    """The types that LAMMPS needs."""
     needed = _needs(law)
     columns = [getattr(system, name) for name in needed]
     if not columns:
@@ -72,13 +66,7 @@ def types_of(system: ParticleSystem, law: Law) -> Types:
 
 
 def _needs(law: Law) -> tuple[str, ...]:
-    """The attributes of particles on which the coefficients depend.
-
-    Raises
-    ------
-    ValueError
-        If LAMMPS does not have the law.
-    """
+    """The attributes of particles on which the coefficients depend."""
     name = law.record["name"]
     if name not in COEFFICIENTS:
         raise ValueError(

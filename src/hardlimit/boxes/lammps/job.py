@@ -47,15 +47,7 @@ class Job:
 
 
 def write(job: Job, folder: Path) -> Path:
-    """Write the files of a job to an existing folder; returns the path of the input.
-
-    Raises
-    ------
-    ValueError
-        If LAMMPS has no such law, or cannot take so many kinds of particles.
-    OSError
-        If a file cannot be written; names it.
-    """
+    """Write the files of a job to an existing folder; returns the path of the input."""
     types = types_of(job.system, job.law)
     text = script(job.system, types, _coefficients(job, types), job.plan, _header(job, folder))
     with saving.whole(folder / START) as unfinished:
@@ -91,13 +83,7 @@ def _header(job: Job, folder: Path) -> list[str]:
 
 
 def read(folder: Path) -> Job:
-    """The job in a folder.
-
-    Raises
-    ------
-    ValueError
-        If there is none, or it is damaged; names the file.
-    """
+    """The job in a folder."""
     path = folder / SETTINGS
     try:
         settings = json.loads(path.read_text(encoding="utf-8"))

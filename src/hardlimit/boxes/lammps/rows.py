@@ -23,13 +23,7 @@ class Snapshot(NamedTuple):
 
 
 def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
-    """The instants of a dump in order.
-
-    Raises
-    ------
-    ValueError
-        If the last one is incomplete.
-    """
+    """The instants of a dump in order."""
     source = iter(lines)
     for line in source:
         if not line.startswith("ITEM: TIMESTEP"):
@@ -48,13 +42,7 @@ def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
 
 
 def table(rows: list[str], width: int) -> Floats:
-    """Rows of numbers as an array.
-
-    Raises
-    ------
-    ValueError
-        If a row has another number of columns.
-    """
+    """Rows of numbers as an array."""
     numbers = np.array(" ".join(rows).split(), dtype=np.float64)
     if numbers.size != len(rows) * width:
         raise ValueError("a dump that breaks off")

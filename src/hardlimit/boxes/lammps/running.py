@@ -19,19 +19,13 @@ from . import job as jobs
 from .contacts import Contacts, contacts
 from .job import Job
 from .program import find
-from .touching import Finder, PairDump, WallDump, Watch
+from .touching import DumpReader, Finder, PairDump, WallDump
 
 MOST_RANKS: Final = 1_000_000
 
 
 def checked_ranks(ranks: Any) -> int:
-    """The number of processes.
-
-    Raises
-    ------
-    ValueError
-        If it is no such number.
-    """
+    """The number of processes."""
     return 1 if ranks is None else validation.whole("ranks", ranks, 1, MOST_RANKS)
 
 
@@ -49,7 +43,7 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
     with tempfile.TemporaryDirectory(prefix="hardlimit-lammps-", ignore_cleanup_errors=True) as place:
         folder = Path(place)
         jobs.write(job, folder)
-        watches = watches_of(job)
+        readers = dump_readers(job)
 
         def said(line: str) -> None:
             row = rows.row_of(line)
@@ -60,20 +54,20 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
             program.command(ranks, "-in", jobs.INPUT, "-log", jobs.LOG),
             folder,
             program.environment(),
-            {name: watch.follow for name, watch in watches.items()},
+            {name: reader.follow for name, reader in readers.items()},
             said,
         )
-        return result(job, folder, list(watches.values()))
+        return result(job, folder, list(readers.values()))
 
 
-def watches_of(job: Job) -> dict[str, Watch]:
+def dump_readers(job: Job) -> dict[str, DumpReader]:
     """A reader for each dump of contacts."""
     pairs, plan = job.pairs, job.plan
     dumps: dict[str, PairDump | WallDump] = {jobs.PAIRS: PairDump(pairs)}
     if jobs.WALLS in job.streams:
         dumps[jobs.WALLS] = WallDump(pairs, job.system)
     return {
-        name: Watch(
+        name: DumpReader(
             dump,
             pairs,
             plan.per_sample,
@@ -83,18 +77,12 @@ def watches_of(job: Job) -> dict[str, Watch]:
     }
 
 
-def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
-    """The result from the files of LAMMPS in the folder.
-
-    Raises
-    ------
-    ValueError
-        If something is missing.
-    """
+def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
+    """The result from the files of LAMMPS in the folder."""
     plan = job.plan
     positions, velocities = rows.state(folder / jobs.END, job.system.dimension)
-    found = _contacts(watches) if plan.log else None
-    kept = _samples(job, rows.thermo(folder / jobs.LOG), watches, found)
+    found = _contacts(readers) if plan.log else None
+    kept = _samples(job, rows.thermo(folder / jobs.LOG), readers, found)
     counts: dict[str, Any] = dict.fromkeys(("n_contacts", "n_pairs", "n_ended", "n_overlapped"))
     if found is not None:
         counts = {name: int(kept[name][-1]) for name in counts}
@@ -112,14 +100,14 @@ def result(job: Job, folder: Path, watches: list[Watch]) -> ContactResult:
     )
 
 
-def _contacts(watches: list[Watch]) -> Contacts:
-    finders = [watch.finder for watch in watches if watch.finder is not None]
+def _contacts(readers: list[DumpReader]) -> Contacts:
+    finders = [reader.finder for reader in readers if reader.finder is not None]
     begins = [change for finder in finders for change in finder.begins]
     ends = [change for finder in finders for change in finder.ends]
     return contacts(begins, ends)
 
 
-def _samples(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | None) -> dict[str, Floats]:
+def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts | None) -> dict[str, Floats]:
     """The records of the samples."""
     plan, system = job.plan, job.system
     seen = dict(zip(rows.THERMO, thermo.T, strict=True))
@@ -131,7 +119,7 @@ def _samples(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | Non
     seen["momentum"] = np.stack([seen[name] for name in ("px", "py", "pz")[: system.dimension]], axis=1)
     seen = laboratory_sums(system, time, seen)
     kinetic, potential = seen["kinetic_energy"], seen["potential_energy"]
-    sums = [[watch.sums[int(step)] for step in seen["step"]] for watch in watches]
+    sums = [[reader.sums[int(step)] for step in seen["step"]] for reader in readers]
     stored = np.array([[s.energy for s in one] for one in sums]).sum(axis=0)
     total = kinetic + potential + stored
     volume = system.dimension * system.domain.volume
@@ -148,7 +136,7 @@ def _samples(job: Job, thermo: Floats, watches: list[Watch], log: Contacts | Non
         "virial": np.cumsum(seen["virial"] * volume * lasted),
         **_counts(time, log),
     }
-    return {name: columns[name] for name in ENGINES["lammps"].tells}
+    return {name: columns[name] for name in ENGINES["lammps"].records}
 
 
 def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:

@@ -82,7 +82,7 @@ class Sums(NamedTuple):
     in_contact: int
 
 
-class Watch:
+class DumpReader:
     """Reads a dump to its end."""
 
     def __init__(
@@ -94,13 +94,7 @@ class Watch:
         self.sums: dict[int, Sums] = {}  #: by step
 
     def follow(self, lines: Iterable[str]) -> None:
-        """Read a whole dump.
-
-        Raises
-        ------
-        ValueError
-            If it is incomplete.
-        """
+        """Read a whole dump."""
         for shot in snapshots(lines):
             self._shots.append(shot)
             self._waiting += 1 + len(shot.rows)
