@@ -1,17 +1,17 @@
-// Bounds on the compressions of the contacts of two balls on a floor, from energies alone. Where they exclude a
-// contact that is too deep, the motion is not searched for one.
+// Upper bounds on the compressions of two balls on a floor, from energy conservation. Where they exclude a compression
+// beyond the limit, the solver need not search for one.
 //
-// As long as the floor contact is compressed by less than L1 and the pair by less than L2, kinetic energy and energy
-// stored in the contacts are together at most
-//   E = energy at release, heights being counted from where the contacts are compressed by L1 and L2.
-// It bounds the speed of the lower ball by c = √(2E/m1). With v2 the velocity of the upper ball and F12 the force on
-// it,
-//   m2 s²/2 = kinetic energy of the upper ball + energy stored in the pair
-// gains no more than ∫ F12 v1 dt and what the ball falls, since dashpots only take from it, and by momentum
-// ∫ F12 dt = m2 (v2 − v2(0) + g t). As v2 <= s,
-//   s²/2 <= v2(0)²/2 + g × (way that it can fall) + c (s − v2(0) + g t).
-// For a light upper ball that is far less than E. It holds in the adiabatic model as well, where E bounds the floor
-// contact, but not the pair.
+// While the floor contact is compressed by less than L1 and the pair by less than L2, the sum of kinetic energy and
+// energy stored in the contacts is at most
+//   E = energy at release, with heights measured from the position in which the compressions are L1 and L2.
+// So the speed of the lower ball is at most c = √(2E/m1). With v2 the velocity of the upper ball and F12 the force on
+// it, define s by
+//   m2 s²/2 = kinetic energy of the upper ball + energy stored in the pair.
+// This energy grows by at most ∫ F12 v1 dt plus the work of gravity, since dashpots only dissipate, and momentum
+// balance gives ∫ F12 dt = m2 (v2 − v2(0) + g t). As v2 <= s,
+//   s²/2 <= v2(0)²/2 + g × (largest distance of fall) + c (s − v2(0) + g t).
+// For a light upper ball this is far less than E. It also holds in the adiabatic model, where E bounds the floor
+// contact but not the pair.
 #pragma once
 #include "../contact/law.hpp"
 
@@ -25,7 +25,7 @@ struct CompressionBound {
     bool coupled;                      // the lower ball feels the upper one
     double stored = 0.0;               // in the contacts at release [J]
 
-    // The bound for compressions by `part` of the smaller radius.
+    // The bound for L1 and L2 equal to `part` times the smaller radius.
     template <class Law>
     HL_FN static CompressionBound of(double part, const Law& floor, const Law& pair, double m1, double m2,
                                      double r1, double r2, double gravity, double height, double v1,
@@ -45,8 +45,8 @@ struct CompressionBound {
                 coupled};
     }
 
-    // g t [m/s] up to which both compressions are excluded, with t the time since release and this gap of the pair at
-    // release; −∞: they are not excluded, ∞: at all times.
+    // Value of g t [m/s], with t the time since release, up to which neither compression can be reached. `gap`: gap of
+    // the pair at release. ∞: never reached; −∞: not excluded.
     HL_FN double excluded_until(double gap) const {
         const double e = stored + 0.5 * (m1 * (v1 * v1) + m2 * (v2 * v2)) +
                          gravity * (m1 * (height + floor) + m2 * (height + gap + floor + pair));
@@ -59,18 +59,18 @@ struct CompressionBound {
     }
 };
 
-// The same for one drop and the gap of its pair.
+// The bound applied to one drop with a given gap of its pair.
 struct DropBound {
-    double sure, landed, gravity;  // g t that is sure; g t at the touch; g
+    double sure, landed, gravity;  // g t up to which it is excluded, g t at the floor touch [m/s]; g
 
     HL_FN static DropBound of(const CompressionBound& b, double gap, double impact_speed) {
         return {b.excluded_until(gap), b.v1 + impact_speed, b.gravity};
     }
-    // Both compressions are excluded up to t [s] after the touch.
+    // Whether both compressions are excluded up to t [s] after the floor touch.
     HL_FN bool holds(double t) const {
         return sure == math::infinity || landed + gravity * math::max(t, 0.0) <= sure;
     }
-    // Both are excluded in a sequence with this many contacts of the pair; without any only the floor contact counts.
+    // Whether both are excluded in a sequence with this many pair contacts; with none only the floor contact counts.
     HL_FN bool holds(int n_contacts, double t_end) const {
         return n_contacts == 0 ? sure > -math::infinity : holds(t_end);
     }

@@ -1,10 +1,10 @@
-// The coefficient of restitution that the independent-collisions model would need.
+// The coefficient of restitution with which the independent-collisions model (ICM) gives a measured relative velocity.
 #pragma once
 #include "../base/math.hpp"
 
 namespace hardlimit::column {
 
-// ε that gives the relative velocity v_r in the ICM, v_r = ε (1 + ε) V (Eq. 4 inverted, in the stable form).
+// Solves v_r = ε (1 + ε) V for ε (inverse of Eq. 4), in the form without cancellation.
 template <class R>
 HL_FN R effective_restitution(R relative_velocity, R impact_speed) {
     const R ratio = relative_velocity / impact_speed;

@@ -1,16 +1,16 @@
-// Energies of a column, from gaps rather than heights: a gap of 1e-15 m then keeps its digits.
+// Energies of a column, computed from gaps rather than heights so that a gap of 1e-15 m keeps its digits.
 #pragma once
 #include "state.hpp"
 
 namespace hardlimit::column {
 
-// Energies of the whole column [J]; potential is zero when all gaps are.
+// Energies of the whole column [J]; the potential energy is zero when all gaps are zero.
 struct Energies {
     double kinetic, potential, contact, dissipated;
 };
 
-// Kinetic and potential energy of each ball [N] [J]. Potential is zero where all balls lie on each other and the lowest
-// on the floor (cradle: is where it is).
+// Kinetic plus potential energy of each ball [N] [J]. The potential energy is zero when all gaps are zero (cradle: when
+// the pair gaps are zero, whatever the position of the lowest ball).
 template <class Law>
 void mechanical_energies(const Column<Law>& c, const double* gap, const double* velocity, double* energy) {
     double height = 0.0;

@@ -1,11 +1,11 @@
-// The fall of the lowest ball, before and between contacts.
+// Free fall of the lowest ball onto the floor.
 #pragma once
 #include "../base/math.hpp"
 
 namespace hardlimit::column {
 
-// Time of the first floor touch after release, or NaN if the lowest ball never lands. The stable root of
-// gap + v t − g t²/2 = 0. A ball that leaves the floor (gap 0, v > 0) touches it again at 2v/g, not now.
+// Time until the ball touches the floor, NaN if it never does: the root of gap + v t − g t²/2 = 0 without cancellation.
+// A ball that leaves the floor (gap 0, v > 0) touches it at 2v/g, not at 0.
 HL_FN double fall_time(double gap, double velocity, double gravity) {
     if (gap <= 0.0 && !(velocity > 0.0)) return velocity < 0.0 || gravity > 0.0 ? 0.0 : math::nan;
     if (gravity == 0.0) return velocity < 0.0 ? -gap / velocity : math::nan;

@@ -1,4 +1,4 @@
-// Events of the pairs of a column: the next one in free flight, and the first one in an integration step.
+// Event detection for the general column solver: the next event in free flight, the first event in a step.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -14,9 +14,9 @@ namespace hardlimit::column::newton {
 
 using Event = ContactEvent;
 
-// ---- without forces: closed forms --------------------------------------------------------------------------
+// ---- free flight: closed forms --------------------------------------------------------------------------------
 
-// The earliest event of a flight.
+// The earliest event in free flight: time until it, kind, pair.
 struct Next {
     double dt = math::infinity;
     Event what = Event::none;
@@ -36,8 +36,8 @@ inline double time_to_close(double gap, double rate, double g) {
     return g > 0.0 ? -2.0 * rate / g : math::infinity;
 }
 
-// The next event of a pair in flight: gaps between balls change at constant rates, the floor gap is a parabola.
-// `fresh`: the pair was just placed on the zero of an event.
+// Considers the next event of pair j in free flight. Gaps between balls are linear in time, the floor gap is quadratic.
+// `fresh`: the last event left the state exactly on the zero of its event function.
 template <class Law>
 void next_of_pair(const Motion<Law>& motion, const double* y, int j, bool fresh, Next& next) {
     const double gap = y[j], rate = motion.rate(j, y), g = j == 0 ? motion.column->gravity : 0.0;
@@ -52,15 +52,15 @@ void next_of_pair(const Motion<Law>& motion, const double* y, int j, bool fresh,
     next.consider(time_to_engage(motion.column->contacts[j], -gap, rate, g, fresh), Event::engages, j);
 }
 
-// ---- under forces: zeros inside a step ---------------------------------------------------------------------
+// ---- with forces: zeros inside a step ----------------------------------------------------------------------
 
-// A step from y to `end` and the search for events in it. States as in Motion; k, k_end are their derivatives.
+// One integration step from y to `end`, with event location. States as in Motion; k and k_end are their derivatives.
 template <class Law>
 struct Step {
     Motion<Law> motion;
-    double noise;  // depths up to this part of a contact's unit are rounding
+    double noise;  // compressions below noise × scales.depth are rounding error
     std::vector<double> y, k, end, k_end, trial, k_trial;
-    std::vector<unsigned char> fresh;  // [N] the pair was just placed on the zero of an event
+    std::vector<unsigned char> fresh;  // [N] the last event left the pair on the zero of its event function
 
     Step(const Column<Law>& c, double rounding)
         : motion(c),
@@ -104,7 +104,7 @@ struct Step {
                                static_cast<bool>(motion.rooted[j]), at, change});
     }
 
-    // At the end of the step.
+    // Whether an event function of the pair is still not positive at the end of the step.
     bool still_fresh(int j) const {
         for (const Event kind : events_of(j)) {
             if (kind == Event::none) continue;
@@ -118,7 +118,7 @@ struct Step {
         motion(trial.data(), k_trial.data());
     }
 
-    // Whether an event of the pair happens in (0, length]; if so, `length` and `end` move to the first one.
+    // Returns whether this event of pair j occurs in (0, length]. If so, shortens the step to its first occurrence.
     bool crosses(int j, Event kind, double& length) {
         const EventFunction a = function(j, kind, y.data(), k.data());
         const EventFunction b = function(j, kind, end.data(), k_end.data());

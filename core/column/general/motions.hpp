@@ -1,41 +1,42 @@
-// Newton's equations for N balls in a column and any contact law, integrated with high order and every event
-// of a force located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for N balls):
+// Newton's equations for a column of N balls under any contact law. The integration is of high order, and every
+// instant at which a force sets in or ends is located (Eq. 14 of Müller & Pöschel, Phys. Rev. E 83, 041304 (2011), for
+// N balls):
 //   m_i dv_i/dt = F_i − F_{i+1} − m_i g,   d(gap_j)/dt = −rate_j,   rate_j = v_{j−1} − v_j  (floor: −v_1),
 //   F_j = force(s_j, rate_j) while contact j is closed, otherwise 0;   ξ_j = −gap_j = s_j^p.
-// The law is asked for nothing but the interface in contact/law.hpp.
+// Of the law, only the interface in contact/law.hpp is used.
 //
-// Order. While a contact is closed its coordinate is s, and time is scaled (contact/smooth_time.hpp). A contact that is
-// pressed only indirectly (rate = 0 at touch) has ξ ~ t^{7/2} or so: there ξ is the better coordinate. The coordinate
-// is chosen anew before each step, which costs nothing, since a one-step method has no memory.
+// Order. While a contact is closed its coordinate is s, and time is scaled (contact/smooth_time.hpp). A contact that
+// starts at rate 0 because a neighbour presses on it has ξ ~ t^{7/2} or so; ξ is the better coordinate for it. The
+// coordinate is chosen before each step. A one-step method keeps no history, so a change costs nothing.
 //
-// Events of a pair: contact/events.hpp. After an event the state is put exactly on the zero of its function, which
-// counts again once it has become positive; a value below zero while it rises is rounding.
+// Events of a pair are defined in contact/events.hpp. After an event the state is set exactly on the zero of the event
+// function. The event re-arms once its function is positive; a negative value while it rises is rounding error.
 //
-// Touching pairs, gap exactly 0, at release or later. The rate decides: > 0 is a contact now, < 0 is an opening pair
-// without contact, whatever acts beside it. At rate = 0 the acceleration decides. All forces are repulsive and
-// gravity is the same for all, so d(rate_j)/dt = F_{j−1}/m_{j−1} + F_{j+1}/m_j >= 0 (floor: g + F_1/m_1): the pair
-// closes from the instant on at which a contact next to it begins (the floor pair under gravity: at once), and this
-// begins the contacts next to it in turn. Without one it keeps gap and rate 0. Such a contact starts as a high power
-// of time, ξ ~ t^{7/2} for the first one beside a Hertz contact. It is `pressed`: its force law is on, and its end is
-// not looked for until ξ stands out from rounding.
+// Touching pairs (gap exactly 0, at release or later). If rate > 0, a contact begins now. If rate < 0, the pair opens
+// without contact, whatever its neighbours do. If rate = 0, the acceleration decides. All forces are repulsive and
+// gravity acts on all balls alike, so d(rate_j)/dt = F_{j−1}/m_{j−1} + F_{j+1}/m_j >= 0 (floor: g + F_1/m_1). The pair
+// therefore closes when a neighbouring contact begins (the floor pair under gravity: at once), and in turn closes its
+// other neighbour. Without such a contact its gap and rate stay 0. The contact starts as a high power of time,
+// ξ ~ t^{7/2} next to a Hertz contact. Its state is `pressed`: the force law applies, but the end of the contact is
+// not searched for until ξ exceeds rounding error.
 //
-// A zero inside a step is found by Newton's method in a bracket, each state being one Runge-Kutta step from
-// the start of the interval. Two zeros within a step show as a minimum, which is followed until it is
-// decided. While no force acts the motion is a parabola, and only slack → closed needs a search.
+// A zero inside a step is found by Newton's method with a bracket; each trial state is one Runge-Kutta step from the
+// start of the interval. Two zeros within a step show as a minimum, which is refined until its sign is certain. In
+// free flight the motion is a parabola; only slack → closed needs a search.
 //
-// Energy: potential = Σ_j W_j gap_j with W_j the weight above gap j (zero for balls lying on each other), the
-// only form that keeps the digits of a small gap. Dissipation = ∫ Σ (F − F_elastic) rate dt; what a slack
-// pair gives back of its stored energy is dissipation too.
+// Energy. The potential energy is Σ_j W_j gap_j with W_j the weight above gap j (zero for balls that touch); only this
+// form keeps the digits of a small gap. Dissipation is ∫ Σ (F − F_elastic) rate dt, plus the energy that a contact
+// still stores when its force ends.
 //
-// Creep. Where a law damps strongly, or between much heavier neighbours, rates of 1e6/s and more die away and leave
-// a motion of milliseconds or seconds, through which the explicit method would go on in steps of a microsecond.
-// After a long time without events an implicit method (radau.hpp) therefore takes over until the next one, at the
+// Creep. Under strong damping, or between much heavier neighbours, the equations are stiff: modes of 1e6/s and more
+// decay and leave a motion over milliseconds or seconds, while the explicit method still needs steps of a microsecond.
+// After many steps without an event an implicit method (radau.hpp) therefore takes over until the next event, at the
 // same tolerance.
 //
 // Rest. With all contacts closed the energy above the static equilibrium is Σ_j B_j(ξ_j) + kinetic energy
 // with B_j(ξ) = U_j(ξ) − U_j(ξ_s) − W_j (ξ − ξ_s) >= 0 for a convex U, and never grows. Contact j can end only if
-// this reaches the least energy without force, min over u of B_j(d(−u)) + m_eff u²/2, the bodies separating at the
-// speed u from the compression d at which this speed ends the force. Below that the contact never ends.
+// this reaches the smallest energy of a state without force, min over u of B_j(d(−u)) + m_eff u²/2: the bodies separate
+// at speed u, and d(−u) is the compression at which the force vanishes at that speed. Below it the contact never ends.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -59,8 +60,8 @@ double pair_mass(const Column<Law>& c, int j) {
     return effective(j == 0 ? math::infinity : c.mass[j - 1], c.mass[j]);
 }
 
-// Units: the impact speed, and of each contact the compression ξ = s^p an elastic impact at this speed
-// reaches.
+// Scales of the problem: the impact speed, and for each contact the largest compression ξ = s^p of an elastic impact
+// at this speed.
 struct Scales {
     double speed = 0.0, time = math::infinity, energy = 0.0;
     std::vector<double> s, depth;  // [N] ℓ_j and ℓ_j^p
@@ -92,7 +93,7 @@ struct Motion {
     Scales scales;
     std::vector<Pair> pair;
     std::vector<unsigned char> rooted;
-    bool implicit = false;  // which method advances the state
+    bool implicit = false;  // the implicit method advances the state
     mutable std::vector<double> force, factor, stages;
     mutable Radau radau;
 
@@ -120,7 +121,7 @@ struct Motion {
     double gap(int j, const double* y) const { return rooted[j] ? -math::power<p>(y[j]) : y[j]; }
     double s(int j, const double* y) const { return rooted[j] ? y[j] : onset_root<p>(-y[j]); }
 
-    // γ; leaves γ (ℓ_j/s_j)^{p−1} in factor[j].
+    // Returns γ = dt/dτ and stores γ (ℓ_j/s_j)^{p−1} in factor[j].
     double clock_rate(const double* y) const {
         if constexpr (p == 1) return 1.0;
         const auto for_rooted = [this](const auto& f) {
@@ -153,8 +154,8 @@ struct Motion {
         dy[loss()] = g * dissipation;
     }
 
-    // State a time (in τ) after y; k0 = dy/dτ there. Without forces it is the parabola. Returns whether it could be
-    // found; only the implicit method may fail.
+    // Computes the state `length` (in τ) after y; k0 = dy/dτ at y. Exact (a parabola) without forces. Returns false if
+    // the implicit method did not converge.
     bool advance(const double* y, const double* k0, double length, double* out) const {
         const int n = balls();
         if (!free()) {
@@ -173,7 +174,7 @@ struct Motion {
         return true;
     }
 
-    // Positions and velocities depend on each other; time and energy lost are integrals beside them.
+    // Only gaps and velocities are coupled; time and dissipated energy are quadratures.
     bool advance_implicitly(const double* y, double length, double* out) const {
         const int n = balls();
         std::vector<double> unit(clock());
@@ -184,7 +185,7 @@ struct Motion {
         return radau.step(*this, y, length, dimension(), clock(), unit.data(), out);
     }
 
-    // The same at a given time within an interval; Newton's method on t(τ), which rises monotonically.
+    // Computes the state at a given time within an interval, by Newton's method on the increasing function t(τ).
     void reach(const double* y, const double* k0, double length, double time, double* out) const {
         const double wanted = time - y[clock()];
         if (wanted == 0.0) {
@@ -219,7 +220,7 @@ struct Motion {
             if (pair[j] == Pair::open) continue;
             const double stored = column->contacts[j].energy(s(j, y));
             e.contact += stored;
-            if (pair[j] == Pair::slack) e.dissipated -= stored;  // counted as lost where the force ended
+            if (pair[j] == Pair::slack) e.dissipated -= stored;  // counted as dissipated when the force ended
         }
         return e;
     }
@@ -230,8 +231,8 @@ struct Motion {
         rooted[j] = use_root;
     }
 
-    // s where the contact is compressed or being compressed in earnest, the gap elsewhere. Returns whether
-    // any coordinate has changed.
+    // Chooses s for contacts that are noticeably compressed or change fast, the gap for all others. Returns whether any
+    // coordinate has changed.
     bool choose_coordinates(double* y) {
         if constexpr (p == 1) return false;
         bool changed = false, at_zero = false;

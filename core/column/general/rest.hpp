@@ -1,10 +1,10 @@
-// When gravity holds a column closed for good: the head of motions.hpp says why.
+// Criterion for a column that gravity keeps closed forever; motions.hpp derives it under "Rest".
 #pragma once
 #include "motions.hpp"
 
 namespace hardlimit::column::newton {
 
-// The static equilibrium of the closed column and the energy that keeps it closed.
+// The static equilibrium of the closed column, and the smallest energy that can open a contact (`barrier`).
 template <class Law>
 struct Equilibrium {
     std::vector<double> weight, depth, stored;
@@ -24,14 +24,14 @@ struct Equilibrium {
         }
     }
 
-    // Least energy above the equilibrium with which contact j can be without force: the minimum over the speed of
-    // separation, on a grid of octaves and then by golden section between the neighbours of the best one. Coming
-    // apart at ξ = 0 with no speed at all bounds it from above, and so bounds the speed.
+    // Smallest energy above the equilibrium at which contact j can be without force: the minimum over the separation
+    // speed u, on a grid of octaves and then by golden-section search. The energy at ξ = 0 and u = 0 is an upper bound,
+    // and so bounds u.
     double release_energy(const Law& law, int j, double mass) const {
         const double standing = excess(law, j, 0.0);
         const auto energy = [&](double u) {
             const double at = math::max(law.slack(-u).depth, 0.0);
-            // Deeper than the equilibrium: the force is zero there as well, where B = 0.
+            // If the slack is deeper than the equilibrium, the force also vanishes at the equilibrium, where B = 0.
             const double stored = at < depth[j] ? excess(law, j, onset_root<Law::onset_power>(at)) : 0.0;
             return stored + 0.5 * mass * u * u;
         };
@@ -56,7 +56,7 @@ struct Equilibrium {
         return (law.energy(s) - stored[j]) - weight[j] * (math::power<Law::onset_power>(s) - depth[j]);
     }
 
-    // Energy above the equilibrium [J]; all contacts are closed.
+    // Energy above the equilibrium [J]; requires all contacts closed.
     double energy(const Motion<Law>& motion, const double* y) const {
         double total = motion.energies(y).kinetic;
         for (int j = 0; j < motion.balls(); ++j) {
@@ -65,11 +65,11 @@ struct Equilibrium {
         return total;
     }
 
-    // Whether contact j may be compressed as much as `deep` with this energy, or by its weight alone.
+    // Whether contact j can reach the compression `deep` with this energy, or reaches it under the weight alone.
     bool reaches(const Law& law, int j, double deep, double energy) const {
         return depth[j] >= deep || excess(law, j, onset_root<Law::onset_power>(deep)) <= energy;
     }
-    // With this energy no contact ends any more; all motion is over.
+    // holds: with this energy no contact can end. settled: the energy is within rounding error of zero.
     bool holds(double energy) const { return energy < barrier || settled(energy); }
     bool settled(double energy) const { return energy < rounding; }
 };

@@ -1,4 +1,4 @@
-// The run of the general solver: from event to event until the sequence is over (see motions.hpp).
+// Main loop of the general column solver: integrates from event to event until the sequence is over (motions.hpp).
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -15,24 +15,24 @@ struct IntegrateOptions {
     double tolerance = 1e-14;    // local error in units of the impact (see Scales)
     long max_steps = 2'000'000;  // integration steps and events together
     double until = math::nan;    // [s] after the first floor touch (cradle: release); NaN: end of sequence
-    bool record = false;         // keep what sample() needs
-    Stop* stop = nullptr;        // asked at every step; a run that was stopped holds nothing of use
+    bool record = false;         // store the states for sample()
+    Stop* stop = nullptr;        // checked at every step; the result of a stopped run is invalid
 };
 
 namespace newton {
 
-// What changes at events only.
+// Discrete state of the integration; constant within an interval.
 struct Modes {
     std::vector<Pair> pair;
     std::vector<unsigned char> rooted;  // whether the coordinate is s
-    bool implicit;                      // the method
+    bool implicit;                      // implicit method
     bool operator==(const Modes&) const = default;
 };
 
 // An interval without events.
 struct Interval {
-    double t, length;   // begin [s] after the first floor touch (cradle: release); length in τ
-    std::size_t modes;  // index
+    double t, length;   // start [s] after the first floor touch (cradle: release); length in τ
+    std::size_t modes;  // index into Integration::modes
 };
 
 }  // namespace newton
@@ -46,11 +46,11 @@ struct Integration {
     std::vector<double> velocity;   // [N] [m/s]
     long steps = 0;                 // integration steps, rejected ones included, and events
     double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
-    std::vector<double> compression;  // [N] greatest, over the smaller radius
+    std::vector<double> compression;  // [N] largest compression over the smaller radius
     int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
-    double settling = 0.0;            // [s] of a run that ended at rest: how long contacts still swing
-    std::vector<newton::Interval> intervals;  // with `record`; one of length 0 keeps its state
-    std::vector<double> states;               // [intervals × (2N + 2)] where they begin, as in Motion
+    double settling = 0.0;            // [s] if at rest: time in which the oscillations decay
+    std::vector<newton::Interval> intervals;  // with `record`; in one of length 0 the state is constant
+    std::vector<double> states;               // [intervals × (2N + 2)] state at the start of each, as in Motion
     std::vector<newton::Modes> modes;
 };
 
@@ -104,16 +104,16 @@ private:
     std::vector<double>& y = step.y;            // the state
     std::vector<double> tolerance;              // [dimension]
     std::vector<int> contact_of;                // [N] index of the open contact
-    std::vector<unsigned char> counted;         // [N] contact of the sequence
-    std::vector<double> radius;                 // [N] smaller one of each pair
-    std::vector<Equilibrium<Law>> equilibrium;  // made when first needed
+    std::vector<unsigned char> counted;         // [N] the open contact belongs to the sequence
+    std::vector<double> radius;                 // [N] smaller radius of each pair
+    std::vector<Equilibrium<Law>> equilibrium;  // empty until first needed
     bool timed = !math::is_nan(options.until), stopped = false, kept = false;
     double initial_energy = 0.0, h = 0.0;
     int quiet = 0;                 // explicit steps since the last change of the contacts
     double explicit_length = 0.0;  // of the last explicit step
 
-    // After how many explicit steps without a change of the contacts the implicit method is tried, how many times
-    // longer its steps must be to stay, and up to how many balls: its cost grows with their cube.
+    // The implicit method is tried after `patience` explicit steps without a change of contacts, kept while its steps
+    // are `least_gain` times longer, and used for at most `most_implicit` balls, since its cost grows as N³.
     static constexpr int patience = 5000, least_gain = 50, most_implicit = 16;
 
     Sequence& sequence() { return result.sequence; }
@@ -121,7 +121,7 @@ private:
 
     bool clock_started() const { return !column.floor || !math::is_nan(result.sequence.t_first_touch); }
 
-    // With `until`, more than two balls need nothing after it; two balls need the rest of the sequence.
+    // With `until`, the run may end there; for two balls it continues to the end of the sequence.
     bool complete() {
         if (!timed) return sequence().finished;
         return kept && (column.balls != 2 || sequence().finished);
@@ -129,14 +129,14 @@ private:
 
     // ---- one interval -------------------------------------------------------------------------------------
 
-    // Ends the interval at `end`, `length` in τ after y, with an event of pair j there.
+    // Accepts the interval from y to `end`, of length `length` in τ, and applies the event of pair j at its end.
     void close_interval(double length, Event what, int j) {
         compress(length);
         record(length);
         if (timed && !kept && clock_started() && step.end[motion.clock()] >= options.until) {
             motion.reach(y.data(), step.k.data(), length, options.until, step.trial.data());
             step.trial[motion.clock()] =
-                options.until;  // reached to rounding: below it, sample() would not know this state
+                options.until;  // exactly: sample() gives NaN after the last recorded time
             keep(step.trial);
             if (complete()) {
                 y = step.trial;
@@ -155,7 +155,7 @@ private:
         if (what != Event::none) apply(what, j);
     }
 
-    // Greatest compressions between y and the end of the step, which moves to where a contact reaches its limit.
+    // Updates the largest compressions within the step. Shortens the step to the instant a contact reaches its limit.
     void compress(double& length) {
         const double time = step.end[motion.clock()] - now();
         const auto probed = [&](const auto& of) {
@@ -171,7 +171,7 @@ private:
             const double before = rate(y.data()), after = rate(step.end.data()), from = part(y.data());
             double deepest = math::max(from, part(step.end.data())), turn = length;
             const double reach = time * math::max(math::abs(before), math::abs(after)) / radius[j];
-            if (!(deepest + reach > result.compression[j])) continue;  // shallower than once before
+            if (!(deepest + reach > result.compression[j])) continue;  // cannot exceed the largest so far
             if (before > 0.0 && after < 0.0) {
                 turn =
                     roots::falling_zero(probed(rate), 0.0, before, length, after, 1e-14 * (before - after));
@@ -211,7 +211,7 @@ private:
         if (!(relative <= result.energy_error)) result.energy_error = relative;
     }
 
-    // ---- no force acts ------------------------------------------------------------------------------------
+    // ---- free flight --------------------------------------------------------------------------------------
 
     void fly() {
         if (release_pressed()) return;
@@ -234,12 +234,12 @@ private:
         }
         motion(y.data(), step.k.data());
         motion.advance(y.data(), step.k.data(), next.dt, step.end.data());
-        if (next.what == Event::none) step.end[motion.clock()] = options.until;  // not one rounding before it
+        if (next.what == Event::none) step.end[motion.clock()] = options.until;  // exactly, despite rounding
         if (next.dt > 0.0) std::fill(step.fresh.begin(), step.fresh.end(), 0);
         close_interval(next.dt, next.what, next.pair);
     }
 
-    // ---- some force acts ----------------------------------------------------------------------------------
+    // ---- with forces --------------------------------------------------------------------------------------
 
     void integrate_step() {
         find_pressed();
@@ -268,7 +268,7 @@ private:
         if (what == Event::none) consider_implicit();
     }
 
-    // A step of length h into `end`; sets h for the next one. Returns whether it was accurate enough.
+    // Takes a step of length h to `end` and sets h for the next step. Returns whether the step was accurate enough.
     bool explicit_step() {
         motion.advance(y.data(), step.k.data(), h, step.end.data());
         set_tolerance();
@@ -280,7 +280,7 @@ private:
         return false;
     }
 
-    // The same, judged by two steps of half the length, whose rounding is no error.
+    // The same with the implicit method. The error is the difference from two half steps, beyond rounding.
     bool implicit_step() {
         set_tolerance();
         std::vector<double>&middle = step.trial, &halves = step.k_trial;
@@ -326,11 +326,11 @@ private:
             tolerance[n + j] = math::abs(y[n + j]) + unit.speed;
         }
         tolerance[motion.clock()] = unit.time;
-        // Balls laid down slowly dissipate their weight's work, which may be far above the energy of the impact.
+        // Balls that settle slowly dissipate the work of gravity, which may far exceed the impact energy.
         tolerance[motion.loss()] = math::max(unit.energy, 0.5 * math::abs(y[motion.loss()]));
         for (double& x : tolerance) x *= options.tolerance;
-        // Between much heavier neighbours a ball feels the difference of forces that are large for its mass: their
-        // rounding is no error of the step, and a shorter step would not lessen its rate.
+        // The net force on a light ball between heavy ones is a small difference of large forces. Its rounding error is
+        // not a truncation error: shorter steps would not reduce it.
         for (int i = 0; i < n; ++i) {
             const double forces = math::abs(motion.force[i]) + math::abs(motion.force[i + 1]);
             tolerance[n + i] =
@@ -340,7 +340,7 @@ private:
 
     // ---- touching pairs -----------------------------------------------------------------------------------
 
-    // Whether something begins to close a pair of gap and rate 0: a contact next to it, or gravity.
+    // Whether a neighbouring contact or gravity closes pair j, whose gap and rate are 0.
     bool presses(int j) const {
         const bool below = j == 0 ? column.gravity > 0.0 : motion.pushes(j - 1);
         return below || (j + 1 < column.balls && motion.pushes(j + 1));
@@ -359,7 +359,7 @@ private:
         }
     }
 
-    // Compressions that stand out from rounding make common contacts.
+    // Turns pressed pairs into ordinary contacts once their compression exceeds rounding error.
     void settle_pressed() {
         for (int j = 0; j < column.balls; ++j) {
             if (motion.pair[j] != Pair::pressed || !(-y[j] > step.tiny(j))) continue;
@@ -369,8 +369,8 @@ private:
         }
     }
 
-    // No other contact acts any more: pressed pairs that still close go on by themselves, the others end within
-    // rounding of where they began. Returns whether there were any.
+    // Called when no ordinary contact is closed: pressed pairs that still approach become ordinary contacts, the others
+    // end at gap 0. Returns whether there were any.
     bool release_pressed() {
         bool any = false;
         for (int j = 0; j < column.balls; ++j) {
@@ -387,7 +387,8 @@ private:
 
     // ---- events -------------------------------------------------------------------------------------------
 
-    // Applies an event whose function is not positive before the step begins, unless the pair was just placed there.
+    // Applies an event whose function is not positive at the start of the step, unless the pair is fresh. Returns
+    // whether there was one.
     bool event_at_start() {
         for (int j = 0; j < column.balls; ++j) {
             for (const Event kind : step.events_of(j)) {
@@ -454,7 +455,7 @@ private:
         if (!timed || kept) stopped = complete();
     }
 
-    // Moves time zero to the first floor touch.
+    // Sets the origin of time to the first floor touch.
     void start_clock(double& t) {
         for (Contact& c : result.contacts) {
             c.begin -= t;
@@ -518,7 +519,7 @@ private:
         return stopped;
     }
 
-    // From now to `until`: an interval of length 0 keeps its state.
+    // Sets the state to the static equilibrium until `until`, recorded as an interval of length 0.
     void stand_still() {
         for (int j = 0; j < column.balls; ++j) {
             motion.choose_coordinate(j, y.data(), false);

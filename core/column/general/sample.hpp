@@ -1,4 +1,4 @@
-// The state of a recorded integration at any time.
+// Dense output: the state of a recorded integration at any time.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace hardlimit::column {
 
-// Where sample() writes; a null pointer asks for nothing.
+// Output arrays of sample(); those that are null are skipped.
 struct Samples {
     double* gaps;        // [n × N] [m]
     double* velocity;    // [n × N] [m/s]
@@ -15,7 +15,7 @@ struct Samples {
     Energies* energies;  // [n] [J]
 };
 
-// State at n times from a recorded integration. NaN outside the recorded range.
+// Writes the states at n times of a recorded integration; NaN outside the recorded range.
 template <class Law>
 void sample(const Column<Law>& column, const Integration<Law>& run, const double* times, long n,
             const Samples& out) {
