@@ -296,3 +296,13 @@ def test_a_random_option_with_a_file(start: Path) -> None:
     damaged = start.with_name("damaged.xyz")
     damaged.write_text(start.read_text()[:1000])
     assert "damaged.xyz: number of particles: got 64, but" in refused("gas", damaged)
+
+
+@pytest.mark.parametrize(
+    "bad", ["--rule=fish", "--restitution=1.5", "--until=-1", "--rule=tc", "--max-collisions=-3"]
+)
+def test_bad_arguments_are_refused_before_the_start_is_made(monkeypatch, bad):
+    monkeypatch.setattr(hl.ParticleSystem, "random", lambda *_, **__: pytest.fail("the start was made"))
+    assert refused("gas", "--n", "3000000", bad).startswith(
+        f"hardlimit gas: --{'contact-duration' if 'tc' in bad else bad[2:].split('=')[0]}: "
+    )

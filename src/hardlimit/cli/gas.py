@@ -17,7 +17,9 @@ import hardlimit as hl
 
 from ..boxes import files as box_files
 from ..boxes import theory
+from ..boxes.hard_spheres import checked_end
 from ..boxes.newton import NAMES as ENGINES
+from ..boxes.rules import checked_settings
 from ..boxes.system import described
 from ..support import saving
 from ..support.formatting import digits, listed
@@ -168,6 +170,10 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
         for name in ("out", "animate"):
             if job.outputs[name] is not None:
                 raise ValueError(f"--{name}: needs --until for frames at equal times")
+    # Bad arguments are refused before the start is made, which takes minutes for a million particles.
+    given = rule | job.run
+    checked_settings(*(given.get(name) for name in ("law", "restitution", "rule", "contact_duration")))
+    checked_end(given.get("until"), given.get("max_collisions"))
     start = job.start()
     if "max_collisions" not in job.run:
         job.run.setdefault("until", usual_end(start))
