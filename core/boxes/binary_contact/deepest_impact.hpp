@@ -1,16 +1,16 @@
-// The largest compression that the impacts of an event-driven run would have as contacts of the law.
+// The largest compression that the collisions of a hard-sphere run would reach as contacts of the force law.
 //
-// A contact is solved only if its impact may be the deepest so far. Without damping an impact would be as deep as its
-// energy e allows, and less if the path leads past the other body: ξ² + 2 (v_t/v_n)² (e²/l) ξ = e² under
-// the linear law, so that ξ <= e/(1 + (v_t/v_n)² e/l). Impacts are compared by this bound.
+// A contact is solved only if its impact may be the deepest so far. Without damping a head-on impact reaches the depth
+// e at which its energy is stored. An oblique impact reaches less: ξ² + 2 (v_t/v_n)² (e²/l) ξ = e² under the linear
+// law, so that ξ <= e/(1 + (v_t/v_n)² e/l). Impacts are compared by this bound.
 #pragma once
 #include "planar_contact.hpp"
 
 namespace hardlimit::boxes {
 
 struct DeepestImpact {
-    double bound = 0.0;              // largest bound so far, over the smaller radius
-    double compression = math::nan;  // of the impacts solved, over the smaller radius
+    double bound = 0.0;              // largest bound so far, in units of the smaller radius
+    double compression = math::nan;  // largest of the solved impacts, in units of the smaller radius
     bool too_deep = false;           // beyond deepest_compression: the run ends
 };
 

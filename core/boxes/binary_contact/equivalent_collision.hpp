@@ -1,20 +1,20 @@
-// The instantaneous collision that leads to the same path as a contact that takes time. The free flight after the
-// contact, followed backwards to the instant of touch, starts at r* = r(t_c) − t_c v(t_c) with the velocity
-// v* = v(t_c); at a wall across gravity it is the parabola through the end of the contact. A pair that is put there at
-// touch and flies on freely is on the path of Newton's equations from t_c on.
+// The instantaneous collision that leads to the same path as a contact of finite duration t_c. The free flight after
+// the contact, extrapolated back to the instant of touch, starts at r* = r(t_c) − t_c v(t_c) with the velocity v* =
+// v(t_c). At a wall with gravity along its normal, the extrapolation is the parabola through the end of the contact. A
+// pair that is moved to r* at touch and flies freely is on the path of Newton's equations from t_c on.
 #pragma once
 #include "planar_contact.hpp"
 
 namespace hardlimit::boxes {
 
-// Of the relative motion (first body less second, body less wall): normal is along the line of centres at touch, from
-// the second body to the first, tangential along the relative velocity across it.
+// Relative motion (first body minus second, or body minus wall). Normal: along the line of centres at touch, from the
+// second body to the first. Tangential: along the component of the relative velocity perpendicular to it.
 struct EquivalentCollision {
     double normal_velocity, tangential_velocity;  // v* [m/s]
     double normal_shift, tangential_shift;        // r* − r at touch [m]
 };
 
-// The shift of two bodies is formed from small parts, so that it keeps its digits where l is 1e8 times as large.
+// The shift of two bodies is a sum of small terms, so that it keeps its digits even if l is 1e8 times as large.
 HL_FN EquivalentCollision equivalent_collision(const Approach& a, const PlanarContact& end) {
     const double t = end.duration;
     if (a.distance == math::infinity) {

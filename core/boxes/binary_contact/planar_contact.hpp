@@ -1,8 +1,8 @@
 // The isolated contact of two spheres in the plane of their approach, for any law (P. Müller and T. Pöschel, Phys. Rev.
 // E 87, 033301 (2013)). r is the distance of the centres, l that at touch, ξ = l − r the compression, h = l v_t:
 //   ξ̈ = −F(ξ, ξ̇)/m_eff − h²/r³ + g,   θ̇ = h/r²,   ξ = 0, ξ̇ = v_n at touch,
-// until F = 0. θ is the angle by which the line of centres has turned. At a wall the distance is infinite: nothing
-// turns, and g is the acceleration that presses the body against the wall. Between two bodies common gravity drops out.
+// until F = 0. θ is the angle by which the line of centres has turned. At a wall the distance is infinite, the normal
+// does not turn, and g presses the body against the wall. Between two bodies common gravity drops out.
 //
 // Units: length L, speed V, time L/V, so that a contact 1e-8 l deep keeps its digits. With ξ = L X, c = v_t² L/(l V²),
 // λ = L/l, f = F L/(m_eff V²) and w = 1 − λX:
@@ -10,15 +10,15 @@
 // L is the depth of an elastic impact at v_n, divided by 1 + c, because c alone would reverse the motion at 1/(2c). So
 // a grazing contact, which ends before any force acts, is as well scaled as a head-on one.
 //
-// Order. A force like ξ^{3/2} has a singular derivative at touch. With X = σ^p, p = Law::onset_power, and dT =
-// σ^{p−1} dτ the equations have none: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which the
-// solution is smooth.
+// Smooth variables: a force like ξ^{3/2} has a singular derivative at touch. With X = σ^p, p = Law::onset_power, and
+// dT = σ^{p−1} dτ the equations are smooth: dσ/dτ = U/p. An elastic contact ends at a simple zero of σ, through which
+// the solution is smooth.
 //
-// The contact ends where the law says that the force ends (law.hpp). While bodies separate without a force, r̈ = h²/r³
-// >= 0 and the slack does not fall, so that the contact does not begin again. Between two bodies ξ̈ < 0 throughout, and
-// the contact always ends. At a wall gravity may hold a contact closed. Once the compression rises again, the contact
-// never ends: the orbit in the plane of (ξ, ξ̇) stays inside the loop it has drawn, which the line of zero force, from
-// the origin, does not enter.
+// The contact ends when the law's force ends (law.hpp). While bodies separate without a force, r̈ = h²/r³ >= 0 and the
+// slack does not decrease, so that the contact does not begin again. Between two bodies ξ̈ < 0 throughout, and the
+// contact always ends. At a wall gravity may hold a contact closed. Once the compression rises again, the contact never
+// ends: the trajectory in the phase plane (ξ, ξ̇) stays inside the loop it has drawn, which the curve of zero force,
+// starting at the origin, does not enter.
 #pragma once
 #include "../../base/dormand_prince.hpp"
 #include "../../base/outcome.hpp"
@@ -33,26 +33,26 @@ struct Approach {
     double distance;                // of the centres [m]; infinite at a wall
     double normal_speed;            // at which they approach [m/s], > 0
     double tangential_speed = 0.0;  // [m/s], >= 0
-    double gravity = 0.0;           // that presses a body against a wall [m/s²]
+    double gravity = 0.0;           // presses the body against the wall [m/s²]
 };
 
-// The energy of a slower approach may underflow [m/s].
+// Slowest approach whose energy does not underflow [m/s].
 inline constexpr double slowest_approach = 1e-100;
 
-// The end of a contact. If it does not end (`outcome`), the numbers are NaN, except the greatest compression at rest.
+// The end of a contact. If it does not end (`outcome`), the numbers are NaN, except `greatest` if the body rests.
 struct PlanarContact {
     Outcome outcome;
     double duration;          // from touch to zero force [s]; infinite if the contact never ends
     double turn;              // of the line of centres [rad]
-    double compression;       // that is left when the force has ended [m]
+    double compression;       // residual, when the force ends [m]
     double radial_speed;      // at which the bodies separate along the line of centres [m/s]
     double tangential_speed;  // perpendicular to it [m/s]
     double speed_loss;        // normal_speed − radial_speed [m/s], without cancellation
-    double rate_square;       // ∫ (dξ/dt)² dt [m²/s]: the virial needs it
+    double rate_square;       // ∫ (dξ/dt)² dt [m²/s], for the virial
     double greatest;          // compression [m]
 };
 
-// During a contact, or after it.
+// State during a contact, or after it.
 struct PlanarState {
     double time;         // since touch [s]
     double compression;  // l − r [m]; negative once the bodies are apart
@@ -101,7 +101,7 @@ struct PlanarMotion {
         gravity = a.gravity * length / speed / speed;
     }
 
-    static constexpr double faint_pull = 1e-30;  // in units of V²/L; a smaller weight does not count
+    static constexpr double faint_pull = 1e-30;  // in units of V²/L; weaker gravity is neglected
     static double power(double s) { return math::power<p>(s); }
 
     void operator()(const double* y, double* dy) const {
@@ -118,8 +118,8 @@ struct PlanarMotion {
         dy[square] = clock * (y[rate] * y[rate]);
     }
 
-    // Function that falls to zero where the force ends, and its derivative in τ. A simple zero also for a contact that
-    // ends at ξ = 0.
+    // Event function that falls to zero where the force ends, and its derivative in τ. The zero is simple even for a
+    // contact that ends at ξ = 0.
     struct Surface {
         double value, slope;
     };
@@ -140,8 +140,8 @@ struct PlanarMotion {
         return {y[time] * (length / speed), length * x, speed * y[rate], turned};
     }
 
-    // The end, from the state there. The speed of separation follows from the balance of energy, so that an undamped
-    // contact returns all energy to the last bit.
+    // The result, from the state at the end. The speed of separation follows from the energy balance, so that an
+    // undamped contact returns all energy to the last bit.
     PlanarContact finish(const double* y) const {
         const PlanarState at = state(y);
         const double left = math::max(law->slack(at.rate).depth, 0.0), x = left / length;
@@ -167,7 +167,7 @@ struct PlanarMotion {
     }
 
 private:
-    // Weight accelerates a slow body, and presses it deeper than its speed alone would.
+    // Under its weight, a slow body gets faster and deeper than its impact speed alone would make it.
     void rescale_under_gravity(const Law& of) {
         const double weight = approach.effective_mass * approach.gravity;
         const auto mean_force = [&](double s) { return of.energy(s) / power(s); };
@@ -181,16 +181,16 @@ template <class Law>
 class PlanarRun {
 public:
     static constexpr double tolerance = 1e-14;  // relative, of one step
-    // In τ. A force of a high power of σ begins so slowly that the estimator does not see the error.
+    // In τ. A force of a high power of σ starts so slowly that the error estimate misses it.
     static constexpr double longest_step = 0.2;
-    static constexpr double deepest = 0.5;  // share of the distance at which a contact is too deep
+    static constexpr double deepest = 0.5;  // compression over distance at which a contact is too deep
     static constexpr long most_steps = 1'000'000;
-    static constexpr double strong_pull = 1e17;    // gravity off the wall, beside which forces are rounding
-    static constexpr double resting_part = 1e-10;  // share of speed and weight below which a body is at rest
+    static constexpr double strong_pull = 1e17;  // gravity away from the wall at which forces are negligible
+    static constexpr double resting_part = 1e-10;  // part of speed and weight below which a body is at rest
 
     PlanarRun(const Law& law, const Approach& approach) : motion_(law, approach) {}
 
-    // Whether all numbers are in range.
+    // Whether the input is in range.
     static bool accepts(const Approach& a) {
         const double fastest = math::max(a.normal_speed, a.tangential_speed);
         return a.effective_mass > 0.0 && a.distance > 0.0 && a.normal_speed > 0.0 &&
@@ -200,7 +200,7 @@ public:
 
     const PlanarMotion<Law>& motion() const { return motion_; }
 
-    // Calls visit(*this) after every step, whose states at() gives.
+    // Calls visit(*this) after every step; at() then gives the states within that step.
     template <class Visit>
     PlanarContact integrate(Visit&& visit) {
         if (motion_.gravity < -strong_pull) return pulled_off();
@@ -257,7 +257,7 @@ public:
     double begin_time() const { return begin_[M::time] * time_unit(); }
     double end_time() const { return end_[M::time] * time_unit(); }
 
-    // The state at a time [s] within the step just taken, by Newton's method on T(τ), which rises.
+    // The state at a time [s] within the step just taken, by Newton's method on T(τ), which is increasing.
     PlanarState at(double time) {
         const double wanted = time / time_unit();
         if (wanted == begin_[M::time]) return motion_.state(begin_);
@@ -287,14 +287,15 @@ private:
     double begin_[n], end_[n], slope_[n];
     double stages_[DormandPrince::stages * n];  // the first is the derivative at begin_
     double h_ = longest_step, length_ = 0.0;
-    double greatest_ = 0.0;  // compression, once the bodies separate [m]
+    double greatest_ = 0.0;  // maximum compression, known once the bodies separate [m]
 
     static void copy(const double* from, double* to) {
         for (int i = 0; i < n; ++i) to[i] = from[i];
     }
     double time_unit() const { return motion_.length / motion_.speed; }
 
-    // A body that its weight presses from near rest begins so slowly that steps must grow with its motion.
+    // Near rest under gravity, a body moves so slowly that the longest step is made inversely proportional to its
+    // motion.
     double longest() const {
         if (!(motion_.gravity > 0.0)) return longest_step;
         const double motion = math::max(math::abs(end_[M::rate]), math::abs(end_[M::root_depth]));
@@ -303,7 +304,7 @@ private:
 
     bool take_step() {
         DormandPrince::step(motion_, begin_, h_, n, stages_, end_);
-        double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};  // the integrals count against the whole
+        double scale[n] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0};  // errors of the integrals relative to their total
         for (int i = 0; i < n; ++i) {
             scale[i] = tolerance * math::max(scale[i], math::max(math::abs(begin_[i]), math::abs(end_[i])));
         }
@@ -316,14 +317,14 @@ private:
         return true;
     }
 
-    // While a body creeps to rest, the rounding of the balanced forces is no error of the step.
+    // Rounding error of the balanced forces on a body that creeps to rest; it does not count as error of the step.
     double rounding_of_rate() const {
         const double clock = math::power<M::p - 1>(begin_[M::root_depth]);
         return 4.0 * math::epsilon * h_ * clock * motion_.gravity;
     }
 
-    // The greatest compression [m] in the step just taken, where the rate is zero, by Newton's method. Its error is of
-    // second order in the rate that is left.
+    // The greatest compression [m] in the step just taken, where the rate is zero, by Newton's method. Its error is
+    // second order in the residual rate.
     double compression_at_rest() {
         double x = length_ * (begin_[M::rate] / (begin_[M::rate] - end_[M::rate]));
         double at[n], slope[n];
@@ -337,7 +338,7 @@ private:
         return motion_.state(at).compression;
     }
 
-    // Whether the contact ends in the step just taken; if so, end_ moves there.
+    // Whether the contact ends in the step just taken; if so, moves end_ there.
     bool ends() {
         if (!(end_[M::rate] < 0.0)) return motion_.gravity > 0.0 && begin_[M::rate] < 0.0 && dips();
         if (motion_.end_surface(end_, slope_).value > 0.0) return false;
@@ -351,7 +352,7 @@ private:
         length_ = at;
     }
 
-    // Locates the end in (0, up] by Newton's method in a bracket; the function is below zero at up.
+    // Locates the end in (0, up] by bracketed Newton iteration; the event function is negative at `up`.
     void locate(double up) {
         double low = 0.0, x = length_;
         probe(x);
@@ -393,9 +394,9 @@ private:
     }
 };
 
-// Solves the contact from touch to its end. The outcome is `invalid` if PlanarRun::accepts refuses it, and `too_deep`
-// if the centres come closer than half of their distance at touch. An approach slower than slowest_approach is solved
-// at that speed, and scaled in proportion.
+// Solves the contact from touch to its end. The outcome is `invalid` if PlanarRun::accepts refuses the input, and
+// `too_deep` if the centres come closer than half of their distance at touch. An approach slower than slowest_approach
+// is solved at that speed, and the result is scaled in proportion.
 template <class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
     if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
@@ -426,8 +427,8 @@ HL_FN PlanarState fly_on(const Approach& a, const PlanarContact& end, double tim
             end.turn + math::atan2_upper(across, along)};
 }
 
-// The states at `count` times [s] after touch, in rising order, during the contact and after it. NaN if the contact is
-// refused, and from the time at which it is known to last for ever.
+// The states at `count` times [s] after touch, in ascending order, during the contact and after it. NaN if the input is
+// refused, and after the contact is found never to end.
 template <class Law>
 PlanarContact sample_planar_contact(const Law& law, const Approach& approach, const double* times, long count,
                                     PlanarState* states) {

@@ -1,4 +1,4 @@
-// The restitution of one pair as a function of speed, interpolated from few values of the law.
+// Coefficient of restitution of one pair as a function of impact speed, interpolated from a few values of the law.
 #pragma once
 #include <vector>
 
@@ -6,8 +6,8 @@
 
 namespace hardlimit::boxes {
 
-// Each octave of speeds is cut into eight pieces with a polynomial each, made when a speed first falls into it. With
-// nine nodes on a piece the error of a smooth ε(v) is that of rounding, 1e-15.
+// Each octave of speeds has eight pieces with a polynomial each, fitted when a speed first falls into the piece. With
+// nine nodes per piece the error of a smooth ε(v) is at rounding level, 1e-15.
 template <class Law>
 class RestitutionTable {
 public:
@@ -20,7 +20,7 @@ public:
         const u64 piece = (bits >> 49) - (static_cast<u64>(1023 - octaves / 2) << 3);
         if (!(speed > 0.0) || piece >= pieces_.size()) return law_.restitution(speed, mass_);
         Piece& p = pieces_[piece];
-        // From −1 to 1 on the piece: the bits below the three that select it.
+        // Coordinate from −1 to 1 on the piece, from the mantissa bits below the three that select it.
         const double x =
             real_of<double>((bits & 0x0001ffffffffffffULL) << 3 | 0x3ff0000000000000ULL) * 2.0 - 3.0;
         if (!p.known) fill(p, real_of<double>((bits >> 49) << 49));

@@ -1,28 +1,28 @@
-// The contact of planar_contact.hpp for the millions of contacts of an event-driven run: evaluated from polynomials
-// that are fitted to that solver to the accuracy stated below, in some 0.2 µs.
+// Fast evaluation of the contacts of planar_contact.hpp for event-driven runs: polynomials fitted to that solver, to
+// the accuracy stated below. A contact takes about 0.2 µs.
 //
-// What a contact depends on. Let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D
-// the damping force at the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar`
-// (law.hpp) the contact, in units of its own speed and depth, depends only on v_n/v_l, D and v_t/v_n, whatever the
-// bodies. If D is the same for all pairs (equal bodies; a law whose restitution is given) there are two variables,
-// otherwise three. A law that is not similar has polynomials for one kind of pair only.
+// Scaling: let v_l be the speed at which an elastic impact would be l deep, v_l² = 2E(l)/m, and D the damping force at
+// the compression l and the rate v_l, in units of m v_l²/l. For a law that is `similar` (law.hpp) the contact, in units
+// of its own speed and depth, depends only on v_n/v_l, D and v_t/v_n, for any bodies. If D is the same for all pairs
+// (equal bodies, or a law whose restitution is given) there are two variables, otherwise three. A law that is not
+// similar has polynomials for one kind of pair only.
 //
-// Variables. ln(v_n/v_l)², ln D, and for the direction κ = λ v_t²/v_n², the centrifugal acceleration in units of
-// that of an elastic impact, λ ≈ its depth in units of l: y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs
-// from 1 (head-on) to 0 (grazing: the path leaves before any force acts). At κ ≈ −ε, where it would pull inwards, a
-// contact would not end any more; that is the singularity nearest to κ = 0, hence b = ε/2 of the head-on impact.
-// With the unit of length
-// λ l/(1 + κ) and that divided by v_n for the time, the four functions stay of the order of 1 in all limits:
-// duration, compression left, 1 − radial speed/v_n, and how much faster than v_t/l the pair has turned. An undamped
-// contact has zeros for the second and the third, and loses nothing.
+// Variables: ln(v_n/v_l)², ln D, and for the direction y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs from 1
+// (head-on) to 0 (grazing: the path leaves before any force acts). Here κ = λ v_t²/v_n² is the centrifugal acceleration
+// in units of that of an elastic impact, and λ ≈ the depth of that impact in units of l. At κ ≈ −ε, where the
+// centrifugal force would pull inwards, a contact would not end. This singularity is the nearest to κ = 0; hence b =
+// ε/2 of the head-on impact. The unit of length is λ l/(1 + κ), the unit of time that length divided by v_n. In these
+// units the four functions are of order 1 in all limits: duration, residual compression, 1 − radial speed/v_n, and the
+// excess of the turn over v_t/l times the duration. An undamped contact has zeros for the second and the third, and
+// loses nothing.
 //
-// A cell is fitted when it is first needed, and compared with the solver between the nodes; a cell that misses the
+// A cell is fitted when it is first needed, and compared with the solver between the nodes. A cell that misses the
 // accuracy is not used. With two variables there are several sets of cells of different widths in speed: slow contacts
 // depend so little on their speed that one wide cell suffices; if it misses the accuracy, narrow ones are used. If λ =
-// v_n/v_l exactly, as under a linear law, the contact depends on λ smoothly down to 0: then λ is the variable of the
-// first set, and one cell covers all slow contacts. Where there is no cell, at a wall across gravity and for pairs of
-// another kind, the solver is called. The result depends only on the arguments of the call and of the constructor, not
-// on earlier calls.
+// v_n/v_l exactly, as under a linear law, the contact depends smoothly on λ down to 0: then λ is the variable of the
+// first set, and one cell covers all slow contacts. The solver is called if there is no cell, at a wall with gravity
+// along its normal, and for pairs of another kind. The result depends only on the arguments of the call and of the
+// constructor, not on earlier calls.
 #pragma once
 #include <memory>
 #include <type_traits>
@@ -33,7 +33,7 @@
 
 namespace hardlimit::boxes {
 
-// A law with its damping multiplied by a factor. The damping force is proportional to the rate.
+// A law with its damping multiplied by a factor; the damping force must be proportional to the rate.
 template <class Law>
 struct DampedMore {
     static constexpr int onset_power = Law::onset_power;
@@ -49,7 +49,7 @@ struct DampedMore {
     }
 };
 
-// `virial`: also gives ∫ (dξ/dt)² dt and the greatest compression, which are NaN otherwise; takes half as long again.
+// `virial`: also gives ∫ (dξ/dt)² dt and the greatest compression, which are NaN otherwise; takes 50 % longer.
 template <class Law, bool virial = false>
 class SoftContacts {
 public:
@@ -57,7 +57,7 @@ public:
 
     using ReadCell = void (*)(const void* cell, const double* x, double* values);
 
-    // For pairs like this one. `damping_varies`: D differs between pairs. `reads`: a version of read_wide_cell.
+    // Tables for pairs like this one. `damping_varies`: D differs between pairs. `reads`: a build of read_wide_cell.
     SoftContacts(const Law& law, double effective_mass, double distance, bool damping_varies,
                  ReadCell reads = nullptr)
         : law_(law),
@@ -77,7 +77,7 @@ public:
         }
     }
 
-    // D of a pair: the caller finds out whether it varies.
+    // D of a pair, for the caller to determine `damping_varies`.
     static double damping(const Law& law, double effective_mass, double distance) {
         return reduce(law, effective_mass, distance).damping;
     }
@@ -125,7 +125,7 @@ private:
         double per_speed;  // 1/v_l
         double damping;    // D
     };
-    // A cell of one variable, and the place in it, −1 … 1.
+    // A cell of one variable, and the coordinate in it, −1 … 1.
     struct Place {
         int cell;
         double x;
@@ -133,7 +133,7 @@ private:
     struct Places {
         Place slant, speed, damping;
     };
-    // λ in the middle of a cell of speeds, and the growth of its logarithm from there to the edge.
+    // λ in the middle of a cell of speeds, and the increase of ln λ from there to the edge.
     struct Depth {
         double middle, growth;
     };
@@ -143,13 +143,13 @@ private:
         bool tried = false;  // whether the fit has been tried
     };
     struct Level {
-        double width, per_width;  // of a cell of speeds, in ln v_n², or in λ
-        int cells;                // of them
-        double error;             // admitted at the test points, in units of the accuracy
+        double width, per_width;  // of a cell, in ln v_n² or in λ
+        int cells;                // number of cells
+        double error;             // tolerated at the test points, in units of the accuracy
         bool of_depths;           // the variable is λ = v_n/v_l
         std::vector<Depth> depths;
-        std::vector<double> bends;     // [cells or cells × dampings] b; 0 where not yet known
-        std::vector<Slot<Flat>> flat;  // where D is one for all pairs
+        std::vector<double> bends;     // b [cells or cells × dampings]; 0 if not yet known
+        std::vector<Slot<Flat>> flat;  // if D is the same for all pairs
     };
 
     Law law_;
@@ -187,15 +187,15 @@ private:
         return varies_ ? at.speed.cell * dampings + at.damping.cell : at.speed.cell;
     }
 
-    // ln(v_n/v_l)² somewhere in the cells.
+    // ln(v_n/v_l)² at a coordinate that counts cells.
     static double speed_at(const Level& level, double cell) {
         return highest + level.width * (cell - level.cells);
     }
-    // At the lower edge of a cell of speeds.
+    // λ at the lower edge of a cell of speeds.
     double elastic_depth(const Level& level, int cell) const {
         return elastic_depth(math::exp(speed_at(level, cell)));
     }
-    // In units of l, from (v_n/v_l)².
+    // Depth of an elastic impact in units of l, from (v_n/v_l)².
     double elastic_depth(double speed2) const {
         const auto stored = [&](double s) { return law_.energy(s); };
         const double energy = 0.5 * own_.energy * speed2;
@@ -208,14 +208,14 @@ private:
         const double b = (1.0 / 24.0 + g * (1.0 / 120.0)) + g2 * (1.0 / 720.0 + g * (1.0 / 5040.0));
         return a + g4 * (b + g4 * (1.0 / 40320.0 + g * (1.0 / 362880.0)));
     }
-    // λ need only be close to the depth: an error does not make the functions less smooth.
+    // An approximate depth suffices for λ: its error does not make the functions less smooth.
     static double depth_at(const Level& level, const Place& speed) {
         if (level.of_depths) return level.width * (speed.cell + 0.5 * (speed.x + 1.0));
         const Depth& depth = level.depths[speed.cell];
         return depth.middle * near_exp(depth.growth * speed.x);
     }
 
-    // A head-on contact does not depend on l, so that any length serves at a wall.
+    // A contact at a wall does not depend on l, so any length will do.
     double length_of(const Approach& a) const {
         return a.distance == math::infinity ? distance_ : a.distance;
     }
@@ -240,7 +240,7 @@ private:
         return similar && (varies_ || math::abs(reduced.damping - own_.damping) <= 1e-13 * own_.damping);
     }
 
-    // `at` counts cells. Outside of them x is beyond 1.
+    // `at` counts cells. Outside the cells, |x| > 1.
     static Place place_of(double at, int cells) {
         const int cell = static_cast<int>(math::clamp(at, 0.0, cells - 1.0));
         return {cell, 2.0 * (at - cell) - 1.0};
@@ -251,7 +251,8 @@ private:
     static Place damping_of(const Reduced& reduced) {
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
     }
-    // Without a Place as a member: copying it as a whole just after its parts are written would stall.
+    // Not with a Place as a member: a copy of the whole just after its parts are written would stall (store
+    // forwarding).
     struct Slant {
         int cell;
         double x;
@@ -265,7 +266,7 @@ private:
         const Place at = place_of(slants * y, slants);
         return {at.cell, at.x, depth * (normal / (normal + across))};
     }
-    // b, in the middle of a cell.
+    // b in the middle of a cell.
     double bend(const Level& level, const Places& cell) const {
         const Places middle{{0, 0.0}, {cell.speed.cell, 0.0}, {cell.damping.cell, 0.0}};
         const Approach a{mass_, distance_, normal_speed(level, middle), 0.0, 0.0};
@@ -286,7 +287,7 @@ private:
         return scaled(a, part, cell(x));
     }
 
-    // From the four functions, `part` being the unit of length in units of l.
+    // The contact, from the fitted functions; `part`: the unit of length in units of l.
     PlanarContact scaled(const Approach& a, double part, const Values& f) const {
         const double unit = part * length_of(a);
         const double duration = f[0] * (unit / a.normal_speed), left = f[1] * unit;
@@ -334,7 +335,7 @@ private:
         const double part = level.of_depths ? level.width * place : math::exp(0.5 * speed_at(level, place));
         return math::sqrt(own_.energy / mass_) * part;
     }
-    // The pair of the constructor, where the damping varies with another one.
+    // Solves for the pair of the constructor, with the damping of the cell if damping varies.
     PlanarContact solve(const Approach& a, const Places& at) const {
         if constexpr (similar) {
             if (varies_) {
@@ -346,7 +347,7 @@ private:
         return solve_planar_contact(law_, a);
     }
 
-    // Whether there is a cell.
+    // Whether the cell can be used; fits it on first use.
     template <class Cell>
     bool fitted(Slot<Cell>& slot, const Level& level, const Places& at) const {
         if (!slot.tried) fit(slot, level, at);
@@ -369,7 +370,7 @@ private:
         if (holds(cell, level, at)) slot.cell = std::make_unique<Cell>(cell);
     }
 
-    // Whether the polynomials are accurate enough: near the corners, where they are worst, and inside.
+    // Whether the polynomials are accurate enough near the corners, where they are worst, and inside.
     template <class Cell>
     bool holds(const Cell& cell, const Level& level, const Places& at) const {
         constexpr int dims = Cell::dimensions, corners = 1 << dims;

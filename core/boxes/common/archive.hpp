@@ -1,4 +1,4 @@
-// Checkpoints: a run as bytes, and back. They hold the whole state, so that a loaded run goes on with the same bits.
+// Binary checkpoints of a run. A checkpoint holds the whole state, so a loaded run continues bit for bit.
 #pragma once
 #include <cstring>
 #include <string_view>
@@ -11,7 +11,7 @@ namespace hardlimit::boxes {
 
 inline constexpr char archive_mark[16] = "hardlimit box 5";
 
-// FNV-1a over words of eight bytes, which detects damaged files.
+// Detects damaged files: FNV-1a over words of eight bytes.
 HL_FN u64 checksum(const char* data, std::size_t n) {
     u64 sum = 0xcbf29ce484222325ULL;
     for (std::size_t i = 0; i < n; i += 8) {
@@ -25,7 +25,7 @@ HL_FN u64 checksum(const char* data, std::size_t n) {
 
 class Writer {
 public:
-    // For a run of this engine.
+    // `engine`: name of the engine, stored first.
     explicit Writer(std::string_view engine) : bytes_(archive_mark, archive_mark + sizeof archive_mark) {
         (*this)(std::vector<char>(engine.begin(), engine.end()));
     }
@@ -56,12 +56,13 @@ private:
     }
 };
 
-// Never reads beyond the end: whole() says before, and failed() after, whether the bytes are good.
+// Reads a checkpoint, never beyond its end. whole() validates it before reading; failed() tells afterwards whether the
+// data were too short.
 class Reader {
 public:
     Reader(const char* data, std::size_t n) : data_(data), n_(n) {}
 
-    // Whether this is an archive of a run of this engine, complete and undamaged.
+    // Whether this is a complete, undamaged checkpoint of this engine.
     bool whole(std::string_view engine) {
         if (n_ < sizeof archive_mark + 8 || std::memcmp(data_, archive_mark, sizeof archive_mark) != 0)
             return false;

@@ -1,4 +1,4 @@
-// The box and the bodies of the engines for Newton's equations.
+// Body arrays of the time-stepping engine for Newton's equations, and their vector type.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -11,16 +11,16 @@ namespace hardlimit::boxes {
 
 using Double4 = Vector<4>::Real;
 
-// As a function: gcc then keeps x and y of a computed vector in one register.
+// A function, because gcc then keeps x and y of a computed vector in one register.
 inline constexpr Double4 double4(double x, double y, double z, double w) { return Double4{x, y, z, w}; }
 
-// Of the first three components.
+// Dot and cross product of the first three components.
 inline double dot(Double4 a, Double4 b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 inline Double4 cross(Double4 a, Double4 b) {
     return Double4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0.0};
 }
 
-// The same memory as plain numbers, four for each.
+// The array as doubles, four for each element.
 inline double* as_doubles(Records<Double4>& of) { return reinterpret_cast<double*>(of.data()); }
 inline const double* as_doubles(const Records<Double4>& of) {
     return reinterpret_cast<const double*>(of.data());
@@ -30,8 +30,8 @@ inline Double4 gravity_of(const Box& box) {
     return Double4{box.gravity[0], box.gravity[1], box.gravity[2], 0.0};
 }
 
-// Acceleration by contacts at the last two steps. Few bodies are in contact at a time, so entries are not cleared: an
-// entry holds only at step `step` and, as `before`, at the next one.
+// Acceleration of a body by its contacts at the last two steps. Few bodies are in contact at a time, so entries are not
+// cleared: an entry is valid at step `step`, and as the previous acceleration at step `step` + 1.
 struct ContactAcceleration {
     double now[3] = {};  // [m/s²] at step `step`
     std::uint64_t step = 0;
@@ -41,7 +41,7 @@ struct ContactAcceleration {
     Double4 at(std::uint64_t wanted) const {
         return step == wanted ? Double4{now[0], now[1], now[2], 0.0} : Double4{};
     }
-    // At the step before `current`, whether or not the entry of `current` has been written already.
+    // Acceleration at the step before `current`, whether or not contacts of step `current` have been added.
     Double4 previous(std::uint64_t current) const {
         return step == current ? Double4{before[0], before[1], before[2], 0.0} : at(current - 1);
     }
@@ -63,7 +63,7 @@ struct BodyTag {
     std::int32_t image_flags[3];   // how many times the body has crossed the box along each periodic axis
 };
 
-// Bodies in the order of their cells. What only friction needs is empty without it.
+// Bodies, sorted by cell. The arrays for rotation are empty without friction.
 struct Bodies {
     Records<Double4> position;                  // [N] x, y, z [m] in the box, radius [m]
     Records<Double4> velocity;                  // [N] velocity [m/s], 1/mass [1/kg]

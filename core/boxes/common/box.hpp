@@ -1,5 +1,5 @@
-// The box: its edges, what bounds each axis, gravity. Everything that depends on the boundaries is asked here, so that
-// another boundary (a moving wall, sheared images) is another case of these functions.
+// Simulation box: edges, boundary conditions, gravity. All code that depends on the boundaries is here, so that a new
+// boundary (moving wall, Lees-Edwards) only adds cases to these functions.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace hardlimit::boxes {
 
-// A wall, by the number under which logs and results name it: −1 − 2·axis at 0, −2 − 2·axis at the far edge. So the
-// second partner of a contact is a particle (≥ 0) or a wall (< 0). 0: no wall.
+// Number of a wall in logs and results: −1 − 2·axis at 0, −2 − 2·axis at L; 0: no wall. The second partner of a contact
+// is a particle (≥ 0) or a wall (< 0).
 struct WallId {
     std::int32_t number = 0;
 
     static constexpr WallId at(int axis, bool high) { return {-1 - 2 * axis - (high ? 1 : 0)}; }
-    // Of the second partner of a contact; no wall where that is a particle.
+    // The wall that is the second partner of a contact; no wall if that partner is a particle.
     static constexpr WallId of(i64 second) { return {second < 0 ? static_cast<std::int32_t>(second) : 0}; }
     constexpr explicit operator bool() const { return number < 0; }
     constexpr int axis() const { return (-1 - number) / 2; }
@@ -34,14 +34,14 @@ struct Wall {
 
     constexpr double position(double /*time*/) const { return place; }
     static constexpr double velocity(double /*time*/) { return 0.0; }
-    // Along its axis: the direction into the box, and how far a place in the box is away [m].
+    // Sign of the inward normal along the axis, and distance of a coordinate inside the box from the wall [m].
     constexpr double inward() const { return id.high() ? -1.0 : 1.0; }
     constexpr double distance(double x, double time) const {
         return id.high() ? position(time) - x : x - position(time);
     }
 };
 
-// From 0 to L along each axis.
+// The box extends from 0 to L along each axis.
 struct Box {
     int dimension = 3;
     double edge[3] = {};  // L [m]; 0 along an axis that does not exist
@@ -58,7 +58,7 @@ struct Box {
         return product;
     }
 
-    // Of an axis between walls.
+    // The wall at one end of an axis that has walls.
     constexpr Wall wall(int axis, bool high) const {
         return {WallId::at(axis, high), high ? edge[axis] : 0.0};
     }
@@ -70,16 +70,16 @@ struct Box {
         return all;
     }
 
-    // A particle that has left the box `flags` times through the far side of this axis (image flag, negative: through
-    // the side at 0): what is added to its position in the box to get that on its continuous path [m].
+    // Unfolded minus folded coordinate of a particle with this image flag [m]. The flag counts crossings of the far
+    // side (+1) and of the side at 0 (−1).
     double image_shift(int axis, int flags) const { return flags * edge[axis]; }
-    // The same for its velocity: images move with the particle.
+    // The same for the velocity: zero, since images move with the particle.
     static constexpr double image_velocity(int /*axis*/, int /*flags*/) { return 0.0; }
-    // The shortest distance of two images along a periodic axis, from their distance in the box [m].
+    // Minimum image of a coordinate difference along a periodic axis [m].
     double nearest_image(double distance, int axis) const {
         return distance - edge[axis] * math::round_small(distance / edge[axis]);
     }
-    // The place inside the box of one along a continuous path [m].
+    // Folds an unfolded coordinate into the box [m].
     double folded(double x, int axis) const {
         if (!wraps(axis)) return x;
         x = nearest_image(x, axis);

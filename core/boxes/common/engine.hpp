@@ -11,7 +11,7 @@
 
 namespace hardlimit::boxes {
 
-// A box of particles as the user gives it: arrays of n, or n·d, particle by particle.
+// The user's input: box and particles. Arrays have n or n·d values, particle by particle.
 struct System {
     Box box;
     std::size_t n = 0;
@@ -28,7 +28,7 @@ struct System {
     }
 };
 
-// Sums over the box at one instant; times count from the start of the run.
+// Totals over the box at one instant. "So far" means since the start of the run.
 struct Observation {
     double kinetic_energy = 0.0, potential_energy = 0.0;  // [J]
     double contact_energy = 0.0;                          // elastic, of all contacts [J]
@@ -36,30 +36,30 @@ struct Observation {
     double dissipated_energy = 0.0;                       // so far [J]
     double virial = 0.0;                     // ∫ Σ r·F dt of pairs, Σ r·Δp of collisions, so far [J s]
     double kinetic_integral = math::nan;     // ∫ Σ m v'² dt so far [J s], v' relative to the mean
-    double largest_compression = math::nan;  // over the smaller radius, so far; NaN without a law
-    u64 begun = 0, pairs = 0;                // contacts so far; those of two particles
-    u64 ended = 0, overlapped = 0;  // contacts that ended; those that shared a particle with another contact
-    u64 in_contact = 0;             // contacts that last now
+    double largest_compression = math::nan;  // in units of the smaller radius, so far; NaN without a law
+    u64 begun = 0, pairs = 0;                // contacts so far; of these, contacts of two particles
+    u64 ended = 0, overlapped = 0;  // ended contacts; of these, contacts that shared a particle with another
+    u64 in_contact = 0;             // contacts at present
 };
 
 // One row of the log. A collision of hard spheres begins and ends at the same instant.
 struct ContactRecord {
     double begin, end;                      // [s]; end is NaN while the contact is open
-    std::int32_t first, second;             // particle; particle, or number of a wall (WallId)
+    std::int32_t first, second;             // particle; particle or wall (WallId)
     double impact_speed, separation_speed;  // [m/s]; NaN where not known
     bool overlapped;                        // a body had another contact at the same time
 };
 
-// A number that an engine knows of its own work.
+// A named performance figure of an engine.
 struct Statistic {
     const char* name;
     double value;
 };
 
-// Where a run ended before its time.
+// Time and particles at which a run stopped early.
 struct EarlyEnd {
     double time = math::nan;     // [s]
-    std::vector<i64> particles;  // of the contact or group, or the one that moved too fast; ascending
+    std::vector<i64> particles;  // of the contact or cluster, or the one that moved too fast; ascending
     WallId wall;                 // of the contact, if any
 };
 
@@ -67,33 +67,33 @@ class Engine {
 public:
     virtual ~Engine() = default;
 
-    // Advances to `until` [s]. Pauses on the way once it has done so much work, counted from here in the unit of the
-    // engine (a collision, an event, a step), or when `stop` says so; an advance to the same time goes on with the same
-    // bits. `threads`: where an engine can use several.
+    // Advances to `until` [s]. Pauses after `most_work` units of work (collisions, events or steps, depending on the
+    // engine), or when `stop` returns true. A second call with the same `until` continues bit for bit. `threads`
+    // matters only to engines that use several.
     virtual void advance(double until, u64 most_work, int threads, Stop& stop) = 0;
     virtual bool paused() const = 0;
     virtual double time() const = 0;  // [s]
     virtual Outcome outcome() const = 0;
-    virtual EarlyEnd early_end() const = 0;  // where the outcome is not ok
+    virtual EarlyEnd early_end() const = 0;  // if the outcome is not ok
 
-    // What is known without computing: work done so far, contacts begun and rows of the log.
+    // Counters, read without computation: work done, contacts begun, rows logged.
     virtual u64 work() const = 0;
     virtual u64 contacts() const = 0;
     virtual u64 logged() const = 0;
     virtual std::vector<Statistic> statistics() const = 0;
 
-    // n·d values each, in the user's order; positions along continuous paths, not folded into the box.
+    // Writes n·d values each, in the user's order. Positions are unfolded.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;
-    virtual bool contacts_last() const = 0;             // or are collisions: what the log holds of them
+    virtual bool contacts_last() const = 0;             // whether contacts take time; false: collisions
     virtual std::vector<ContactRecord> take_log() = 0;  // rows since the last call
-    virtual std::vector<ContactRecord> open_contacts() const = 0;  // those that are in no log yet
-    // The largest share that a body uses of the space around it in which others look for it, now and at so many
-    // instants to come: at most 1. For tests.
+    virtual std::vector<ContactRecord> open_contacts() const = 0;  // contacts that are not logged yet
+    // For tests: the largest part of a safety radius that a body in contact uses, now and at `instants` later times; at
+    // most 1.
     virtual double safety_used(int /*instants*/) const { return 0.0; }
 
     virtual std::vector<char> save() const = 0;
-    virtual std::size_t bytes() const = 0;  // of memory, about
+    virtual std::size_t bytes() const = 0;  // memory used, approximately
     virtual int dimension() const = 0;
     virtual std::size_t size() const = 0;
 };

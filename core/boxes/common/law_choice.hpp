@@ -1,18 +1,18 @@
-// Which contact law a run has, chosen while it runs.
+// Choice of the contact law at run time.
 #pragma once
 #include "../../contact/registry.hpp"
 
 namespace hardlimit::boxes {
 
 struct LawChoice {
-    int law = -1;         // place in the registry of laws; −1: none
-    int alternative = 0;  // which set of parameters
+    int law = -1;         // index in the registry of laws; −1: none
+    int alternative = 0;  // index of the parameter set
     double parameters[max_parameters] = {};
 
     explicit operator bool() const { return law >= 0; }
 };
 
-// visit.operator()<Law>() for the law at this place in the registry; a default value where there is none.
+// Returns visit.operator()<Law>() for the law at this index of the registry, or Result{} if there is none.
 template <class Result, class Visit>
 Result with_law(int place, const Visit& visit) {
 #define HL_VISIT(Law) \
@@ -22,7 +22,7 @@ Result with_law(int place, const Visit& visit) {
     return Result{};
 }
 
-// The law of one contact.
+// The law of one pair.
 template <class Law>
 Law make_law(const LawChoice& choice, PairGeometry pair) {
     return Law::from_parameters(choice.alternative, choice.parameters, pair);

@@ -1,4 +1,4 @@
-// What an engine of Newton's equations is made of beside the state: box, particles, law. Checkpoints hold it too.
+// Constant input of the Newton engines: box, particle properties, contact law. Checkpoints store it.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -14,7 +14,7 @@ struct NewtonSetting {
     std::vector<double> mass, radius;  // [N]
     LawChoice law;
     bool log = false;
-    double time_step = 0.0;  // the longest [s], of engines that take steps
+    double time_step = 0.0;  // largest step [s]; only for the time-stepping engine
 
     NewtonSetting() = default;
     NewtonSetting(const System& s, const LawChoice& choice, bool keep_log, double longest_step = 0.0)
@@ -39,7 +39,7 @@ struct NewtonSetting {
         return {law.alternative, std::vector<double>(p, p + max_parameters), mass, radius};
     }
 
-    // The components of particle i, with 0 where there is no third axis.
+    // Copies the components of particle i; the third is 0 in two dimensions.
     void in_three(const double* values, std::size_t i, double (&three)[3]) const {
         three[2] = 0.0;
         std::copy_n(values + axes() * i, axes(), three);

@@ -9,7 +9,8 @@
 
 namespace hardlimit::boxes {
 
-// A table holds the laws of all pairs of kinds of bodies. With many kinds, a law is made when two bodies touch.
+// Bodies of equal mass and radius are of one kind. Up to most_kinds kinds, a table holds the laws of all pairs of
+// kinds. With more kinds, the law of a pair is computed at each call.
 template <class Law>
 class PairLaws {
 public:
@@ -56,7 +57,7 @@ public:
         put(first, second, law);
         return law;
     }
-    // The same, written in place: a copy in larger pieces than were written would stall (store forwarding).
+    // The same, written in place: a copy with loads wider than the preceding stores would stall (store forwarding).
     void put(std::int64_t first, std::int64_t second, Law& law) const {
         const std::size_t a = kind(static_cast<std::size_t>(first));
         const std::size_t b = second < 0 ? kinds_.size() : kind(static_cast<std::size_t>(second));
@@ -68,7 +69,7 @@ public:
     double mass(std::size_t i) const { return kinds_[kind(i)].first; }
     double radius(std::size_t i) const { return kinds_[kind(i)].second; }
 
-    // Prefetches what is read of a body.
+    // Prefetches the entry of body i.
     void fetch(std::size_t i) const {
         if (table_.empty()) return prefetch(kinds_.data() + i);
         if (!kind_.empty()) prefetch(kind_.data() + i);
@@ -80,11 +81,11 @@ private:
 
     int alternative_;
     std::vector<double> parameters_;
-    std::vector<Body> kinds_;          // or all bodies, if there are too many kinds for a table
-    std::vector<std::uint32_t> kind_;  // of each body, if a table has several
+    std::vector<Body> kinds_;          // all bodies, if there are more than most_kinds kinds
+    std::vector<std::uint32_t> kind_;  // of each body; empty with one kind or without a table
     std::vector<Law> table_;
 
-    // If all bodies are alike nothing is read of a body, which saves a cache line.
+    // With a single kind no per-body data are read, which saves a cache line.
     std::size_t kind(std::size_t i) const {
         if (!kind_.empty()) return kind_[i];
         return kinds_.size() == 1 ? 0 : i;

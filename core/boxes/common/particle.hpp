@@ -1,4 +1,4 @@
-// A particle on its way, and its pending events.
+// A particle in free flight, and its pending events.
 #pragma once
 #include <cstdint>
 
@@ -10,18 +10,18 @@ namespace hardlimit::boxes {
 using u32 = std::uint32_t;
 inline constexpr u32 no_particle = 0xffffffffu;
 
-// One cache line. A particle keeps the state of its last collision: nothing is advanced before the next one.
+// State of a particle after its last collision, in one cache line. It is not advanced before the next collision.
 template <int d>
 struct alignas(64) Particle {
-    double position[d];  // [m] at `time`; folded into the box whenever it crosses a periodic border
+    double position[d];  // [m] at `time`; folded when the particle crosses a periodic boundary
     double velocity[d];  // [m/s] at `time`
     double time;         // of the last collision [s]; 0 before the first
-    double radius;       // [m]; where all radii are equal, and stored once, a `collision_count` instead
+    double radius;       // [m]; if all radii are equal, the collision counter instead (below)
 };
 static_assert(sizeof(Particle<3>) == 64 && sizeof(Particle<2>) == 64);
 
-// A number of collisions in the last 32 bits of a double that starts as 1. It lies in a cache line that a prediction
-// reads anyway, and the kernels may load it as a number.
+// Collision counter in the low 32 bits of a double that starts as 1. It shares the cache line that a prediction reads
+// anyway, and the kernels may load it as an ordinary number.
 inline constexpr double collision_count = 1.0;
 HL_FN u32 collisions_in(double count) { return static_cast<u32>(bits_of(count)); }
 HL_FN double one_more_collision(double count) {
@@ -29,7 +29,7 @@ HL_FN double one_more_collision(double count) {
     return real_of<double>((bits & ~low) | ((bits + 1) & low));
 }
 
-// An event that a particle has by itself.
+// An event of a single particle.
 enum class SelfEvent : u32 {
     low_x,
     high_x,
@@ -38,7 +38,7 @@ enum class SelfEvent : u32 {
     low_z,
     high_z,  // leaves its cell, or meets a wall, on that side
     rescan,  // looks for smaller particles again
-    ends,    // its group of bodies in contact ends
+    ends,    // its cluster ends
 };
 constexpr SelfEvent self_event(int axis, bool high) {
     return static_cast<SelfEvent>(2 * axis + (high ? 1 : 0));
@@ -47,15 +47,15 @@ constexpr int axis_of(SelfEvent own) { return static_cast<int>(own) / 2; }
 constexpr bool is_high(SelfEvent own) { return (static_cast<u32>(own) & 1u) != 0; }
 constexpr WallId wall_at(SelfEvent own) { return WallId::at(axis_of(own), is_high(own)); }
 
-// The earliest collision found and the earliest event of the particle's own. The collision is stale if the partner has
-// collided since, which its number of collisions tells: then pair_time is a lower bound of the next collision.
+// Earliest predicted collision and earliest single-particle event. The collision is stale if the partner's collision
+// count has changed; pair_time is then a lower bound on the particle's next collision.
 struct Pending {
     double pair_time = math::infinity;  // [s]
     double own_time = math::infinity;   // [s]
     u32 partner = no_particle;
     u32 partner_count = 0;  // collisions of the partner at the time of the prediction
-    u32 count = 0;          // collisions of the particle, unless they are counted in its `radius`
-    u32 cell : 29 = 0;      // that the particle is in
+    u32 count = 0;          // collisions of the particle, unless counted in Particle::radius
+    u32 cell : 29 = 0;      // cell of the particle
     u32 own : 3 = 0;
 
     double time() const { return math::min(pair_time, own_time); }
@@ -66,11 +66,11 @@ inline constexpr u32 most_cells = 1u << 29;
 // How particles move between collisions.
 enum class Motion {
     straight,
-    falling,  // all under the same gravity: relative paths stay straight
+    falling,  // all under the same gravity: relative motion is uniform
     growing,  // straight, while all radii grow
 };
 
-// Position [m] and velocity [m/s] along an axis, `after` [s] the last collision.
+// Position [m] and velocity [m/s] along axis k, a time `after` [s] after the last collision.
 template <Motion motion, int d>
 double position_after(const Particle<d>& p, int k, double after, const Box& box) {
     if constexpr (motion == Motion::falling)

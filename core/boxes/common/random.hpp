@@ -1,5 +1,5 @@
 // Random numbers, the same on every platform: xoshiro256++ (Blackman & Vigna, ACM Trans. Math. Softw. 47, 36 (2021)),
-// seeded by splitmix64.
+// seeded with splitmix64.
 #pragma once
 #include "../../base/math.hpp"
 
@@ -27,9 +27,9 @@ public:
         state_[3] = turned(state_[3], 45);
         return result;
     }
-    // In [0, 1).
+    // Uniform in [0, 1).
     double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
-    // With mean 0 and variance 1.
+    // Standard normal, by the Box-Muller method.
     double normal() {
         const double radius = math::sqrt(-2.0 * math::log(1.0 - uniform()));
         return radius * math::cos(2.0 * math::pi * uniform());

@@ -1,4 +1,4 @@
-// Arrays of many millions of records: on huge pages if the system has them, and without doubling their capacity.
+// Containers for arrays of many millions of records: on huge pages if available, without doubling their capacity.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -34,7 +34,7 @@ struct HugePages {
 template <class T>
 using Records = std::vector<T, HugePages<T>>;
 
-// Scratch memory aligned to pages: a vector store across a page boundary costs as much as twenty others.
+// Scratch memory aligned to pages: a vector store across a page boundary costs as much as twenty aligned ones.
 template <class T>
 struct WholePages {
     using value_type = T;
@@ -59,7 +59,7 @@ void make_room(Records<T>& records) {
         records.reserve(records.size() + records.size() / 4);
 }
 
-// A list that is stored in place while it is short, without a pointer to other memory.
+// A list with a small buffer: up to `most_in_place` elements are stored in the object itself.
 template <class T, std::size_t most_in_place>
 class Few {
 public:
@@ -71,7 +71,7 @@ public:
     T& operator[](std::size_t i) { return begin()[i]; }
     const T& operator[](std::size_t i) const { return begin()[i]; }
 
-    // Discards the content.
+    // Does not preserve the elements.
     void resize(std::size_t size) {
         size_ = size;
         if (size > most_in_place) many_.assign(size, T{});

@@ -1,5 +1,5 @@
-// What is wrong with a system, if anything: numbers out of range, particles outside the box. Overlap is no fault here:
-// a pair that overlaps and approaches collides at once. Python checks it (neighbours/overlap.hpp).
+// Validates a system: ranges of values, particles inside the box. Overlaps are not checked here: an overlapping pair
+// that approaches collides at once. Python checks them (neighbours/overlap.hpp).
 #pragma once
 #include <algorithm>
 
@@ -11,10 +11,10 @@ struct Fault {
     enum Kind { none, not_finite, radius, mass, box, outside } kind = none;
     std::size_t particle = 0;
     int axis = 0;
-    double value = 0.0;  // what was found; of the box: the least edge
+    double value = 0.0;  // the bad value; for `box`: the minimum edge
 };
 
-// Of radii and box alone.
+// Checks radii and box only.
 inline Fault fault_of_sizes(const System& s) {
     for (std::size_t i = 0; i < s.n; ++i)
         if (!(s.radius[i] > 0.0 && math::is_finite(s.radius[i]))) return {Fault::radius, i, 0, s.radius[i]};

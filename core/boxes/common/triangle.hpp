@@ -7,7 +7,7 @@
 
 namespace hardlimit::boxes {
 
-using Vector3 = std::array<double, 3>;  // disks move in the first two directions
+using Vector3 = std::array<double, 3>;  // disks use the first two components
 
 inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
@@ -19,8 +19,8 @@ inline double square_to_segment(const Vector3& corner, const Vector3& side) {
     return dot(at, at);
 }
 
-// Minimum of |corner + t first + u second|² for t, u >= 0 with t + u <= 1: on a side, or inside, where the derivatives
-// vanish.
+// Minimum of |corner + t first + u second|² for t, u >= 0 with t + u <= 1. It is on a side, or inside, where the
+// gradient vanishes.
 inline double square_to_triangle(const Vector3& corner, const Vector3& first, const Vector3& second) {
     Vector3 other, third;
     for (std::size_t k = 0; k < 3; ++k) other[k] = corner[k] + first[k], third[k] = second[k] - first[k];

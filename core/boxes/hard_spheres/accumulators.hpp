@@ -1,15 +1,14 @@
-// What is accumulated over all collisions: their numbers, energy lost, virial, and the integral over time of the
-// kinetic energy.
+// Totals over all collisions: counts, dissipated energy, virial, and the time integral of the kinetic energy.
 //
-// Between collisions the momentum P changes by M g and the kinetic energy E by g·P per unit time. So Σ m v'², v'
-// relative to the mean velocity, is 2E − P²/M of polynomials in time, and its integral needs a few operations at
-// each collision.
+// Between collisions the momentum P changes by M g and the kinetic energy E by g·P per unit time. So
+// Σ m v'² = 2E − P²/M, v' relative to the mean velocity, is constant, and its integral needs few operations at each
+// collision.
 #pragma once
 #include "../common/particle.hpp"
 
 namespace hardlimit::boxes {
 
-// A sum that keeps the digits of small terms (A. Neumaier, Z. Angew. Math. Mech. 54, 39 (1974)).
+// Compensated sum, which keeps the digits of small terms (A. Neumaier, Z. Angew. Math. Mech. 54, 39 (1974)).
 class Sum {
 public:
     void add(double x) {
@@ -31,7 +30,7 @@ struct Accumulators {
     Sum virial;         // Σ r·Δp of pair collisions [J s]
     double mass = 0.0;  // M [kg]
     double gravity[d] = {};
-    double time = 0.0;     // of the kinetic energy and the momentum [s]
+    double time = 0.0;     // at which kinetic energy and momentum are valid [s]
     double kinetic = 0.0;  // E [J]
     double momentum[d] = {};
     Sum kinetic_integral;  // ∫ Σ m v'² dt [J s]
@@ -44,7 +43,7 @@ struct Accumulators {
         for (int k = 0; k < d; ++k) square += momentum[k] * momentum[k];
         return 2.0 * kinetic - square / mass;
     }
-    // The integral up to a later time: gravity common to all does not change v'.
+    // The integral up to a later time. Common gravity does not change v'.
     double integral_until(double until) const {
         return kinetic_integral.value() + thermal() * (until - time);
     }

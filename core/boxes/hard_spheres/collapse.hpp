@@ -1,12 +1,12 @@
-// Detection of inelastic collapse: infinitely many collisions in a finite time, of a ball that comes to rest on a floor
-// or of a few particles among each other (S. McNamara and W. R. Young, Phys. Fluids A 4, 496 (1992)).
+// Detection of inelastic collapse, infinitely many collisions in a finite time: of a ball that comes to rest on a
+// floor, or among a few particles (S. McNamara and W. R. Young, Phys. Fluids A 4, 496 (1992)).
 //
-// In a collapse speeds and waiting times shrink together, by a factor at each collision. So a particle has collapsed
-// once it has collided four times or more, each time more slowly than before and within 1e-8 radii divided by the speed
-// of approach, and that speed has fallen to a millionth. In a gas one collision of 1e8 follows the last so soon.
-// Touching particles that are hit also collide at one instant, but their speeds do not fall so far. Approaches as slow
-// as the rounding of the velocities do not count. Ten thousand collisions, a thousand of them of one particle, within
-// 1e-9 of the time in which a particle moves by a radius are a collapse too, so that no run hangs.
+// In a collapse, speeds and waiting times shrink by a factor at each collision. A particle has collapsed after four or
+// more collisions in a row, each slower than the last and within 1e-8 radii/(approach speed) of it, if the approach
+// speed has fallen to a millionth. In a gas, one collision in 1e8 follows the last so soon. Touching particles that are
+// hit also collide at one instant, but their speeds do not fall so far. Approaches at the rounding error of the
+// velocities do not count. So that no run hangs, ten thousand collisions, a thousand of them of one particle, within
+// 1e-9 of the time in which a particle moves by a radius are a collapse too.
 #pragma once
 #include <unordered_map>
 #include <vector>
@@ -23,11 +23,11 @@ public:
         i64 second;         // particle, or number of a wall
         double speed;       // of approach [m/s]
         double waited;      // since the last collision of either, the longer of the two [s]
-        bool may_collapse;  // under the rule
+        bool may_collapse;  // whether the rule allows a collapse
     };
 
     // Whether this collision is part of a collapse. typical(): root mean square speed of all particles [m/s]; index(i):
-    // the user's number of a particle, under which it is stored here. Both are called only where needed.
+    // original index of a particle, the key used here. Both are called only if needed.
     template <class Typical, class Index>
     bool collapses(const Collision& c, double radius, const Typical& typical, const Index& index) {
         const auto other = [&] { return index(static_cast<u32>(c.second)); };
@@ -88,7 +88,7 @@ private:
         at_once_ = 0;
         if (!times_.empty()) times_.clear();
     }
-    // Whether a particle's streak of ever slower collisions is a collapse.
+    // Adds a collision to the streak of ever slower collisions of a particle. Returns whether the streak is a collapse.
     bool shrinks(u32 particle, double speed) {
         const auto [at, fresh] = streaks_.try_emplace(particle, Streak{speed, speed, 1});
         Streak& s = at->second;

@@ -1,12 +1,12 @@
 // Event-driven dynamics of hard spheres and disks.
 //
-// Each particle has two pending events: its earliest collision found, which is stale once the partner's number of
-// collisions has changed, and an event of its own: it leaves its cell or meets a wall. After a collision both particles
-// predict their next one among all neighbours; a particle that enters a cell looks only into the cells that have become
+// Each particle has two pending events: its earliest predicted collision, which is stale once the partner's collision
+// count has changed, and a self event: it leaves its cell or meets a wall. After a collision both particles predict
+// their next one among all neighbours; a particle that enters a cell searches only the cells that have become
 // neighbours. A stale event triggers a new prediction; its time is a lower bound on the particle's next collision.
 //
-// Particles are stored in the order of their cells. Results do not depend on it: simultaneous events are ordered by the
-// original index, the user's number of the particle.
+// Particles are sorted in memory by cell. Results do not depend on this order: simultaneous events are ordered by the
+// original index, the index in the user's arrays.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -28,7 +28,7 @@ namespace hardlimit::boxes {
 
 // Growing radii: σ(t) = (start + rate t) σ.
 struct Growth {
-    double start = 1.0;  // share of the radius at time 0
+    double start = 1.0;  // factor of the radii at time 0
     double rate = 0.0;   // [1/s]
 
     double at(double time) const { return start + rate * time; }
@@ -37,13 +37,13 @@ struct Growth {
 template <int d, Motion motion, bool mixed>
 class HardSpheres final : public Engine {
 public:
-    // A run that `stop` has stopped while the first events were predicted must not be used.
+    // The engine must not be used if `stop` interrupted the prediction of the first events.
     HardSpheres(const System& s, const RuleChoice& rule, bool keep_log,
                 const hardlimit_abi::TouchKernels& kernels, Stop& stop, Growth growth = {});
-    // A saved run; failed() of the reader says whether it could be read.
+    // Loads a saved run. Reader::failed() tells whether it could be read.
     HardSpheres(Reader& saved, const hardlimit_abi::TouchKernels& kernels);
 
-    // The unit of work is a collision: an advance ends at the instant of the last one.
+    // The unit of work is a collision: a pause is at the instant of the last one.
     void advance(double until, u64 most_work, int threads, Stop& stop) override;
     bool paused() const override { return paused_; }
     double time() const override { return now_; }
@@ -64,18 +64,18 @@ public:
     std::size_t size() const override { return particles_.size(); }
 
 private:
-    // Growing radii that touch separate at this many times the speed at which they grow, or faster.
+    // After a collision, growing particles separate at least this many times as fast as their radii grow.
     static constexpr double separation_of_growing = 1.5;
-    static constexpr u64 collisions_between_sorts = 20;  // for each particle
+    static constexpr u64 collisions_between_sorts = 20;  // per particle
 
-    // The search for the next collision of a particle, and what it has found so far.
+    // Search for the next collision of a particle, with the earliest one found so far.
     struct NextCollision {
         u32 id;
-        u32 except = no_particle;    // the particle it has just collided with, ignored where they touch
+        u32 except = no_particle;    // the partner of its last collision, ignored while they touch
         double in = math::infinity;  // [s] from now
         u32 partner = no_particle;
     };
-    // The last contact of a particle under a rule whose contacts take time.
+    // The last contact of a particle, under a rule with contacts of finite duration.
     struct LastContact {
         double until;      // [s]
         u32 partner;       // no_particle: a wall, or none yet
@@ -87,13 +87,13 @@ private:
     std::unique_ptr<Rule> rule_;
     Growth growth_{};
     bool keep_log_ = false;
-    double mass_ = 0.0;  // of all, unless mixed [kg]
+    double mass_ = 0.0;  // of each particle, unless mixed [kg]
     double smallest_radius_ = 0.0, largest_radius_ = 0.0;
     Records<Particle<d>> particles_;
     Records<Pending> pending_;
     Records<std::array<int, d>>
         image_flags_;              // how often each particle has left the box through a periodic side
-    Records<u32> original_index_;  // the user's number of each particle
+    Records<u32> original_index_;  // index in the user's arrays
     Records<double> masses_;       // if mixed [kg]
     Cells<d> cells_;
     CalendarQueue calendar_;
@@ -108,15 +108,15 @@ private:
     hardlimit_abi::TouchKernels::Of touch_{};
     hardlimit_abi::TouchQuery query_{};  // of the particle whose next collision is predicted
     Scratch<u32> candidates_;
-    Scratch<double> times_;               // until the candidates are touched [s]
-    u64 next_sort_ = 0;                   // number of collisions
-    i64 until_refresh_ = 0;               // particles' collisions before energy and momentum are summed anew
-    Records<double> rescans_;             // time of the next search for smaller particles [s]
-    double fastest_ = 0.0;                // bound of the speeds of all particles [m/s]
-    bool takes_time_ = false;             // whether contacts take time under the rule
-    Records<LastContact> last_contacts_;  // where they do
+    Scratch<double> times_;    // until contact with each candidate [s]
+    u64 next_sort_ = 0;        // collision count at the next sort
+    i64 until_refresh_ = 0;    // collisions, per particle, before energy and momentum are recomputed
+    Records<double> rescans_;  // time of the next search for smaller particles [s]
+    double fastest_ = 0.0;     // bound on the speeds of all particles [m/s]
+    bool takes_time_ = false;  // whether contacts take time under the rule
+    Records<LastContact> last_contacts_;  // if they do
     u64 soft_contacts_ = 0, soft_third_body_ = 0;
-    DeepestImpact deepest_;    // where there is a law
+    DeepestImpact deepest_;    // if there is a law
     bool prefetches_ = false;  // whether the system is larger than the caches
 
     static const hardlimit_abi::TouchKernels::Of& kernels_of(const hardlimit_abi::TouchKernels& kernels) {
@@ -228,7 +228,7 @@ private:
     u32 excluded_partner(u32 i) const;
 };
 
-// What a saved run begins with: the type of its engine.
+// Type of the engine, stored at the start of a checkpoint.
 struct Kind {
     int dimension;
     Motion motion;

@@ -1,4 +1,4 @@
-// Processing of an event: a collision of two particles or with a wall, or a cell that is left.
+// Processing of events: collisions of two particles or with a wall, and cell crossings.
 #pragma once
 #include "engine.hpp"
 
@@ -26,8 +26,8 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
         leave_cell(i, at);
 }
 
-// Moves a particle from the cell at this place to the next one, and predicts its collisions in the cells that have
-// become neighbours: of its own grid, and of coarser grids whose border it has crossed as well.
+// Moves a particle from cell `at` to the next one, and predicts its collisions in the cells that have become
+// neighbours: those of its own grid, and of coarser grids in which it has changed its cell as well.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     Pending& e = pending_[i];
@@ -52,7 +52,7 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
         for (int k = 0; k < d; ++k) from[k] = place[k] - 1, to[k] = place[k] + 1;
         from[axis] = to[axis] = place[axis] + step;
         predict_in_block(next, q, from, to);
-        // The border just crossed is one of the next coarser grid where an even number of cells lies below it.
+        // The face just crossed is a face of the next coarser grid if an even number of cells lies below it.
         const int border = step > 0 ? place[axis] : place[axis] + 1;
         if (q + 1 == cells_.levels() || border % 2 != 0) break;
         for (int k = 0; k < d; ++k) place[k] >>= 1;
@@ -62,8 +62,8 @@ void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
     schedule(i);
 }
 
-// Rebounds from the wall of the particle's own event. A particle that arrives without speed stays there if gravity
-// presses it on.
+// Collision with the wall of the particle's self event. A particle that arrives at zero speed rests there if gravity
+// presses it on the wall.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
     Particle<d>& p = particles_[i];
@@ -73,7 +73,7 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
     const double away = is_high(own) ? -1.0 : 1.0, waited = now_ - p.time;
     advance_to_now(i);
     const double place = wall.position(now_) + away * (radius(i) * growth_.at(now_));
-    const double moved = place - p.position[axis];  // by rounding, or where a soft contact was cut short
+    const double moved = place - p.position[axis];  // nonzero by rounding, or if a soft contact was cut short
     p.position[axis] = place;
     const double before = p.velocity[axis], speed = math::abs(before);
     if (takes_time_) accumulators_.dissipated.add(mass(i) * box_.gravity[axis] * moved);
@@ -105,7 +105,7 @@ void HardSpheres<d, motion, mixed>::collide_with_wall(u32 i) {
     predict(i, no_particle);
 }
 
-// From i to the image of j that i touches.
+// Vector from i to the image of j that i touches.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d]) const {
     const Particle<d>&p = particles_[i], &q = particles_[j];
@@ -114,7 +114,7 @@ void HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d
         const double edge = box_.edge[k];
         if (math::abs(r[k]) < 0.499 * edge || !box_.wraps(k)) continue;
         r[k] = box_.nearest_image(r[k], k);
-        // Where both images may touch, the one that approaches does.
+        // If both images may touch, the approaching one does.
         const double other = r[k] > 0.0 ? r[k] - edge : r[k] + edge;
         const double v = q.velocity[k] - p.velocity[k];
         if (math::abs(r[k]) > 0.499999 * edge && r[k] * v > 0.0) r[k] = other;
@@ -153,7 +153,7 @@ void HardSpheres<d, motion, mixed>::record(u32 i, i64 second, double speed, doub
     if (collapse_.collapses(c, largest_radius_, typical, index)) end_run(Outcome::collapse, i, second);
 }
 
-// A particle and its partner, which may be a wall, by the user's numbers.
+// Original indices of a particle and its partner; a wall keeps its number.
 template <int d, Motion motion, bool mixed>
 std::pair<i64, i64> HardSpheres<d, motion, mixed>::original_pair(u32 i, i64 second) const {
     const i64 a = original_index_[i];
@@ -170,7 +170,7 @@ void HardSpheres<d, motion, mixed>::end_run(Outcome outcome, u32 i, i64 second) 
     if (!early_end_.wall) early_end_.particles.push_back(last);
 }
 
-// The same where the collision has no result: it is logged, and the velocities stay.
+// The same for a collision without a result: it is logged, and the velocities do not change.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::end_unsolved(Outcome outcome, u32 i, i64 second, double speed) {
     ++(second < 0 ? accumulators_.walls : accumulators_.pairs);
@@ -199,21 +199,21 @@ void HardSpheres<d, motion, mixed>::collide(u32 i, u32 j) {
     count_collision(j);
     after_collision(i);
     after_collision(j);
-    // Two that have just collided cannot collide again before either has met something else; other images may.
+    // A pair that has just collided cannot collide again before one of them has another collision; other images can.
     predict(i, takes_time_ ? excluded_partner(i) : j);
     predict(j, takes_time_ ? excluded_partner(j) : i);
 }
 
-// An instantaneous collision. r leads from i to j.
+// An instantaneous collision. r: vector from i to j.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
                                             double distance, double speed, std::array<double, 2> waited) {
     Particle<d>&p = particles_[i], &q = particles_[j];
     const PairGeometry pair = geometry(i, j);
     const double mi = mass(i), mj = mass(j), reduced = pair.effective_mass;
-    // Relative velocity gained along r, in units of r [1/s]. From r² and not from its root: all pairs touch at
-    // about the same distance, so that the rounding of the root would be the same each time, and the energy
-    // would drift.
+    // Relative velocity gained along r, in units of r [1/s]. Computed from r² without a square root: all pairs touch at
+    // about the same distance, so that the rounding error of the root would be the same each time, and the energy would
+    // drift.
     double gain;
     if constexpr (motion == Motion::growing) {
         const double rate = (radius(i) + radius(j)) * growth_.rate;
@@ -241,7 +241,7 @@ void HardSpheres<d, motion, mixed>::rebound(u32 i, u32 j, const double (&r)[d], 
     ++accumulators_.pairs;
 }
 
-// Keeps the bound of the speeds, and the accumulators exact.
+// Updates the bound on the speeds, and refreshes the accumulators when due.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::after_collision(u32 i) {
     if (mixed && cells_.levels() > 1) fastest_ = math::max(fastest_, frame_speed(particles_[i].velocity));

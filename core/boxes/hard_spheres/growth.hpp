@@ -1,8 +1,9 @@
 // Random packings without overlap: small particles are inserted at random, then move and collide while their radii grow
-// to the size asked for (B. D. Lubachevsky and F. H. Stillinger, J. Stat. Phys. 60, 561 (1990)).
+// to the requested size (B. D. Lubachevsky and F. H. Stillinger, J. Stat. Phys. 60, 561 (1990)).
 //
-// The growth slows down as the packing gets dense, and again where collisions accumulate, so that the particles have
-// time to rearrange. The radii grow by 1e-10 more than asked for, so that rounding of the positions makes no overlap.
+// The growth slows down as the packing gets dense, and again if collisions accumulate, so that the particles have time
+// to rearrange. The radii grow to 1 + 1e-10 times the requested size, so that rounding of the positions causes no
+// overlap.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -26,7 +27,7 @@ public:
         alike_ = s.radius[order_.front()] == s.radius[order_.back()];
     }
 
-    // Finds positions for radii that are this share of the final ones; false where one particle has found none.
+    // Finds positions for radii that are `share` of the final ones. Returns false if there is none for a particle.
     bool place(double share, std::vector<double>& position, Stop& stop) {
         const double smallest = 2.0 * share * s_.radius[order_.back()];
         const double largest = 2.0 * share * s_.radius[order_.front()];
@@ -47,7 +48,7 @@ private:
     const System& s_;
     const Box& box_;
     Random& random_;
-    // Copies that draw in advance, to prefetch what later attempts will read from memory.
+    // Copies of the generator that run ahead, to prefetch what later attempts will read from memory.
     Random cells_ahead_{0}, neighbours_ahead_{0};
     std::vector<u32> order_;
     bool alike_ = false;
@@ -107,7 +108,7 @@ private:
     }
 };
 
-// The share of the final radii reached, and the collisions so far.
+// Progress: the share of the final radii reached, and the collisions so far.
 struct GrowthReport {
     double share;
     u64 collisions;
@@ -127,8 +128,8 @@ public:
         diameter_ = 2.0 * *std::max_element(s.radius, s.radius + s.n);
     }
 
-    // Whether the radii reached the size asked for. report(GrowthReport) is called after each step and says whether to
-    // go on.
+    // Returns whether the radii reached the requested size. Calls report(GrowthReport) after each step, which returns
+    // whether to continue.
     template <class Report>
     bool run(const hardlimit_abi::TouchKernels& kernels, Stop& stop, const Report& report) {
         double share = insert(stop), slowness = 1.0;
@@ -145,7 +146,7 @@ public:
         return true;
     }
 
-    // In the box.
+    // Positions, folded into the box.
     std::vector<double> positions() && {
         fold();
         return std::move(position_);
@@ -155,9 +156,9 @@ private:
     static constexpr double beyond = 1e-10;
     static constexpr int most_steps = 60;
     static constexpr double inserted_fraction = d == 3 ? 0.15 : 0.3;
-    static constexpr u64 most_collisions = 400;  // of a particle in one step, about
+    static constexpr u64 most_collisions = 400;  // per particle and step, approximately
 
-    // Growth per second at a packing fraction below `until`, where the thermal speed is one diameter per second.
+    // Growth rate [1/s] below the packing fraction `until`; the thermal speed is one diameter per second.
     struct Pace {
         double until, rate;
     };
@@ -183,7 +184,7 @@ private:
         return *pace;
     }
 
-    // With radii that leave enough space; returns their share of the final radii.
+    // Inserts the particles, with radii that leave enough space. Returns their share of the final radii.
     double insert(Stop& stop) {
         double share = std::min(1.0 + beyond, share_at(inserted_fraction));
         RandomInsertion<d> insertion(s_, s_.box, random_);
@@ -191,7 +192,7 @@ private:
         return share;
     }
 
-    // Lets the radii grow from one share to another, or until collisions accumulate; returns the share reached.
+    // Grows the radii from one share to another, or until collisions accumulate. Returns the share reached.
     double grow(double from, double to, double rate, const hardlimit_abi::TouchKernels& kernels, Stop& stop,
                 u64& collisions) {
         for (double& v : velocity_) v = diameter_ * random_.normal();
@@ -209,7 +210,7 @@ private:
         engine->advance((to - from) / rate, most, 1, stop);
         engine->state(position_.data(), velocity_.data());
         collisions += engine->contacts();
-        // What was reached by time, less a rounding of it.
+        // The share reached at this time, less a rounding error.
         return engine->contacts() >= most ? from + rate * engine->time() * (1.0 - 1e-14) : to;
     }
 };

@@ -1,5 +1,5 @@
-// The engine of hard spheres for a system: the types for dimension, gravity and equal or different particles are chosen
-// once.
+// Creates or loads the hard-sphere engine, with template arguments for dimension, gravity, and equal or different
+// particles.
 #pragma once
 #include <memory>
 
@@ -7,7 +7,7 @@
 
 namespace hardlimit::boxes {
 
-// f<d, motion, mixed>() for the kind; nothing where there is none.
+// Returns f<d, motion, mixed>() for the kind, or nullptr if there is none.
 template <class F>
 std::unique_ptr<Engine> with_kind(const Kind& kind, const F& f) {
 #define HL_KIND(d, motion_, mixed_)                                                    \
@@ -32,7 +32,7 @@ inline Kind kind_of(const System& s) {
     return kind;
 }
 
-// For a system in which fault_of() finds none.
+// fault_of(s) must find no fault.
 inline std::unique_ptr<Engine> make_hard_spheres(const System& s, const RuleChoice& rule, bool keep_log,
                                                  const hardlimit_abi::TouchKernels& kernels, Stop& stop) {
     return with_kind(kind_of(s), [&]<int d, Motion motion, bool mixed>() -> std::unique_ptr<Engine> {
@@ -40,7 +40,7 @@ inline std::unique_ptr<Engine> make_hard_spheres(const System& s, const RuleChoi
     });
 }
 
-// Nothing where the bytes are no whole archive of this engine.
+// Returns nullptr if the bytes are not a complete checkpoint of this engine.
 inline std::unique_ptr<Engine> load_hard_spheres(const char* data, std::size_t n,
                                                  const hardlimit_abi::TouchKernels& kernels) {
     Reader reader(data, n);

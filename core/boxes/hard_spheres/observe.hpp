@@ -1,10 +1,11 @@
-// Sums over all particles: what a run reports, and the accumulators refreshed from them.
+// Observables as sums over all particles, and the refresh of the accumulators.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
-// Where each of the user's particles is stored. Sums run in this order, so that they do not depend on the storage.
+// Index in memory of each particle, by original index. Sums run in this order, so that they do not depend on the
+// storage.
 template <int d, Motion motion, bool mixed>
 std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     std::vector<u32> place(size32());
@@ -12,7 +13,7 @@ std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     return place;
 }
 
-// Sums energy and momentum anew: what is accumulated loses its digits while a gas cools by many orders of magnitude.
+// Recomputes energy and momentum: accumulated values lose their digits while a gas cools by many orders of magnitude.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::refresh_accumulators() {
     until_refresh_ = std::max<i64>(8192, 32 * static_cast<i64>(particles_.size()));

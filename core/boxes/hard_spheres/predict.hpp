@@ -1,10 +1,10 @@
-// Prediction of a particle's next events: collisions, walls, cell borders.
+// Prediction of a particle's next events: collisions, walls, cell crossings.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
-// What is the same in all queries.
+// Sets the fields that are the same in all queries.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::prepare_query() {
     query_ = {};
@@ -33,8 +33,8 @@ auto HardSpheres<d, motion, mixed>::begin_prediction(u32 i, u32 except) -> NextC
     return NextCollision{i, except};
 }
 
-// Whether the image of a particle that was just examined touches or overlaps the one of the query. `nearest`: of its
-// images the nearest one is meant.
+// Whether the image of a particle that was just examined touches or overlaps the particle of the query. `nearest`:
+// takes the nearest image.
 template <int d, Motion motion, bool mixed>
 bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
     const Particle<d>& p = particles_[id];
@@ -48,8 +48,8 @@ bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
     return square <= touch * touch * (1.0 + 1e-9);
 }
 
-// Keeps the earliest collision that a kernel has found among the candidates; of simultaneous ones that with the lowest
-// original index.
+// Keeps the earliest collision that a kernel has found among the candidates; among simultaneous ones, that with the
+// lowest original index.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next, const hardlimit_abi::Touched& touched,
                                                   bool nearest) {
@@ -89,7 +89,7 @@ void HardSpheres<d, motion, mixed>::predict_in_block(NextCollision& next, int le
                   across);
 }
 
-// In a block that is so large a part of the box that several images of a particle may lie in it.
+// The same for a block that may hold several images of a particle, because the box is small.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_in_images(NextCollision& next, int level, const Place<d>& from,
                                                       const Place<d>& to) {
@@ -142,7 +142,7 @@ void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
     predict_self_event(i, at);
 }
 
-// Speed now in a frame that falls with gravity along the periodic axes, where a speed would grow for ever.
+// Present speed in a frame that falls with gravity along the periodic axes, where speeds grow without bound.
 template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const {
     double square = 0.0;
@@ -152,7 +152,7 @@ double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const 
     }
     return math::sqrt(square);
 }
-// A bound of that speed for all particles: between walls a fall gains no more than the height of the box gives.
+// Bound on that speed for all particles: between walls a fall is limited by the height of the box.
 template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::speed_bound() const {
     double square = fastest_ * fastest_;
@@ -161,8 +161,8 @@ double HardSpheres<d, motion, mixed>::speed_bound() const {
     return math::sqrt(square);
 }
 
-// In finer grids than the particle's own, where particles may be many: only those are examined that can arrive before
-// the next such search, whose time is noted.
+// Predicts collisions with particles of finer grids, which may be many: examines only those that can arrive before the
+// next such search, and sets the time of that search.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level) {
     double horizon = math::infinity;
@@ -186,7 +186,7 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
     rescans_[next.id] = now_ + horizon;
 }
 
-// When the particle leaves its cell, which is at this place, or meets a wall, whichever comes first.
+// Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at) {
     Pending& e = pending_[i];
@@ -195,7 +195,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(own)];
     double in = math::infinity;
     SelfEvent which = SelfEvent::low_x;
-    // Without branches, which the processor could not predict.
+    // Without branches, which would be unpredictable.
     const auto consider = [&](double time, int axis, bool high) {
         which = time < in ? self_event(axis, high) : which;
         in = math::min(in, time);
@@ -209,7 +209,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
         const double highest =
             walls && at[k] == g.cells[k] - 1 ? box_.wall(k, true).position(now_) - size : high;
         if constexpr (motion == Motion::falling) {
-            // From now on: a border passed on the way up is not to be met again in the past.
+            // Starts now: a face crossed on the way up must not be found again in the past.
             for (const bool upper : {true, false}) {
                 const bool wall = walls && at[k] == (upper ? g.cells[k] - 1 : 0);
                 const double since = (wall ? wall_blocked_until(i, WallId::at(k, upper)) : now_) - p.time;

@@ -1,11 +1,11 @@
-// Contacts that take time, of a rule that answers with an equivalent collision: both particles are put where the
-// straight path, or at a wall the parabola, on which they fly after the contact was at the instant of touch.
+// Contacts of finite duration as equivalent collisions: the path of each particle after the contact, a straight line or
+// at a wall a parabola, is extrapolated back to the instant of touch, and the particle is moved there.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
-// Adds one particle's share of a change of the relative motion.
+// Adds one particle's share of a change of the relative velocity and position.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (&velocity)[d],
                                              const double (&shift)[d]) {
@@ -17,7 +17,7 @@ void HardSpheres<d, motion, mixed>::displace(u32 i, double share, const double (
     update_cell(i);
 }
 
-// Puts a particle that was displaced into the cell where it is now.
+// Moves a displaced particle to its new cell.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
@@ -34,7 +34,7 @@ void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     pending_[i].cell = cell & (most_cells - 1);
 }
 
-// Two particles, both at the instant of touch; r leads from i to j, v is the velocity of j relative to i.
+// Contact of two particles at the instant of touch. r: vector from i to j; v: velocity of j relative to i.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], const double (&v)[d],
                                             double distance, double speed) {
@@ -67,13 +67,13 @@ void HardSpheres<d, motion, mixed>::contact(u32 i, u32 j, const double (&r)[d], 
     displace(i, -mass(j) / whole, change, shift);
     displace(j, mass(i) / whole, change, shift);
     remember_contact(i, j, found.duration);
-    // Angular momentum: at equal distances the tangential speed is the same.
+    // Angular momentum is conserved: at equal distances the tangential speed is the same.
     const double separation = math::sqrt(math::max(0.0, after - square));
     record(i, j, speed, separation, lost, math::infinity);
     ++accumulators_.pairs;
 }
 
-// A particle at a wall; away: −1 or 1, the direction that leads from the wall.
+// Contact of a particle with a wall. away: −1 or 1, the direction away from the wall.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, double away, double speed) {
     const int axis = wall.id.axis();
@@ -97,9 +97,9 @@ void HardSpheres<d, motion, mixed>::contact_with_wall(u32 i, const Wall& wall, d
     record(i, wall.id.number, speed, separation, dissipated, math::infinity);
 }
 
-// Until either has met something else a pair must not collide again, though its equivalent collision may leave it
-// overlapping and approaching. Where a particle is hit before its last contact is over, a third body takes part in both
-// contacts, which the rule does not describe.
+// Stores the contact as the last one of both particles. The pair must not collide again before one of them has another
+// collision, although its equivalent collision may leave it overlapping and approaching. If a particle is hit before
+// its last contact is over, a third body takes part, which the rule does not describe; such contacts are counted.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::remember_contact(u32 i, u32 j, double duration, WallId wall) {
     bool third = now_ < last_contacts_[i].until;
@@ -110,16 +110,16 @@ void HardSpheres<d, motion, mixed>::remember_contact(u32 i, u32 j, double durati
     if (j != no_particle) last_contacts_[j] = {now_ + duration, i, {}};
 }
 
-// When a particle may meet this wall at the earliest: not before its contact with it is over, though the parabola of
-// the equivalent collision may lie behind the wall and lead further into it, where gravity pulls the particle off (at a
-// ceiling that it just reaches).
+// Earliest time at which a particle may meet this wall: not before its contact with this wall is over. Until then, the
+// parabola of the equivalent collision may lie behind the wall and lead further into it, if gravity pulls the particle
+// off the wall (a ceiling that it just reaches).
 template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::wall_blocked_until(u32 i, WallId wall) const {
     const bool met = !last_contacts_.empty() && last_contacts_[i].wall == wall;
     return met ? math::max(now_, last_contacts_[i].until) : now_;
 }
 
-// The particle that this one must not meet, or no_particle.
+// The particle with which this one must not collide, or no_particle.
 template <int d, Motion motion, bool mixed>
 u32 HardSpheres<d, motion, mixed>::excluded_partner(u32 i) const {
     if (last_contacts_.empty()) return no_particle;

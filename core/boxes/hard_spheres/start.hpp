@@ -1,4 +1,4 @@
-// The start of a run, new or loaded, and the order in which particles are stored.
+// Construction of the engine, new or from a checkpoint, and the order of the particles in memory.
 #pragma once
 #include "engine.hpp"
 
@@ -37,7 +37,7 @@ template <int d, Motion motion, bool mixed>
 std::vector<char> HardSpheres<d, motion, mixed>::save() const {
     Writer w("hard_spheres");
     w(Kind{d, motion, mixed});
-    const_cast<HardSpheres*>(this)->archive(w);  // which does not change what it writes
+    const_cast<HardSpheres*>(this)->archive(w);  // a Writer changes nothing
     return w.finish();
 }
 
@@ -67,7 +67,7 @@ void HardSpheres<d, motion, mixed>::make_cells(std::size_t n) {
     prefetches_ = n > most_in_caches;
 }
 
-// Stores the particles in the order of their cells: neighbours in space are neighbours in memory.
+// Stores the particles sorted by cell, so that neighbours in space are neighbours in memory.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::sort_in(const System& s) {
     const u32 n = static_cast<u32>(s.n);
@@ -123,7 +123,7 @@ void HardSpheres<d, motion, mixed>::rebuild_queue() {
         size32(), [this](u32 id) { return event_time(id); }, [this](u32 id) { return original_index_[id]; });
 }
 
-// records[i] = records[from[i]], in place, one cycle of the permutation after the other.
+// Sets records[i] = records[from[i]] in place, one cycle of the permutation after the other.
 template <class T>
 void permute(Records<T>& records, const std::vector<u32>& from) {
     std::vector<bool> done(from.size());
@@ -140,7 +140,7 @@ void permute(Records<T>& records, const std::vector<u32>& from) {
     }
 }
 
-// Sorts the particles along the cells again, since neighbours in memory move apart. It changes nothing but the speed.
+// Sorts the particles by cell again, since neighbours in memory move apart. This affects only the computing time.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::sort_along_cells() {
     next_sort_ = accumulators_.collisions() + collisions_between_sorts * particles_.size();

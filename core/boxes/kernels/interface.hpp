@@ -1,55 +1,55 @@
-// Interface of the vector kernels of boxes, in plain numbers. The kernels are compiled once for each instruction set.
+// C interface of the SIMD kernels for boxes. The kernels are compiled once for each instruction set.
 #pragma once
 #include <cstddef>
 
 namespace hardlimit_abi {
 
-// The particle whose collisions are predicted: its present state, and the box.
+// Input of a prediction: present state of the particle whose collisions are predicted, and the box.
 struct TouchQuery {
     double now;             // [s]
     double position[3];     // [m]
     double velocity[3];     // [m/s]
-    double radius, others;  // the pair touches at the distance radius + others · (radius of the other) [m]
+    double radius, others;  // contact distance: radius + others · (radius of the other) [m]
     double enlarged_radius,
-        enlarged_span;   // if `enlarged`: a larger radius that holds for the time `span` [m, s]
-    double shift[3];     // added to the positions of all neighbours [m]
-    double edge[3];      // L [m]
-    double per_edge[3];  // 1/L for nearest images, otherwise 0
+        enlarged_span;                   // if `enlarged`: a larger radius [m] and how long it is valid [s]
+    double shift[3];                     // added to the positions of all neighbours [m]
+    double edge[3];                      // L [m]
+    double per_edge[3];                  // 1/L for minimum images, otherwise 0
     double half_gravity[3], gravity[3];  // g/2 and g [m/s²]
-    double share, rate;  // factor of the radii at present, and its rate [1/s]: 1 and 0 without growth
+    double share, rate;  // factor of all radii at `now`, and its growth rate [1/s]; 1 and 0 without growth
 };
 
-// A block of cells: rows along the first axis, in two parts where the block crosses a border of the box. A cell has
-// four words: up to three ids, padded with no_particle, then their number; if there are more ids, the number is 4 + the
+// A block of cells as rows along the first axis, in two parts if the block crosses a periodic boundary. A cell has four
+// words: up to three ids, padded with no_particle, then their number. If there are more ids, the fourth word is 4 + the
 // index in `spilled` of the cell with the rest. Sixteen words can be read from any cell.
 struct CellBlock {
     const void *cells, *spilled;
     const unsigned* row;           // first cell of each row
-    unsigned rows, parts;          // numbers of them
-    unsigned begin[2], length[2];  // of each part within a row
+    unsigned rows, parts;          // number of rows, number of parts
+    unsigned begin[2], length[2];  // first cell and length of each part, within a row
     unsigned own_rows[9];          // storage for `row`
 };
 
-// The first touch among several particles. `several`: more than one pair touches at this time.
+// Earliest contact of a particle with its neighbours. `several`: more than one neighbour touches at this time.
 struct Touched {
     double time;  // from now [s]; infinity: none
-    double next;  // time of the next touch, if `enlarged` and not `several`
+    double next;  // time of the second contact, if `enlarged` and not `several`
     unsigned id;
     unsigned several;
     std::size_t n;  // number of particles examined
 };
 
-// Predicts touches with n particles of these ids, or with all in a block, whose ids are written. Writes the time until
-// each one is touched, infinity if never. Both lists have room for sixteen more entries. `particles`: array of cache
-// lines.
+// Predicts the contacts of particle `self` with n particles of these ids, or with all particles of a block, whose ids
+// are then written. Writes the time until each contact, infinity if never. Both lists need room for sixteen more
+// entries. `particles`: array of Particle, one cache line each.
 using TouchListed = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
                                 double* times, std::size_t n);
 using TouchNear = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
                               double* times, const CellBlock& block);
 
 // Kernels of power_series.hpp. `paths` [bodies] and `contacts` [n] are arrays of series::Path and series::Contact;
-// body_order [bodies]: the `in_contact` bodies in contact, then the others; gravity [4]; chord_deviation [bodies] or
-// null; state: positions, then velocities [bodies, 3]; sums: dissipated energy and ∫ Σ r·F dt.
+// body_order [bodies]: first the `in_contact` bodies in contact, then the others; gravity [4]; chord_deviation [bodies]
+// or null; state: positions, then velocities [bodies, 3]; sums: dissipated energy and ∫ Σ r·F dt.
 struct SeriesKernels {
     void (*expand)(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit);
     double (*last_terms)(const void* paths, const int* body_order, int in_contact);
@@ -66,12 +66,12 @@ struct SeriesKernels {
 
 struct TouchKernels {
     const char* name;
-    // By dimension − 2 and motion. near: positions as they are; across: nearest images.
+    // of[dimension − 2][motion]. near: no periodic images; across: minimum images.
     struct Of {
         TouchListed listed;
         TouchNear near, across;
     } of[2][3];
-    Of enlarged[2];  // in three dimensions, by motion: straight or falling
+    Of enlarged[2];  // three dimensions, by motion: straight or falling
     SeriesKernels series;
     void (*read_cell)(const void* cell, const double* x, double* values);  // of tabulated contacts
 };
@@ -80,7 +80,7 @@ struct TouchKernels {
 
 namespace hardlimit::boxes {
 
-// Overlap up to which it is rounding, as a part of the squared distance.
+// Largest overlap that counts as rounding error, relative to the squared contact distance.
 inline constexpr double rounding_of_touch = 4e-9;
 
 }  // namespace hardlimit::boxes

@@ -1,9 +1,9 @@
-// Polynomials that interpolate several functions at once over a box, from as many points as they have terms.
+// Polynomial interpolation of several functions at once over a square or cube, from as many points as terms.
 //
-// The points form a grid of Leja points with indices that add up to at most `degree`. (Each Leja point is as far as
-// possible from those before it, by the product of the distances. Here they are scaled down slightly, because not every
-// function has a value on the edge.) Divided differences along one direction after the other give Newton's form of the
-// unique polynomial of this total degree through all values.
+// The points are a grid of Leja points whose indices add up to at most `degree`. Each Leja point maximizes the product
+// of its distances from those before it. They are scaled down slightly, because not every function has a value on the
+// edge. Divided differences along one axis after the other give Newton's form of the unique polynomial of this total
+// degree through all values.
 #pragma once
 #include "../../base/math.hpp"
 
@@ -47,7 +47,7 @@ private:
     static constexpr double leja[11] = {0.0,     0.98,     -0.98,   0.56546, -0.64582, 0.82222,
                                         -0.8526, -0.29988, 0.31556, 0.92414, -0.93394};
     static constexpr int count = dims == 2 ? side * (side + 1) / 2 : side * (side + 1) * (side + 2) / 6;
-    alignas(sizeof(Values)) Values terms_[count];  // aligned the same on any processor, as kernels read it
+    alignas(sizeof(Values)) Values terms_[count];  // same alignment on every processor: kernels read it
 
     static int digit(int i, int dim) {
         for (int d = 0; d < dim; ++d) i /= side;
@@ -59,7 +59,7 @@ private:
         return sum;
     }
 
-    // Applies change(line, top) to the values along each line of used points in one direction; top: the last index.
+    // Applies change(line, top) to the values on each line of used points along one axis; top: the last index.
     template <class Change>
     static void for_each_line(Values* values, int dim, const Change& change) {
         int stride = 1;

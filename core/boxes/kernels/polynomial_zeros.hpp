@@ -1,4 +1,4 @@
-// First zero of a polynomial of order 16 in time: where an event function of a power series falls to zero.
+// First zero of a polynomial of degree 16 in time, for event functions that are power series.
 #pragma once
 #include <cstddef>
 
@@ -9,10 +9,10 @@ namespace hardlimit::boxes::series {
 inline constexpr int order = 16;
 inline constexpr int length = order + 1;
 
-using Four = Vector<4>::Real;  // three coordinates and a free one
+using Four = Vector<4>::Real;  // three coordinates and a spare one
 
-// A plain array: the linker could merge a function of std::array with its copy for another processor. Aligned like such
-// a vector on a processor that has them, so that all copies agree.
+// A plain array, because the linker could merge a member function of std::array with its copy for another instruction
+// set. The alignment is the same for all instruction sets.
 template <class T>
 struct alignas(sizeof(T)) Series {
     T of[length];
@@ -25,7 +25,7 @@ using Path = Series<Four>;
 
 inline Four load_four(const double* x) { return load_lanes<Four>(x); }
 
-// Σ f_k t^k, four terms at a time, to avoid one long chain of dependent products.
+// Σ f_k t^k, four terms at a time, to avoid a long chain of dependent products.
 template <int groups>
 double sum_of_powers(const Four* f, double t) {
     const double t2 = t * t, t4 = t2 * t2;
@@ -36,15 +36,15 @@ double sum_of_powers(const Four* f, double t) {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-// Lower bound of the distance to the next zero of a function with this positive value, this slope and |f''| <= bend:
-// the zero of a parabola that bends down.
+// Lower bound on the distance to the next zero of a function with this positive value, this slope and |f''| <= bend:
+// the zero of the parabola with f'' = −bend.
 inline double free_of_zeros(double value, double slope, double bend) {
     const double root = math::sqrt(slope * slope + 2.0 * bend * value);
     return slope > 0.0 ? (root + slope) / bend : 2.0 * value / (root - slope);
 }
 
-// First zero in (0, end] of a polynomial that is positive at 0; infinity without one. Usually there is none, which is
-// clear as soon as the parabolas from both ends meet.
+// First zero in (0, end] of a polynomial that is positive at 0; infinity if there is none. Usually there is none, which
+// is certain once the zero-free intervals from both ends meet.
 inline double first_zero(const double* f, double end) {
     static_assert(order == 16);
     constexpr Four index = {1.0, 2.0, 3.0, 4.0};
@@ -77,8 +77,8 @@ inline double first_zero(const double* f, double end) {
     return t;
 }
 
-// The same for a polynomial that is zero at 0 and falls by its term of order k, the first that is not rounding. A
-// decrease of at most `rounding` before it rises does not count.
+// The same for a polynomial that is 0 at 0 and falls at first: its first term above rounding, of order k, is negative.
+// A dip of at most `rounding` before it rises does not count.
 inline double zero_of_falling(const double* f, int k, double end, double rounding) {
     double above[length] = {rounding}, below[length] = {rounding};
     for (int n = k; n < length; ++n) above[n] = f[n], below[n] = -f[n];
@@ -86,8 +86,8 @@ inline double zero_of_falling(const double* f, int k, double end, double roundin
     return fallen <= end && first_zero(below, fallen) > fallen ? 0.0 : fallen;
 }
 
-// The same for a polynomial that an event has just placed on zero, up to `rounding`. The remainder of its first terms
-// is dropped; a function that changes by less than rounding within a step of the series stays on zero.
+// The same for a polynomial that is zero at 0, up to `rounding`, because its event has just occurred. Leading terms
+// that are rounding errors are dropped. A function that changes by less than `rounding` within a step counts as zero.
 inline double next_zero(const double* f, double end, double step, double rounding) {
     double whole = 0.0, terms[length] = {}, power = 1.0;
     for (int k = 1; k < length; ++k) {

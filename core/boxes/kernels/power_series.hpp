@@ -4,9 +4,9 @@
 // by order. With r the vector from the first body of a pair to the second, d = |r|, l the contact distance, and q = k l
 // − γ dd/dt,
 //   d² = r·r,   F = q − k d,   w = q/d,   m_1 a_1 = −(w − k) r,   m_2 a_2 = (w − k) r.
-// A product of two series is a sum for each order; for a root and a quotient such a sum is solved for its last term. A
-// step covers a good part of a contact, and every event function within it is a polynomial. The unit of time makes the
-// angular frequency of the fastest contact 1.
+// Each order of a product of two series is a convolution sum; for a root or a quotient that sum is solved for its last
+// term. A step covers a good part of a contact, and every event function within it is a polynomial. In the unit of time
+// the fastest contact has angular frequency 1.
 #pragma once
 #include <cstddef>
 
@@ -30,7 +30,7 @@ State state(const Path& x, double t) {
     return s;
 }
 
-// Upper bound of the distance of a path from its chord up to t, apart from common gravity.
+// Upper bound on the distance of a path from its chord up to t, without common gravity.
 inline double chord_deviation(const Path& x, double t, const Four& gravity) {
     Four bend{};
     for (int k = order; k >= 2; --k) {
@@ -41,7 +41,7 @@ inline double chord_deviation(const Path& x, double t, const Four& gravity) {
     return 0.125 * t * t * math::sqrt(bend[0] * bend[0] + bend[1] * bend[1] + bend[2] * bend[2]);
 }
 
-// Upper bound of the distance covered up to t.
+// Upper bound on the distance covered up to t.
 template <int top = order>
 double travel(const Path& x, double t) {
     Four sum{};
@@ -57,15 +57,16 @@ inline double largest(const Four& x) {
 
 inline double sum_of(const Four& x) { return (x[0] + x[1]) + x[2]; }
 
-// Series of two bodies. The distance is expanded up to order n + 1 before the force of order n. The order is a template
-// parameter, so that each sum becomes straight-line code. The distance is stored behind the three coordinates of r: one
-// sum of products then gives r·r and d², another one w r and w d. What depends on the last terms comes last in both.
+// Series of the distance and the force of two bodies. The distance is expanded up to order n + 1 before the force of
+// order n. The order is a template parameter, so that each sum becomes straight-line code. The distance is stored as
+// the fourth component of r: one sum of products gives r·r and d², another one w r and w d. The newest terms enter
+// last.
 struct PairSeries {
     Path between;                             // r, d
     Terms distance;                           // d
     Terms weight, force;                      // w, F
     double spring, damper, contact_distance;  // k, γ and l, in the unit of time
-    double per_distance, force_per_distance;  // 1/d and F/d at the begin
+    double per_distance, force_per_distance;  // 1/d and F/d at the start
 
     // r and d of order n: r·r = d². The fourth component of `r` is zero.
     template <int n>
@@ -91,8 +92,8 @@ struct PairSeries {
         force[n] = spring * (n == 0 ? contact_distance - distance[0] : -distance[n]) - damping;
         return (n == 0 ? spring * contact_distance : 0.0) - damping;
     }
-    // (w − k) r of order n, the force that separates the bodies. Its first factor is computed as F/d, without a
-    // difference of large numbers.
+    // (w − k) r of order n, the force that separates the bodies. Order 0 of w − k is computed as F/d, without
+    // cancellation.
     template <int n>
     Four relative_acceleration() {
         Four along{};
@@ -133,8 +134,8 @@ inline void square(const void* first, const void* second, const double* image, d
     square_from(between, out);
 }
 
-// ∫ (dd/dt)² dt and ∫ F d dt with F = k (l − d) − γ dd/dt, from 0 to t, by Gauss's rule. Within a step the integrand
-// oscillates through less than half a period, and the error is far below rounding.
+// ∫ (dd/dt)² dt and ∫ F d dt with F = k (l − d) − γ dd/dt, from 0 to t, by Gauss-Legendre quadrature. The integrand
+// oscillates through less than half a period in a step, and the error is far below rounding.
 struct Integrals {
     double square, product;
 };
@@ -199,8 +200,7 @@ void expand_force(Contact& f) {
         f.force[n] = f.spring * f.depth[n] + f.damper * (n + 1) * f.depth[n + 1];
 }
 
-// Adds the acceleration of a pair, of order n, to the terms of order n + 2 of its bodies. `share`: factor of the
-// acceleration.
+// Adds the acceleration of a pair, of order n, to the terms of order n + 2 of its bodies. `share`: unit²/((n+1)(n+2)).
 template <int n>
 void add_accelerations(Path* paths, Contact& f, double share) {
     expand_distance<n + 1>(paths, f);
@@ -230,7 +230,7 @@ void expand_from(Path* paths, Contact* contacts, int count, double unit) {
     }
 }
 
-// Expands the series of all bodies and contacts from positions and velocities, the first two terms.
+// Expands the series of all bodies and contacts. Their first two terms, positions and velocities, are given.
 inline void expand(void* paths, int bodies, void* contacts, int n, const double* gravity, double unit) {
     Path* const path = static_cast<Path*>(paths);
     Contact* const first = static_cast<Contact*>(contacts);
@@ -267,7 +267,7 @@ inline void travels(const void* paths, const int* body_order, int in_contact, in
     }
 }
 
-// Advances the state to a point in the step.
+// Advances the state to a time within the step.
 inline void move(const void* paths, const int* body_order, int in_contact, int bodies, const void* contacts,
                  int n, double at, double unit, const double* gravity, double* places, double* sums,
                  double* chord_deviations) {

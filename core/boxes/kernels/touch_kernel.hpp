@@ -1,6 +1,6 @@
-// When a particle touches each of its neighbours: the engines' loop in vector lanes, eight, four or two neighbours at a
-// time. A neighbour's record has eight doubles, so that shuffles turn the records of all lanes into columns. Lanes are
-// independent: the bits do not depend on the number of lanes.
+// SIMD kernel that predicts when a particle touches each of its neighbours, eight, four or two at a time. A neighbour's
+// record has eight doubles, so that shuffles transpose the records of all lanes. Lanes are independent: results are
+// bit-identical for any number of lanes.
 //
 // A pair at r with relative velocity v touches at the distance σ, which grows at the rate s (0 without growing radii).
 // With a = v² − s², b = r·v − σ s, c = r² − σ²:
@@ -10,10 +10,10 @@
 // Formella & Pöschel, Comput. Part. Mech. 1, 191 (2014)). If radii grow faster than the pair separates, b ≥ 0 and a <
 // 0, and the root is (b + √(b² − a c))/(−a).
 //
-// With `enlarged`, radii include safety radii, and two particles may be too close without approaching: then c < 0 by
-// more than rounding means now, for any b. The particle itself may have a larger radius for a limited time. A neighbour
-// touches that radius before its end only if c + 2 b τ <= 0 at the end, as a τ² >= 0; otherwise it touches the usual
-// radius.
+// With `enlarged`, radii include safety radii, and two particles may be too close without approaching: if c < 0 by more
+// than rounding, they touch now, for any b. The particle itself may have a larger radius for a limited time. A
+// neighbour can touch that radius within this time only if c + 2 b τ <= 0 at its end, as a τ² >= 0; otherwise it
+// touches the usual radius.
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -23,11 +23,11 @@
 
 namespace hardlimit::boxes {
 
-// Which image of a neighbour counts.
+// Which periodic image of a neighbour is used.
 enum class Image { as_it_is, nearest, shifted };
 
-// `only_group`: there is one group of lanes. Then it pays to branch if no lane touches; with several groups such a
-// branch is unpredictable, and a wrong prediction costs more than the root and the quotient.
+// `only_group`: there is a single group of lanes. An early return if no lane touches then pays; with several groups
+// that branch is unpredictable, and a misprediction costs more than the square root and the division.
 template <class Real, int d, Motion motion, Image image, bool enlarged>
 HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p, bool only_group) {
     const Real after = q.now - p.of[2 * d];
@@ -103,7 +103,7 @@ HL_FN double least_lane(const Real& x) {
     }
 }
 
-// The first touch, from the minimum of each lane and its second smallest time.
+// Earliest contact, from the smallest and the second smallest time of each lane.
 template <class Real, bool enlarged>
 HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second, const unsigned* ids,
                                            const double* times, std::size_t n) {
@@ -129,7 +129,7 @@ hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const vo
                                     unsigned* ids, double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double* const lines = static_cast<const double*>(particles);
-    // Fills the last group of lanes with the particle itself, which it never touches.
+    // Pads the last group of lanes with the particle itself, for which no contact is found.
     for (std::size_t k = 0; k + 1 < lanes; ++k) ids[n + k] = self;
     Real least = broadcast<Real>(math::infinity), second = least;
     for (std::size_t k = 0; k < n; k += lanes) {
@@ -173,7 +173,7 @@ inline std::size_t collect_cells(const hardlimit_abi::CellBlock& block, unsigned
     return static_cast<std::size_t>(to - ids);
 }
 
-// The same, a row of up to three cells at a time on processors that can compress vectors of words.
+// The same, for a row of up to three cells at a time on processors with a compress-store instruction.
 template <class Sixteen = Words>
 std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) {
     if constexpr (!sifts_words) {
@@ -193,7 +193,7 @@ std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) 
                 all.store(to, chosen);
                 to += bit_count(chosen);
             }
-            // A cell with further ids elsewhere has a number above three.
+            // The fourth word of a cell exceeds three if further ids are in `spilled`.
             if ((any.above(inline_ids) & (0x8888u & here)) != 0) return collect_cells(block, ids);
         }
         return static_cast<std::size_t>(to - ids);

@@ -1,10 +1,10 @@
-// Which particles are where: grids of cells, one inside the other.
+// Hierarchical cell lists: nested grids of cells for particles of different sizes.
 //
-// A particle lies in the finest grid whose cells are as long as its diameter. Two particles can touch only where the
-// smaller one's place and the larger one's cell are neighbours in the grid of the larger one. A cell of one grid is 2^d
-// cells of the next finer one, so that a border of a coarse cell is one of a fine cell too. Grids of fewer than three
-// cells along an axis are no special case: neighbours are counted by offset, and an image of a particle that lies one
-// period away is another neighbour.
+// A particle is stored in the finest grid whose cells are at least as long as its diameter. Two particles can touch
+// only if both positions lie in the same or in neighbouring cells of the larger particle's grid. A cell of one grid is
+// 2^d cells of the next finer one, so a face of a coarse cell consists of faces of fine cells. Grids of fewer than
+// three cells along an axis are no special case: neighbours are counted by offset, and a periodic image of a particle
+// is a separate neighbour.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -15,8 +15,8 @@
 
 namespace hardlimit::boxes {
 
-// Up to three ids, the unused ones no_particle, then their number; or, where there are more, four plus the index of the
-// cell that holds the rest.
+// Up to three ids, padded with no_particle, then their number. If there are more ids, `tail` is 4 + the index of the
+// spilled cell that holds the rest.
 struct Cell {
     u32 id[3];
     u32 tail;
@@ -27,12 +27,12 @@ template <int d>
 struct Grid {
     int cells[d];     // along each axis
     double edge[d];   // of a cell [m]
-    u32 first;        // cell of the grid, among those of all grids
+    u32 first;        // index of its first cell among the cells of all grids
     double diameter;  // of the largest particle in it [m]
-    u32 rows[9];      // the rows of three times three along the first axis, from the first one on
-    u32 planes[3];    // and those of them with the same second coordinate
-    u32 steps[d];     // where in `steps_` the cells along each axis are
-    bool few;         // cells along a periodic axis: of a particle nearby another image may be as near
+    u32 rows[9];      // offsets of the 3 × 3 rows of a block along the first axis from its first row
+    u32 planes[3];    // offsets of those rows that differ only in the third coordinate
+    u32 steps[d];     // start of each axis in `steps_`
+    bool few;         // cells along a periodic axis: several images of a neighbour may be near
 };
 
 template <int d>
@@ -129,7 +129,7 @@ public:
         free_.clear();
     }
 
-    // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids, and keeps it.
+    // Writes the ids to list[n …] and returns the new n. The list has room for `slack` more ids before and after.
     std::size_t collect(u32 cell, Scratch<u32>& list, std::size_t n) const {
         const Cell* c = &cells_[cell];
         u32* to = list.data() + n;
@@ -137,9 +137,9 @@ public:
         if (c->tail <= inline_ids) return n + c->tail;
         return collect_chain(c, list, n);
     }
-    // A block of at most three cells along each axis, for the kernels that collect it themselves; what lies beyond a
-    // border is found on the other side, or not at a wall. Its ids need at most room(). Returns whether the block
-    // reaches across a periodic border.
+    // Describes a block of at most three cells along each axis to the kernels. Cells beyond a periodic boundary are
+    // those of the other side; cells beyond a wall are left out. The block has at most room() ids. Returns whether the
+    // block reaches beyond the box.
     bool lay_block(hardlimit_abi::CellBlock& block, const Box& box, int level, const Place<d>& from,
                    const Place<d>& to) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
@@ -149,7 +149,7 @@ public:
         u32 first = 0;
         HL_UNROLL
         for (int k = d - 1; k >= 0; --k) {
-            outside |= from[k] | (g.cells[k] - 1 - to[k]);  // negative where one of the two is
+            outside |= from[k] | (g.cells[k] - 1 - to[k]);  // negative if either is
             first = first * static_cast<u32>(g.cells[k]) + static_cast<u32>(from[k]);
         }
         const u32 rows = static_cast<u32>(to[1] - from[1] + 1);
@@ -166,7 +166,7 @@ public:
     }
     std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
 
-    // Cells that a particle will look into, counted from its own: those around it, or beyond a border of it.
+    // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond one of them.
     struct Surroundings {
         int from[3] = {-1, -1, d == 3 ? -1 : 0}, to[3] = {1, 1, d == 3 ? 1 : 0};
 
@@ -176,14 +176,14 @@ public:
             return s;
         }
     };
-    // Fetches those of a cell that is not at a border of the box; elsewhere it would not pay.
+    // Prefetches those cells. Periodic images are not handled: it would not pay.
     void fetch(int level, u32 cell, const Surroundings& s) const {
         for_rows(level, cell, s, [](const Cell* row, int length) {
             prefetch(row);
             if (length == 3) prefetch(row + 2);
         });
     }
-    // f(id) for the particles there, without those that did not fit inline.
+    // Calls f(id) for the particles in those cells, except spilled ones.
     template <class F>
     void for_inline(int level, u32 cell, const Surroundings& s, const F& f) const {
         for_rows(level, cell, s, [&](const Cell* row, int length) {
@@ -192,8 +192,8 @@ public:
         });
     }
 
-    // f(cell, shift) for the cells of a block of one grid, which may reach across borders of the box: the particles
-    // in the cell lie in the block once they are moved by `shift`. What lies behind a wall is left out.
+    // Calls f(cell, shift) for the cells of a block of one grid, which may reach beyond the box: `shift` moves the
+    // particles of the cell into the block. Cells beyond a wall are left out.
     template <class F>
     void for_block(const Box& box, int level, const Place<d>& from, const Place<d>& to, const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
@@ -214,7 +214,7 @@ public:
             ++at[k];
         }
     }
-    // The block around a cell at a place in its own grid and in each coarser one: f(level, from, to).
+    // Calls f(level, from, to) for the block around a cell, in its own grid and in each coarser one.
     template <class F>
     void for_neighbourhoods(int level, Place<d> at, const F& f) const {
         Place<d> from, to;
@@ -232,17 +232,17 @@ public:
 
 private:
     static constexpr u32 inline_ids = 3, linked = 4;
-    static constexpr u32 beyond = 3;  // cells that are empty, for a kernel that reads four at once
+    static constexpr u32 beyond = 3;  // empty cells at the end, for a kernel that reads four cells at once
 
-    // A block of three cells that holds a place inside the box begins and ends no farther outside.
+    // A block of three cells, of which at least one is in the box, reaches at most this far beyond the box.
     static constexpr int steps_beyond = 2;
 
     std::vector<Grid<d>> grids_;
     std::vector<u32> steps_;
     Records<Cell> cells_;
     std::vector<Cell> spilled_;
-    std::vector<u32> free_;          // of the spilled ones
-    std::size_t longest_chain_ = 0;  // cells beyond the first
+    std::vector<u32> free_;          // unused cells of `spilled_`
+    std::size_t longest_chain_ = 0;  // spilled cells of one cell
 
     void lay_by_rows(hardlimit_abi::CellBlock& block, const Grid<d>& g, const Box& box, const Place<d>& from,
                      const Place<d>& to) const {
@@ -262,7 +262,7 @@ private:
         }
         cut(block, from[0], to[0], g.cells[0], box.wraps(0));
     }
-    // Offsets of the cells along an axis from the first: beyond a periodic border those of the other side, beyond a
+    // Index offsets of the cells along each axis. Beyond a periodic boundary they are those of the other side, beyond a
     // wall no_particle.
     void lay_steps(Grid<d>& g, const Box& box) {
         u32 stride = 1;
@@ -277,7 +277,7 @@ private:
             stride *= static_cast<u32>(n);
         }
     }
-    // The same along the first axis, in one part or two.
+    // Splits a row along the first axis into one or two parts, at a periodic boundary.
     static void cut(hardlimit_abi::CellBlock& block, int from, int to, int cells, bool periodic) {
         const auto part = [&](int first, int last) {
             block.begin[block.parts] = static_cast<u32>(first);
@@ -289,7 +289,7 @@ private:
         if (to >= cells && periodic) part(std::max(from, cells) - cells, to - cells);
     }
 
-    // f(the first of the cells in a row, how many), as far as they are cells at all.
+    // Calls f(first cell, number of cells) for each row. Skips rows outside the array of cells.
     template <class F>
     void for_rows(int level, u32 cell, const Surroundings& s, const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
@@ -323,8 +323,8 @@ private:
         }
     }
 
-    // Cells as long as the largest diameter, and longer where that would make more than two for each particle; finer
-    // grids while there are smaller particles and the cells stay few.
+    // The cells of the coarsest grid are as long as the largest diameter, or longer if there would be more than two per
+    // particle. Finer grids are added while there are smaller particles, up to the same number of cells.
     void lay(const Box& box, std::size_t n, double smallest, double largest) {
         const double most = 2.0 * static_cast<double>(n) + 32.0;
         double edge = largest;
@@ -349,7 +349,7 @@ private:
         for (Grid<d>& g : grids_) {
             g.first = first;
             g.few = false;
-            // With four cells an image that is not the nearest one is more than two cells away.
+            // With four cells, every image but the nearest is more than two cells away.
             for (int k = 0; k < d; ++k) g.few = g.few || (box.wraps(k) && g.cells[k] < 4);
             lay_steps(g, box);
             first += static_cast<u32>(count(g));

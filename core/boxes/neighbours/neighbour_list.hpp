@@ -1,4 +1,4 @@
-// Neighbour list (Verlet list) of the stepping engine: cells in layers, the half list of pairs, and the walls in reach.
+// Verlet neighbour list of the time-stepping engine: layers of cells, half list of pairs, and walls within reach.
 //
 // Bodies are sorted by cell, layer by layer along the axis with the most cells. A pair belongs to its body in the lower
 // cell, so the pairs of a layer reach into this layer and the next one only.
@@ -26,8 +26,8 @@ struct NeighbourPair {
 };
 inline constexpr std::uint32_t no_image = 13;
 
-// Image of the second body relative to the first along their unfolded paths, in edges. It does not change while the
-// bodies stay neighbours, although either may cross a periodic side.
+// Image of the second body relative to the first in unfolded coordinates, in units of the edges. It does not change
+// while the bodies are neighbours, even if one crosses a periodic boundary.
 inline std::array<std::int32_t, 3> relative_image(NeighbourPair p, const Records<BodyTag>& tag) {
     std::array<std::int32_t, 3> image{};
     std::uint32_t code = p.image();
@@ -46,8 +46,8 @@ struct WallNeighbour {
 class CellLayers {
 public:
     CellLayers() = default;
-    // Cells are at least as wide as `reach`, and at most about twice as many as bodies. A large number of layers is
-    // rounded to an even one: the number of slabs is even too, so slabs then have equal work.
+    // Cells are at least as wide as `reach`, and at most about two per body. More than 16 layers are rounded down to an
+    // even number: the number of slabs is even too, so slabs then have equal work.
     CellLayers(const Box& box, double reach, std::size_t bodies) : box_(box) {
         divide(reach, 2.0 * static_cast<double>(bodies) + 64.0);
         for (int a = 0; a < 3; ++a) order_[a] = a;
@@ -104,7 +104,7 @@ private:
         return static_cast<std::uint32_t>(cell < n ? static_cast<int>(cell) : n - 1);
     }
 
-    // Replaces a cell beyond a periodic side by its image. Returns false beyond a wall.
+    // Replaces a cell beyond a periodic boundary by its image. Returns false beyond a wall.
     bool wrap(int place, int& cell, std::uint32_t& image) const {
         constexpr std::uint32_t unit[3] = {1, 3, 9};
         const int axis = order_[place], n = cells_[axis];
@@ -177,9 +177,9 @@ inline void list_walls(const Box& box, const Records<Double4>& position, std::ui
         }
 }
 
-// The cheapest skin σ [m]. A wide skin makes the list long, a narrow one makes it outdated soon. In units of the cost
-// of one pair, a body costs σ λ + κ 2 v h/σ in a step: λ is the number of its listed pairs per metre of skin, v the
-// largest speed, h the step, κ the cost of a new list per body. The minimum is at σ = √(2 v h κ/λ).
+// Optimal skin σ [m]. A wide skin makes the list long, a narrow one makes rebuilds frequent. A body costs
+// σ λ + κ 2 v h/σ per step, in units of the cost of one pair: λ is the number of its listed pairs per metre of skin, v
+// the largest speed, h the step, κ the cost of a rebuild per body. The minimum is at σ = √(2 v h κ/λ).
 inline double best_skin(double pairs_per_skin, double largest_speed, double time_step) {
     constexpr double list_cost = 40.0;  // κ, measured at packing fractions of 0.3 and 0.6
     return math::sqrt(2.0 * largest_speed * time_step * list_cost / pairs_per_skin);

@@ -1,5 +1,5 @@
-// The deepest overlap of two bodies of a box. Each class of sizes has cells of its own, so that small bodies do not
-// crowd the cells of large ones: the work is proportional to the number of bodies for any ratio of their sizes.
+// Finds the deepest overlap of two bodies in a box. Each size class has its own cells, so that small bodies do not
+// crowd the cells of large ones: the work is proportional to the number of bodies for any size ratio.
 #pragma once
 #include <cstddef>
 #include <utility>
@@ -25,7 +25,7 @@ struct Body {
     i64 number;
 };
 
-// Bodies of similar size in cells that are at least as wide as two of them.
+// Cell list of bodies of similar size. Cells are at least as wide as the largest diameter.
 class SizeClass {
 public:
     SizeClass(const Box& box, std::vector<Body> bodies) : box_(box) {
@@ -56,7 +56,7 @@ private:
     std::vector<std::size_t> start_;
     std::vector<Body> bodies_;  // in the order of their cells
 
-    // As many cells as their least width allows, and at most about four times as many as bodies.
+    // As many cells as their minimum width allows, up to about four per body.
     void divide(double width, std::size_t bodies) {
         const double most = 4.0 * static_cast<double>(bodies) + 64.0;
         for (double total = most + 1.0; total > most; width *= 1.25) {
@@ -111,7 +111,7 @@ private:
     }
 };
 
-// Square of the distance to the nearest image. A periodic edge is at least twice as long as two bodies are wide.
+// Squared distance of the nearest images. A periodic edge is at least twice as long as the sum of two diameters.
 HL_FN double distance_squared(const Box& box, const Body& a, const Body& b) {
     double sum = 0.0;
     for (int axis = 0; axis < box.dimension; ++axis) {
@@ -123,7 +123,7 @@ HL_FN double distance_squared(const Box& box, const Body& a, const Body& b) {
     return sum;
 }
 
-// The deepest overlap relative to the sum of the radii; of equal ones that of the lowest numbers.
+// Keeps the deepest overlap relative to the sum of the radii; on a tie, that of the lowest indices.
 class Deepest {
 public:
     explicit Deepest(const Box& box) : box_(box) {}
@@ -147,7 +147,7 @@ private:
     double share_ = 0.0;
 };
 
-// Bodies by size, the largest class first; the radii of a class differ by less than a factor of two.
+// Sorts the bodies into size classes, the largest first. Radii in a class differ by less than a factor of two.
 inline std::vector<SizeClass> size_classes(const Box& box, const double* position, const double* radius,
                                            std::size_t count) {
     double largest = 0.0;
@@ -171,8 +171,8 @@ inline std::vector<SizeClass> size_classes(const Box& box, const double* positio
 
 }  // namespace detail
 
-// The deepest overlap of two bodies, relative to the sum of their radii. Positions (count × dimension) lie in the box,
-// radii (count) are positive, and a periodic edge is at least four of the largest radii.
+// The deepest overlap of two bodies, relative to the sum of their radii. Positions (count × dimension) must lie in the
+// box, radii (count) be positive, and a periodic edge be at least four times the largest radius.
 inline Overlap deepest_overlap(const Box& box, const double* position, const double* radius,
                                std::size_t count, Stop& stop) {
     const std::vector<detail::SizeClass> classes = detail::size_classes(box, position, radius, count);

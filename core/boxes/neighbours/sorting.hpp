@@ -53,14 +53,14 @@ public:
         for (std::size_t i = first; i < last; ++i)
             where_[bodies.tag[i].original_index] = static_cast<std::uint32_t>(i);
     }
-    // Positions at which the list was built. They share the memory into which the next sort moves the bodies.
+    // Positions at the last list build, kept in the buffer that the next sort overwrites.
     Records<Double4>& reference() { return position_; }
 
 private:
     std::vector<std::uint32_t> cell_, where_;  // [N]
     Records<Double4> position_, velocity_;
     Records<BodyTag> tag_;
-    Records<Double4> spin_;  // as long as that of the bodies
+    Records<Double4> spin_;  // as long as Bodies::spin
 
     static void wrap(Double4& position, BodyTag& tag, int axis, double edge) {
         if (position[axis] < 0.0) position[axis] += edge, --tag.image_flags[axis];

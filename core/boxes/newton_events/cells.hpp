@@ -1,4 +1,4 @@
-// Set-up of the event-driven engine, and its cells: neighbours of a body, crossing into another cell.
+// Construction of the event-driven engine, and its cells: neighbours of a body, cell crossings.
 #pragma once
 #include "engine.hpp"
 
@@ -29,8 +29,8 @@ void NewtonEvents<Law>::find_extreme_radii(std::size_t n) {
     }
 }
 
-// A multiple of the compression of contacts at the initial speeds; wider cells hold more candidates to examine. Under
-// gravity speeds grow: the largest value.
+// A multiple of the compression of contacts at the initial speeds; a larger radius requires wider cells, which hold
+// more candidates. The largest value under gravity, since speeds grow.
 template <class Law>
 double NewtonEvents<Law>::initial_safety_radius(const double* velocity) const {
     const double most = 0.1 * largest_radius_;
@@ -76,7 +76,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     cells_ = Cells<3>(cell_box_, n, most, most);
     level_ = cells_.level_for(most);
     prefetches_ = n > most_in_caches;
-    // No second image of a body may come near in a small box.
+    // In a small box, no second image of a body may come near.
     largest_displacement_ =
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
@@ -86,7 +86,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
     }
 }
 
-// Sorted by cells: neighbours in space are neighbours in memory.
+// Stores the bodies sorted by cell, so that neighbours in space are neighbours in memory.
 template <class Law>
 void NewtonEvents<Law>::sort_in(const System& s) {
     const auto n = static_cast<u32>(s.n);
@@ -132,14 +132,14 @@ void NewtonEvents<Law>::reserve_candidates() const {
     candidates_.resize(cells_.room());
 }
 
-// Assigned number by number: reading a larger piece would wait for the stores.
+// The block of cells around a cell. Set element by element: wider loads after these stores would stall.
 template <class Law>
 typename NewtonEvents<Law>::Block NewtonEvents<Law>::around(const Place<3>& at) const {
     const int deep = box_.dimension == 3 ? 1 : 0;
     return {{at[0] - 1, at[1] - 1, at[2] - deep}, {at[0] + 1, at[1] + 1, at[2] + deep}};
 }
 
-// f(j, r) for all images of bodies in the cells around body i; r leads from i to j at the current time.
+// Calls f(j, r) for all images of bodies in the cells around body i; r: vector from i to j at the current time.
 template <class Law>
 template <class F>
 void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {

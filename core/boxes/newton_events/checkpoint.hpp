@@ -1,4 +1,4 @@
-// Saving a run as bytes and loading it: a loaded run continues with the same bits.
+// Checkpoints of the event-driven engine. A loaded run continues bit for bit.
 #pragma once
 #include "engine.hpp"
 

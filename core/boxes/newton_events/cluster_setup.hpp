@@ -1,4 +1,4 @@
-// Set-up of a cluster: members, pairs that may touch, the time for which it is integrated.
+// Set-up of a cluster: members, pairs that may touch, and the integration time.
 #pragma once
 #include "engine.hpp"
 
@@ -29,7 +29,7 @@ void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
     after.trajectory.clear();
 }
 
-// Whether contacts last: clusters are integrated again and again without a new contact.
+// Whether contacts are persistent: clusters are integrated again and again without a new contact.
 template <class Law>
 bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
     const std::size_t members = c.members.size();
@@ -69,8 +69,8 @@ void NewtonEvents<Law>::open_group(Group& g, const std::vector<int>& set) const 
     for (std::size_t m = 0; m < set.size(); ++m) set_member(g, m, c.members.emplace_back());
 }
 
-// Sets a member from its body, by the image nearest to the group's origin, and stores which image that is. Assigned
-// number by number: reading a larger piece would wait for the stores.
+// Sets a member from the image of its body that is nearest to the group's origin, and stores which image that is. Works
+// element by element: wider loads just after narrow stores would stall (store forwarding).
 template <class Law>
 void NewtonEvents<Law>::set_member(Group& g, std::size_t m, Member& member) const {
     const int i = g.body[m];
@@ -171,7 +171,7 @@ bool NewtonEvents<Law>::near_wall(int i, const Wall& wall) const {
     return wall_distance(i, wall) < radius(i) + largest_displacement_;
 }
 
-// Distance of a body's centre from a wall, at the begin of its path [m].
+// Distance of a body's centre from a wall, at the start of its path [m].
 template <class Law>
 double NewtonEvents<Law>::wall_distance(int i, const Wall& wall) const {
     return wall.distance(particles_[i].position[wall.id.axis()], now_);
@@ -193,9 +193,9 @@ ContactPair<Law> NewtonEvents<Law>::wall_pair(const Group& g, int i, const Wall&
     return q;
 }
 
-// Time for which a cluster is integrated: until contacts like the present ones are over, but no longer than members
-// take to cover a given distance. Slack pairs open soon; a slow body in slack contact would travel far only within
-// thousands of contacts.
+// Integration time of a cluster: until contacts like the present ones are over, but no longer than members take to
+// cover largest_displacement_. Slack pairs open soon; a slow body in slack contact would need thousands of contact
+// durations to cover this distance.
 template <class Law>
 double NewtonEvents<Law>::horizon_of(const Group& g) const {
     const Cluster<Law>& c = g.cluster->before;
@@ -213,15 +213,15 @@ double NewtonEvents<Law>::horizon_of(const Group& g) const {
     return longest > 0.0 ? math::min(longest, farthest) : farthest;
 }
 
-// Lower bound of the time in which a member covers a distance, from its speed and, near walls, its weight.
+// Lower bound on the time in which a member covers a distance, from its speed and, near walls, its weight.
 template <class Law>
 double NewtonEvents<Law>::time_to_cover(double distance, double speed, bool falls) const {
     const double pull = falls ? math::sqrt(dot(gravity_, gravity_)) : 0.0;
     return 2.0 * distance / (speed + math::sqrt(speed * speed + 2.0 * distance * pull));
 }
 
-// Lower bound of the time in which a member reaches a wall that forms no pair of the cluster. Common motion of all
-// members counts as well.
+// Lower bound on the time in which a member reaches a wall that forms no pair of the cluster. It includes the common
+// motion of all members.
 template <class Law>
 double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
     double gap = math::infinity;
@@ -235,7 +235,7 @@ double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
     return time_to_cover(gap, speed + math::sqrt(dot(drift, drift)), true);
 }
 
-// Sets c to the group's state at its begin.
+// Sets c to the state of the group at its start.
 template <class Law>
 void NewtonEvents<Law>::initial_cluster(const Group& g, Cluster<Law>& c) const {
     if (!g.isolated) {

@@ -14,12 +14,12 @@ struct ContactEnd {
     int first, group;
 };
 
-// Contacts of equal duration end in the order in which they begin: their ends wait in a line. All others wait in a
-// heap.
+// Contacts of equal duration end in the order in which they begin, so their ends are kept in a first-in-first-out
+// queue. All other ends are kept in a heap.
 class ContactEndQueue {
 public:
-    // TieBreak: orders simultaneous ends by the first member. Assigned number by number: a copied record would wait for
-    // the stores.
+    // TieBreak: orders simultaneous ends by the first member. The record is set element by element: a copy of a record
+    // just written would stall (store forwarding).
     template <class TieBreak>
     void push(double time, int first, int group, const TieBreak& tie_break) {
         if (begin_ > line_.size() / 2) {
@@ -62,7 +62,7 @@ public:
 
 private:
     std::vector<ContactEnd> line_, heap_;
-    std::size_t begin_ = 0;  // of the line
+    std::size_t begin_ = 0;  // first end in line_
     bool from_heap_ = false;
 
     template <class TieBreak>

@@ -1,9 +1,9 @@
-// Newton's equations for a box of spheres or disks, solved event by event.
+// Event-driven solution of Newton's equations for a box of spheres or disks under a contact law.
 //
-// Between contacts the bodies fly on parabolas, known exactly. Bodies in contact form a group, which is solved ahead
-// from its begin to its end. A contact that no third body disturbs is solved at once in the plane of its approach
-// (isolated_contact.hpp). Contacts that share a body form a cluster, which is integrated (cluster/) until its contacts
-// are over, or for a limited time.
+// Between contacts the bodies move on parabolas, known exactly. Bodies in contact form a group, which is solved in
+// advance from its begin to its end. A contact that no third body disturbs is solved as a whole in the plane of its
+// approach (isolated_contact.hpp). Contacts that share a body form a cluster, which is integrated (cluster/) until its
+// contacts are over, or for a limited time.
 //
 // Until its group ends, a member is busy. For all other bodies it is a larger body on a parabola: its radius grows by a
 // safety radius, the largest distance between its true path and that parabola. As long as no other body touches this
@@ -15,9 +15,9 @@
 // end. The parabola of a body in an isolated contact is its outgoing path, extrapolated back from the end: collisions
 // after the contact are predicted at its begin, and the end changes only the body's radius.
 //
-// Bodies are stored and scheduled like hard spheres (hard_spheres/): a record, two pending events and a cell for each,
-// in the order of the cells. The end of a cluster is a self event of its first member. Isolated contacts end in a short
-// queue of their own, and the pending events of their members stay valid.
+// Bodies are stored and scheduled like hard spheres (hard_spheres/): sorted by cell, with a record, two pending events
+// and a cell for each. The end of a cluster is a self event of its first member. The ends of isolated contacts have a
+// short queue of their own, and the pending events of their members stay valid.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -48,18 +48,18 @@ public:
     // body that comes near restarts the integration.
     static constexpr std::size_t large_cluster = 50;
     static constexpr long steps_of_large_cluster = 64;
-    // Only clusters that come to rest need as many steps. The limit lets a run be stopped between clusters.
+    // Only clusters that come to rest need so many steps. The limit lets a run be stopped between clusters.
     static constexpr long steps_of_small_cluster = 10'000;
-    // Limit of the integration steps, summed over members, per body of the box and contact begun: beyond it contacts
-    // last, and time stepping is cheaper. Small clusters may use the steps of `fewest_bodies` bodies.
+    // Limit on the integration steps, summed over members, per body of the box and contact begun. Beyond it contacts
+    // are persistent, and time stepping is cheaper. Small clusters may use the steps of `fewest_bodies` bodies.
     static constexpr double most_integration_steps = 1e4, fewest_bodies = 1e3;
-    // Members up to which a cluster that another body joins is integrated for a full horizon again. A larger one ends
-    // when it was to end before, and splits into connected parts. Otherwise bodies that separated long ago stay
-    // members, and in a large gas a cluster would grow without bound.
+    // Largest cluster that is integrated for a full horizon again when another body joins it. A larger one keeps its
+    // time of end, and then splits into connected parts. Otherwise bodies that separated long ago would stay members,
+    // and in a large gas a cluster would grow without bound.
     static constexpr std::size_t largest_renewed_cluster = 8;
     // Largest rotation of the line of centres in a contact that is solved as isolated [rad].
     static constexpr double largest_rotation = 1.0;
-    // Overlap at the start, over the sum of the radii, up to which it is rounding.
+    // Largest initial overlap that counts as rounding error, relative to the sum of the radii.
     static constexpr double touching_depth = 1e-9;
 
     // Bodies that overlap start in contact if their force is repulsive.
@@ -74,7 +74,7 @@ public:
     Outcome outcome() const override { return outcome_; }
     EarlyEnd early_end() const override { return {now_, ended_by_, ended_at_wall_}; }
     u64 work() const override { return events_; }
-    // Except those that begin or end within a group that still lasts.
+    // Without contacts that begin or end within an unfinished group.
     u64 contacts() const override { return begun_; }
     u64 logged() const override { return ended_; }
     std::vector<Statistic> statistics() const override;
@@ -117,7 +117,7 @@ private:
     Records<BodyEvents> pending_;
     Records<Group> groups_;
     std::vector<int> free_groups_;
-    std::vector<ClusterSeed> parts_;  // of ended clusters, whose contacts last; empty between events
+    std::vector<ClusterSeed> parts_;  // of ended clusters, still in contact; empty between events
     Cells<3> cells_;
     int level_ = 0;
     CalendarQueue calendar_queue_;
@@ -139,8 +139,8 @@ private:
     double dissipated_ = 0.0;  // including the elastic energy that slack pairs still store [J]
     std::uint64_t begun_ = 0, begun_pairs_ = 0, ended_ = 0, overlapped_ = 0, events_ = 0;
     int largest_cluster_ = 0;
-    double largest_compression_ = 0.0;  // without groups that still last
-    double integration_steps_ = 0.0;    // that counts towards the limit [steps of a body]
+    double largest_compression_ = 0.0;  // without unfinished groups
+    double integration_steps_ = 0.0;    // count towards the limit [steps of a body]
     std::uint64_t begun_before_ = 0;    // contacts at the last update of integration_steps_
     bool paused_ = false;
     Outcome outcome_ = Outcome::ok;

@@ -1,4 +1,4 @@
-// Flight of bodies between contacts: paths and the prediction of the next event of a body.
+// Free flight of bodies between contacts: their paths, and the prediction of their next events.
 #pragma once
 #include "engine.hpp"
 
@@ -60,7 +60,7 @@ void NewtonEvents<Law>::predict_events(int i) {
     predict_self_event(i, at);
 }
 
-// The same without collisions with one other body: a body whose time is NaN is never touched.
+// The same without collisions with body `other`: the kernel finds no contact with a body whose time is NaN.
 template <class Law>
 void NewtonEvents<Law>::predict_events_without(int i, int other) {
     if (i == other) return predict_events(i);
@@ -69,7 +69,7 @@ void NewtonEvents<Law>::predict_events_without(int i, int other) {
     particles_[other].time = time;
 }
 
-// Makes body i the one whose collisions the kernel predicts. After an isolated contact it has its own radius again.
+// Sets the kernel's query to body i. After an isolated contact a body has its own radius again.
 template <class Law>
 void NewtonEvents<Law>::set_query(int i) {
     const Particle<3>& p = particles_[i];
@@ -138,9 +138,9 @@ void NewtonEvents<Law>::take_candidate(int i, u32 id, double enlarged_time) {
     e.partner_count = pending_[id].count;
 }
 
-// When bodies i and j collide, at least one of them busy; `enlarged_time` is the time at which they would if both kept
-// their safety radius. Nothing is known of a cluster's members beyond its end: their collisions are predicted then.
-// Members of one group do not collide here.
+// Time at which bodies i and j collide if at least one of them is busy. `enlarged_time`: time at which they would
+// collide if both kept their safety radius. The path of a cluster's member is unknown beyond the end of the cluster:
+// its later collisions are predicted then. Members of one group do not collide here.
 template <class Law>
 double NewtonEvents<Law>::collision_time(int i, int j, double enlarged_time) const {
     if (pending_[i].group == pending_[j].group) return math::infinity;
@@ -163,7 +163,7 @@ double NewtonEvents<Law>::collision_time(int i, int j, double enlarged_time) con
     return time_at_distance(j, radius(i) + radius(j));
 }
 
-// From body i, of which collisions are predicted, to body j at the current time.
+// Position and velocity of body j relative to body i of the query, at the current time.
 template <class Law>
 typename NewtonEvents<Law>::RelativeMotion NewtonEvents<Law>::relative_motion(int j) const {
     const Vector3 x = position(j, now_), v = velocity(j, now_);
@@ -202,7 +202,7 @@ bool NewtonEvents<Law>::stays_clear(const RelativeMotion& between, int i, int me
     return square_to_triangle(begin, away, along) > reach * reach * (1.0 + rounding_of_touch);
 }
 
-// When the paths of body i, of which collisions are predicted, and of body j come within this distance.
+// Time at which the paths of body i of the query and of body j come within this distance.
 template <class Law>
 double NewtonEvents<Law>::time_at_distance(int j, double distance) const {
     const RelativeMotion between = relative_motion(j);
@@ -213,8 +213,8 @@ double NewtonEvents<Law>::time_at_distance(int j, double distance) const {
     return now_ + math::max(c, 0.0) / (math::sqrt(discriminant) - b);
 }
 
-// The self event of body i: it leaves its cell `at`, or meets a wall if it is free, or its cluster ends if it is the
-// first member. Which border comes first is unpredictable for a processor: few branches.
+// Predicts the self event of body i: it leaves its cell `at`, or meets a wall if it is free, or its cluster ends if it
+// is the first member. Has few branches, since which face comes first is unpredictable for a processor.
 template <class Law>
 void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
     BodyEvents& e = pending_[i];

@@ -1,4 +1,4 @@
-// Groups of bodies in contact: how contacts begin, groups form, join, split and end.
+// Groups of bodies in contact: begin of contacts, and formation, merging, splitting and end of groups.
 #pragma once
 #include "engine.hpp"
 
@@ -46,7 +46,7 @@ void NewtonEvents<Law>::begin_contacts() {
     form_parts();
 }
 
-// A contact begins between bodies i and j, or for j < 0 between body i and a wall.
+// Begins a contact between bodies i and j, or between body i and a wall if j < 0.
 template <class Law>
 void NewtonEvents<Law>::begin_contact(int i, int j, WallId wall) {
     restart_path(i);
@@ -98,8 +98,8 @@ void NewtonEvents<Law>::end_cluster(int first) {
         if (free(i)) reschedule(i);
 }
 
-// The members get their own radius back. Their paths continue and the collisions predicted for them stay valid. Not
-// predicted were walls and, in a small box, further images of the partner.
+// Ends an isolated contact: its members get their own radius back. Their paths continue, and their predicted collisions
+// stay valid. Collisions with walls and, in a small box, with other images of the partner must be predicted now.
 template <class Law>
 void NewtonEvents<Law>::end_isolated_contact(int index) {
     const IsolatedContact& l = group(index).isolated_contact;
@@ -133,7 +133,7 @@ void NewtonEvents<Law>::form_parts() {
     }
 }
 
-// Splits bodies into parts connected by active pairs. Bodies without one are left free.
+// Splits bodies into parts connected by active pairs. Bodies without an active pair stay free.
 template <class Law>
 void NewtonEvents<Law>::split_cluster(const std::vector<int>& bodies, const std::vector<ActivePair>& active) {
     const MemberIndex member(bodies);
@@ -159,7 +159,7 @@ void NewtonEvents<Law>::split_cluster(const std::vector<int>& bodies, const std:
         if (const std::size_t at = part_of[root(body)]; at != none) parts_[at].bodies.push_back(body);
 }
 
-// Group of a new contact at the current time, not solved yet.
+// Sets up the group of a new contact at the current time, without solving it.
 template <class Law>
 void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, WallId wall) const {
     g.alive = g.isolated = true;
@@ -181,8 +181,8 @@ void NewtonEvents<Law>::open_isolated_contact(Group& g, int i, int j, WallId wal
     l.pair.begin = now_;
 }
 
-// Solves a new contact as isolated if, as far as is known now, no third body disturbs it. Otherwise nothing changes;
-// `third_body` is a body that has come too near, if that is the reason.
+// Solves a new contact as isolated if, according to the present predictions, no third body disturbs it. Otherwise
+// nothing changes; `third_body` is then the body that is too near, if that is the reason.
 template <class Law>
 bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& third_body) {
     const int index = new_group();
@@ -210,7 +210,7 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& thi
     return true;
 }
 
-// Makes a group of the bodies in the set and of all others that may touch one of them.
+// Forms a cluster of the bodies in the set and of all others that may touch one of them.
 template <class Law>
 void NewtonEvents<Law>::form_group(ClusterSeed& set) {
     for (;;) {
@@ -257,8 +257,8 @@ void NewtonEvents<Law>::absorb(int i, ClusterSeed& set) {
     set.bodies.push_back(i);
 }
 
-// Adds all bodies that touch those of the set from `last` on. One attempt per body along a chain of contacts would find
-// them too, but slowly.
+// Adds all bodies that touch those of the set from index `last` on. form_group() would find them as well, but with one
+// attempt per body along a chain of contacts.
 template <class Law>
 void NewtonEvents<Law>::absorb_touching(std::size_t last, ClusterSeed& set) {
     std::vector<int> near;
@@ -298,7 +298,7 @@ void NewtonEvents<Law>::schedule_group(int index) {
     for (const int i : set) schedule(i);
 }
 
-// Ends the run if a contact of the group has reached the largest compression of its law. The group stays as it is.
+// Ends the run if a contact of the group has reached the largest compression of its law. Does not change the group.
 template <class Law>
 bool NewtonEvents<Law>::ends_too_deep(int index) {
     const Group& g = group(index);

@@ -1,4 +1,4 @@
-// A contact that no third body disturbs, solved at once from touch to separation.
+// Solution of an isolated contact, which no third body disturbs, from touch to separation.
 #pragma once
 #include "engine.hpp"
 
@@ -67,9 +67,10 @@ bool NewtonEvents<Law>::solve_pair(IsolatedContact& l, SeparatedMembers& after) 
            share * l.deviation <= largest_safety_radius_;
 }
 
-// States when the surfaces are apart, on straight lines from the end of the force. Earlier, at a time s, the relative
-// path deviates from the outgoing one by ∫_s^∞ (t − s) a dt. As the force per mass a rotates with the line of centres,
-// the deviation is at most that at touch, divided by the cosine of half of the rotation.
+// Computes the states when the surfaces separate; after the force has ended the relative path is straight. At an
+// earlier time s, the relative path deviates from the outgoing one by ∫_s^∞ (t − s) a dt, where a is the force per
+// mass. As a rotates with the line of centres, the deviation is at most that at touch, divided by the cosine of half of
+// the rotation.
 template <class Law>
 void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
                                       const Vector3& normal, const Vector3& tangent) const {
@@ -104,7 +105,7 @@ void NewtonEvents<Law>::separate_pair(IsolatedContact& l, SeparatedMembers& afte
         l.initial_offset[k] = -per_cosine * (off_n * normal[k] + off_t * tangent[k]);
 }
 
-// The same for a body and a wall.
+// solve_pair() for a body and a wall.
 template <class Law>
 bool NewtonEvents<Law>::solve_wall(IsolatedContact& l, SeparatedMembers& after) {
     ContactPair<Law>& q = l.pair;

@@ -1,4 +1,4 @@
-// The event-driven engine of Newton's equations for the contact law of a run.
+// Creates or loads the event-driven engine of Newton's equations for a contact law.
 #pragma once
 #include <memory>
 
@@ -14,7 +14,7 @@ inline std::unique_ptr<Engine> make_newton_events(const System& s, const LawChoi
     });
 }
 
-// Nothing where the bytes are no whole archive of this engine.
+// Returns nullptr if the bytes are not a complete checkpoint of this engine.
 inline std::unique_ptr<Engine> load_newton_events(const char* data, std::size_t n,
                                                   const hardlimit_abi::TouchKernels& kernels) {
     Reader reader(data, n);

@@ -97,7 +97,7 @@ void NewtonEvents<Law>::undo_group(int index) {
     discard_group(index);
 }
 
-// Frees the record of a group. The next group will soon reuse it.
+// Frees the record of a group, and prefetches it, since the next group will soon reuse it.
 template <class Law>
 void NewtonEvents<Law>::discard_group(int index) {
     Group& g = group(index);

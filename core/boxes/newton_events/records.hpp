@@ -17,9 +17,9 @@ namespace hardlimit::boxes {
 
 // Event bookkeeping of one body (64 bytes); its path is in `Particle`. `count`: changes of the path so far.
 struct alignas(64) BodyEvents : Pending {
-    double end = math::infinity;       // of its group [s]
+    double end = math::infinity;       // end of its group [s]
     int group = -1;                    // −1: none
-    std::array<int, 3> image_flags{};  // periods by which the unfolded path has moved along each axis
+    std::array<int, 3> image_flags{};  // net crossings of the periodic boundary along each axis
     u32 original_index = 0;
     bool first = false;      // first member of its group; the end of a cluster is its self event
     bool clustered = false;  // member of a cluster: its path ends with the group
@@ -27,15 +27,15 @@ struct alignas(64) BodyEvents : Pending {
 };
 static_assert(sizeof(BodyEvents) == 64);
 
-// A contact that no third body disturbs. In a large box each cache line read is a wait for memory: the first line holds
-// what the end of the contact needs, the second what is needed when another body comes near.
+// A contact that no third body disturbs. In a large box each cache line read waits for memory. The first line holds the
+// data for the end of the contact, the second the data needed when another body comes near.
 template <class Law>
 struct IsolatedContact {
     int body[2];              // second < 0: a wall
     double dissipated;        // [J]
     double virial;            // [J s]
-    double compression;       // largest, over the smaller radius
-    alignas(64) double span;  // until the surfaces are apart [s]
+    double compression;       // largest, in units of the smaller radius
+    alignas(64) double span;  // time from touch until the surfaces separate [s]
     double share[2];          // each member's part of the relative displacement: m_other/(m_1 + m_2)
     double safety_radius[2];  // by which a member's path can leave the triangle of stays_clear() [m]
     Vector3 initial_offset;   // at touch: true relative position minus that on the outgoing path [m]
@@ -59,11 +59,11 @@ struct ContactGroup {
     double until = 0.0;  // latest end of a large cluster [s]
     Vector3 origin{};
     Few<int, 2> body;
-    Few<Vector3, 2> image_offset;  // [members] periods between the member's position and its unfolded path
+    Few<Vector3, 2> image_offset;                 // [members] image flags of the member's position
     std::unique_ptr<ClusterStates<Law>> cluster;  // if not isolated
 };
 
-// A closed or slack pair, by its bodies.
+// A closed or slack pair, and the indices of its bodies.
 template <class Law>
 struct ActivePair {
     int first, second;
@@ -103,7 +103,7 @@ private:
 struct NewtonSnapshot {
     Observation sums;
     std::vector<double> position, velocity;  // [N d], along the unfolded paths
-    std::vector<ContactRecord> open;         // contacts that last, and ended ones of groups that still last
+    std::vector<ContactRecord> open;         // open contacts, and ended contacts of unfinished groups
 };
 
 }  // namespace hardlimit::boxes

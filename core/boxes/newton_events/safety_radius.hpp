@@ -1,10 +1,10 @@
-// Safety radii of bodies in contact: how far a true path can leave the path that others know.
+// Safety radii of bodies in contact: bounds on the distance of a true path from the path used for predictions.
 #pragma once
 #include "engine.hpp"
 
 namespace hardlimit::boxes {
 
-// Makes all members busy. Returns whether the cells are wide enough for their safety radii.
+// Makes all members busy, with their safety radii. Returns whether the cells are wide enough for these.
 template <class Law>
 bool NewtonEvents<Law>::set_safety_radii(int index) {
     const Group& g = group(index);
@@ -20,8 +20,8 @@ bool NewtonEvents<Law>::set_safety_radii(int index) {
     return fits;
 }
 
-// Largest distance of a member's true path from its parabola. Between steps the chord deviation is added. Where that is
-// unknown, the distance is close to a cubic within a step: it exceeds its values at the ends by at most a quarter of
+// Largest distance of a member's true path from its parabola. Between steps the chord deviation is added. If that is
+// unknown, the distance is taken as a cubic within a step, which exceeds its values at the ends by at most a quarter of
 // the step times the larger slope.
 template <class Law>
 double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) const {
@@ -54,7 +54,7 @@ double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) con
     return 1.01 * largest;
 }
 
-// Puts a member of a cluster on the parabola between both ends of its path until its group ends.
+// Puts a member of a cluster on the parabola through both ends of its path until its group ends.
 template <class Law>
 void NewtonEvents<Law>::make_busy(int index, std::size_t m, const Member& before, const Member& after,
                                   double span) {
@@ -67,7 +67,7 @@ void NewtonEvents<Law>::make_busy(int index, std::size_t m, const Member& before
             (after.position[a] - before.position[a]) / span - 0.5 * span * box_.gravity[a];
 }
 
-// Each member's share of the relative path's deviation.
+// Sets the safety radius of each member from its share of the deviation of the relative path.
 template <class Law>
 void NewtonEvents<Law>::set_safety_radii(IsolatedContact& l) const {
     const Member(&b)[2] = l.before;
@@ -92,7 +92,7 @@ void NewtonEvents<Law>::follow_outgoing_path(int index, std::size_t m, const Mem
     }
 }
 
-// Also adds the rounding up to which overlap does not count.
+// Sets a radius including the safety radius. It is enlarged by the overlap that counts as rounding error.
 template <class Law>
 void NewtonEvents<Law>::set_radius(int i, double safety_radius) {
     particles_[i].radius = (radius(i) + safety_radius) * (1.0 + rounding_of_touch);
@@ -117,8 +117,8 @@ double NewtonEvents<Law>::safety_used(int instants) const {
     return most;
 }
 
-// Part of a member's safety radius that is used at its true position `at`. In an isolated contact the space shrinks
-// with time and lies on one side of the path: a point at the true position must never be found clear of the member.
+// Part of a member's safety radius that is used at its true position `at`. In an isolated contact the safety region
+// shrinks with time and lies on one side of the path: stays_clear() must be false for a point at the true position.
 template <class Law>
 double NewtonEvents<Law>::safety_radius_used(const Group& g, std::size_t m, const Vector3& at,
                                              double time) const {

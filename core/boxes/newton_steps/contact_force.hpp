@@ -35,7 +35,7 @@ ContactForce contact_force(const Law& law, double compression, double rate, doub
     const double force = f.c[0] > 0.0 ? f.c[0] / (1.0 + share * f.c[1]) : 0.0;
     return {force, force - law.elastic_force(s), rate - share * force};
 }
-// At the first step after touch. `inverse_mass` [1/kg]: of the relative velocity.
+// Force at the first step after touch. `inverse_mass` [1/kg]: inverse effective mass.
 template <class Law>
 ContactForce force_at_onset(const Law& law, double compression, double rate, double inverse_mass, Onset at) {
     const double set_in = onset_force(law, at.rate).impulse_until_step(at, 0.0) * inverse_mass;
@@ -61,7 +61,7 @@ double missed_damping(const Law& law, const ContactForce& first, Onset at, doubl
 inline double damped(const ContactForce& before, const ContactForce& now, double h) {
     return 0.5 * h * (before.damping + now.damping);
 }
-// Energy dissipated in a step [J]. `damped` [N s] is the impulse of the damping, with what equal steps miss.
+// Energy dissipated in a step [J]. `damped` [N s]: impulse of the damping, including what equal steps miss.
 inline double dissipated_between(const ContactForce& before, const ContactForce& now, double h,
                                  double inverse_mass, double damped) {
     const double crossed = before.force * now.elastic() - now.force * before.elastic();

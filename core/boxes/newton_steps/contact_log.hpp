@@ -1,4 +1,4 @@
-// Log of the contacts of the stepping engine.
+// Contact log of the time-stepping engine.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace hardlimit::boxes::steps {
 
-// Counts contacts, and finds those that share a body with another contact while they last. For each body it counts the
-// open contacts and the overlaps, which are contacts that began while the body had another one. A contact overlapped if
-// it began as such, or if the count of overlaps of one of its bodies has grown since.
+// Counts contacts, and finds those that overlapped: they shared a body with another contact at some time. For each body
+// it counts the open contacts and the overlaps, that is, contacts that began while the body had another one. A contact
+// overlapped if it began so, or if the count of overlaps of one of its bodies has grown since.
 class ContactLog {
 public:
     ContactLog(std::size_t bodies, bool keep) : bodies_(bodies), keep_(keep) {}
@@ -77,7 +77,7 @@ private:
     }
 };
 
-// Logs the events of all slabs in the order of time, and clears them.
+// Logs the events of all slabs in the order of their times, and clears them.
 template <class Law>
 void log_events(std::vector<Slab<Law>>& slabs, ContactLog& log) {
     std::vector<std::pair<Slab<Law>*, std::int32_t>> events;  // slab, index in its events

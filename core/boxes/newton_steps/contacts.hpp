@@ -1,4 +1,4 @@
-// Open contacts of the stepping engine, and the events that begin and end them.
+// Open contacts of the time-stepping engine, and the events that begin and end them.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,19 +11,19 @@ namespace hardlimit::boxes::steps {
 
 inline constexpr std::uint32_t no_body = 0xffffffffu;
 
-// What the log needs to know of a contact that has begun.
+// Data of the begin of a contact, for the log.
 struct ContactBegin {
     std::int32_t first, second;                     // original indices; second as in ContactRecord
     double begin, impact_speed;                     // [s], [m/s]
-    bool overlapped;                                // at its begin a body had another contact
-    std::uint32_t overlaps_first, overlaps_second;  // of the bodies at the begin (ContactLog)
+    bool overlapped;                                // a body had another contact at the begin
+    std::uint32_t overlaps_first, overlaps_second;  // overlap counts at the begin (ContactLog)
 };
 
 // Two bodies, or a body and a wall, that overlap. They are in contact while their force is repulsive.
 template <class Law>
 struct Contact : ContactBegin, ContactForce {  // the force of the last step
     Law law;
-    std::array<std::int32_t, 3> image;        // of the second body along the unfolded paths, in edges
+    std::array<std::int32_t, 3> image;        // image of the second body, unfolded, in units of the edges
     std::uint32_t index_first, index_second;  // in Bodies; no_body: a free slot (first), a wall (second)
     Double4 normal;                           // unit vector from the first to the second
     double distance;                          // of the centres, or to the wall [m]
@@ -33,7 +33,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
     Onset onset;
     bool is_new;  // the last step was its first
     bool in_contact;
-    std::int32_t begin_event;  // index of its begin among the events of the slab; −1 once it is in the log
+    std::int32_t begin_event;  // index of its begin in Slab::events; −1 once logged
     [[no_unique_address]] typename HistoryOf<Law>::Type history;
 };
 
@@ -41,7 +41,7 @@ struct Contact : ContactBegin, ContactForce {  // the force of the last step
 // may have been reused.
 struct ContactEvent {
     ContactBegin contact;
-    std::uint64_t step;  // that detected it
+    std::uint64_t step;  // at which it was detected
     double time;         // [s]
     std::int32_t slot;
     bool begins;

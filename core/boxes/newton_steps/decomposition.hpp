@@ -1,4 +1,4 @@
-// The bodies sorted into cells and slabs, the neighbour list of each slab, and its contacts across rebuilds.
+// Domain decomposition: bodies sorted into cells and slabs, and the neighbour list and contacts of each slab.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -17,7 +17,7 @@ public:
     Bodies bodies;
     std::vector<Slab<Law>> slabs;
     CellLayers grid;
-    // Sums over contacts before the list was built [J], [J s].
+    // Sums over contacts up to the last list build [J], [J s].
     double dissipated = 0.0, virial = 0.0;
 
     Decomposition(const Box& box, const PairLaws<Law>& laws, std::size_t n) : box_(box), sort_(n) {
@@ -35,14 +35,15 @@ public:
     double skin() const { return skin_; }                   // [m]
     double smallest_diameter() const { return smallest_; }  // [m]
     std::uint64_t lists_built() const { return lists_; }
-    // At the instants of the steps, over the smaller radius.
+    // Evaluated at the steps, in units of the smaller radius.
     double largest_compression() const {
         double largest = largest_compression_;
         for (const Slab<Law>& s : slabs) largest = math::max(largest, s.largest_compression);
         return largest;
     }
 
-    // A rebuild in the order of the calls. What takes a range of bodies or a slab may run on several threads.
+    // The stages of a rebuild, in the order of their calls. Functions that take a range of bodies or a slab may run on
+    // several threads.
     void begin_rebuild(double fastest, double step) {
         choose_skin(fastest, step);
         grid = CellLayers(box_, widest_ + skin_, bodies.count());
@@ -85,7 +86,7 @@ public:
         ++lists_;
     }
 
-    // How far bodies have moved since the list was built [m], and how fast they are [m/s].
+    // Largest displacement since the list was built [m], and largest speed [m/s].
     struct Measurement {
         double farthest = 0.0, fastest = 0.0;
         bool finite = true;
@@ -142,13 +143,13 @@ private:
     double packing_fraction_ = 0.0;
     double skin_ = 0.0;
     std::uint64_t lists_ = 0;
-    double largest_compression_ = 0.0;          // before the list was built
+    double largest_compression_ = 0.0;          // up to the last list build
     std::vector<Contact<Law>> saved_contacts_;  // during a rebuild
     std::vector<std::pair<std::uint32_t, ContactAcceleration>> saved_accelerations_;
 
     void choose_skin(double fastest, double step) {
         const double d = box_.dimension, dilute = 2.0 * d * packing_fraction_ / mean_width_;
-        // First list: as in a fluid, where touch is more likely by the inverse of the free volume.
+        // First list: as in a fluid, where contacts are more frequent by the inverse of the free volume.
         double pairs_per_skin = dilute / math::pow(1.0 - math::min(packing_fraction_, 0.7), d);
         if (lists_ > 0) {
             std::size_t listed = 0;
@@ -160,7 +161,7 @@ private:
         const double best = best_skin(pairs_per_skin, fastest, step);
         skin_ = math::min(math::max(best, least), 0.3 * mean_width_);
     }
-    // Contacts outlive the list, and so do the accelerations of the last step.
+    // Saves the contacts and the accelerations of the last step, which outlive the list.
     void save_contacts() {
         largest_compression_ = largest_compression();
         for (Slab<Law>& s : slabs) {
@@ -173,8 +174,8 @@ private:
         }
     }
 
-    // Whole layers of cells go to slabs of about equally many bodies. The number of slabs is even, or one: with
-    // periodic sides the last slab reaches into the first.
+    // Divides the layers of cells into slabs with about equal numbers of bodies. The number of slabs is even or one,
+    // since with periodic boundaries the last slab reaches into the first.
     void divide_into_slabs() {
         const std::uint32_t layers = grid.layers(), in_layer = grid.cells_in_layer();
         const std::size_t n = bodies.count(), wanted = std::clamp<std::size_t>(n / 256, 2, most_slabs);

@@ -1,4 +1,4 @@
-// Newton's equations for a box of spheres or disks in small equal steps.
+// Time stepping of Newton's equations for a box of spheres or disks under a contact law.
 //
 // Leapfrog: the forces at t_n change the velocities from t_n − h/2 to t_n + h/2, with which the bodies move to t_{n+1}.
 // A force that depends on the velocity is evaluated at v_n = v_{n−1/2} + a_n h/2. Here a_n contains this force itself
@@ -7,8 +7,8 @@
 // velocities, energies and ε are all of second order in h.
 //
 // A step is a sweep over the neighbour list, which finds the few pairs in contact, and a pass that moves all bodies
-// (stepper.hpp). An advance begins and ends with half a step of the velocities: between two calls they belong to the
-// same time as the positions.
+// (stepper.hpp). advance() begins and ends with a half step of the velocities, so that between two calls they belong to
+// the same time as the positions.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -50,9 +50,9 @@ public:
     // Continues a saved run.
     NewtonSteps(const NewtonSetting& setting, Reader& reader) : NewtonSteps(setting) { exchange(reader); }
 
-    // In equal steps of at most the time step, which are the unit of work.
+    // Takes equal steps, at most as long as the time step. The unit of work is a step.
     void advance(double until, u64 most_work, int threads, Stop& stop) override {
-        constexpr std::chrono::milliseconds period{50};  // between two questions
+        constexpr std::chrono::milliseconds period{50};  // between two checks of `stop`
         const auto watch = [&] { return stop.now(); };
         if (outcome_ != Outcome::ok) return;
         quota_ = std::max(most_work, u64{1});
@@ -69,7 +69,7 @@ public:
     bool paused() const override { return paused_; }
     double time() const override { return time_; }
     Outcome outcome() const override { return outcome_; }
-    // Of the body that moved too far in a step, or of the bodies of the contact that was too deep.
+    // Names the body that moved too far in a step, or the bodies of the contact that was too deep.
     EarlyEnd early_end() const override { return {time_, ended_by_, ended_at_wall_}; }
     u64 work() const override { return taken_; }
     u64 contacts() const override { return log_.begun(); }
@@ -81,7 +81,7 @@ public:
                 {"skin", domain_.skin()}};
     }
 
-    // In a pause the velocities are estimates, without the contacts of the last step.
+    // During a pause the velocities are estimates, without the contacts of the last step.
     void state(double* position, double* velocity) const override {
         const int d = box_.dimension;
         for (std::size_t i = 0; i < bodies_.count(); ++i) {
@@ -132,7 +132,7 @@ public:
         return writer.finish();
     }
     std::size_t bytes() const override {
-        // Bodies are stored twice, to be sorted.
+        // Bodies are stored twice, for sorting.
         constexpr std::size_t per_body =
             2 * (2 * sizeof(Double4) + sizeof(ContactAcceleration) + sizeof(BodyTag));
         std::size_t sum = sizeof *this + bodies_.count() * per_body;
@@ -146,8 +146,8 @@ public:
 private:
     using Slab = steps::Slab<Law>;
     using Contact = steps::Contact<Law>;
-    // Of the work that threads share. A step is swept inside the partitions and then at their borders, and after a
-    // batch the first slab of each partition moves.
+    // Phases of the work that threads share. A step sweeps first the inside of the partitions and then their borders.
+    // After a batch the first slab of each partition moves.
     enum class Phase { resume, move, measure, cells, gather, list, inside, border, last_move, over };
 
     NewtonSetting setting_;
@@ -192,7 +192,7 @@ private:
             steps::ThreadTeam team(static_cast<std::uint32_t>(threads));
             Work work{*this, team.partitions()};
             ThreadPool().run(threads, period, [&](Stop& stop) { team.work(stop, work); }, watch);
-        } catch (...) {  // some work was left half done, for example for want of memory
+        } catch (...) {  // some work is incomplete, for example for lack of memory
             if (phase_ != Phase::over) outcome_ = Outcome::unresolved;
             throw;
         }
@@ -352,7 +352,7 @@ private:
         domain_.begin_rebuild(criterion_.fastest, domain_.lists_built() > 0 ? plan_.h : setting_.time_step);
     }
 
-    // The run ends since a contact has reached the largest compression of its law.
+    // Ends the run because a contact has reached the largest compression of its law.
     void end_too_deep() {
         const auto deepest = std::ranges::max_element(slabs_, {}, &Slab::largest_compression);
         outcome_ = Outcome::too_deep;

@@ -29,8 +29,8 @@ public:
         sweep_walls(slab);
     }
 
-    // Onset correction of contacts that were new at the last step of the advance before: the part that falls into the
-    // half step after it.
+    // Onset correction for contacts that were new at the last step of the previous advance(): the part that falls into
+    // the half step after it.
     static void resume(Slab<Law>& slab, const Bodies& bodies, double h) {
         slab.impulses.clear();
         for (const Contact<Law>& c : slab.contacts) {
@@ -151,8 +151,8 @@ private:
     double inverse_mass(const RelativeMotion& m) const {
         return bodies_.velocity[m.first][3] + (m.second != no_body ? bodies_.velocity[m.second][3] : 0.0);
     }
-    // Energy dissipated since the last step [J]; c still holds that step. Its rate is known accurately only now, with
-    // the forces that other contacts had, so the dissipation before that step is corrected.
+    // Energy dissipated since the last step [J]; c still holds the values of that step. Its compression rate is known
+    // accurately only now, with the forces of the other contacts, so the dissipation before that step is corrected.
     double dissipated(Contact<Law>& c, const ContactForce& now, const RelativeMotion& m) const {
         ContactForce before = c;
         if (!c.is_new) before.rate = -dot(c.normal, m.velocity - m.acceleration * now_.velocity_lag);
@@ -216,7 +216,8 @@ private:
         return growth / now_.h + curvature * (time - (now_.time - 0.5 * now_.h));
     }
 
-    // A contact begins or ends. Unless it begins by touch, that is where its excess compression passes through zero.
+    // Stores the begin or the end of a contact. Unless it begins by touch, its time is where the excess compression
+    // passes through zero.
     void add_event(Slab<Law>& slab, std::int32_t slot, Contact<Law>& c, const RelativeMotion& m,
                    double excess, bool is_new) const {
         const bool begins = !c.in_contact, known = begins && (is_new || !(now_.velocity_lag > 0.0));

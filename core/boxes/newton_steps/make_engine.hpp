@@ -1,4 +1,4 @@
-// The engine of small steps for the contact law of a run.
+// Creates or loads the time-stepping engine for a contact law.
 #pragma once
 #include <memory>
 
@@ -14,7 +14,7 @@ inline std::unique_ptr<Engine> make_newton_steps(const System& s, const LawChoic
     });
 }
 
-// Nothing where the bytes are no whole archive of this engine.
+// Returns nullptr if the bytes are not a complete checkpoint of this engine.
 inline std::unique_ptr<Engine> load_newton_steps(const char* data, std::size_t n) {
     Reader reader(data, n);
     if (!reader.whole("newton_steps")) return nullptr;

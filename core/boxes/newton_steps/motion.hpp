@@ -10,7 +10,7 @@ void change_velocity(Slab<Law>& slab, Bodies& bodies, std::uint32_t i, Double4 c
     slab.fastest = math::max(slab.fastest, dot(bodies.velocity[i], bodies.velocity[i]));
 }
 
-// Velocities advance by `kick` [s] with the accelerations of a step. Contacts accelerate few bodies, gravity all.
+// Advances the velocities by `kick` [s] with the accelerations of a step. Contacts accelerate few bodies, gravity all.
 // `previous`: the slab whose pairs reach into this one.
 template <class Law>
 void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box& box, std::uint64_t step,
@@ -34,7 +34,8 @@ void kick(Slab<Law>& slab, const Slab<Law>& previous, Bodies& bodies, const Box&
         for (std::uint32_t i = slab.first_body; i < slab.last_body; ++i) bodies.velocity[i] += fall;
 }
 
-// Plain numbers rather than vectors of four, which a compiler for vectors of two passes through memory.
+// Advances the positions by h. Uses scalars: where the processor has vectors of only two doubles, a compiler would pass
+// vectors of four through memory.
 template <class Law>
 void drift(const Slab<Law>& slab, Bodies& bodies, double h) {
     const double by[4] = {h, h, h, 0.0};

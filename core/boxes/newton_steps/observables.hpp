@@ -1,4 +1,4 @@
-// Energies, momentum and virial of the stepping engine.
+// Energies, momentum and virial of the time-stepping engine.
 #pragma once
 #include "../common/engine.hpp"
 #include "decomposition.hpp"
@@ -10,7 +10,7 @@ inline double unfolded(const Box& box, const Bodies& bodies, std::size_t i, int 
     return bodies.position[i][axis] + box.image_shift(axis, bodies.tag[i].image_flags[axis]);
 }
 
-// All but the counts of contacts that have begun and ended. velocity_of(i): velocity of body i at the time of the
+// All observables except the counts of begun and ended contacts. velocity_of(i): velocity of body i at the time of the
 // positions [m/s].
 template <class Law, class VelocityOf>
 Observation observe(const Box& box, const Decomposition<Law>& domain, const VelocityOf& velocity_of) {

@@ -101,7 +101,7 @@ OnsetForce<Law::onset_power> onset_force(const Law& law, double rate) {
     speed.c[0] = rate;
     return {law.force(s, speed)};
 }
-// The same of its damping.
+// Leading terms of its damping force.
 template <class Law>
 OnsetForce<Law::onset_power> onset_damping(const Law& law, double rate) {
     constexpr int p = Law::onset_power;

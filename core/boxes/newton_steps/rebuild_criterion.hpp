@@ -1,4 +1,4 @@
-// When the neighbour list must be rebuilt: a bound on how far any body has moved since.
+// Criterion for rebuilding the neighbour list: a bound on the displacement of any body since the last build.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -7,27 +7,27 @@
 
 namespace hardlimit::boxes::steps {
 
-// The list holds until a body has moved by half the skin. The sum of the largest speeds bounds how far bodies have
-// moved. Where this bound is used up distances are measured: in a dense box bodies do not get far.
+// The list is valid until a body has moved by half the skin. The sum of the largest speeds bounds the displacements.
+// When this bound is used up, displacements are measured, because in a dense box bodies do not get far.
 //
-// Steps are taken in batches: speeds are collected and contacts logged only once for many steps. A batch is so long
-// that the bound holds if no speed exceeds a limit, with a reserve for a body that does so for one step: such a body
-// ends the batch with the next step. Batches follow from the state alone, and a pause leaves them as they are, so lists
-// are rebuilt at the same steps in any case. If a body was too fast even for the reserve, distances show whether the
-// list held for the last step.
+// Steps are taken in batches, so that speeds are collected and contacts logged only once for many steps. A batch is so
+// short that the bound holds if no speed exceeds a limit, with a reserve for a body that does so for one step: such a
+// body ends the batch with the next step. Batches depend only on the state, and a pause does not change them, so lists
+// are always rebuilt at the same steps. If a body was too fast even for the reserve, the measured displacements show
+// whether the list was valid in the last step.
 struct RebuildCriterion {
     static constexpr std::uint32_t most_steps = 64;  // in a batch
 
     double fastest = 0.0;                     // no body has been faster [m/s]
-    double limit = 0.0;                       // of the speeds in a batch [m/s]
-    double travelled = 0.0, allowance = 0.0;  // how far a body may have moved, and is allowed to [m]
-    std::uint64_t batch_end = 0;              // among the steps taken
+    double limit = 0.0;                       // on the speeds in a batch [m/s]
+    double travelled = 0.0, allowance = 0.0;  // bound on the displacements, and its largest value [m]
+    std::uint64_t batch_end = 0;              // number of steps taken at its end
     bool unproven = false;                    // a step was taken although a body may have moved too far
 
     bool holds() const { return travelled <= allowance; }
     void list_built(double skin) { travelled = 0.0, allowance = 0.5 * skin; }
-    // After a measurement of how far and how fast bodies have moved. Returns whether the list may have missed a contact
-    // in the last step.
+    // Takes the measured largest displacement and speed. Returns whether the list may have missed a contact in the last
+    // step.
     bool measured(double farthest, double largest_speed, double h, double skin) {
         fastest = largest_speed, travelled = 0.0;
         allowance = 0.5 * skin - farthest;

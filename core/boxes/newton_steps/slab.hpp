@@ -1,4 +1,4 @@
-// A slab of bodies: its neighbour list, its contacts, and what a sweep over its pairs writes.
+// A slab of bodies: its neighbour list, its contacts, and the output of a sweep over its pairs.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -29,8 +29,8 @@ struct alignas(64) Slab {
     std::vector<ContactEvent> events;
     double dissipated = 0.0, virial = 0.0;  // since the list was built [J], [J s]
     double farthest = 0.0, fastest = 0.0;   // squares [m²], [m²/s²]
-    double largest_compression = 0.0;       // over the smaller radius, since the list was built
-    std::int32_t deepest[2] = {-1, -1};     // that contact: first and second as in ContactBegin
+    double largest_compression = 0.0;       // in units of the smaller radius, since the list was built
+    std::int32_t deepest[2] = {-1, -1};     // its contact: first and second as in ContactBegin
 
     bool holds(std::uint32_t body) const { return body >= first_body && body < last_body; }
     void clear_step() { accelerated.clear(), accelerated_next.clear(), impulses.clear(); }

@@ -26,7 +26,7 @@ struct StepPlan {
 struct Partition {
     std::uint32_t first, last;
 
-    // Number k of so many: pairs of an even and an odd slab are divided.
+    // Partition k of `count`. An even slab and the odd one after it are in the same partition.
     static Partition of(std::size_t slabs, std::uint32_t k, std::uint32_t count) {
         if (slabs == 1) return {0, k == 0 ? 1u : 0u};
         const auto at = [&](std::uint32_t i) {
@@ -131,10 +131,10 @@ private:
     const RebuildCriterion& criterion_;
     std::uint32_t step_ = 0;  // of the batch
 
-    // What threads report during a batch. It lies apart from what they only read.
-    alignas(128) std::atomic<std::uint32_t> last_step_{0};   // of the batch
-    std::atomic<bool> too_deep_{false};                      // a contact
-    std::atomic<bool> faster_{false};                        // a body, than criterion.fastest
+    // Written by the threads during a batch. Apart from the data that they only read, to avoid false sharing.
+    alignas(128) std::atomic<std::uint32_t> last_step_{0};  // of the batch
+    std::atomic<bool> too_deep_{false};                     // whether a contact is too deep
+    std::atomic<bool> faster_{false};                       // whether a body is faster than criterion.fastest
     std::array<std::atomic<double>, most_steps> fastest_{};  // in each step, if > criterion.fastest [m/s]
 
     void move(std::uint32_t k, std::uint32_t step) { move(k, step, !now.closing); }

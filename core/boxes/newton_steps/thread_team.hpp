@@ -1,4 +1,4 @@
-// Threads that work through one phase after the other together.
+// Team of threads that work together through a sequence of phases.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -13,8 +13,8 @@
 namespace hardlimit::boxes::steps {
 
 // Each phase has one task per partition of the work, and is over when all its tasks are done. Any number of threads may
-// join, even late, and one alone does all the work. A thread keeps to its own partition, whose data stay in its cache.
-// It takes over another one if the owner is late, for the system may have given its processor to another program.
+// join, even late; a single thread does all the work. A thread keeps to its own partition, whose data stay in its
+// cache. It takes over another partition if the owner is late, since the system may have preempted the owner.
 //
 // The work provides
 //   perform(partition)   one task of the current phase
@@ -25,7 +25,7 @@ public:
 
     std::uint32_t partitions() const { return static_cast<std::uint32_t>(taken_.size()); }
 
-    // What each thread does. It returns early only if asked to stop.
+    // Main loop of each thread. It returns early only if asked to stop.
     template <class Work>
     void work(Stop& stop, Work& work) {
         const std::uint32_t own = joined_.fetch_add(1, std::memory_order_relaxed) % partitions();
@@ -58,7 +58,7 @@ public:
     }
 
 private:
-    // Turns of some 20 ns. Most phases take microseconds, so a thread spins before it leaves its processor to others.
+    // Limits in turns of about 20 ns. Most phases take microseconds, so a thread spins before it yields its processor.
     static constexpr int late = 1000, yields = 1500;
     static constexpr std::size_t apart = 128;  // two cache lines, which the hardware fetches in pairs
     struct alignas(apart) Taken {

@@ -1,14 +1,14 @@
-// Errors that a time step makes in one isolated contact, and the longest step within a tolerance.
+// Errors of the time stepping in one isolated contact, and the longest step within a tolerance.
 #pragma once
 #include "contact_force.hpp"
 
 namespace hardlimit::boxes::steps {
 
-// For a contact of two free bodies; infinite if the contact does not end.
+// Errors in a contact of two free bodies; infinite if the contact does not end.
 struct ContactErrors {
     double restitution = 0.0;  // of ε
-    double energy = 0.0;       // of the energy balance at any step, over the kinetic energy of the impact
-    double position = 0.0;     // after the contact, over impact speed × duration
+    double energy = 0.0;    // of the energy balance at any step, relative to the kinetic energy of the impact
+    double position = 0.0;  // after the contact, relative to impact speed × duration
 
     double largest() const { return math::max(restitution, math::max(energy, position)); }
     void include(const ContactErrors& other) {
@@ -18,7 +18,7 @@ struct ContactErrors {
     }
 };
 
-// If the bodies touch at the time `since` before a step [s].
+// Errors if the bodies touch a time `since` [s] before a step.
 template <class Law>
 ContactErrors contact_errors(const Law& law, double effective_mass, double speed, double h, double since) {
     constexpr int most = 1000000;

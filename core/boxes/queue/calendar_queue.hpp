@@ -1,10 +1,10 @@
-// Which particle has the next event: a calendar queue (R. Brown, Commun. ACM 31, 1220 (1988)) of particle ids.
+// Event queue: a calendar queue (R. Brown, Commun. ACM 31, 1220 (1988)) of particle ids.
 //
-// Time is divided into bins; a year has as many bins as there are buckets. A bucket is a chain of cache lines of ids
-// only: an id is put into the bin of its particle's next event, and stays there when that event is superseded. When the
-// time of a bin comes, its ids are looked up; those whose event has moved are dropped, the others are sorted. Events
-// beyond the year wait in one list. The width of a bin follows the rate of events, since a cooling gas slows down by
-// many orders of magnitude.
+// Time is divided into bins; a year has as many bins as there are buckets. A bucket is a linked list of cache lines
+// that hold only ids. An id is put into the bin of its particle's next event, and stays there when that event is
+// superseded. When a bin becomes current, ids whose event has moved are dropped and the others are sorted by time.
+// Events beyond the year wait in one list. The bin width follows the event rate, since a cooling gas slows down by many
+// orders of magnitude.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -73,13 +73,13 @@ public:
         ++taken_;
     }
 
-    // f(id) for the event this many after the next one, if it is in the current bin.
+    // Calls f(id) for the event this many places after the next one, if it is in the current bin.
     template <class F>
     void ahead(std::size_t events, const F& f) const {
         if (events < front_.size()) f(front_[front_.size() - 1 - events].id);
     }
 
-    // Calls fetch(id) for all that loading the next bin will read.
+    // Calls fetch(id) for all ids that loading the next bin will read.
     template <class Fetch>
     void fetch_next(const Fetch& fetch) const {
         for (u32 bucket = buckets_[(current_ + 1) & mask_]; bucket != none;
@@ -99,8 +99,8 @@ private:
         u32 id[15];
         u32 next;  // next full chunk
     };
-    // Target number of events per bin. The data of a new bin's events are fetched together when it is loaded: larger
-    // bins make this wait rarer.
+    // Target number of events per bin. Loading a bin fetches the data of its first events; larger bins make this wait
+    // rarer.
     static constexpr double per_small_bin = 24.0, per_large_bin = 256.0;
     static constexpr u32 none = 0;  // empty bucket; otherwise: chunk index · 16 + number of ids in the chunk
     static constexpr double last_bin = 4e18;
@@ -213,7 +213,7 @@ private:
         front_.erase(std::unique(front_.begin(), front_.end(), twice), front_.end());
     }
 
-    // Moves the events of the coming year from the list to their bins.
+    // Moves the events of the new year from the list to their bins.
     template <class Key>
     void start_year(const Key& key) {
         const double mean = static_cast<double>(taken_) / static_cast<double>(buckets_.size());

@@ -9,14 +9,14 @@ HL_FN double time_below(double x, double v, double high) {
     return v > 0.0 ? math::max(0.0, (high - x) / v) : math::infinity;
 }
 
-// Time to cover a distance at speed v, both of the same sign; 0 if rounding has passed the border, infinity for v = 0.
+// Time to cover a distance at velocity v, both of the same sign; 0 if rounding has passed the end, infinity for v = 0.
 HL_FN double time_to(double way, double v) {
     constexpr double standing[2] = {math::infinity, 0.0};
     return math::max(0.0, way / v) + standing[math::abs(v) > 0.0];
 }
 
-// Time during which x + v τ + g τ²/2 stays at or below `high`, if x ≤ high or v leads there. The last upward crossing
-// for g > 0, the first for g < 0, each in a form that does not cancel.
+// Time during which x + v τ + g τ²/2 stays at or below `high`, if x ≤ high or v leads there. It is the last upward
+// crossing for g > 0 and the first for g < 0, each computed without cancellation.
 HL_FN double time_below(double x, double v, double g, double high) {
     if (g == 0.0) return time_below(x, v, high);
     const double room = v < 0.0 ? high - x : math::max(0.0, high - x);

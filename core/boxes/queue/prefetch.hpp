@@ -1,5 +1,5 @@
-// Prefetches the data of coming events while others are processed: a large box would otherwise wait for memory at each
-// event. The calendar queue knows the coming events; those superseded meanwhile cost a useless fetch.
+// Prefetches the data of upcoming events, since a large box would otherwise wait for memory at each event. The upcoming
+// events come from the calendar queue; an event that is superseded before it is processed costs a useless fetch.
 #pragma once
 #include "../common/particle.hpp"
 #include "../neighbours/cells.hpp"
@@ -7,8 +7,8 @@
 
 namespace hardlimit::boxes {
 
-// level(id): grid of a body's cell. more(id): fetches further data of a body that has an event; beside(id): further
-// data of its neighbours.
+// level(id): grid of a body's cell. more(id): prefetches further data of a body with an event. beside(id): prefetches
+// further data of a neighbour.
 template <int d, class Events, class Level, class More, class Beside>
 struct Prefetcher {
     const CalendarQueue& calendar;
@@ -21,12 +21,12 @@ struct Prefetcher {
 
     static constexpr std::size_t cells_ahead = 14, neighbours_ahead = 6;  // events ahead
 
-    // Called once per event: fetches for the events at both distances ahead.
+    // Called once per event: prefetches for the events at both distances ahead.
     void step() const {
         calendar.ahead(cells_ahead, [this](u32 id) { fetch_cells(id); });
         calendar.ahead(neighbours_ahead, [this](u32 id) { fetch_neighbours(id); });
     }
-    // Fetches for the first events of a bin, which no earlier events have announced.
+    // Prefetches for the first events of a bin, which step() has not covered.
     void enter_bin() const {
         calendar.fetch_next([this](u32 id) { prefetch(&pending[id]); });
         for (std::size_t k = 0; k < cells_ahead; ++k) calendar.ahead(k, [this](u32 id) { fetch_cells(id); });
@@ -41,7 +41,7 @@ private:
         if (e.pair_time <= e.own_time || own == SelfEvent::rescan || own == SelfEvent::ends) return {};
         return Cells<d>::Surroundings::beyond(axis_of(own), is_high(own));
     }
-    // Fetches those cells, the body, and its partner.
+    // Prefetches those cells, the body, and its partner.
     void fetch_cells(u32 i) const {
         const Pending& e = pending[i];
         prefetch(&bodies[i]);
@@ -53,7 +53,7 @@ private:
         }
         cells.fetch(level(i), e.cell, surroundings(e));
     }
-    // Fetches the bodies in those cells.
+    // Prefetches the bodies in those cells.
     void fetch_neighbours(u32 i) const {
         const Pending& e = pending[i];
         cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {

@@ -1,4 +1,4 @@
-// The rule "constant": the same restitution in all collisions.
+// Collision rule "constant": the same coefficient of restitution in all collisions.
 #pragma once
 #include "rule.hpp"
 

@@ -1,5 +1,5 @@
-// The rules of collision there are. A new rule is one header and one line here: it then appears in Python and in the
-// documentation. Files hold the place of a rule, so that a new one goes to the end.
+// Registry of the collision rules. A new rule is one header and one line here: it then appears in Python and in the
+// documentation. Checkpoints hold the index of a rule, so that a new one goes to the end.
 #pragma once
 #include <iterator>
 

@@ -1,4 +1,4 @@
-// The rule "law": the restitution ε(v) of the contact law, for the two particles that collide.
+// Collision rule "law": the coefficient of restitution ε(v) of the contact law for the colliding pair.
 #pragma once
 #include <vector>
 
@@ -18,7 +18,7 @@ public:
     }
 
 private:
-    // With tables for the pairs that there are where all particles are alike; where they differ, the law is asked.
+    // Uses tables if all particles are alike; otherwise evaluates the law.
     template <class Law>
     class Of final : public Rule {
     public:

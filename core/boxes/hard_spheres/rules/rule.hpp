@@ -1,4 +1,5 @@
-// What a rule of collision provides: the restitution of a collision, or the equivalent collision of a contact.
+// Interface of the collision rules: a rule gives the restitution of a collision, or the equivalent collision of a
+// contact.
 //
 // A rule is a class that derives from Rule, with
 //   record                    name, parameters and meaning, which the bindings and the documentation read
@@ -30,15 +31,15 @@ struct RuleRecord {
     RuleParameter parameters[max_rule_parameters];
 };
 
-// A rule as Python and files choose it.
+// A rule and its parameters, as chosen in Python and stored in checkpoints.
 struct RuleChoice {
-    int rule = 0;              // place in the registry of rules
+    int rule = 0;              // index in the registry of rules
     double restitution = 1.0;  // without a law
     LawChoice law;
     double parameters[max_rule_parameters] = {};  // in the order of the record
 };
 
-// The particle that rules make tables for: the largest; `alike`: there is no other kind.
+// The largest particle, for which rules make tables. `alike`: all particles are of this kind.
 struct TypicalParticle {
     double mass, radius;  // [kg], [m]
     bool alike;
@@ -55,13 +56,13 @@ struct Impact {
     double since_last;  // time since the last collision of either, the shorter [s]; infinite before the first
 };
 
-// The velocities after an instantaneous collision.
+// Result of an instantaneous collision.
 struct Rebound {
     double restitution;
-    bool elastic_by_tc = false;  // whatever the restitution would be, because of the rule tc
+    bool elastic_by_tc = false;  // made elastic by the rule tc
 };
 
-// The path after a contact that takes time.
+// Result of a contact of finite duration.
 struct SoftContact {
     Outcome outcome = Outcome::ok;
     EquivalentCollision collision{};
@@ -72,8 +73,8 @@ class Rule {
 public:
     virtual ~Rule() = default;
 
-    // Whether contacts take time and displace the particles: then contact() is asked, else rebound(). Both note the
-    // deepest impact of a law; where it is too deep, the run is over and their answer does not count.
+    // Whether contacts take time and displace the particles: then the engine calls contact(), otherwise rebound(). Both
+    // record the deepest impact of a law. If it is too deep, the run ends and their result is not used.
     virtual bool takes_time() const { return false; }
     virtual Rebound rebound(const Impact&, DeepestImpact&) { return {1.0}; }
     virtual SoftContact contact(const Impact&, DeepestImpact&) { return {}; }

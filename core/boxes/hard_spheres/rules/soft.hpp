@@ -1,5 +1,5 @@
-// The rule "soft": a contact takes time and turns the line of centres, as the law says (P. Müller and T. Pöschel, Phys.
-// Rev. E 87, 033301 (2013)).
+// Collision rule "soft": a contact takes time and turns the line of centres according to the contact law (P. Müller and
+// T. Pöschel, Phys. Rev. E 87, 033301 (2013)).
 #pragma once
 #include "../../binary_contact/tabulated_contact.hpp"
 #include "rule.hpp"
@@ -23,7 +23,7 @@ public:
     }
 
 private:
-    // Contacts of the typical pair come from a table.
+    // Uses a table made for the typical pair.
     template <class Law>
     class Of final : public Rule {
     public:

@@ -1,4 +1,4 @@
-// The rule "tc": elastic where either partner collided, with anything, less than t_c ago (S. Luding and S. McNamara,
+// Collision rule "tc": elastic if either partner has had any collision less than t_c ago (S. Luding and S. McNamara,
 // Granular Matter 1, 113 (1998)).
 #pragma once
 #include "constant.hpp"

@@ -2,13 +2,13 @@
 //   m_i dv_i/dt = Σ_j F_ij n_ij + m_i g,   F = force(s, dξ/dt) while the contact is closed, otherwise 0,
 //   ξ = s^p = R_i + R_j − |r_ij|  (at a wall: R_i − distance of the centre),   dξ/dt = −n·(v_j − v_i).
 // The method is that of columns (column/general/motions.hpp): integration of order 8 in a scaled time
-// (contact/smooth_time.hpp), with every begin and end of a contact located (contact/events.hpp). The s of a closed
-// contact is integrated beside the positions. A closed pair that reaches the largest compression of its law
-// (deepest_compression) ends the run of the cluster. Under a linear law a step is a power series (linear.hpp), and
+// (contact/smooth_time.hpp). Every begin and end of a contact is located within its step (contact/events.hpp). The s of
+// a closed contact is integrated together with the positions. A closed pair that reaches the largest compression of its
+// law (deepest_compression) ends the run of the cluster. Under a linear law a step is a power series (linear.hpp), and
 // events are zeros of polynomials.
 //
-// A pair that an event has just placed on the zero of an event function is `fresh`: the function counts again once it
-// has become positive; a negative value while it rises is rounding.
+// A pair is `fresh` if an event has just occurred, so that an event function is zero. The function is ignored until it
+// has become positive; a negative value while it rises is rounding error.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -37,7 +37,7 @@ public:
     std::vector<Member> members;
     std::vector<ContactPair<Law>> pairs;
     Vector3 gravity{};
-    double largest_coordinate = 0.0;  // in the box, before positions were taken from the cluster's origin [m]
+    double largest_coordinate = 0.0;  // largest edge of the box, for the rounding error of positions [m]
     const hardlimit_abi::SeriesKernels* kernels = nullptr;  // needed for a linear law
     double base = 0.0;                                      // absolute time at time = 0 [s]
     double time = 0.0;                                      // since `base` [s]
@@ -49,8 +49,8 @@ public:
     Trajectory trajectory;
     bool unresolved = false;
     int too_deep = -1;                 // pair that reached the largest compression of its law
-    double largest_compression = 0.0;  // over the smaller radius, including that of earlier clusters
-    long begun = 0, begun_pairs = 0;   // contacts since the start; those between two bodies
+    double largest_compression = 0.0;  // in units of the smaller radius, including earlier clusters
+    long begun = 0, begun_pairs = 0;   // contacts since the start; of these, between two bodies
 
     // Resets everything but keeps the allocated storage.
     void clear() {
@@ -68,8 +68,8 @@ public:
     // Integrates to `until`, or until the last pair opens, or for `most_steps` steps.
     void run(double until, Stop& stop, long most_steps = no_limit) { run(until, stop, most_steps, false); }
 
-    // Integrates to `until` even if all pairs open before. Where one pair opens at the instant at which another begins,
-    // rounding decides the order, and it may decide differently if steps end elsewhere.
+    // Integrates to `until` even if all pairs open before. If one pair opens at the instant at which another begins,
+    // their order depends on rounding, and may differ if steps end elsewhere.
     void run_through(double until) {
         Stop never;
         run(until, never, no_limit, true);
@@ -104,7 +104,7 @@ public:
 private:
     // Speed below which squares underflow: the bodies do not move [m/s].
     static constexpr double at_rest = 1e-150;
-    // Part of the contact distance above which a compression is resolved by the positions.
+    // Smallest compression that the positions resolve, relative to the contact distance.
     static constexpr double resolved_depth = 1e-12;
 
     using Event = ContactEvent;
@@ -190,7 +190,7 @@ private:
     }
     static inline Geometry geometry(const ContactPair<Law>& q, const double* xa, const double* va,
                                     const double* xb, const double* vb);
-    // s of a pair, by the members or by a state y.
+    // s of a pair, from the members or from a state y.
     double depth_root(const ContactPair<Law>& q) const;
     double depth_root(int q, const Geometry& g, const double* y) const {
         return pairs[static_cast<std::size_t>(q)].rooted ? y[slot_[static_cast<std::size_t>(q)]]

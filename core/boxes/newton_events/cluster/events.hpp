@@ -46,7 +46,7 @@ bool Cluster<Law>::still_fresh(int q) const {
     return false;
 }
 
-// Whether an event of the pair happens in (0, length]; if so, `length` and end_ move to the first one.
+// Whether an event of the pair occurs in (0, length]; if so, moves `length` and end_ to the first one.
 template <class Law>
 bool Cluster<Law>::crosses(int q, Event kind, double& length) {
     const ContactPair<Law>& pair = pairs[static_cast<std::size_t>(q)];
@@ -66,7 +66,7 @@ bool Cluster<Law>::crosses(int q, Event kind, double& length) {
     const auto close = [=](const EventFunction& f, double x, double next) {
         return math::abs(f.smooth) <= noise || math::abs(next - x) <= 1e-14 * whole;
     };
-    // The remaining way is soon so short that the midpoint rule, with an error of third order in it, needs two
+    // Close to the zero the midpoint rule suffices, whose error is third order in the remaining distance. It needs two
     // evaluations instead of twelve.
     const auto move = [&](double x, double next) {
         if (math::abs(next - x) <= 1e-4 * whole)
@@ -90,7 +90,7 @@ void Cluster<Law>::midpoint_step(double step) {
     derivative(trial_.data(), k_trial_.data());
 }
 
-// Zero of the cubic through both ends of the step; the middle where there is none below `high`.
+// Zero of the cubic Hermite polynomial through both ends of the step, or high/2 if there is none below `high`.
 template <class Law>
 double Cluster<Law>::first_guess(int q, const EventFunction& a, const EventFunction& b, double length,
                                  double high) const {
@@ -111,7 +111,8 @@ double Cluster<Law>::first_guess(int q, const EventFunction& a, const EventFunct
     return x < high ? x : 0.5 * high;
 }
 
-// Applies an event whose function is not positive before the step begins, unless the pair was just placed there.
+// Applies an event whose function is not positive at the start of the step, unless the pair is fresh. Returns whether
+// there is one.
 template <class Law>
 template <class Value>
 bool Cluster<Law>::event_at_start(const Value& value) {

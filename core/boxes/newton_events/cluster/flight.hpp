@@ -4,7 +4,7 @@
 
 namespace hardlimit::boxes {
 
-// Nothing moves.
+// Advances the time of a cluster at rest.
 template <class Law>
 void Cluster<Law>::rest_until(double until) {
     time = y_[time_index()] = until;
@@ -89,7 +89,7 @@ double Cluster<Law>::time_to_open(const ContactPair<Law>& q) const {
     return b > 0.0 ? c / (b + math::sqrt(b * b + speed2 * c)) : (math::sqrt(b * b + speed2 * c) - b) / speed2;
 }
 
-// Two bodies that separate on straight lines never engage: ξ falls and the slack grows.
+// Two bodies that separate on straight lines never engage: ξ decreases and the slack grows.
 template <class Law>
 double Cluster<Law>::time_to_engage(const ContactPair<Law>& q) const {
     const Geometry g = geometry(q, y_.data());

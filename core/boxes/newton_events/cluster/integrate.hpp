@@ -4,7 +4,7 @@
 
 namespace hardlimit::boxes {
 
-// γ; leaves γ (ℓ/s)^{p−1} of each rooted contact in factor_.
+// Returns γ, and stores γ (ℓ/s)^{p−1} of each rooted contact in factor_.
 template <class Law>
 double Cluster<Law>::clock_rate(const double* y) const {
     if constexpr (p == 1) return 1.0;
@@ -45,8 +45,8 @@ void Cluster<Law>::derivative(const double* y, double* dy) const {
     dy[work_index()] = gamma * pressing;
 }
 
-// Chooses the coordinate of each closed contact: s where it is compressed or approaches fast, otherwise the positions.
-// s is kept where the compression is lost in the rounding of the positions. It is not used for a contact that has
+// Chooses the coordinate of each closed contact: s if it is compressed or approaches fast, otherwise the positions. s
+// is kept if the compression is lost in the rounding error of the positions. It is not used for a contact that has
 // hardly begun and hardly moves, which would stop the scaled time of all others.
 template <class Law>
 void Cluster<Law>::choose_coordinates() {
@@ -108,7 +108,8 @@ void Cluster<Law>::integration_step(double until) {
     if (try_step(length, last)) end_step(until, length, last);
 }
 
-// A step of this length into end_; sets the length of the next one. Returns whether the error was small enough.
+// Computes a step of this length into end_, and sets the length of the next one. Returns whether the error is small
+// enough.
 template <class Law>
 bool Cluster<Law>::try_step(double length, bool last) {
     advance(length, end_.data());
@@ -156,7 +157,7 @@ void Cluster<Law>::end_step(double until, double length, bool last) {
     if (what != Event::none) apply(what, which);
 }
 
-// Updates the largest compression from the step y_ to end_. Where the rate falls through zero, one more state near that
+// Updates the largest compression from the step y_ to end_. If the rate falls through zero, one more state near that
 // point and a parabola give the maximum.
 template <class Law>
 void Cluster<Law>::record_compressions(double length) {

@@ -113,7 +113,7 @@ void Cluster<Law>::add_contact(int index, double unit) {
     f.per_mass[1] = q.second < 0 ? 0.0 : 1.0 / members[q.second].mass;
 }
 
-// Step for which the last two terms are about as small as the tolerance.
+// Step for which the last two terms of the series are about as small as the tolerance.
 template <class Law>
 double Cluster<Law>::longest_step() const {
     static_assert(series::order == 16);
@@ -126,8 +126,8 @@ double Cluster<Law>::longest_step() const {
     return most > 0.0 ? math::sqrt(math::sqrt(math::sqrt(math::sqrt(allowed / most)))) : math::infinity;
 }
 
-// Predicts the end of a closed contact, or where a slack pair engages. The instant at which a slack pair opens does not
-// matter, as it exerts no force.
+// Predicts when a closed contact ends or a slack pair engages. The instant at which a slack pair opens does not matter,
+// as it exerts no force.
 template <class Law>
 void Cluster<Law>::predict_end(const series::Contact& f, StepEvent& found) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
@@ -140,7 +140,7 @@ void Cluster<Law>::predict_end(const series::Contact& f, StepEvent& found) const
     consider(f.pair, Event::engages, force, f.spring, found);
 }
 
-// Predicts where the largest compression of the law is reached.
+// Predicts when the largest compression of the law is reached.
 template <class Law>
 void Cluster<Law>::predict_deepest(const series::Contact& f, StepEvent& found) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(f.pair)];
@@ -152,7 +152,7 @@ void Cluster<Law>::predict_deepest(const series::Contact& f, StepEvent& found) c
     consider(f.pair, Event::deepens, left, 1.0, found);
 }
 
-// Updates the largest compression of a pair up to a point in the step. Where its rate falls through zero, Newton's
+// Updates the largest compression of a pair up to a time within the step. If its rate falls through zero, Newton's
 // method finds the maximum.
 template <class Law>
 void Cluster<Law>::record_compressions(const series::Contact& f, double at) {
@@ -185,7 +185,7 @@ void Cluster<Law>::record_compressions(const series::Contact& f, double at) {
     }
 }
 
-// Opens slack pairs that are apart after the step, even if one was to engage at that instant.
+// Opens slack pairs that are apart after the step, even if one was predicted to engage at that instant.
 template <class Law>
 void Cluster<Law>::open_pairs(StepEvent& found) {
     for (const series::Contact& f : contacts_) {
@@ -221,13 +221,13 @@ void Cluster<Law>::predict_begin(int index, StepEvent& found) {
     consider(index, Event::begins, gap, q.second < 0 ? 1.0 : q.contact_distance, found);
 }
 
-// Takes the zero of f if it comes first. `unit`: of f, per contact distance.
+// Keeps the first zero of f if it is the earliest event so far. `unit`: change of f per distance.
 template <class Law>
 void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, double unit,
                             StepEvent& found) const {
     const ContactPair<Law>& q = pairs[static_cast<std::size_t>(index)];
-    // A pair placed on a zero is off it by the rounding of positions, in a large box or far from a large cluster's
-    // origin.
+    // The event function of a fresh pair differs from zero by the rounding error of the positions, which is large in a
+    // large box or far from the origin of a large cluster.
     double far =
         math::max(math::max(q.contact_distance, largest_coordinate), series::largest(series_[q.first][0]));
     if (q.second >= 0) far = math::max(far, series::largest(series_[q.second][0]));
@@ -240,7 +240,7 @@ void Cluster<Law>::consider(int index, Event kind, const series::Terms& f, doubl
     if (zero <= found.at) found = {zero, kind, index};
 }
 
-// Advances the state to a point in the step.
+// Advances the state to a time within the step.
 template <class Law>
 void Cluster<Law>::advance_series(double at, double unit) {
     double* chord_deviation = nullptr;

@@ -24,7 +24,7 @@ template <class Law>
 struct ContactPair {
     int first, second;        // second < 0: a wall
     Vector3 image;            // shift to the nearest periodic image, added to x_second − x_first
-    WallId wall_id;           // if it is one
+    WallId wall_id;           // of the wall, if any
     int axis;                 // of the wall's normal
     double side;              // +1 for a wall at the low end of the axis, −1 at the high end
     double wall;              // coordinate of the wall along the axis, from the cluster's origin
@@ -32,7 +32,7 @@ struct ContactPair {
     double mass;              // effective mass [kg]
     Law law;
     ContactState state = ContactState::open;
-    bool fresh = false;       // was just placed on the zero of an event function
+    bool fresh = false;       // an event function is zero, as its event has just occurred
     bool rooted = false;      // s is integrated
     bool overlapped = false;  // shared a body with another contact while it lasted
     bool scaled = false;      // the scales below are set
@@ -53,7 +53,7 @@ struct EndedContact {
 struct Trajectory {
     std::vector<double> time;
     std::vector<double> state;  // for each time positions, then velocities
-    // [members] largest distance of the path from its chord since the last time; empty where unknown.
+    // [members] largest distance of the path from its chord since the last time; empty if unknown.
     std::vector<double> chord_deviation;
 
     void clear() {

@@ -79,7 +79,7 @@ double Cluster<Law>::lightest() const {
     return least;
 }
 
-// Speed of the lightest member with all energy: kinetic relative to the mean velocity, and elastic.
+// Speed that the lightest member would have with all energy: kinetic relative to the mean velocity, and elastic.
 template <class Law>
 double Cluster<Law>::unit_of_speed() const {
     const Vector3 mean = mean_velocity();
@@ -115,7 +115,7 @@ void Cluster<Law>::set_scales(ContactPair<Law>& q) const {
     q.scaled = true;
 }
 
-// Upper bound of the energy that one contact can store: all energy, and the work of each member's weight over its
+// Upper bound on the energy that one contact can store: all energy, and the work of each member's weight over its
 // radius [J].
 template <class Law>
 double Cluster<Law>::most_energy() const {
