@@ -1,4 +1,4 @@
-// Arrays on their way between Python and the core.
+// Conversion of arrays between Python and the core.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -11,10 +11,10 @@
 
 namespace hardlimit::bindings {
 
-// From Python: any sequence of numbers that NumPy takes without loss, as one contiguous array.
+// Argument from Python: any sequence of numbers that NumPy converts without loss, as one contiguous array.
 using In = nanobind::ndarray<const double, nanobind::ndim<1>, nanobind::c_contig, nanobind::device::cpu>;
 
-// To Python, which owns it from then on.
+// Returns an array to Python, which takes ownership.
 template <class T>
 auto make_array(std::vector<T>&& values, std::initializer_list<std::size_t> shape) {
     auto* owned = new std::vector<T>(std::move(values));
@@ -22,7 +22,7 @@ auto make_array(std::vector<T>&& values, std::initializer_list<std::size_t> shap
     return nanobind::ndarray<nanobind::numpy, T>(owned->data(), shape, owner);
 }
 
-// f of each value.
+// Applies f to each value.
 template <class F>
 auto map(In x, F&& f) {
     const double* data = x.data();

@@ -1,4 +1,4 @@
-// Bindings of one isolated contact: in the plane of approach, tabulated, in small steps.
+// Bindings of one isolated contact: solved in the plane of approach, tabulated, and integrated with a fixed time step.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -23,7 +23,7 @@ using hl::boxes::Approach;
 
 namespace {
 
-// The end of the contact by name, and the equivalent collision.
+// End of a contact and its equivalent collision, as a dict.
 nb::dict planar_contact(const Contact& c, double distance, double normal, double tangential, double gravity) {
     const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
     const auto end =
@@ -43,7 +43,7 @@ nb::dict planar_contact(const Contact& c, double distance, double normal, double
     return d;
 }
 
-// Compression, its rate and the turn at each time.
+// Compression, its rate and rotation of the line of centres at each time [n, 3].
 auto planar_path(const Contact& c, double distance, double normal, double tangential, In times,
                  double gravity) {
     const Approach approach{c.pair.effective_mass, distance, normal, tangential, gravity};
@@ -64,8 +64,8 @@ auto planar_path(const Contact& c, double distance, double normal, double tangen
     return make_array(std::move(rows), {n, std::size_t{3}});
 }
 
-// Duration, turn, compression left, radial and tangential speed of contacts at these speeds, as an event-driven run
-// computes them whose first pair is `own`.
+// Duration, rotation of the line of centres, final compression, radial and tangential speed of contacts at these
+// speeds, as computed by an event-driven run whose tables are built for the pair `own`.
 auto soft_contacts(const Contact& own, double own_distance, bool damping_varies, const Contact& c,
                    double distance, In normal, In tangential) {
     const std::size_t n = normal.shape(0);
@@ -95,20 +95,18 @@ auto soft_contacts(const Contact& own, double own_distance, bool damping_varies,
 }  // namespace
 
 void bind_binary_contact(nb::module_& m) {
-    m.def(
-        "planar_contact", &planar_contact, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
-        "gravity"_a = 0.0,
-        "The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: "
-        "its end, and velocity and shift of the equivalent collision. A wall: infinite distance, "
-        "gravity pressing against it.");
+    m.def("planar_contact", &planar_contact, "contact"_a, "distance"_a, "normal_speed"_a,
+          "tangential_speed"_a, "gravity"_a = 0.0,
+          "Isolated contact of two bodies whose centres are at this distance at touch, in the plane of "
+          "approach: its end, and velocity and displacement of the equivalent collision. For a wall: "
+          "infinite distance; gravity presses against it.");
     m.def("planar_path", &planar_path, "contact"_a, "distance"_a, "normal_speed"_a, "tangential_speed"_a,
           "times"_a, "gravity"_a = 0.0,
-          "Compression, its rate and the turn of the line of centres at times since touch [n, 3].");
-    m.def(
-        "soft_contacts", &soft_contacts, "own"_a, "own_distance"_a, "damping_varies"_a, "contact"_a,
-        "distance"_a, "normal_speed"_a, "tangential_speed"_a,
-        "Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run "
-        "computes them, whose polynomials are made for the pair `own`.");
+          "Compression, its rate and rotation angle of the line of centres at times since touch [n, 3].");
+    m.def("soft_contacts", &soft_contacts, "own"_a, "own_distance"_a, "damping_varies"_a, "contact"_a,
+          "distance"_a, "normal_speed"_a, "tangential_speed"_a,
+          "Duration, rotation angle, final compression, radial and tangential speed [n, 5] of contacts, as "
+          "computed by an event-driven run whose polynomials were fitted for the pair `own`.");
     m.def(
         "step_errors",
         [](const Contact& c, double speed, double time_step) {
@@ -120,9 +118,9 @@ void bind_binary_contact(nb::module_& m) {
             return std::tuple(found.restitution, found.energy, found.position);
         },
         "contact"_a, "speed"_a, "time_step"_a,
-        "The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the "
-        "energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. "
-        "Infinite where a contact does not end.");
+        "Largest errors of fixed time steps in an isolated contact: of ε; of the energy balance, "
+        "relative to the impact energy; of positions after it, relative to impact speed times duration. "
+        "Infinite if a contact does not end.");
     m.def(
         "longest_step",
         [](const Contact& c, double speed, double error) {
@@ -132,5 +130,5 @@ void bind_binary_contact(nb::module_& m) {
                 },
                 c.law);
         },
-        "contact"_a, "speed"_a, "error"_a, "The longest time step whose `step_errors` are at most `error`.");
+        "contact"_a, "speed"_a, "error"_a, "Longest time step whose `step_errors` are at most `error`.");
 }

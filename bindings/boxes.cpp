@@ -1,4 +1,4 @@
-// Bindings of boxes of particles: the box, one class for all engines, random packings, the deepest overlap.
+// Bindings of particle simulations: the box, one class for all engines, random packings, the deepest overlap.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -202,7 +202,7 @@ nb::tuple rule_records() {
     return nb::tuple(rules);
 }
 
-// Columns of the log: an instantaneous collision has only its time.
+// Columns of the contact log. `lasting`: contacts have a begin and an end; otherwise collisions have one time.
 nb::dict columns(const std::vector<box::ContactRecord>& rows, bool lasting) {
     nb::dict d;
     const auto column = [&](const char* name, const auto& value) {
@@ -229,7 +229,7 @@ public:
     Engine(Engine&& other) noexcept : kind_(other.kind_), engine_(std::move(other.engine_)) {}
 
     const char* kind() const { return kind_; }
-    // Refused while another thread is in advance().
+    // Throws while another thread is in advance().
     box::Engine& get() const {
         if (running_) throw std::runtime_error("this run is being advanced by another thread");
         return *engine_;
@@ -337,7 +337,7 @@ nb::dict observe(const Engine& e) {
     return seen;
 }
 
-// Numbers whose names begin with n_ are whole.
+// Counters, whose names begin with n_, become Python integers.
 nb::dict statistics(const Engine& e) {
     nb::dict d;
     for (const box::Statistic& s : e.get().statistics()) {
@@ -360,7 +360,7 @@ std::optional<std::tuple<double, std::vector<hl::i64>, std::optional<hl::i64>>> 
     return std::tuple(end.time, end.particles, wall);
 }
 
-// --- starts -------------------------------------------------------------------------------------------------
+// --- initial states -------------------------------------------------------------------------------------------------
 
 nb::object grow_packing(const box::Box& bounds, In radius, hl::u64 seed, const nb::object& progress) {
     box::System s{bounds, radius.size(), nullptr, nullptr, radius.data(), nullptr};
@@ -413,60 +413,60 @@ void bind_boxes(nb::module_& m) {
     m.attr("engine_names") = nb::tuple(names);
     m.attr("rules") = rule_records();
 
-    nb::class_<box::Box>(m, "Box", "Edges [m], what bounds each axis (periodic or wall), gravity [m/s²].")
+    nb::class_<box::Box>(m, "Box", "Edges [m], boundary of each axis (periodic or wall), gravity [m/s²].")
         .def(nb::new_(&make_box), "edges"_a, "boundary"_a, "gravity"_a.none() = nb::none())
         .def_prop_ro("edges", [](const box::Box& b) { return std::vector(b.edge, b.edge + b.dimension); })
         .def_prop_ro("boundary", &boundaries)
         .def_prop_ro("gravity",
                      [](const box::Box& b) { return std::vector(b.gravity, b.gravity + b.dimension); })
-        .def(
-            "walls", &walls, "time"_a = 0.0,
-            "Of each wall its number, as in logs (−1 − 2·axis at 0, −2 − 2·axis at L), position [m], velocity [m/s].");
+        .def("walls", &walls, "time"_a = 0.0,
+             "For each wall: number as in logs (−1 − 2·axis at 0, −2 − 2·axis at L), position [m], velocity "
+             "[m/s].");
 
-    nb::class_<Engine>(m, "Engine", "An engine with a box of particles in it.")
+    nb::class_<Engine>(m, "Engine", "A simulation: an engine and its particles.")
         .def_prop_ro("kind", &Engine::kind)
         .def_prop_ro("n", [](const Engine& e) { return e.get().size(); })
         .def_prop_ro("dimension", [](const Engine& e) { return e.get().dimension(); })
-        .def(
-            "advance", &Engine::advance, "until"_a, "max_work"_a = ~hl::u64{0}, "threads"_a = 1,
-            "To `until` [s]; pauses after so many collisions, events or steps. What was paused goes on with the same "
-            "bits.")
+        .def("advance", &Engine::advance, "until"_a, "max_work"_a = ~hl::u64{0}, "threads"_a = 1,
+             "Advances to `until` [s]; pauses after `max_work` collisions, events or steps. Pausing does not "
+             "change the result.")
         .def_prop_ro("paused", [](const Engine& e) { return e.get().paused(); })
         .def_prop_ro("time", [](const Engine& e) { return e.get().time(); })
         .def_prop_ro("outcome", &outcome_name)
         .def_prop_ro("early_end", &early_end,
-                     "Time [s], particles and wall where the run ended before its time; None of others.")
+                     "Time [s], particles and wall at which a run ended early; otherwise None.")
         .def_prop_ro("work", [](const Engine& e) { return e.get().work(); })
         .def_prop_ro("n_contacts", [](const Engine& e) { return e.get().contacts(); })
         .def_prop_ro("n_logged", [](const Engine& e) { return e.get().logged(); })
         .def("statistics", &statistics)
-        .def("state", &state, "Positions [m], along continuous paths, and velocities [m/s] now, (n, d) each.")
+        .def(
+            "state", &state,
+            "Current positions [m], unwrapped across periodic boundaries, and velocities [m/s], (n, d) each.")
         .def("observe", &observe)
         .def_prop_ro("largest_compression",
                      [](const Engine& e) { return e.get().observe().largest_compression; })
         .def(
             "take_log", [](const Engine& e) { return columns(e.get().take_log(), e.get().contacts_last()); },
-            "Columns of the log since the last call.")
+            "Columns of the contact log since the last call.")
         .def(
             "open_contacts",
             [](const Engine& e) { return columns(e.get().open_contacts(), e.get().contacts_last()); },
-            "The same of contacts that last, whose end is NaN, and of those whose cluster still holds together.")
+            "The same for open contacts, whose end is NaN, and for contacts whose cluster has not yet "
+            "separated.")
         .def(
             "safety_used", [](const Engine& e, int instants) { return e.get().safety_used(instants); },
             "instants"_a,
-            "The largest share that a body in contact uses, now, of the space that others leave it: at most 1.")
+            "Largest fraction of its safety radius that a body in contact currently uses; at most 1.")
         .def("save", &save)
         .def_prop_ro("memory", [](const Engine& e) { return e.get().bytes(); });
     m.def("make_engine", &make_engine, "kind"_a, "box"_a, "positions"_a, "velocities"_a, "radius"_a, "mass"_a,
           nb::kw_only(), "law"_a.none() = nb::none(), "rule"_a = "constant", "restitution"_a = hl::math::nan,
           "rule_parameters"_a = std::vector<double>(), "time_step"_a = 0.0, "log"_a = false);
     m.def("load_engine", &load_engine, "kind"_a, "saved"_a);
-    m.def(
-        "grow_packing", &grow_packing, "box"_a, "radius"_a, "seed"_a, "progress"_a.none() = nb::none(),
-        "Random positions (n, d) of particles that do not overlap: small ones are inserted, which move and collide "
-        "while they grow. progress(share of the final radii, collisions) is called now and then.");
-    m.def(
-        "deepest_overlap", &deepest_overlap, "box"_a, "positions"_a, "radius"_a,
-        "Two particles and their gap [m], the deepest relative to the sum of the radii; −1, −1 and 0 where none "
-        "overlap.");
+    m.def("grow_packing", &grow_packing, "box"_a, "radius"_a, "seed"_a, "progress"_a.none() = nb::none(),
+          "Random positions (n, d) without overlap: small particles are inserted, and move and collide "
+          "while they grow. progress(fraction of the final radii, collisions) is called at intervals.");
+    m.def("deepest_overlap", &deepest_overlap, "box"_a, "positions"_a, "radius"_a,
+          "The two particles with the deepest overlap relative to the sum of their radii, and their gap "
+          "[m]; −1, −1 and 0 if none overlap.");
 }

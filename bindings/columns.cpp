@@ -1,4 +1,4 @@
-// Bindings of the columns: scenario in, Solution out. The solvers run with the interpreter unlocked.
+// Bindings of the column solvers: column in, Solution out. The solvers run without the interpreter lock.
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -26,7 +26,7 @@ using hl::bindings::unlocked;
 
 namespace {
 
-// A column under any law; its solutions share it.
+// A column under any law; shared with its solutions.
 struct Column {
     hl::bindings::OfEachLaw<col::SharedColumn>::Variant value;
 };
@@ -68,7 +68,7 @@ Column make_column(bool floor, double gravity, const std::vector<double>& mass,
         contacts.front().law);
 }
 
-// What a solver found, and what it was asked.
+// Result of a solver, with its column and options.
 struct Solution {
     Column column;
     col::Model model;
@@ -162,7 +162,7 @@ void require_recorded(const col::Solution& s, const double* times, std::size_t n
                                       .c_str());
 }
 
-// Rows of what Python is given, filled by a few thousand times at once.
+// Arrays returned to Python, appended in chunks of a few thousand times.
 struct Trajectory {
     std::vector<double> position, velocity, force, kinetic, potential, stored, dissipated;
 
@@ -182,7 +182,7 @@ struct Trajectory {
     }
 };
 
-// Centre of the first ball of a cradle at release.
+// Height of the first ball's centre in a cradle at release [m].
 double origin(const Column& c) {
     return std::visit([](const auto& column) { return column->gaps[0] + column->radius[0]; }, c.value);
 }
@@ -226,11 +226,11 @@ nb::list model_records() {
 
 void bind_columns(nb::module_& m) {
     m.def("model_records", &model_records,
-          "The models of a column in the order of their numbers: name, labels, limits.");
+          "The models of a column, in order of their numbers: name, labels, limits.");
     nb::class_<Column>(m, "Column", "A column of balls in SI units.");
     m.def("make_column", &make_column, "floor"_a, "gravity"_a, "mass"_a, "radius"_a, "contacts"_a, "gaps"_a,
           "velocity"_a);
-    nb::class_<Solution>(m, "Solution", "What a solver found.")
+    nb::class_<Solution>(m, "Solution", "Result of a column solver.")
         .def_prop_ro("n_contacts", [](const Solution& s) { return s.sequence().n_contacts; })
         .def_prop_ro("t_end", [](const Solution& s) { return s.sequence().t_end; })
         .def_prop_ro("t_floor_end", [](const Solution& s) { return s.sequence().t_floor_end; })
@@ -248,7 +248,7 @@ void bind_columns(nb::module_& m) {
             "presses_by", [](const Solution& s, double part) { return s.found->presses_by(part); }, "part"_a)
         .def("contacts", &contact_arrays)
         .def("rebound_heights", &rebound_heights,
-             "Greatest height of each centre after its first bounce [m]; NaN where there is none.")
+             "Largest height of each centre after its first bounce [m]; NaN where there is none.")
         .def(
             "final_velocities",
             [](const Solution& s) {
@@ -257,8 +257,9 @@ void bind_columns(nb::module_& m) {
             "Velocities after the last contact that ended [m/s]; NaN at rest.")
         .def(
             "parting", &parting, "missing"_a,
-            "Velocities at the end of the sequence [m/s], in the frame that has fallen freely since time 0, and "
-            "ends of the last contact of each ball [s]. missing: contacts still to come of each upper pair.")
+            "Velocities at the end of the sequence [m/s], in the frame in free fall since time 0, and end of "
+            "each ball's last contact [s]. missing: number of further contacts to follow for each upper "
+            "pair.")
         .def("sample", &sample, "times"_a);
     m.def("newton", &newton, "column"_a, "until"_a, "general"_a, "tolerance"_a);
     m.def("adiabatic", &adiabatic, "column"_a, "until"_a);

@@ -1,4 +1,4 @@
-// One contact of any registered law, as Python holds it.
+// The Python type of one contact under any registered law.
 #pragma once
 #include <variant>
 
@@ -6,7 +6,7 @@
 
 namespace hardlimit::bindings {
 
-// Some template of each registered law, as a variant.
+// std::variant of Of<Law> over all registered laws.
 template <template <class> class Of>
 struct OfEachLaw {
     template <class First, class... Rest>

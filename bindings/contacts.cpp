@@ -1,4 +1,4 @@
-// Bindings of the contact laws: what they state about themselves, and one contact of two bodies.
+// Bindings of the contact laws: their records, and one contact of two bodies.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -120,7 +120,7 @@ nb::list law_records() {
 }  // namespace
 
 void bind_contacts(nb::module_& m) {
-    m.def("law_records", &law_records, "What the registered contact laws state about themselves.");
+    m.def("law_records", &law_records, "Records of the registered contact laws.");
     nb::class_<Contact>(m, "Contact", "One contact: law, effective mass and radius.")
         .def_prop_ro("effective_mass", [](const Contact& c) { return c.pair.effective_mass; })
         .def_prop_ro("effective_radius", [](const Contact& c) { return c.pair.effective_radius; })
@@ -186,7 +186,7 @@ void bind_contacts(nb::module_& m) {
             "compression"_a);
     m.def("make_contact", &make_contact, "law"_a, "alternative"_a, "parameters"_a, "effective_mass"_a,
           "effective_radius"_a);
-    m.def("effective", &hl::effective, "a"_a, "b"_a, "a b/(a + b), also for an infinite partner.");
+    m.def("effective", &hl::effective, "a"_a, "b"_a, "a b/(a + b); also if one of them is infinite.");
     m.def(
         "viscoelastic_restitution",
         [](In x) {
@@ -229,12 +229,13 @@ void bind_contacts(nb::module_& m) {
             return nb::make_tuple(r.restitution, r.duration, r.compression, r.force);
         },
         "elastic"_a, "damping"_a, "attracts"_a, "c"_a,
-        "ε, duration, greatest compression and force of X'' + X^(elastic/4) + c X^(damping/4) X' = 0 from speed 1.");
+        "ε, duration, largest compression and force of X'' + X^(elastic/4) + c X^(damping/4) X' = 0, "
+        "X(0) = 0, X'(0) = 1.");
     m.def(
         "power_damping",
         [](int elastic, int damping, bool attracts, double restitution) {
             return hl::contact::power_damping({elastic, damping, attracts}, restitution);
         },
         "elastic"_a, "damping"_a, "attracts"_a, "restitution"_a,
-        "The c of power_collision with this ε in (0, 1].");
+        "The damping c for which power_collision gives this ε in (0, 1].");
 }

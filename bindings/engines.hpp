@@ -1,4 +1,4 @@
-// The engines of boxes, each compiled in a file of its own, and the kernels for the processor at hand.
+// Table entries of the particle engines, each compiled in its own file, and choice of the kernels for this processor.
 #pragma once
 #include <functional>
 #include <memory>
@@ -13,10 +13,10 @@ extern const hardlimit_abi::TouchKernels hardlimit_touch_base, hardlimit_touch_a
 
 namespace hardlimit::bindings {
 
-// What an engine is made of beside the system.
+// Arguments of an engine in addition to the system.
 struct EngineArguments {
-    boxes::RuleChoice rule;  // with the law, of whatever engine
-    double time_step = 0.0;  // of engines that take steps [s]
+    boxes::RuleChoice rule;  // contains the contact law; engines other than hard_spheres use only that
+    double time_step = 0.0;  // for newton_steps [s]
     bool log = false;
 };
 
@@ -24,16 +24,16 @@ struct EngineRecord {
     const char* name;
     std::unique_ptr<boxes::Engine> (*make)(const boxes::System&, const EngineArguments&, Stop&);
     std::unique_ptr<boxes::Engine> (*load)(const char* data,
-                                           std::size_t n);  // nullptr where they are damaged
+                                           std::size_t n);  // nullptr if the data are damaged
 };
-// Random positions without overlap, if there was enough space; report(share of the final radii, collisions) says
-// whether to go on.
+// Random positions without overlap; empty if there was not enough space. report(fraction of the final radii,
+// collisions) returns whether to continue.
 std::optional<std::vector<double>> grow_packing(const boxes::System& s, u64 seed, Stop& stop,
                                                 const std::function<bool(double, u64)>& report);
 
 extern const EngineRecord hard_spheres_engine, newton_events_engine, newton_steps_engine;
 
-// Kernels for the widest registers of the processor. They change the speed, never the result.
+// Kernels for the widest registers of the processor. All give identical results.
 inline const hardlimit_abi::TouchKernels& touch_kernels() {
 #if defined(HARDLIMIT_X86)
     static const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&

@@ -1,4 +1,4 @@
-// The engine of hard spheres and the growth of random packings, compiled.
+// Compiles the hard-sphere engine and the growth of random packings.
 #include "boxes/hard_spheres/growth.hpp"
 #include "boxes/hard_spheres/make_engine.hpp"
 #include "engines.hpp"

@@ -1,4 +1,4 @@
-// The interpreter's lock around a computation: given up, taken back, and Ctrl-C noticed in between.
+// Releases the interpreter lock during a computation and checks for Ctrl-C meanwhile.
 #pragma once
 #include <nanobind/nanobind.h>
 
@@ -10,10 +10,10 @@
 
 namespace hardlimit::bindings {
 
-// The interpreter runs other threads while this object lives.
+// Releases the interpreter lock for its lifetime.
 class Unlocked {
 public:
-    static constexpr std::chrono::milliseconds period{50};  // between two looks at the signals
+    static constexpr std::chrono::milliseconds period{50};  // between two checks for signals
 
     Unlocked() : state_(PyEval_SaveThread()) {}
     ~Unlocked() {
@@ -22,8 +22,8 @@ public:
     Unlocked(const Unlocked&) = delete;
     Unlocked& operator=(const Unlocked&) = delete;
 
-    // Before Python 3.14 a thread that asks for the lock while the interpreter shuts down is ended by unwinding its
-    // stack, which no C++ destructor survives. It sleeps instead until the process is gone, as from 3.14 on.
+    // Before Python 3.14, a thread that acquires the lock during interpreter shutdown is terminated by stack unwinding,
+    // which aborts in a C++ destructor. The thread sleeps until the process exits instead, as Python does from 3.14 on.
     void lock() {
         try {
             PyEval_RestoreThread(std::exchange(state_, nullptr));
@@ -33,7 +33,7 @@ public:
     }
     void unlock() { state_ = PyEval_SaveThread(); }
 
-    // Lets the signal handlers run; whether one has raised an exception, which then waits to be thrown.
+    // Runs the signal handlers. Returns whether one raised an exception, which is then pending.
     bool signalled() {
         lock();
         const bool raised = PyErr_CheckSignals() != 0;
@@ -41,13 +41,13 @@ public:
         return raised;
     }
 
-    // For a computation that asks at every step.
+    // A stop condition that a computation can check at every step.
     Stop stop() { return Stop(&ask, this); }
 
 private:
     using Clock = std::chrono::steady_clock;
     PyThreadState* state_;
-    Clock::time_point next_{};  // not before the first question: a short solve never reads the clock
+    Clock::time_point next_{};  // time of the next check; unset before the first call of ask
 
     static bool ask(void* of) {
         Unlocked& self = *static_cast<Unlocked*>(of);
@@ -58,7 +58,7 @@ private:
     }
 };
 
-// f(stop) with the interpreter unlocked. Ctrl-C makes it give up, and is thrown.
+// Calls f(stop) without the interpreter lock. Ctrl-C stops it and is rethrown as the Python exception.
 template <class F>
 auto unlocked(F&& f) {
     Unlocked open;

@@ -1,6 +1,6 @@
-// The kernels of core/sweep/ and core/boxes/ for one instruction set: compiled once for each, with `hardlimit`
-// renamed and HARDLIMIT_KERNEL set to the name of the entry and HARDLIMIT_LANES to the doubles in a register (see
-// CMakeLists.txt). The number of lanes changes the speed, never the result.
+// Compiles the kernels of core/sweep/ and core/boxes/ for one instruction set. CMakeLists.txt compiles this file once
+// for each, with the namespace `hardlimit` renamed, HARDLIMIT_KERNEL set to the name of the table and HARDLIMIT_LANES
+// to the number of doubles in a register. Results do not depend on the number of lanes.
 #include "boxes/kernels/kernel_table.hpp"
 #include "sweep/batch.hpp"
 #include "sweep/linear_kernel.hpp"
@@ -8,7 +8,7 @@
 
 namespace {
 using Real = hardlimit::Vector<HARDLIMIT_LANES>::Real;
-using Wide = hardlimit::Pair<Real>;  // for the kernel that is a long chain of operations
+using Wide = hardlimit::Pair<Real>;  // two registers, for the kernel that is bound by latency
 }  // namespace
 
 extern const hardlimit_abi::Kernel HARDLIMIT_KERNEL;

@@ -1,4 +1,4 @@
-// The module _core: conversion and release of the interpreter's lock, nothing else.
+// The Python extension module _core. Bindings only convert arguments and release the interpreter lock.
 #include <nanobind/stl/string.h>
 
 #include <string>
@@ -35,16 +35,17 @@ void bind_math(nb::module_& m) {
                 if (name == known) return hl::bindings::map(x, f);
             throw nb::value_error("name: exp, log, log1p, sin or cos");
         },
-        "name"_a, "x"_a, "The core's own elementary functions, for their tests.");
+        "name"_a, "x"_a, "The core's elementary functions, for tests.");
     m.def("atan2_upper", &hl::math::atan2_upper<double>, "y"_a, "x"_a);
 }
 
 }  // namespace
 
 NB_MODULE(_core, m) {
-    nb::set_leak_warnings(false);  // objects alive at exit, in a traceback say, are no fault
+    nb::set_leak_warnings(false);  // objects alive at exit, for example in a traceback, are not an error
     m.attr("version") = HARDLIMIT_VERSION;
-    m.def("compiler", [] { return HARDLIMIT_COMPILER; });  // not an attribute: stubs hold the values of those
+    m.def("compiler",
+          [] { return HARDLIMIT_COMPILER; });  // a function: an attribute's value would appear in the stub
     nb::list names, messages;
     for (const hl::OutcomeRecord& r : hl::outcome_records) {
         names.append(r.name);

@@ -1,4 +1,4 @@
-// The event-driven engine of Newton's equations, compiled.
+// Compiles the event-driven engine for Newton's equations.
 #include "boxes/newton_events/make_engine.hpp"
 #include "engines.hpp"
 

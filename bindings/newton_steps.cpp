@@ -1,4 +1,4 @@
-// The engine of Newton's equations in small steps, compiled.
+// Compiles the time-stepping engine for Newton's equations.
 #include "boxes/newton_steps/make_engine.hpp"
 #include "engines.hpp"
 

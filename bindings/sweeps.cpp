@@ -1,4 +1,4 @@
-// Bindings of the maps: hand over arrays, run the threads with the interpreter unlocked, stay interruptible.
+// Bindings of the parameter maps: pass the arrays, run the threads without the interpreter lock, handle interrupts.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
@@ -22,7 +22,7 @@ namespace {
 
 using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-// Where one variable goes: the caller's own array, never a converted copy; null if it is not wanted.
+// The caller's output array for one variable, never a converted copy; null if not requested.
 template <class T>
 T* output(const nb::dict& out, const char* name, hl::u64 count) {
     using Array = nb::ndarray<T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
@@ -40,7 +40,7 @@ T* output(const nb::dict& out, const char* name, hl::u64 count) {
     return array.data();
 }
 
-// Kernels in the order of preference; the last one runs anywhere.
+// Available kernels in order of preference; the last one runs on every processor.
 std::vector<const hardlimit_abi::Kernel*> kernels() {
     std::vector<const hardlimit_abi::Kernel*> found;
 #if defined(HARDLIMIT_X86)
@@ -60,7 +60,7 @@ const hardlimit_abi::Kernel* kernel_named(const std::string& name) {
     throw nb::value_error(("instruction_set: " + name + " is not available here").c_str());
 }
 
-// What the maps need of a law.
+// Entry points of the maps for one law.
 struct LawEntry {
     const hl::LawRecord& record;
     void (*work)(sw::Job&, hl::u64, hl::Stop&);
@@ -117,7 +117,7 @@ sw::Outputs outputs(const nb::dict& out, hl::u64 count) {
             output<double>(out, "t_floor_end", count)};
 }
 
-// Works through the job with the interpreter unlocked; what the caller's `progress` or a signal handler raises ends it.
+// Runs the job without the interpreter lock. An exception from `progress` or a signal handler ends it.
 template <class Job>
 void run(Job& job, void (*work)(Job&, hl::u64, hl::Stop&), hl::u64 most, int threads,
          const nb::object& progress) {
@@ -152,7 +152,7 @@ void require_alternative(const hl::LawRecord& record, int alternative) {
             "alternative: the law has no such set of parameters");
 }
 
-// Points first … first + count − 1 of a map of two balls. Returns the contact counts above 255 as (point, count).
+// Solves points first … first + count − 1 of a two-ball map. Returns the contact counts above 255 as (point, count).
 nb::list run_map(const std::string& law, int model, int alternative, bool density_1, bool density_2,
                  int restitution_at, const std::vector<Values>& values, const std::vector<hl::u64>& strides,
                  hl::u64 first, hl::u64 count, int threads, double tolerance, const nb::dict& out,
@@ -177,7 +177,7 @@ nb::list run_map(const std::string& law, int model, int alternative, bool densit
     return large;
 }
 
-// The same of columns of any number of balls, point by point; `density` has one entry for each ball.
+// The same for columns of any number of balls, point by point. `density` has one entry for each ball.
 void run_columns(const std::string& law, int model, int alternative, const std::vector<bool>& density,
                  const std::vector<Values>& values, const std::vector<hl::u64>& strides, hl::u64 first,
                  hl::u64 count, int threads, double tolerance, const nb::dict& out, nb::object progress) {
@@ -207,7 +207,7 @@ void run_columns(const std::string& law, int model, int alternative, const std::
     run(job, entry.work_columns, 64, threads, progress);
 }
 
-// The names that can be swept for a column of so many balls, with the places of their numbers in a point.
+// The parameters that can be swept for a column of N balls, with their indices in the row of a point.
 nb::list swept_parameters(int balls) {
     require(balls >= 1, "balls: must be >= 1");
     nb::list rows;
@@ -232,10 +232,11 @@ nb::list swept_parameters(int balls) {
 
 void bind_sweep(nb::module_& m) {
     m.def("swept_parameters", &swept_parameters, "balls"_a,
-          "The parameters of a column that can be swept: name, places in a point, unit, meaning and range.");
-    m.def(
-        "law_place", &sw::law_of, "contact"_a, "balls"_a,
-        "Where the law of a contact begins in a point, 0 = floor; of contact = balls, the length of a point.");
+          "The column parameters that can be swept: name, indices in the row of a point, unit, meaning and "
+          "range.");
+    m.def("law_place", &sw::law_of, "contact"_a, "balls"_a,
+          "Index of a contact's first law parameter in the row of a point, 0 = floor; for contact = balls, "
+          "the length of the row.");
     m.def(
         "ball_mass", [](double density, double radius) { return sw::ball_mass(density, true, radius); },
         "density"_a, "radius"_a, "Mass of a solid sphere [kg].");
@@ -247,17 +248,17 @@ void bind_sweep(nb::module_& m) {
     m.def(
         "has_kernel",
         [](const std::string& law, int model) { return law_named(law).has_kernel(model_of(model)); }, "law"_a,
-        "model"_a, "Whether points of two balls go through a vector kernel under this law and model.");
+        "model"_a, "Whether two-ball points of this law and model are solved by a vector kernel.");
     m.def(
         "has_gpu_kernel",
         [](const std::string& law, int model) {
             const LawEntry entry = law_named(law);
             return entry.on_gpu && entry.has_kernel(model_of(model));
         },
-        "law"_a, "model"_a, "Whether such points can be computed on a GPU.");
+        "law"_a, "model"_a, "Whether such points can be solved on a GPU.");
     m.def(
         "has_exact_solver", [](const std::string& law) { return law_named(law).exact; }, "law"_a,
-        "Whether the motion of two balls on a floor under this law has a piecewise closed form.");
+        "Whether two balls on a floor have a piecewise closed-form solution under this law.");
     m.def("instruction_sets", [] {
         std::vector<std::string> names;
         for (const hardlimit_abi::Kernel* k : kernels()) names.emplace_back(k->name);

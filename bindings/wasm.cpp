@@ -1,9 +1,9 @@
-// The core behind a C interface of plain numbers, for WebAssembly: conversion, nothing else. The same file compiled
-// natively (web/golden.cpp) gives the values that the WebAssembly build is tested against, bit for bit.
+// C interface to the column solvers, for WebAssembly; it only converts numbers. The same file compiled natively
+// (web/golden.cpp) gives the reference values with which the WebAssembly build is compared, bit for bit.
 //
-// The caller writes a column to column_buffer() and calls a solver; results lie in reply_buffer(). Layout of the
+// The caller writes a column to column_buffer() and calls a solver, which writes to reply_buffer(). Layout of the
 // column:
-//   [0] law, place in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
+//   [0] law, index in registry.hpp   [1] alternative   [2 … 5] parameters of the law, common ones first
 //   [6] number of balls   [7] 1: floor, 0: cradle   [8] gravity [m/s²]
 //   [9 + 4 i …] mass [kg], radius [m], gap below [m], velocity [m/s] of ball i, bottom first
 #include "column/model.hpp"
@@ -31,7 +31,7 @@ namespace {
 constexpr int most_balls = 16;
 constexpr int column_size = 9 + 4 * most_balls;
 constexpr int reply_size = 16;
-constexpr long most_steps = 300'000;  // a page must answer: later events than that are not shown
+constexpr long most_steps = 300'000;  // limits the response time of the page; later events are not shown
 
 double request[column_size];
 double reply[reply_size];
@@ -39,7 +39,7 @@ double reply[reply_size];
 int balls() { return static_cast<int>(request[6]); }
 bool on_floor() { return request[7] != 0.0; }
 
-// Place of ε among the parameters of a law given by this alternative; −1: it is not given by ε.
+// Index of ε among the parameters of a law in this alternative; −1 if it does not contain ε.
 int restitution_parameter(const hl::LawRecord& law, int alternative) {
     for (int i = 0; i < law.n_in_alternative[alternative]; ++i)
         if (law.alternatives[alternative][i].name == std::string_view("restitution")) return law.n_common + i;
@@ -47,7 +47,7 @@ int restitution_parameter(const hl::LawRecord& law, int alternative) {
 }
 int alternative() { return static_cast<int>(request[1]); }
 
-// The column as requested.
+// The column in the request buffer.
 template <class Law>
 col::Column<Law> make_column() {
     const int n = balls();
@@ -69,7 +69,7 @@ col::Column<Law> make_column() {
     return c;
 }
 
-// f<Law>() for the law requested.
+// Calls f<Law>() for the requested law.
 template <class F>
 auto with_law(F&& f) {
     int place = static_cast<int>(request[0]);
@@ -77,10 +77,10 @@ auto with_law(F&& f) {
     if (place-- == 0) return f.template operator()<hl::contact::Law>();
     HARDLIMIT_LAWS(HL_CASE)
 #undef HL_CASE
-    return f.template operator()<LinearDashpot>();  // no law of the registry is left
+    return f.template operator()<LinearDashpot>();  // unreachable for a valid index
 }
 
-// What the page keeps of each model, until it is asked anew.
+// Last solution of each model.
 struct Solved {
     col::Model model;
     col::SolveOptions options;
@@ -93,8 +93,8 @@ Solved& solved(int model) {
     return *slots[model];
 }
 
-// Row of a state: [n] position, velocity, gap, force, kinetic and potential energy of each ball, then the energy stored
-// in the contacts and the energy dissipated so far.
+// Row of a state: position, velocity, gap, force and mechanical energy (kinetic plus potential) of the balls, n values
+// each; then the energy stored in the contacts and the energy dissipated so far.
 int state_size(int n) { return 5 * n + 2; }
 void write_row(const col::States& s, std::size_t i, double* row) {
     for (const std::vector<double>* values : {&s.position, &s.velocity, &s.gap, &s.force, &s.energy})
@@ -107,7 +107,7 @@ double landing_speed() {
     return on_floor() ? col::impact_speed(request[9 + 2], request[9 + 3], request[8]) : hl::math::nan;
 }
 
-// Of one point of a scan: a pixel does not show more.
+// Options for one point of a scan, of which the page shows only one pixel.
 col::SolveOptions coarse() {
     col::SolveOptions options;
     options.tolerance = 1e-10;
@@ -118,7 +118,7 @@ col::SolveOptions coarse() {
 // The quantity that a scan varies besides the coefficient of restitution.
 enum Axis { pair_gap, radius_ratio };
 
-// The lower ball's radius as a multiple of the second one's; height of its centre and density stay.
+// Sets the lower ball's radius to a multiple of the second one's, at constant density and height of its centre.
 template <class Law>
 void set_radius_ratio(col::Column<Law>& c, double ratio) {
     const double before = c.radius[0], now = ratio * c.radius[1], scale = now / before;
@@ -140,21 +140,21 @@ void set_contacts(col::Column<Law>& c, double restitution) {
     }
 }
 
-// A cradle's first gap is only the way to the first collision.
+// Index of the first gap that a scan varies. In a cradle the first gap only determines the time of the first collision.
 template <class Law>
 int first_gap(const col::Column<Law>& c) {
     return c.floor || c.balls == 2 ? 1 : 2;
 }
 
-// The column of each point in turn; contacts are kept while ε and the balls stay.
+// The column of each point of a scan. The contacts are recomputed only if ε or the balls change.
 template <class Law>
 struct Points {
     int axis;
     const double* points;
     col::Column<Law> base = make_column<Law>(), c = base;
-    double known = hl::math::nan;  // ε that the contacts have now
+    double known = hl::math::nan;  // ε of the current contacts
 
-    // Without its contacts; whether the lowest ball starts above the floor.
+    // Sets the geometry of point i, without contacts. Returns whether the lowest ball starts above the floor.
     bool move_to(long i) {
         const double y = points[2 * i + 1];
         if (axis == radius_ratio) {
@@ -167,7 +167,7 @@ struct Points {
         return c.gaps[0] > 0.0 || !c.floor;
     }
     double restitution(long i) const { return points[2 * i]; }
-    // With its contacts.
+    // The column of the current point, with contacts.
     const col::Column<Law>& column(long i) {
         if (restitution(i) != known) set_contacts(c, restitution(i));
         known = restitution(i);
@@ -196,11 +196,12 @@ void scan(int axis, long n, const double* points, double* out) {
     for (long i = 0; i < n; ++i) p.write(i, p.move_to(i) ? p.solve(i) : refused(), out);
 }
 
-// Two balls on a floor, many drops at once through the kernels of sweep/.
+// Vector type for two-ball drops solved by the kernels of sweep/.
 using Pair = hl::Vector<4>::Real;
 using hl::sweep::Batch;
 
-// A point into the kernel of its law (false: it is not for it), and that kernel, for laws that have one.
+// Vector kernel of a law, for laws that have one. enter() converts a point to a drop; false if the kernel cannot solve
+// it.
 template <class Law>
 struct Way;
 template <class Law>
@@ -224,7 +225,7 @@ struct Way<Viscoelastic> {
     hl::sweep::Rates rates;
     double restitution = hl::math::nan, argument;
 
-    // Without contacts, which would solve some eight collisions each for the dissipative time.
+    // Avoids constructing the contacts: each would solve about eight collisions for its dissipative time.
     bool enter(const Points<Viscoelastic>& p, long i, col::Start& s, col::CompressionBound& bound) {
         if (p.restitution(i) != restitution) {
             restitution = p.restitution(i);
@@ -251,7 +252,7 @@ struct Way<Viscoelastic> {
         return true;
     }
     static void solve(const Batch& b) {
-        hl::sweep::solve_viscoelastic_batch<Pair>(b, -24.0);  // a pixel does not show more
+        hl::sweep::solve_viscoelastic_batch<Pair>(b, -24.0);  // sufficient for one pixel
     }
 };
 
@@ -259,7 +260,7 @@ template <class Law>
 void scan_batch(int axis, long n, const double* points, double* out) {
     constexpr int most = 512;
     static hl::sweep::Drops<most> drops;
-    static int drop_of[most];  // a point; −1: not for the kernel
+    static int drop_of[most];  // drop of a point; −1: not solved by the kernel
     static col::DropBound shallow[most];
     Points<Law> p{axis, points}, again{axis, points};
     Way<Law> way;
@@ -312,14 +313,14 @@ long timeline(int model, long n, const double* restitution, double* out, long ro
     return used;
 }
 
-// The alternative by which the page gives a law: the first that has ε.
+// The alternative that the page uses for a law: the first one with ε.
 int page_alternative(const hl::LawRecord& law) {
     int a = 0;
     while (a + 1 < law.n_alternatives && restitution_parameter(law, a) < 0) ++a;
     return a;
 }
 
-// f(parameter) for the parameters of a law in the order of the column.
+// Calls f(parameter) for the parameters of a law, in the order of the column layout.
 template <class F>
 void each_parameter(const hl::LawRecord& law, F&& f) {
     const int a = page_alternative(law);
@@ -348,7 +349,7 @@ extern "C" {
 double* column_buffer() { return request; }
 double* reply_buffer() { return reply; }
 
-// Room for `n` doubles, valid until the next call.
+// Memory for n doubles, valid until the next call.
 double* scratch(long n) {
     static double* room = nullptr;
     static long size = 0;
@@ -360,11 +361,11 @@ double* scratch(long n) {
     return room;
 }
 
-// Solves the column requested: model 0 Newton's equations, 1 adiabatic (two balls, linear law), 2 independent
-// collisions; until NaN: the sequence only; most_events of independent collisions, 0: as many as in Python. Reply:
-// outcome, contacts of the sequence, t_end, t_floor_end, relative and separation velocity, first and last time,
-// recorded contacts, speed at the floor, ε_eff of both velocities, greatest compression over the smaller radius (NaN:
-// none), pair that became too deep (−1: none). Returns whether the model exists for this column.
+// Solves the requested column. model: 0 Newton's equations, 1 adiabatic (two balls, linear law), 2 independent
+// collisions. until: NaN ends with the sequence. most_events: limit on independent collisions, 0: the default. Reply:
+// outcome, contacts of the sequence, t_end, t_floor_end, relative and separation velocity, first and last time, number
+// of recorded contacts, impact speed, ε_eff of both velocities, largest compression over the smaller radius (NaN:
+// none), pair that became too deep (−1: none). Returns whether the model applies to this column.
 int solve(int model, double until, double most_events = 0.0) {
     Solved& slot = solved(model);
     slot.options = {};
@@ -396,7 +397,7 @@ int solve(int model, double until, double most_events = 0.0) {
     return 1;
 }
 
-// Contacts of the last run as (pair, begin, end).
+// Writes the contacts of the last run as (pair, begin, end).
 void contacts_of(int model, double* out) {
     for (const col::Contact& k : solved(model).found->contacts) {
         *out++ = k.pair;
@@ -407,7 +408,7 @@ void contacts_of(int model, double* out) {
 
 int row_size() { return state_size(balls()); }
 
-// States at n times (rows of row_size()); times outside the run are moved to its ends.
+// Writes the states at n times, in rows of row_size(). Times outside the run are clamped to it.
 void sample(int model, long n, const double* times, double* out) {
     const col::Solution& s = *solved(model).found;
     std::vector<double> inside(times, times + n);
@@ -417,7 +418,7 @@ void sample(int model, long n, const double* times, double* out) {
     for (std::size_t i = 0; i < states.n; ++i, out += row_size()) write_row(states, i, out);
 }
 
-// Rebound heights of the balls in the last run [m]; NaN where there is none.
+// Writes the rebound heights of the balls in the last run [m]; NaN where there is none.
 void rebound_heights(int model, double* out) {
     const Solved& s = solved(model);
     const std::vector<double> heights = with_law([&]<class Law>() {
@@ -427,7 +428,8 @@ void rebound_heights(int model, double* out) {
     std::copy(heights.begin(), heights.end(), out);
 }
 
-// n points (ε, gap) or (ε, R1/R2) → number of contacts, ε_eff/ε at the end of the sequence and at separation.
+// For n points (ε, gap) or (ε, R1/R2), writes the number of contacts and ε_eff/ε at the end of the sequence and at
+// separation.
 void scan_points(int axis, long n, const double* points, double* out) {
     with_law([&]<class Law>() {
         if constexpr (HasKernel<Law>) {
@@ -437,15 +439,15 @@ void scan_points(int axis, long n, const double* points, double* out) {
     });
 }
 
-// For each ε: contacts of the sequence, t_end, t_floor_end, a number k, then k times (pair, begin, end).
-// Returns the doubles written.
+// For each ε, writes the number of contacts of the sequence, t_end, t_floor_end, a number k, then k times (pair, begin,
+// end). Returns the number of doubles written.
 long scan_timeline(int model, long n, const double* restitution, double* out, long room) {
     return with_law([&]<class Law>() { return timeline<Law>(model, n, restitution, out, room); });
 }
 
-// What the core states of itself, by lines whose fields are separated by tabs: for each law of the registry "law",
-// name, alternative, then "parameter", name, unit, meaning in the order of the column; for each parameter of a column
-// "swept", name, unit, meaning; for each model "model", name, label, abbreviation.
+// The records of the core as lines of tab-separated fields. For each law: "law", name, alternative, then for each of
+// its parameters, in the order of the column layout: "parameter", name, unit, meaning. For each parameter of a column:
+// "swept", name, unit, meaning. For each model: "model", name, label, abbreviation.
 const char* records() {
     static std::vector<char> text;
     text.clear();
@@ -464,7 +466,7 @@ const char* records() {
     return text.data();
 }
 
-// Lowest and highest value of each "parameter" and "swept", in the order of records().
+// Writes the lowest and highest value of each "parameter" and "swept", in the order of records().
 void record_ranges(double* out) {
     const auto write = [&](double lowest, double highest) {
         *out++ = lowest;

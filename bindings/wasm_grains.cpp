@@ -1,9 +1,9 @@
-// Boxes of hard spheres behind a C interface of plain numbers, for WebAssembly: conversion, nothing else. The page
-// loads this module when it shows a box. The same file compiled natively (web/golden_grains.cpp) gives the values with
-// which the WebAssembly build is compared, bit for bit.
+// C interface to the hard-sphere engine, for WebAssembly; it only converts numbers. The page loads this module when it
+// shows a box. The same file compiled natively (web/golden_grains.cpp) gives the reference values with which the
+// WebAssembly build is compared, bit for bit.
 //
-// The caller writes a setting to box_setting(): numbers as in `Field`, then positions (n·d), velocities (n·d), radii
-// (n) and masses (n), all in SI units.
+// The caller writes its input to box_setting(): numbers in the order of `Field`, then positions (n·d), velocities
+// (n·d), radii (n) and masses (n), all in SI units.
 #include "boxes/common/system_check.hpp"
 #include "boxes/hard_spheres/growth.hpp"
 #include "boxes/hard_spheres/make_engine.hpp"
@@ -22,19 +22,19 @@ namespace box = hardlimit::boxes;
 enum Field {
     dimension,         // d: 2 or 3
     number,            // n
-    rule,              // place in the registry of rules
-    restitution,       // with the rule constant, or tc without a law
+    rule,              // index in the registry of rules
+    restitution,       // for the rule constant, and for tc without a law
     contact_duration,  // t_c of the rule tc [s]
-    law,               // place in registry.hpp; −1: none
-    alternative,       // which set of parameters
-    parameters,        // common ones first
+    law,               // index in registry.hpp; −1: none
+    alternative,       // which of the law's parameter sets
+    parameters,        // of the law, common ones first
     edges = parameters + hl::max_parameters,
     periodic = edges + 3,  // 1, or 0: walls
     gravity = periodic + 3,
     fields = gravity + 3
 };
 
-// Why there is no run.
+// Reason why a run could not start.
 enum Refusal { none, no_such_box, no_such_rule, no_such_start };
 
 const hardlimit_abi::TouchKernels kernels = box::touch_kernels<hl::Vector<2>::Real, false>("wasm");
@@ -43,7 +43,7 @@ struct Run {
     std::vector<double> setting;
     std::unique_ptr<box::Engine> engine;
     std::vector<box::ContactRecord> log;
-    std::vector<double> out;  // what was returned last
+    std::vector<double> out;  // last returned array
 };
 Run& run() {
     static Run* only = new Run;
@@ -53,7 +53,7 @@ Run& run() {
 int field(Field f) { return static_cast<int>(run().setting[f]); }
 std::size_t size_of_box() { return static_cast<std::size_t>(field(number)); }
 
-// The arrays of the setting.
+// Arrays within the setting.
 struct Arrays {
     double *position, *velocity, *radius, *mass;
 };
@@ -84,7 +84,7 @@ bool is_box() {
     return given == fields + size_of_box() * (2 * static_cast<std::size_t>(field(dimension)) + 2);
 }
 
-// Whether the law that the setting names exists, with this set of parameters.
+// Whether the law exists and has this set of parameters.
 bool is_law(const box::LawChoice& choice) {
     const auto exists = [&]<class Law>() {
         return choice.alternative >= 0 && choice.alternative < Law::record.n_alternatives;
@@ -92,7 +92,7 @@ bool is_law(const box::LawChoice& choice) {
     return box::with_law<bool>(choice ? choice.law : -1, exists);
 }
 
-// Whether the setting has a rule.
+// Reads the collision rule from the setting; false if it is invalid.
 bool read_rule(box::RuleChoice& choice) {
     const double* const s = run().setting.data();
     choice.rule = field(rule);
@@ -124,7 +124,7 @@ bool grow(const box::System& s, hl::u64 seed) {
 
 extern "C" {
 
-// Memory for the setting of n particles, with these two numbers written; valid until the next call.
+// Allocates the setting for n particles and writes these two numbers; valid until the next call.
 double* box_setting(int dimensions, int n) {
     const std::size_t each = 2 * static_cast<std::size_t>(dimensions) + 2;
     run().setting.assign(fields + static_cast<std::size_t>(n) * each, 0.0);
@@ -132,10 +132,10 @@ double* box_setting(int dimensions, int n) {
     run().setting[number] = n;
     return run().setting.data();
 }
-// How many numbers precede the arrays.
+// Number of values before the arrays.
 int box_fields() { return fields; }
 
-// Random positions without overlap for the radii and the box of the setting, written to it; whether there were any.
+// Writes random positions without overlap to the setting, for its radii and box. Returns 0 if none were found.
 int box_grow(double seed) {
     if (!is_box()) return 0;
     const box::System s = system_given();
@@ -144,7 +144,7 @@ int box_grow(double seed) {
     return s.box.dimension == 2 ? grow<2>(s, whole) : grow<3>(s, whole);
 }
 
-// Begins a run; 0, or why there is none (see Refusal).
+// Starts a run; returns 0 or the Refusal.
 int box_start(int keep_log) {
     run().engine.reset();
     if (!is_box()) return no_such_box;
@@ -157,7 +157,7 @@ int box_start(int keep_log) {
     return none;
 }
 
-// To `until` [s], or to the instant of collision number `most_rows` (0: no limit). Returns the outcome.
+// Advances to `until` [s], or to collision number `most_rows` (0: no limit). Returns the outcome.
 int box_advance(double until, double most_rows) {
     hl::Stop never;
     box::Engine& engine = *run().engine;
@@ -166,9 +166,9 @@ int box_advance(double until, double most_rows) {
     return static_cast<int>(engine.outcome());
 }
 
-// Time, then collisions of pairs and with walls, those elastic by tc, soft ones and soft ones with a third body;
-// kinetic and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second of an
-// early end.
+// Returns: time; numbers of collisions of pairs, with walls, made elastic by the TC rule, soft, and soft with a third
+// body; kinetic and potential energy, momentum (3), dissipated energy, virial, ∫ Σ m v'² dt; time, first and second
+// particle of an early end.
 double* box_observe() {
     const box::Engine& engine = *run().engine;
     const box::Observation o = engine.observe();
@@ -185,7 +185,8 @@ double* box_observe() {
     return run().out.data();
 }
 
-// Positions (n·d), along continuous paths, then velocities (n·d), now; valid until the next call of this interface.
+// Current positions, unwrapped across periodic boundaries (n·d), then velocities (n·d); valid until the next call of
+// this interface.
 double* box_state() {
     const std::size_t nd = size_of_box() * static_cast<std::size_t>(field(dimension));
     run().out.resize(2 * nd);
@@ -193,8 +194,8 @@ double* box_state() {
     return run().out.data();
 }
 
-// The number of collisions logged since the last call; box_log() gives time, first, second (a wall: < 0) and impact
-// speed of each.
+// Returns the number of collisions logged since the last call; box_log() returns time, first, second (wall: < 0) and
+// impact speed of each.
 int box_take_log() {
     run().log = run().engine->take_log();
     return static_cast<int>(run().log.size());

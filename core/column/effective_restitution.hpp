@@ -1,4 +1,4 @@
-// The coefficient of restitution with which the independent-collisions model (ICM) gives a measured relative velocity.
+// The coefficient of restitution that reproduces a relative velocity in the independent-collisions model (ICM).
 #pragma once
 #include "../base/math.hpp"
 

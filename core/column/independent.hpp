@@ -1,21 +1,20 @@
-// Independent-collisions model (ICM): every contact is instantaneous, one coefficient of restitution each.
+// Independent-collisions model (ICM): every contact is an instantaneous collision with a coefficient of restitution.
 //
 // Between collisions all balls fall together, so pair gaps change linearly and only the lowest ball's height is a
 // parabola. Collision of i and j (Eqs. 1–3): v_i' = v_i + (1 + ε)(m_eff/m_i) v_rel, and v' = −ε v on the floor. In
 // the two-ball drop, Eq. 4 gives v'_r = ε (1 + ε) V for every gap and every pair of masses once v12 is read as
 // v'10 − g (t12 − t10) (the printed v12 = v'10 − g t12 contradicts Eq. 5); its inverse is effective_restitution.
-// The sequence is event-driven for any number of balls and does not stop after the upward cascade.
+// The simulation is event-driven, for any number of balls, and continues after the upward cascade.
 //
 // Collapse. Infinitely many collisions can happen in a finite time. A ball that bounces on the floor comes to rest
 // after 2 ε V/(g (1 − ε)). The sum of the times is also finite under a law with ε → 1 at small speed, and for three
-// balls that collide with each other. A collision slower than 1e-8 of the fastest one so far is therefore the last of
-// its pair: a perfectly inelastic collision joins the two, and with them all balls that touch them and move with them
-// to within that speed. The neglected energies and heights are 1e-16 of those of the fastest collision, below rounding.
-// Balls joined in flight stay together (gap and rate 0, since they fall alike) until one of them is hit; then the rules
-// for touching balls apply. Balls joined with the floor rest on it and act as the floor for a ball above them, until a
-// collision sets the uppermost of them in motion. The outcome is collapse only if ε < 1 and the collisions accumulated.
-// They did not if the last one came after a wait longer than all the time before: then balls of nearly equal velocity
-// met late.
+// balls that collide with each other. A collision slower than 1e-8 times the fastest one so far is therefore treated as
+// perfectly inelastic: it joins the pair and all balls that touch it and move with it to within that speed. The
+// neglected energies and heights are 1e-16 of those of the fastest collision, below rounding. Balls joined in flight
+// stay together (gap and rate 0) until one of them is hit; then the rules for touching balls apply. Balls joined with
+// the floor rest on it and act as the floor for the ball above, until a collision sets the uppermost of them in motion.
+// The outcome is collapse only if ε < 1 and the collisions accumulated. They did not if the last one came after a wait
+// longer than all the time before: then it was a late collision of balls of nearly equal velocity.
 #pragma once
 #include <algorithm>
 
@@ -26,25 +25,26 @@
 
 namespace hardlimit::column {
 
-// A state without collision, t after release; gaps[0] is the height of the lowest ball's underside (a cradle's: its
+// State of the balls between two collisions. gaps[0] is the height of the lowest ball's underside (cradle: its
 // displacement).
 struct Flight {
-    double t;
+    double t;  // after release [s]
     std::vector<double> gaps, velocity;
     int resting = 0;       // number of balls, from the lowest, that rest on the floor
     double fastest = 0.0;  // speed of approach in the fastest collision so far [m/s]
 };
 
+// Result of a simulation: contacts, and states from which any other state is recomputed.
 struct IndependentRun {
-    // Number of collisions between stored states, larger for more balls; states in between are computed again.
+    // Least number of collisions between stored states; see every().
     static constexpr std::size_t stride = 64;
 
     Sequence sequence;
     std::vector<Contact> contacts;  // all collisions
     std::vector<Flight> states;     // before the collisions 0, s, 2s, … with s = every()
     double origin = 0.0;            // time of the first floor touch after release (cradle: 0)
-    double t_first = 0.0;  // release, and up to where the motion is known; after the first floor touch
-    double t_last = 0.0;
+    double t_first = 0.0;           // release, after the first floor touch
+    double t_last = 0.0;            // end of the known motion, after the first floor touch
 
     static std::size_t every(int balls) { return std::max(stride, static_cast<std::size_t>(balls)); }
 };
@@ -55,11 +55,12 @@ inline constexpr long most_events = 1'000'000;
 inline constexpr double joining_speed = 1e-8;  // in units of the fastest collision so far
 
 struct Event {
-    double in;
+    double in;  // time until the collision [s]
     int pair;
 };
 
-// First closing of any gap. Ties, as in touching stacks, go to the upper pair: the limit of equal vanishing gaps.
+// The next collision. Of simultaneous collisions, as in touching stacks, the uppermost comes first, which is the limit
+// of equal gaps that tend to zero.
 template <class Law>
 Event next_event(const Column<Law>& c, const Flight& f) {
     Event e{math::infinity, -1};
@@ -83,7 +84,7 @@ Event next_event(const Column<Law>& c, const Flight& f) {
 
 template <class Law>
 void advance(const Column<Law>& c, Flight& f, double dt) {
-    const int lowest = f.resting;  // of the balls that move, and the pair below it
+    const int lowest = f.resting;  // lowest moving ball; also the index of the pair below it
     if (lowest < c.balls) f.gaps[lowest] += dt * (f.velocity[lowest] - 0.5 * c.gravity * dt);
     for (int j = lowest + 1; j < c.balls; ++j) f.gaps[j] += dt * (f.velocity[j] - f.velocity[j - 1]);
     for (int i = lowest; i < c.balls; ++i) f.velocity[i] -= c.gravity * dt;
@@ -101,7 +102,7 @@ double restitution(const Column<Law>& c, int pair, double speed) {
     return c.contacts[pair].restitution(speed, mass);
 }
 
-// Gives one velocity to the balls of a pair and to all that touch them and move with them to within `speed`.
+// Gives a common velocity to the balls of a pair and to all that touch them and move with them to within `speed`.
 template <class Law>
 void join(const Column<Law>& c, Flight& f, int pair, double speed) {
     const auto together = [&](int j) {
@@ -120,7 +121,7 @@ void join(const Column<Law>& c, Flight& f, int pair, double speed) {
     if (on_floor) f.resting = high + 1;
 }
 
-// Applies a collision; returns whether it joins the pair.
+// Applies a collision; returns whether it was perfectly inelastic and joined the pair.
 template <class Law>
 bool collide(const Column<Law>& c, Flight& f, int pair) {
     f.gaps[pair] = 0.0;
@@ -143,7 +144,7 @@ bool collide(const Column<Law>& c, Flight& f, int pair) {
     return false;
 }
 
-// Pairs separate for good, as far as the sequence goes.
+// Smallest rate of the pair gaps; if it is not negative, no pair collides before the floor is hit.
 template <class Law>
 double slowest_opening(const Column<Law>& c, const Flight& f) {
     double rate = math::infinity;
@@ -247,30 +248,30 @@ private:
 
 }  // namespace independent
 
-// `until` in s after the first floor touch (cradle: release), NaN for the sequence alone. A run that `stop` has stopped
-// holds nothing of use; one that reaches `max_events` collisions is unresolved.
+// `until` in s after the first floor touch (cradle: release); NaN: end of the sequence. The result of a stopped run is
+// invalid; a run that reaches `max_events` collisions is unresolved.
 template <class Law>
 IndependentRun solve_independent(const Column<Law>& c, double until, Stop* stop = nullptr,
                                  long max_events = independent::most_events) {
     return independent::Run<Law>(c, until, stop, max_events).solve();
 }
 
-// States of a run at any time, fastest in ascending order; both arguments must outlive it.
+// The state of a run at any time; fastest for ascending times. Both arguments must outlive it.
 template <class Law>
 class IndependentMotion {
 public:
     IndependentMotion(const Column<Law>& column, const IndependentRun& of)
         : c(column), run(of), f(of.states[0]) {}
 
-    // At `time` [s] after the first floor touch (cradle: release), between t_first and t_last of the run; at the
-    // instant of a collision the state after it, beyond t_last NaN.
+    // State at `time` [s] after the first floor touch (cradle: release), time >= t_first. At the instant of a
+    // collision, the state after it; NaN beyond t_last.
     Flight at(double time) {
         const auto after = std::upper_bound(run.contacts.begin(), run.contacts.end(), time,
                                             [](double t, const Contact& k) { return t < k.begin; });
         Flight state = after_collisions(static_cast<std::size_t>(after - run.contacts.begin()));
         independent::advance(c, state, time - (f.t - run.origin));
         state.t = time;
-        if (!(time <= run.t_last)) {  // the limit on collisions was reached before
+        if (!(time <= run.t_last)) {  // the run reached its limit on collisions
             std::fill(state.gaps.begin(), state.gaps.end(), math::nan);
             std::fill(state.velocity.begin(), state.velocity.end(), math::nan);
         }
@@ -297,7 +298,7 @@ private:
     const Column<Law>& c;
     const IndependentRun& run;
     Flight f;
-    std::size_t next = 0;  // collision after f
+    std::size_t next = 0;  // index of the first collision after f
 };
 
 }  // namespace hardlimit::column

@@ -1,9 +1,9 @@
-// The models of a column, each described once: Python, the command line, sweeps, plots and the page read this table.
+// Table of the models of a column, used by Python, the command line, sweeps, plots and the web page.
 #pragma once
 
 namespace hardlimit::column {
 
-// Numbers of the models in Python, result files and the page; indices of model_records.
+// Model numbers, used in Python, result files and the web page, and as indices into model_records.
 enum class Model : int { newton = 0, adiabatic = 1, independent = 2 };
 
 struct ModelRecord {

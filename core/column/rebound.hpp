@@ -1,12 +1,12 @@
-// Rebound heights: the greatest height of the centre of each ball after its first bounce.
+// Rebound heights (largest height of each ball's centre after its first bounce) and final velocities.
 //
-// A ball's first bounce is its first contact with what lies below it, as far as that contact ends after the first floor
-// touch. From there on its greatest height is
-//   * with `until`: that up to `until`;
-//   * without: the one it reaches if the lowest ball is removed when it meets the floor for the second time. Later
-//     contacts of the other balls count, as does their flight to the top: the upper balls usually still rise at that
-//     time, and the later motion of the lowest ball does not belong to this rebound.
-// A ball whose contact never ends has the height of the static equilibrium. NaN: no bounce above the floor, or no
+// The first bounce of a ball is its first contact with the ball or floor below; it counts as over at the first floor
+// touch at the earliest. The rebound height is the largest height after it
+//   * up to `until`, if that is given;
+//   * otherwise, with the lowest ball removed when it touches the floor for the second time. Later contacts of the
+//     other balls count, and so does their flight to the top: the upper balls usually still rise at that time, and the
+//     later motion of the lowest ball does not belong to this rebound.
+// A ball whose contact never ends has its height in the static equilibrium. NaN: no bounce above the floor, or no
 // floor.
 #pragma once
 #include "../base/roots.hpp"
@@ -16,7 +16,7 @@ namespace hardlimit::column {
 
 namespace rebound {
 
-// The greatest heights so far, and the time after which each ball counts.
+// Largest height of each ball so far, and the time from which its height counts.
 struct Heights {
     std::vector<double> greatest;  // [N] [m]
     std::vector<double> from;      // [N] end of the first bounce [s]; infinity: none so far
@@ -28,7 +28,7 @@ struct Heights {
     }
 };
 
-// End of the first contact of each pair, not before the first floor touch.
+// Sets from[j] to the end of pair j's first contact, but not before the first floor touch.
 inline void find_bounces(const Solution& s, std::vector<double>& from) {
     std::vector<bool> met(from.size(), false);
     for (const Contact& k : s.contacts) {
@@ -39,7 +39,7 @@ inline void find_bounces(const Solution& s, std::vector<double>& from) {
     }
 }
 
-// Height at which a ball that rises at `low` and falls at `high` turns.
+// Largest height of a ball that rises at time `low` and falls at time `high`.
 inline double apex(const Solution& s, std::size_t ball, States& at, double low, double rising, double high,
                    double falling) {
     const auto velocity = [&](double t) {
@@ -50,13 +50,14 @@ inline double apex(const Solution& s, std::size_t ball, States& at, double low, 
     return at.position[ball];
 }
 
-// Whether a ball that turns between two knots may rise above `greatest`. From the higher of its positions there it
-// rises by less than `way`, the time between the knots times the change of velocity: its speed stays below that
-// change, since it decreases steadily in flight and smoothly within an integration step. The test saves the search for
-// the top, tens of steps, for a ball at rest, which by rounding turns in every step.
+// Whether a ball that turns between two knots may rise above `greatest`. `ends` is the higher of its positions at the
+// knots, `way` the time between the knots times the change of velocity. The ball rises by less than `way` above `ends`,
+// because its speed stays below that change: it decreases monotonically in flight and smoothly within an integration
+// step. The test avoids the search for the top, tens of steps, for a ball at rest, which turns in every step by
+// rounding error.
 inline bool may_exceed(double greatest, double ends, double way) { return !(ends + 4.0 * way <= greatest); }
 
-// Knots of the run and ends of the windows, in order.
+// Knots of the run and limits of the time windows, sorted.
 inline std::vector<double> marks(const Solution& s, const std::vector<double>& from,
                                  const std::vector<double>& to) {
     std::vector<double> times = s.knots();
@@ -68,7 +69,8 @@ inline std::vector<double> marks(const Solution& s, const std::vector<double>& f
     return times;
 }
 
-// Searches the window [from, to] of each ball in a run; the first ball of a cradle is released at `origin`.
+// Finds the largest height of each ball in its time window [found.from, to]. `origin`: height of the first ball of a
+// cradle at release.
 inline void look_through(const Solution& s, double origin, const std::vector<double>& to, Stop* stop,
                          Heights& found) {
     constexpr std::size_t most = 1024;
@@ -76,7 +78,8 @@ inline void look_through(const Solution& s, double origin, const std::vector<dou
     const std::vector<double> times = marks(s, found.from, to);
     if (stop) s.prepare(*stop);
     States one(1, static_cast<int>(balls), origin);
-    for (std::size_t k = 0; k < times.size() && !(stop && stop->now()); k += most - 1) {  // they share an end
+    for (std::size_t k = 0; k < times.size() && !(stop && stop->now());
+         k += most - 1) {  // chunks overlap by one knot
         const double* t = &times[k];
         States at(std::min(most, times.size() - k), static_cast<int>(balls), origin);
         s.sample(t, at);
@@ -95,7 +98,7 @@ inline void look_through(const Solution& s, double origin, const std::vector<dou
     }
 }
 
-// Heights of the static equilibrium. Adiabatic: the upper ball does not act on the lower one.
+// Heights in the static equilibrium. Adiabatic model: the upper ball does not act on the lower one.
 template <class Law>
 void lie_still(const Column<Law>& c, Model model, Heights& found) {
     double above = 0.0;
@@ -114,7 +117,7 @@ void lie_still(const Column<Law>& c, Model model, Heights& found) {
     }
 }
 
-// Tops of the parabolas of the balls from `lowest` upwards, on which no force acts any more.
+// Heights to which the balls from `lowest` upwards rise in free flight.
 inline void fly_to_top(const States& end, std::size_t lowest, double gravity, Heights& found) {
     for (std::size_t j = lowest; j < end.balls; ++j) {
         if (found.from[j] == math::infinity) continue;
@@ -143,7 +146,7 @@ SharedColumn<Law> without_lowest(const Column<Law>& c, const States& at) {
     return std::make_shared<const Column<Law>>(std::move(r));
 }
 
-// Contacts of the upper balls after the lowest has met the floor again.
+// Heights of the upper balls, with their contacts, after the lowest ball is removed at its second floor touch.
 template <class Law>
 void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, const States& at,
                           Heights& found) {
@@ -167,7 +170,7 @@ void go_on_without_lowest(const Column<Law>& c, Model model, SolveOptions o, con
     }
 }
 
-// The state at the end of the sequence, or a little later if upper balls still overlap then; `at` is that time [s].
+// The state at the end of the sequence, or a little later if upper balls still overlap. Sets `at` to that time [s].
 template <class Law>
 States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const Solution& s, double& at) {
     States end(1, c->balls);
@@ -188,7 +191,7 @@ States end_of_sequence(SharedColumn<Law> c, Model model, SolveOptions o, const S
 
 }  // namespace rebound
 
-// [N] [m]; NaN where there is none. `s` is what solve_column(c, model, o) gave.
+// Rebound heights [N] [m]; NaN where there is none. `s` is the result of solve_column(c, model, o).
 template <class Law>
 std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const SolveOptions& o,
                                     const Solution& s) {
@@ -217,9 +220,9 @@ std::vector<double> rebound_heights(SharedColumn<Law> c, Model model, const Solv
     return found.greatest;
 }
 
-// Velocities at the end of the sequence.
+// Velocities of the balls after the last contact of the sequence.
 struct Parting {
-    std::vector<double> velocity;  // [N] [m/s] in the frame in free fall since time 0: none changes in flight
+    std::vector<double> velocity;  // [N] [m/s] in the frame in free fall since time 0; constant in flight
     std::vector<double> since;     // [N] [s] end of each ball's last contact; NaN: it had none
 };
 

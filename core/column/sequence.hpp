@@ -1,11 +1,11 @@
-// What belongs to the sequence of contacts and when it is over: one definition for all solvers.
+// Defines the sequence of contacts of a column and its end, for all solvers.
 //
-// The second floor contact begins when the floor gap reaches 0 from above after having opened since the first
-// release; a floor force that switches off and on while the gap stays closed ends nothing. t_f is the end of the
-// last ball–ball contact that began before that instant, an open one being followed to its end. The separation
-// velocity is the gap rate of the pair at the first instant >= t_f at which no force acts and the gap is not
-// closing. With more than two balls the velocities are not defined and t_f is the end of the last such contact. One
-// ball has the floor contact only: t_f is then its end, or that of the last re-engagement before the gap has opened.
+// The floor contact begins a second time when the floor gap, having opened after the first floor contact, returns to 0.
+// A floor force that vanishes and sets in again while the gap stays closed is not a second contact. t_f is the end of
+// the last ball–ball contact that began before the second floor contact, even if it ends later. The separation velocity
+// is the gap rate of the pair at the first instant >= t_f at which no force acts and the gap is not closing. For more
+// than two balls the velocities are not defined. A single ball has only the floor contact; t_f is the last instant at
+// which the floor force acts before the gap opens.
 #pragma once
 #include "../base/math.hpp"
 #include "../base/outcome.hpp"
@@ -15,20 +15,20 @@ namespace hardlimit::column {
 struct Sequence {
     int n_contacts = 0;  // ball–ball contacts
     double t_first_touch = math::nan;
-    double t_second_touch = math::nan;  // the second floor contact begins
+    double t_second_touch = math::nan;  // start of the second floor contact
     double t_end = math::nan;
-    double t_floor_end = math::nan;          // first release from the floor
+    double t_floor_end = math::nan;          // end of the first floor contact
     double relative_velocity = math::nan;    // paper's v'_r, at t_end
     double separation_velocity = math::nan;  // once no force acts
     Outcome outcome = Outcome::ok;
 
-    bool one_ball = false;      // no pairs: the floor contact is the sequence
-    bool floor_opened = false;  // the floor gap has opened after the first release
+    bool one_ball = false;      // no pairs: the sequence is the floor contact
+    bool floor_opened = false;  // the floor gap has opened after the first floor contact
     bool met_again = false;     // the second floor contact has begun
     bool finished = false;      // later contacts do not belong to the sequence
-    int open_pairs = 0;         // ball–ball contacts of the sequence now open
+    int open_pairs = 0;         // ball–ball contacts of the sequence that act now
 
-    // The floor gap reaches zero from above, or the clipped floor force switches on again.
+    // The floor gap reaches zero from above, or the clipped floor force sets in again.
     HL_FN void floor_begins(double t) {
         if (math::is_nan(t_first_touch)) {
             t_first_touch = t;
@@ -40,7 +40,7 @@ struct Sequence {
             t_end = math::nan;
         }
     }
-    // Time counts from the first floor touch from now on.
+    // Sets the origin of time to the first floor touch.
     HL_FN void clock_restarts() {
         t_end -= t_first_touch;
         t_first_touch = 0.0;
@@ -52,7 +52,7 @@ struct Sequence {
     // The floor gap reaches zero from below: the floor contact is over for good.
     HL_FN void floor_opens() { floor_opened = true; }
 
-    // Returns whether the contact belongs to the sequence; its end must be reported exactly then.
+    // Returns whether the contact belongs to the sequence; if so, its end must be reported by pair_ends().
     HL_FN bool pair_begins() {
         if (met_again || finished) return false;
         ++n_contacts;
@@ -68,8 +68,8 @@ struct Sequence {
         if (met_again && open_pairs == 0) finished = true;
     }
 
-    // No force acts on any ball. `gap_rate` is the smallest rate of the ball–ball gaps; `floor_clear` says that
-    // the lowest ball cannot meet the floor force before its gap has opened and closed again.
+    // No force acts on any ball. `gap_rate`: smallest rate of the ball–ball gaps. `floor_clear`: the lowest ball has
+    // left the floor, or there is no floor.
     HL_FN void moves_freely(double gap_rate, bool floor_clear) {
         if (finished || gap_rate < 0.0) return;
         if (n_contacts > 0 && math::is_nan(separation_velocity)) separation_velocity = gap_rate;
@@ -86,8 +86,8 @@ struct Sequence {
         }
     }
 
-    // At t a contact is compressed beyond the range of its law. The motion after t is unknown; a sequence that was not
-    // over has no end.
+    // At t a contact is compressed beyond the range of its law. The motion after t is unknown; if the sequence was not
+    // over by then, its end and velocities are NaN.
     HL_FN void goes_too_deep(double t) {
         const bool over = finished && outcome != Outcome::at_rest && !(t_second_touch > t) && !(t_end > t);
         outcome = Outcome::too_deep;

@@ -1,4 +1,4 @@
-// The solution of a column, with one interface for all solvers: the sequence, its contacts and the state at any time.
+// Common interface to the results of all column solvers: the sequence, its contacts and the state at any time.
 #pragma once
 #include <vector>
 
@@ -11,7 +11,7 @@ namespace hardlimit::column {
 // States at n times.
 struct States {
     std::size_t n, balls;
-    double origin;                 // cradle: centre of its first ball at release [m]
+    double origin;                 // cradle: height of the first ball's centre at release [m]
     std::vector<double> position;  // [n × N] height of the centres [m]
     std::vector<double> gap;       // [n × N] pair 0 (floor) first [m]
     std::vector<double> velocity;  // [n × N] upwards [m/s]
@@ -30,7 +30,8 @@ struct States {
           energy(n * balls),
           total(n) {}
 
-    // Fills in what follows from gaps and velocities. `way`: displacement of the first ball of a cradle since release.
+    // Computes positions and energies of time i from its gaps and velocities. `way`: displacement of the first ball of
+    // a cradle since release.
     template <class Law>
     void complete(const Column<Law>& c, std::size_t i, double way) {
         double z = c.floor ? 0.0 : origin + way;
@@ -52,20 +53,21 @@ public:
     int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
 
     virtual ~Solution() = default;
-    // Computes what sample() needs for all times. It takes long after a long run; a separate call can be stopped.
+    // Optional precomputation for sample(). It takes long for a long run; called separately, it can be stopped.
     virtual void prepare(Stop&) const {}
-    // The states at out.n times within [first, last]. Safe to call from several threads at once.
+    // Writes the states at out.n times within [first, last]. Thread-safe.
     virtual void sample(const double* times, States& out) const = 0;
-    // The state when a contact has ended.
+    // Writes the state at the end of a contact.
     virtual void sample_after(std::size_t contact, States& out) const {
         const double end = math::min(contacts[contact].end, last);  // rounding
         sample(&end, out);
     }
-    // Greatest compression of all contacts over the smaller radius; NaN in a model without compressions.
+    // Largest compression of any contact over the smaller radius; NaN in a model without compressions.
     virtual double largest_compression() const { return math::nan; }
-    // Whether it is at least this one; a bound may decide that without computing it.
+    // Whether the largest compression is at least `part`; an energy bound may decide it without computing the
+    // compression.
     virtual bool presses_by(double part) const { return largest_compression() >= part; }
-    // Times from first to last [s] between which nothing begins or ends.
+    // Times from first to last [s] between which no contact begins or ends and the motion is smooth.
     virtual std::vector<double> knots() const = 0;
 
 protected:
@@ -74,11 +76,11 @@ protected:
     Solution& operator=(const Solution&) = delete;
 };
 
-// Calls f(index, contact) for the contacts of the sequence that ended, without the second contact with the floor.
-// With `until`, for all contacts that began up to it.
+// Calls f(index, contact) for each contact that ended: those of the sequence, without the second floor contact, or with
+// `until` all that began up to it.
 template <class F>
 void for_ended_contacts(const Solution& s, double until, F f) {
-    bool met = false;  // the floor
+    bool met = false;  // the floor has been touched
     for (std::size_t k = 0; k < s.contacts.size(); ++k) {
         const Contact& now = s.contacts[k];
         const bool again = met && now.pair == 0 && now.begin >= s.sequence.t_second_touch;
@@ -87,7 +89,7 @@ void for_ended_contacts(const Solution& s, double until, F f) {
     }
 }
 
-// The contact that ended last; −1: none.
+// Index of the contact that ended last; −1: none.
 inline std::ptrdiff_t last_contact(const Solution& s, double until = math::nan) {
     std::ptrdiff_t found = -1;
     for_ended_contacts(s, until, [&](std::size_t k, const Contact& now) {
@@ -97,8 +99,8 @@ inline std::ptrdiff_t last_contact(const Solution& s, double until = math::nan) 
     return found;
 }
 
-// Velocities [N] after that contact. If a contact above lasts longer, the lowest ball has its velocity at the second
-// floor touch. NaN at rest, and if no contact ended or one became too deep.
+// Velocities [N] at the end of the last contact. If that is after the second floor touch, the lowest ball's velocity is
+// taken at the touch. NaN at rest, if no contact ended, or if a contact became too deep.
 inline std::vector<double> final_velocities(const Solution& s, int balls, double until = math::nan) {
     States end(1, balls);
     const std::ptrdiff_t last = last_contact(s, until);

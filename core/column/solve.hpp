@@ -15,12 +15,12 @@
 namespace hardlimit::column {
 
 struct SolveOptions {
-    double until = math::nan;  // [s] after the first floor touch (cradle: release); NaN: the sequence
-    bool general = false;      // the general solver also where the exact one applies
+    double until = math::nan;  // [s] after the first floor touch (cradle: release); NaN: end of the sequence
+    bool general = false;      // use the general solver even where the exact one applies
     double tolerance = 1e-14;  // of the general solver
     long max_steps = 2'000'000;
-    long max_events = independent::most_events;  // of independent collisions
-    bool record = true;                          // keep what sample() and knots() need
+    long max_events = independent::most_events;  // collisions in the independent model
+    bool record = true;                          // store the states for sample() and knots()
     Stop* stop = nullptr;
 };
 
@@ -46,7 +46,8 @@ public:
         if (math::abs(last - o.until) <= 1e-12 * math::abs(o.until)) last = o.until;  // reached to rounding
     }
     ~Exact() override { delete dissipated_.load(); }
-    // Only a trajectory needs it. Concurrent threads compute the same values; the first to finish stores them.
+    // Computes the dissipated energy, needed only for a trajectory. Concurrent threads compute the same values; the
+    // first to finish stores them.
     void prepare(Stop& stop) const override {
         if (dissipated_.load()) return;
         auto sum = std::make_unique<const std::vector<double>>(dissipated_energy(*column_, drop_, stop));
@@ -97,10 +98,10 @@ private:
     bool timed_;
     Drop drop_;
     mutable std::atomic<const std::vector<double>*> dissipated_{
-        nullptr};  // up to each node; null: not computed yet
+        nullptr};  // energy up to each node [J]; null: not computed yet
 
     double at(const Node& n) const { return n.t / drop_.start.units.rate; }
-    // Contacts last forever after the last node.
+    // Whether the contacts last forever after the last node.
     bool rests() const { return sequence.outcome == Outcome::at_rest && !timed_; }
 };
 
@@ -136,7 +137,7 @@ public:
         for (std::size_t i = 0; i < out.n; ++i)
             out.complete(*column_, i, column_->floor ? 0.0 : way(&out.gap[i * out.balls], times[i]));
     }
-    // A run that ended at rest continues until all oscillations have decayed.
+    // If the run ended at rest, continues it until all oscillations have decayed.
     double largest_compression() const override {
         double most = largest(run_);
         if (sequence.outcome == Outcome::at_rest && math::is_nan(options_.until)) {
@@ -162,7 +163,7 @@ private:
         return *std::max_element(run.compression.begin(), run.compression.end());
     }
 
-    // Displacement of the first ball of a cradle from that of the centre of mass, which contact forces do not change.
+    // Displacement of the first ball of a cradle, from the free fall of the centre of mass.
     double way(const double* gap, double t) const {
         const Column<Law>& c = *column_;
         double mass = 0.0, momentum = 0.0, above = 0.0, offset = 0.0;
@@ -199,13 +200,13 @@ public:
             out.total[i].dissipated = initial - sum(out, i);
         }
     }
-    // The state between several collisions at one instant.
+    // Resolves the states between several collisions at the same instant.
     void sample_after(std::size_t contact, States& out) const override {
         fill(IndependentMotion<Law>(*column_, run_).after_collisions(contact + 1), out, 0);
     }
     std::vector<double> knots() const override {
         std::vector<double> times{first};
-        for (const Contact& k : contacts) {  // also the instant before, since velocities jump
+        for (const Contact& k : contacts) {  // also the instant before it, because velocities jump
             times.push_back(k.begin - 2.0 * math::epsilon * math::max(math::abs(k.begin), math::abs(first)));
             times.push_back(k.begin);
         }
@@ -240,14 +241,14 @@ private:
 
 }  // namespace solve
 
-// Whether the exact solver applies to a column: two balls on a floor under a law for which there is one.
+// Whether the exact solver applies: two balls on a floor under a law with a closed form.
 template <class Law>
 bool solved_exactly(const Column<Law>& c) {
     return has_exact_solver<Law> && c.floor && c.balls == 2;
 }
 
-// Only the sequence and, with `contacts`, its contacts: for maps. Newton's equations where the adiabatic model does not
-// apply.
+// Computes only the sequence and, if `contacts` is given, its contacts; used for maps. Solves Newton's equations where
+// the adiabatic model does not apply.
 template <class Law>
 Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o,
                         std::vector<Contact>* contacts) {
@@ -270,7 +271,7 @@ Sequence solve_sequence(const Column<Law>& c, Model model, const SolveOptions& o
     return run.sequence;
 }
 
-// Null where the model does not apply: only the exact solver has the adiabatic one.
+// Solves a column. Null where the model does not apply: the adiabatic model has only the exact solver.
 template <class Law>
 std::unique_ptr<Solution> solve_column(SharedColumn<Law> c, Model model, const SolveOptions& o) {
     if (model == Model::independent) return std::make_unique<solve::EventDriven<Law>>(std::move(c), o);

@@ -1,8 +1,8 @@
 // A column of balls on one vertical line, in SI units.
 //
-// The state is gaps and velocities, never positions: a gap of 1e-15 m then keeps all its digits. Pair 0 is
-// floor–lowest ball, pair j joins balls j and j + 1 counted from the bottom (ball 1 is the lowest). A cradle has
-// no floor: pair 0 exists in the arrays but is never closed.
+// The state consists of gaps and velocities, not positions, so that a gap of 1e-15 m keeps all its digits. Pair 0 is
+// the floor and the lowest ball; pair j is balls j and j + 1, counted from the bottom (ball 1 is the lowest). A cradle
+// has no floor: pair 0 exists in the arrays but is never closed.
 #pragma once
 #include <vector>
 
@@ -24,14 +24,14 @@ struct Column {
     std::vector<double> velocity;  // [N] at release, upwards [m/s]
 };
 
-// Smaller radius [m] of the bodies of pair j, the measure of its compression; the floor is flat.
+// Smaller radius [m] of the bodies of pair j, by which compressions are divided; for pair 0 the radius of the ball.
 template <class Law>
 double smaller_radius(const Column<Law>& c, int j) {
     const double* above = c.radius.data() + j;
     return j == 0 ? *above : math::min(*above, *(above - 1));
 }
 
-// One contact of the sequence. Times in s after the first floor touch (cradle: after release).
+// One contact. Times in s after the first floor touch (cradle: after release).
 struct Contact {
     int pair;
     double begin, end;  // end is NaN for a contact that never ends or was still open when the run stopped

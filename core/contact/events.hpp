@@ -1,10 +1,10 @@
-// Events of a pair of bodies: when a contact begins and ends, and when a pair that overlaps without force engages.
+// Event functions of a pair of bodies: begin and end of a contact, and onset of force in a pair that overlaps.
 //
-// A pair is open, closed (a force acts) or slack (overlap without force). Each event has a function that falls to zero
-// there (d = depth of the law's slack at the present rate):
+// A pair is open, closed (a force acts) or slack (overlap without force). Each event occurs where its event function
+// falls to zero (d = depth of the law's slack at the current rate):
 //   begins   open → closed     −ξ                       opens     slack → open     ξ
 //   ends     closed → slack    s − max(d, 0)^{1/p}      engages   slack → closed   −(ξ − d)   (a new contact)
-// That of `ends` is ξ − d, written so that its zero is simple even for d → 0, where ξ − d has a multiple zero.
+// The function of `ends` has the zero of ξ − d, but a simple one even for d → 0, where that of ξ − d is multiple.
 #pragma once
 #include "../base/event_location.hpp"
 #include "law.hpp"
@@ -17,19 +17,19 @@ enum class ContactEvent : unsigned char {
     ends,
     opens,
     engages,
-    parts,    // of a column: a pressed pair separates
-    deepens,  // the largest compression of the law is reached
+    parts,    // column only: a pressed pair separates
+    deepens,  // the law's largest admissible compression is reached
 };
 
-// Motion of a pair within a step; slopes are derivatives in the step's variable.
+// State of a pair within a step; slopes are derivatives with respect to the integration variable.
 struct PairMotion {
     double depth, depth_slope;  // ξ
-    double rate, rate_slope;    // dξ/dt; the slope counts for `ends` and `engages` only
-    bool rooted;                // s = ξ^{1/p} is integrated
+    double rate, rate_slope;    // dξ/dt; the slope is used for `ends` and `engages` only
+    bool rooted;                // the integrated coordinate is s = ξ^{1/p}
     double s, s_slope;          // if rooted
 };
 
-// The function of `begins`, `ends`, `opens` or `engages`.
+// Event function of `begins`, `ends`, `opens` or `engages`.
 template <class Law>
 EventFunction event_function(const Law& law, ContactEvent kind, const PairMotion& m) {
     constexpr int p = Law::onset_power;
@@ -46,17 +46,17 @@ EventFunction event_function(const Law& law, ContactEvent kind, const PairMotion
     return {m.s - least, m.s_slope - least * m.rate_slope * exponent / (p * m.rate), excess, excess_slope};
 }
 
-// When a slack pair engages in free flight: first t >= 0 at which ξ(t) = depth + rate t + g t²/2 reaches the law's
-// slack at the rate then, rate + g t; infinity if the pair opens first. `fresh`: the pair was just placed on this zero.
-// A law with a relaxation time has a closed form.
+// Time until a slack pair engages in free flight: the first t >= 0 at which ξ(t) = depth + rate t + g t²/2 reaches the
+// law's slack at the rate rate + g t; infinity if the pair opens first. `fresh`: the state is exactly on this zero
+// after an event. For a law with a relaxation time there is a closed form.
 //
-// For any other law: while the bodies separate, ξ and the slack both fall with time. Within an interval of time their
-// difference is therefore at most ξ at its begin minus the slack at its end. If this is negative, the interval holds no
-// zero; otherwise the interval is halved, down to rounding, so that no zero is missed.
+// For any other law: while the bodies separate, ξ and the slack both decrease. Within a time interval their difference
+// is therefore at most ξ at its start minus the slack at its end. If this is negative, the interval contains no zero;
+// otherwise it is halved, down to rounding, so that no zero is missed.
 template <class Law>
 double time_to_engage(const Law& law, double depth, double rate, double g, bool fresh) {
     if constexpr (requires { law.relaxation_time(); }) {
-        // ξ + τ_r rate = −missing now, growing as (rate + τ_r g) t + g t²/2.
+        // ξ + τ_r rate is −missing now and grows by (rate + τ_r g) t + g t²/2.
         const double relaxation = law.relaxation_time(), speed = rate + relaxation * g;
         const double missing = fresh ? 0.0 : math::max(-depth - relaxation * rate, 0.0);
         const double grown = math::sqrt(speed * speed + 2.0 * g * missing);
@@ -67,7 +67,7 @@ double time_to_engage(const Law& law, double depth, double rate, double g, bool 
     if (!(g > 0.0)) return math::infinity;
     const auto compression = [&](double t) { return depth + t * (rate + 0.5 * g * t); };
     const auto slack = [&](double t) { return law.slack(rate + g * t).depth; };
-    const double turn = -rate / g;  // the bodies stop separating, and push if they still overlap
+    const double turn = -rate / g;  // the separation stops; a force sets in if they still overlap
     const double square = rate * rate - 2.0 * g * depth;
     const double last = square > 0.0 ? 2.0 * depth / (math::sqrt(square) - rate) : turn;
     const double finest = 2.0 * math::epsilon * last;

@@ -1,12 +1,12 @@
 // Linear dashpot: F = max(0, k ξ + γ ξ̇) while ξ > 0 (Eq. 7; the force counts as repulsive when positive).
 //
-// One collision, with ω0² = k/m, β = γ/(2m) and b = β/ω0. The contact ends when F = 0, before ξ = 0:
+// One collision, with ω0² = k/m, β = γ/(2m) and b = β/ω0. With damping, the contact ends at F = 0, before ξ = 0:
 //   ω0 t_c = 2 acos(b)/√(1 − b²)      for b < 1,    2 at b = 1,    2 acosh(b)/√(b² − 1) for b > 1,
 //   ε      = exp(−b · ω0 t_c).
-// This is Eqs. 11–13 as one smooth function of b: the arctan branches of Eq. 11 are one atan2, and the third
-// line of Eq. 13 is the second continued to imaginary ω. ε runs through all of (0, 1], so every ε has one b.
-// The usual DEM relation b = −ln ε/√(π² + ln²ε) lets the contact end at ξ = 0 with an attractive tail and does
-// not return the ε it is asked for.
+// These are Eqs. 11–13 as one smooth function of b: the arctan branches of Eq. 11 become one atan2, and the third line
+// of Eq. 13 is the second continued to imaginary ω. Each ε in (0, 1] corresponds to exactly one b. The usual DEM
+// relation b = −ln ε/√(π² + ln²ε) assumes that the contact ends at ξ = 0, after an attractive force; with the force cut
+// off at zero it does not give the ε that was asked for.
 #pragma once
 #include "law.hpp"
 
@@ -18,7 +18,7 @@ HL_FN R linear_scaled_duration(R b) {
     const R one = broadcast<R>(1.0);
     const R below = math::min<R>(b, one), above = math::max<R>(b, one);
     const R w = math::sqrt<R>((1.0 - below) * (1.0 + below));
-    // √(b² − 1) without overflow; b − 1 is exact near 1, 1 − 1/b would cost four digits there.
+    // √(b² − 1) without overflow. b − 1 is exact near 1; 1 − 1/b would lose four digits there.
     const R s = math::sqrt<R>(above - 1.0) * math::sqrt<R>(above + 1.0);
     const R swinging = 2.0 * math::atan2_upper<R>(w, below) / w;
     const R creeping = 2.0 * math::log1p<R>((above - 1.0) + s) / s;
@@ -28,7 +28,7 @@ HL_FN R linear_scaled_duration(R b) {
 // −ln ε as a function of b.
 HL_FN double linear_loss_exponent(double b) { return b * linear_scaled_duration(b); }
 
-// Inverse: b from L = −ln ε >= 0. Newton on ln b, since b dL/db = b (ω0 t_c − 2b)/(1 − b²) lies between L and 2
+// Inverse: b from L = −ln ε >= 0, by Newton's method on ln b: b dL/db = b (ω0 t_c − 2b)/(1 − b²) lies between L and 2,
 // and the step is exact in both limits, L = πb and L = 2 ln 2b.
 template <class R>
 HL_FN R linear_damping_ratio(R loss_exponent) {
@@ -75,7 +75,7 @@ struct LinearDashpot {
         out[1] = damping;
     }
 
-    // parameters: common first, then those of the alternative.
+    // p: the common parameters, then those of the alternative.
     static LinearDashpot from_parameters(int alternative, const double* p, PairGeometry pair) {
         if (alternative == 1) return {p[0], p[1]};
         return from_damping_ratio(p[0], linear_damping_ratio(-math::log(p[1])), pair.effective_mass);

@@ -1,23 +1,23 @@
-// One head-on collision under F = K ξ^p + C ξ^q ξ̇, with p and q multiples of 1/4: what the particle codes have for
-// a normal force, with an attraction at its end or cut off at zero.
+// One head-on collision under the normal forces of particle codes, F = K ξ^p + C ξ^q ξ̇ with p and q multiples of 1/4,
+// either with the attraction at the end of the contact or cut off at zero.
 //
-// With X = ξ in units of L and time in units of L/v, where K L^(p+1) = m v², only c = C L^(q+1)/(m v) is left:
+// With X = ξ/L and time in units of L/v, where K L^(p+1) = m v², the only parameter is c = C L^(q+1)/(m v):
 //   X'' + X^p + c X^q X' = 0, X(0) = 0, X'(0) = 1, until X = 0 or, if cut off, until X^p + c X^q X' = 0.
-// Fractional powers make this singular at touch. X = s⁴, dt = s³ dτ leave a polynomial system,
+// Fractional powers make this singular at touch. X = s⁴, dt = s³ dτ give a polynomial system,
 //   ds/dτ = V/4,  dV/dτ = −s³ (s^4p + c s^4q V),  dt/dτ = s³,
-// integrated at order 8. The laws of registry.hpp are special cases with solutions of their own; the tests compare.
+// integrated at order 8. The laws of registry.hpp are special cases with other solutions; the tests compare both.
 #pragma once
 #include "../base/dormand_prince.hpp"
 
 namespace hardlimit::contact {
 
-// Four times the powers p and q; whether the force may attract.
 struct Powers {
-    int elastic, damping;
-    bool attracts;
+    int elastic, damping;  // 4p and 4q
+    bool attracts;         // the force may be attractive; otherwise it is cut off at zero
 };
 
-// In units of v, L/v, L and m v²/L. ε is 0 where the bodies stay together.
+// Result of a collision: ε (0 if the bodies stay together), duration [L/v], largest compression [L], largest force
+// [m v²/L].
 struct PowerCollision {
     double restitution, duration, compression, force;
 };
@@ -36,7 +36,7 @@ public:
 
     HL_FN PowerCollision run() {
         PowerCollision found{0.0, math::infinity, 0.0, of_.damping == 0 ? c_ : 0.0};
-        // Nothing ends within so many steps that moves by more than rounding.
+        // A collision that has not ended after most_steps moves only by rounding error.
         for (int i = 0; i < most_steps; ++i) {
             const double h = step();
             const bool over = ending(next_) <= 0.0 && next_[1] < 0.0;
@@ -70,14 +70,14 @@ private:
         out[2] = cube;
     }
 
-    // Positive until the contact is over; a simple zero also without damping.
+    // Event function: positive until the contact ends, with a simple zero there also without damping.
     HL_FN double ending(const double* y) const {
         if (of_.attracts || y[1] >= 0.0) return y[0];
         const double push = whole_power(y[0], of_.elastic - of_.damping - 1) * y[0];
         return y[0] <= 0.0 ? y[0] : push + c_ * y[1];
     }
 
-    // dF/dτ but for a positive factor.
+    // dF/dτ divided by a positive factor.
     HL_FN double force_growth(const double* y) const {
         double rate[size];
         rates(y, rate);
@@ -93,7 +93,7 @@ private:
         DormandPrince::step(f, state_, h, size, stages_, out);
     }
 
-    // One step of the length that its error allows; returns that length, its end is next_.
+    // Takes one step from state_ to next_, with error control; returns its length.
     HL_FN double step() {
         for (;;) {
             at(length_, next_);
@@ -107,7 +107,7 @@ private:
         }
     }
 
-    // Where within a step of length h a function of the state falls to zero; it is positive at the start.
+    // Position within a step of length h at which a function of the state, positive at the start, falls to zero.
     template <class Function>
     HL_FN double crossing(double h, const Function& g) {
         double low = 0.0, high = h, middle[size];
@@ -144,7 +144,7 @@ private:
 // One collision at damping c >= 0, to about 1e-12.
 HL_FN PowerCollision power_collision(Powers of, double c) { return powers::Motion(of, c).run(); }
 
-// The damping c whose collision has this restitution, which falls as c grows.
+// The damping c that gives this coefficient of restitution, which decreases with c.
 HL_FN double power_damping(Powers of, double restitution) {
     if (restitution >= 1.0) return 0.0;
     double low = 0.0, high = 1.0;

@@ -1,5 +1,5 @@
-// The contact laws there are. A new law is one header and one line here: it then appears in Python, on the
-// command line, in the solvers and in the generic tests.
+// List of all contact laws. A new law needs one header and one line here; it then appears in Python, on the command
+// line, in the solvers and in the generic tests.
 #pragma once
 #include "linear_dashpot.hpp"
 #include "tsuji.hpp"

@@ -1,9 +1,9 @@
 // Hertz contact with the damping of Tsuji, Tanaka & Ishida: F = max(0, k ξ^{3/2} + α√(m_eff k) ξ^{1/4} ξ̇) while ξ > 0.
 //
-// The power 1/4 is what makes the coefficient of restitution independent of the speed: in X = ξ^{5/4} a collision is
-// that of the linear dashpot (linear_map.hpp, q = 1/4), with b = β/ω0 = α/√5 exactly. The duration falls with the speed
-// as V^{−1/5}. As with the other laws the force is never attractive: the contact ends at ξ^{5/4} + α√(m_eff/k) ξ̇ = 0,
-// not at ξ = 0, so this α differs from that of fits made with an attractive tail.
+// The power 1/4 makes the coefficient of restitution independent of the speed: in X = ξ^{5/4} a collision is that of
+// the linear dashpot (linear_map.hpp, q = 1/4), with b = β/ω0 = α/√5 exactly. The duration decreases with the impact
+// speed as V^{−1/5}. As in the other laws the force is never attractive: the contact ends at ξ^{5/4} + α√(m_eff/k) ξ̇ =
+// 0, not at ξ = 0. So α(ε) differs from published fits, which allow an attractive force at the end of the contact.
 #pragma once
 #include "hertz.hpp"
 #include "linear_map.hpp"
@@ -13,7 +13,7 @@ namespace hardlimit::contact {
 struct Tsuji {
     double elastic_prefactor;    // k [N/m^{3/2}]
     double damping_coefficient;  // α
-    double effective_mass;       // [kg]; the damping needs it
+    double effective_mass;       // [kg]; enters the damping force
 
     static constexpr int onset_power = 4;
     static constexpr bool similar = true;
@@ -76,7 +76,7 @@ struct Tsuji {
     T energy(T s) const {
         return 0.4 * elastic_prefactor * (s * s * s * s * s) * (s * s * s * s * s);
     }
-    // (−α√(m/k) ξ̇)^{4/5}
+    // d = (−α√(m/k) ξ̇)^{4/5}
     Slack slack(double rate) const {
         const double product = -relaxation() * rate;
         if (!(product > 0.0)) return {0.0, 0.0};

@@ -1,21 +1,21 @@
 // Viscoelastic spheres: F = max(0, ρ ξ^{3/2} + (3/2) ρ A √ξ ξ̇), ρ = 2Y√R_eff/(3(1 − ν²)) (Eqs. B1–B2, written
-// as a force). A is a time; A = 0 is Hertz' law.
+// as a force). A is a time; A = 0 gives Hertz' law.
 //
-// One collision depends on x = (3/2) A k^{2/5} v^{1/5} alone, k = ρ/m. With X = ξ in units of (v²/k)^{2/5}:
+// One collision depends only on x = (3/2) A k^{2/5} v^{1/5}, k = ρ/m. With X = ξ in units of (v²/k)^{2/5}:
 //   X'' + X^{3/2} + x √X X' = 0, X(0) = 0, X'(0) = 1, end at X + x X' = 0, ε = −X'(end).
-// The √X makes the equation singular at touch; X = s², dt = s dτ makes it a polynomial system,
+// The √X makes the equation singular at touch; X = s², dt = s dτ turn it into a polynomial system,
 //   ds/dτ = V/2,  dV/dτ = −s⁴ − x s² V,  dt/dτ = s,
-// integrated here by its Taylor series summed to rounding. For x > 1 the lengths are scaled by x^{−1/3} so that
-// nothing grows with x: dV/dθ = −q σ⁴ − σ² V with q = x^{−5/3}.
+// integrated here by Taylor series to rounding error. For x > 1, s is scaled by x^{−1/3} so that no coefficient grows
+// with x: dV/dθ = −q σ⁴ − σ² V with q = x^{−5/3}.
 #pragma once
 #include "hertz.hpp"
 
 namespace hardlimit::contact {
 
-// One collision in universal units.
+// Result of a collision in the units above.
 struct UniversalCollision {
     double restitution;
-    double loss;      // 1 − ε, with its own digits when ε is near 1
+    double loss;      // 1 − ε, accurate also when ε is near 1
     double duration;  // t_c k^{2/5} v^{1/5}
 };
 
@@ -27,7 +27,7 @@ struct Series {
     double s[order + 1], v[order + 1], t[order + 1], d[order + 1];
 };
 
-// Taylor coefficients of (σ, V, t, dissipated energy) about the current state; p, r as in the file's head.
+// Taylor coefficients of (σ, V, t, dissipated energy) about the current state, for dV/dθ = −p σ⁴ − r σ² V.
 HL_FN void expand(double sigma, double velocity, double p, double r, Series& c) {
     double a[order + 1], av[order + 1];  // σ², σ²V
     c.s[0] = sigma;
@@ -60,11 +60,11 @@ HL_FN double evaluate(const double* c, double h) {
     return sum;
 }
 
-// Step for which the last two terms of σ and V fall below rounding. V ends as ε, which may be tiny, so its terms are
-// compared with V itself or, where that passes through zero, with the speed p σ² at which the contact ends.
+// Step for which the last two terms of σ and V are below rounding. The final |V| is ε, which may be tiny, so the terms
+// of V are compared with V or, where V passes through zero, with the speed p σ² at the end of the contact.
 HL_FN double step_size(const Series& c, double p) {
     const double speed = math::max(math::abs(c.v[0]), p * c.s[0] * c.s[0]);
-    double h = 4.0;  // longer than any step, and left alone where the terms underflow
+    double h = 4.0;  // longer than any step; used if the terms underflow
     for (int n = order - 1; n <= order; ++n) {
         const double largest = math::max(math::abs(c.s[n]), math::abs(c.v[n]) / speed);
         if (largest > 0.0) h = math::min(h, math::exp(math::log(1e-18 / largest) / n));
@@ -86,7 +86,7 @@ HL_FN UniversalCollision viscoelastic_collision(double x) {
     for (int step = 0; step < 1000; ++step) {
         expand(sigma, velocity, p, r, c);
         double h = step_size(c, p);
-        // The end as a simple zero of g = σ − √(−r V/p): also at x = 0, where pσ² + rV has a double one.
+        // The contact ends at the zero of g = σ − √(−r V/p), simple also at x = 0, where that of pσ² + rV is double.
         const auto g = [&](double at) {
             const double s1 = evaluate(c.s, at), v1 = evaluate(c.v, at);
             return v1 > 0.0 ? 1.0 : s1 - math::sqrt(-r * v1 / p);
@@ -124,8 +124,8 @@ HL_FN UniversalCollision viscoelastic_collision(double x) {
     return {loss < 0.5 ? 1.0 - loss : restitution, loss, time * cube_root * cube_root};
 }
 
-// Inverse: x from L = −ln ε. ln L against ln x is straight in one limit and nearly so in the other, so a
-// bracketed secant in these variables needs some eight evaluations.
+// Inverse: x from L = −ln ε. ln L is linear in ln x for small x and nearly so for large x, so the bracketed secant
+// method in these variables needs about eight evaluations.
 HL_FN double viscoelastic_argument(double loss_exponent) {
     if (!(loss_exponent > 0.0)) return 0.0;
     const auto residual = [&](double log_x) {
@@ -162,7 +162,7 @@ HL_FN double viscoelastic_argument(double loss_exponent) {
 }
 
 // Coefficients h_k of ε = Σ h_k x^{k/2} (Eq. B3), k = 0 … 9: Schwager & Pöschel, Phys. Rev. E 78, 051304 (2008),
-// to more digits. The series is asymptotic in practice: useless beyond x ≈ 0.6.
+// to more digits. The series is asymptotic in practice and useless above x ≈ 0.6.
 inline constexpr int series_terms = 10;
 inline constexpr double series_coefficients[series_terms] = {1.0,
                                                              0.0,
@@ -175,7 +175,7 @@ inline constexpr double series_coefficients[series_terms] = {1.0,
                                                              0.348742675260386,
                                                              0.45235105120205};
 
-// Eq. B3 cut after the term x^{(terms−1)/2}; for comparison only.
+// Eq. B3 truncated after the term x^{(terms−1)/2}; for comparison only.
 HL_FN double viscoelastic_series(double x, int terms) {
     const double y = math::sqrt(x);
     double sum = 0.0;
@@ -183,8 +183,8 @@ HL_FN double viscoelastic_series(double x, int terms) {
     return sum;
 }
 
-// The Padé forms in use ([1/4] and [3/6] in y = √x; Müller & Pöschel, Phys. Rev. E 84, 021302 (2011)), from the
-// series itself: denominator by elimination, numerator by multiplication; for comparison only.
+// Padé approximant in y = √x of the series; [1/4] and [3/6] are in use (Müller & Pöschel, Phys. Rev. E 84, 021302
+// (2011)). The denominator is found by Gaussian elimination, the numerator by multiplication. For comparison only.
 HL_FN double viscoelastic_pade(double x, int numerator, int denominator) {
     constexpr int most = 6;
     const auto h = [](int k) { return k < 0 ? 0.0 : series_coefficients[k]; };

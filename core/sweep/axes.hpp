@@ -1,4 +1,4 @@
-// Axes of a map: how the parameters of a point vary.
+// Axes of a map: the values of each parameter along the dimensions of the result.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -13,7 +13,7 @@ struct Axis {
     u64 stride, size;
 };
 
-// Its values at the points from `point` on.
+// Writes the parameter at `count` consecutive points, from `point` on.
 inline void fill(double* to, const Axis& k, u64 point, int count) {
     u64 index = (point / k.stride) % k.size, left = k.stride - point % k.stride;
     for (int i = 0; i < count; ++i) {
@@ -24,7 +24,7 @@ inline void fill(double* to, const Axis& k, u64 point, int count) {
     }
 }
 
-// Iterates over the points of a map in order, without a division for each.
+// Iterates over the points of a map in order, without integer divisions.
 class Cursor {
     struct Varying {
         std::size_t at;
@@ -42,7 +42,7 @@ public:
             value_.push_back(k.values[index]);
         }
     }
-    // The numbers of the point.
+    // Parameters of the current point.
     const double* values() const { return value_.data(); }
     void next() {
         for (Varying& v : varying_) {

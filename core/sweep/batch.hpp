@@ -1,4 +1,4 @@
-// The drops of one batch as a structure of arrays, input and output of a vector kernel.
+// The drops of one batch as a structure of arrays: input and output of a vector kernel.
 #pragma once
 #include <cstring>
 
@@ -29,7 +29,7 @@ struct Drops {
                 in[8], in[9], out[0], out[1], out[2], out[3], out[4], out[5], status};
     }
 
-    // After the kernel.
+    // Valid after the kernel has run. left: the scalar solver must solve this drop.
     bool left(int k) const { return status[k] == static_cast<int>(Status::left); }
     Outcome outcome(int k) const {
         return status[k] == static_cast<int>(Status::rests) ? Outcome::at_rest : Outcome::ok;
@@ -41,7 +41,7 @@ struct Drops {
     }
 };
 
-// leave() of parameters.hpp for a whole batch, without the numbers of contacts.
+// Vector form of leave() in parameters.hpp for a whole batch, without the numbers of contacts.
 template <class R>
 HL_FN void leave_batch(const hardlimit_abi::Ends& ends) {
     struct {

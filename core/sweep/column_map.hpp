@@ -1,4 +1,4 @@
-// A map of columns of any number of balls, point by point, on a few threads.
+// Solves a map of columns with any number of balls, point by point, on several threads.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -8,16 +8,17 @@
 
 namespace hardlimit::sweep {
 
-// Where results go; a null pointer: not wanted. Index 0 is the first point of the call.
+// Output arrays; those that are null are skipped. Index 0 is the first point of the call.
 struct ColumnOutputs {
     std::uint32_t* n_contacts;
     std::uint8_t* outcome;
     double *t_end, *t_floor_end;
-    double *rebound_height, *final_velocity;  // N for each point
+    double *rebound_height, *final_velocity;  // [count × N]
 };
 
+// A map or a part of it, shared by the threads that solve it.
 struct ColumnJob {
-    std::vector<Axis> axes;  // of the numbers of a point
+    std::vector<Axis> axes;  // one for each parameter of a point
     ColumnSetting setting;
     u64 first, count;
     ColumnOutputs out;
@@ -40,8 +41,8 @@ private:
     }
 };
 
-// Processes batches of `size` points until none is left. A result depends on its point alone, not on the number of
-// threads or the order.
+// Work of one thread: solves batches of `size` points until none is left. Results do not depend on the number of
+// threads or the order of the points.
 template <class Law>
 void work_columns(ColumnJob& job, u64 size, Stop& stop) {
     for (;;) {

@@ -1,12 +1,18 @@
-// Data exchanged between a map and the kernel compiled for one instruction set. Each instruction set has its own copy
-// of the core under its own namespace (or the linker would mix them); these plain types belong to all.
+// Data exchanged between a map and a kernel compiled for one instruction set. Each instruction set compiles its own
+// copy of the core in its own namespace, so that the linker does not mix them; these plain types are common to all.
 #pragma once
 
 namespace hardlimit_abi {
 
-enum class Status : int { running = 0, done = 1, left = 2, rests = 3 };  // left: for the scalar solver
+enum class Status : int {
+    running = 0,
+    done = 1,
+    left = 2,
+    rests = 3
+};  // left: not solved, left to the scalar solver
 
-// Drops of a batch, one array each: groups and start in, sequence out (scaled units, times on the clock of t).
+// Drops of a batch, one array for each quantity. Input: groups, initial state and time t; output: the sequence. Scaled
+// units.
 struct Batch {
     int count;
     const double *a1, *a2, *c1, *c2, *gravity, *u, *du, *w, *dw, *t;
@@ -14,8 +20,8 @@ struct Batch {
     int* status;
 };
 
-// Sequences of a batch on the way out, one array each, of room for a whole number of vectors: scaled units become SI
-// units in place, and the coefficients of restitution are filled in.
+// Results of a batch, one array for each quantity, padded to a whole number of vectors. Kernel::leave converts them to
+// SI units in place and computes the coefficients of restitution.
 struct Ends {
     int count;
     const double *speed, *rate;  // the units

@@ -1,5 +1,5 @@
-// State of the vector kernels of all contact laws: one drop in each lane, the events of column/sequence.hpp lane by
-// lane, force-free flight, loading a drop into a lane and storing its result.
+// Code common to the vector kernels of all contact laws: the state with one drop in each lane, the events of
+// column/sequence.hpp, free flight, loading a drop into a lane and storing its result.
 #pragma once
 #include "../column/exact/run.hpp"
 #include "kernel_abi.hpp"
@@ -21,12 +21,12 @@ struct State {
     Groups<R> s;
     GapState<R> x;
     R t, t_first, t_end, t_floor_end, relative, separation, contacts, pieces;
-    // Closed contacts; whether a contact that is not closed is open (gap >= 0); functions exactly on zero.
+    // Contacts that are closed; contacts that are open (gap >= 0); event functions that are exactly zero.
     M floor, pair, floor_open, pair_open, on_u, on_w, on_l1, on_l2;
     M opened, met, counted, active, left;
-    M glided;   // the present pair contact has been glided over
+    M glided;   // glide() has already been applied to the current pair contact
     M lifts;    // the floor contact may end before the pair contact
-    R parting;  // time from now to the first zero of L2, where `lifts`
+    R parting;  // time until the first zero of L2; valid if `lifts`
 };
 
 template <class R>
@@ -60,9 +60,9 @@ HL_FN void clear(M& flag, Same<M> where) {
 }
 
 // ---- events: the definitions of column/sequence.hpp, lane by lane ---------------------------------------------
-// The rules are written twice. column::Sequence counts the open contacts of any number of pairs and branches, whereas a
-// lane holds two balls, needs one bit for what is counted there, and cannot branch. tests/column/test_sequence_rules.py
-// compares the two over random events.
+// This is a second implementation of column::Sequence. The scalar one branches and counts the open contacts of any
+// number of pairs; a lane holds two balls, needs only one bit for that count, and cannot branch.
+// tests/column/test_sequence_rules.py compares the two over random events.
 
 template <class R>
 HL_FN void finish(State<R>& q, Mask<R> m) {
@@ -80,7 +80,7 @@ HL_FN void floor_begins(State<R>& q, Mask<R> m) {
     raise(q.floor, m);
     clear(q.floor_open, m);
     const Mask<R> first = m & math::is_nan(q.t_first), second = m & negation(first) & q.opened;
-    // Time is measured from the first touch.
+    // The first floor touch becomes the origin of time.
     assign<R>(first, q.t_end, q.t_end - q.t);
     assign<R>(first, q.t_first, R{});
     assign<R>(first, q.t, R{});
@@ -159,7 +159,7 @@ HL_FN void moves_freely(State<R>& q, Mask<R> m) {
     finish<R>(q, apart & q.opened & q.floor_open);
 }
 
-// Advances the lanes of m by dt to the state y; for dt > 0 they leave their event surfaces.
+// Advances the lanes of m by dt to the state y; for dt > 0 no event function remains exactly zero.
 template <class R>
 HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
     const Mask<R> moved = m & (dt > 0.0);
@@ -172,9 +172,10 @@ HL_FN void advance(State<R>& q, Mask<R> m, R dt, const GapState<R>& y) {
     clear(q.on_l2, moved);
 }
 
-// ---- motion A --------------------------------------------------------------------------------------------------
+// ---- free flight (motion A)
+// -----------------------------------------------------------------------------------------------
 
-// column::exact::first_fall, lane by lane.
+// Vector form of column::exact::first_fall.
 template <class R>
 HL_FN R first_fall(R v, R s, R g) {
     const R root = math::sqrt<R>(s * s + 2.0 * g * v);
@@ -260,14 +261,14 @@ HL_FN bool alike(const Batch& b, int i, double tolerance) {
     return i > 0 && near(b.a1) && near(b.a2) && near(b.c1) && near(b.c2) && near(b.gravity);
 }
 
-// Number of idle lanes at which the next drops are loaded: a few, or `most` where drops are much alike, as neighbours
-// in a map are. Such drops take the same steps, and loaded together they stay synchronous.
+// Number of idle lanes at which the next drops are loaded: a few, or `most` if the drops are similar, as neighbours in
+// a map are. Similar drops take the same steps, and stay synchronous if loaded together.
 template <class R>
 HL_FN int due(const Batch& b, int next, int most) {
     return next < b.count && alike(b, next, 0.1) ? most : (Lanes<R>::count + 7) / 8;
 }
 
-// Drop i of the batch into a lane; `start` completes it.
+// Loads drop i of the batch into a lane; start() initializes the rest of the state.
 template <class R>
 HL_FN void load(State<R>& q, int lane, const Batch& b, int i) {
     put(q.s.a1, lane, b.a1[i]);
@@ -296,7 +297,8 @@ HL_FN void start(State<R>& q, Mask<R> m) {
     for (Mask<R>* flag : yes) raise(*flag, m);
     set(q.on_u, m, q.x.u == 0.0);
     set(q.on_w, m, q.x.w == 0.0);
-    // The momentum of an upper ball on a light one would lose its digits, and squares of a large gravity overflow.
+    // Left to the scalar solver: a light lower ball (the momentum of the upper one would lose digits), and large
+    // gravity (squares would overflow).
     const Mask<R> extreme =
         m & ((1.0 - q.s.a2 < column::light_below) | (q.s.gravity > column::strongest_gravity));
     raise(q.left, extreme);
@@ -304,6 +306,7 @@ HL_FN void start(State<R>& q, Mask<R> m) {
     floor_begins<R>(q, m & (q.x.u == 0.0) & (q.x.du < 0.0));
 }
 
+// Stores the result of a lane as drop i of the batch.
 template <class R>
 HL_FN void store(const State<R>& q, int lane, const Batch& b, int i) {
     b.contacts[i] = get(q.contacts, lane);

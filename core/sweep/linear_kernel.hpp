@@ -1,13 +1,13 @@
-// Many two-ball drops at once under the linear law, one drop in each lane of a vector.
+// Vector kernel for two-ball drops under the linear law: one drop in each lane of a vector.
 //
-// A quick step advances lanes to their next event, by the modes of their motion (linear_modes.hpp): a guess, one step
-// of a third-order method from a rough evaluation, one from an exact evaluation, and a final correction. It is
-// accepted only where bounds show that this is the next event; otherwise a careful step takes one piece exactly as
-// column/exact/run.hpp does. Each round executes the step that most lanes wait for; finished lanes take the next
-// drops.
+// A quick step advances lanes to their next event with the modes of their motion (linear_modes.hpp). It starts from an
+// estimate, takes one step of a third-order method with a rough evaluation, one with an accurate evaluation, and a
+// final correction. It is accepted only if bounds prove that this is the next event. Otherwise a careful step advances
+// one piece as column/exact/run.hpp does. Each round executes the step that most lanes wait for; finished lanes load
+// the next drops.
 //
 // Resting contacts and very long sequences are left to the scalar solver (Status::left). The result of a lane does not
-// depend on its neighbours, and so not on the vector width or the order of the drops.
+// depend on the other lanes, and therefore not on the vector width or the order of the drops.
 #pragma once
 #include "lane_state.hpp"
 #include "linear_modes.hpp"
@@ -20,7 +20,7 @@ inline constexpr double most_pieces = 3000.0;
 
 // ---- careful step ----------------------------------------------------------------------------------------------
 
-// Lanes in which gravity holds a contact closed forever; they are left to the scalar solver.
+// Lanes in which gravity keeps a contact closed forever; they are left to the scalar solver.
 template <class R>
 HL_FN Mask<R> rests(const State<R>& q) {
     using namespace column::exact;
@@ -43,7 +43,7 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
     const R up = constant<R>(1.0), down = constant<R>(-1.0), none = constant<R>(never);
     const Mask<R> floor_slack = m & negation(q.floor | q.floor_open),
                   pair_slack = m & negation(q.pair | q.pair_open);
-    // Where the contact is closed its force ends, where it is open its gap closes, where it is slack the gap opens.
+    // The event searched for: a closed contact loses its force, an open one closes, a slack one opens.
     R f[order + 1];
     for (int n = 0; n < order; ++n) f[n] = select<R>(q.floor, p.l1[n], p.u[n]);
     f[order] = select<R>(q.floor, R{}, p.u[order]);
@@ -80,7 +80,7 @@ HL_FN void careful(State<R>& q, Mask<R> m) {
 
 // ---- quick steps ------------------------------------------------------------------------------------------------
 
-// Step from near a zero of f to it, by its first derivatives (Householder's method of third order).
+// Step to a nearby zero of f from its first three derivatives f[1 … 3] (Householder's method of third order).
 template <class R>
 HL_FN R to_zero(const R* f) {
     const R inverse = 1.0 / f[1];
@@ -88,7 +88,7 @@ HL_FN R to_zero(const R* f) {
             twist = ((1.0 / 6.0) * (h * h)) * (f[3] * inverse);
     return h * (1.0 + bend) / (1.0 + 2.0 * bend + twist);
 }
-// The same for a short step.
+// The same, expanded for a short step.
 template <class R>
 HL_FN R to_near_zero(const R* f) {
     const R inverse = 1.0 / f[1];
@@ -97,19 +97,19 @@ HL_FN R to_near_zero(const R* f) {
     return h * (1.0 - (bend - (2.0 * (bend * bend) - twist)));
 }
 
-// The last step (Halley's method).
+// The final correction (Halley's method).
 template <class R>
 HL_FN R polish(R f, R f1, R f2) {
     const R inverse = 1.0 / f1, h = -f * inverse;
     return h * (1.0 - (0.5 * h) * (f2 * inverse));
 }
 
-// Largest lengths of the short step and of the last one, in units of 1/ω.
+// Largest admissible lengths of the short step and of the final correction, in units of 1/ω.
 inline constexpr double nearby = 0.02, polished = 1e-6;
 
-// The next event of a lane that lies on the floor (motion B): the pair closes, its force switches on again, or the
-// floor lets go. w is concave while the floor pushes, so it has a zero before the release exactly if it is negative
-// then.
+// Advances lanes in floor contact (motion B) to the next event: the pair closes, its force sets in again, or the floor
+// contact ends. While the floor force acts w is concave, so it has a zero before the end of the contact if and only if
+// it is negative at that end. Returns the lanes that were advanced.
 template <class R>
 HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
@@ -118,7 +118,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R y = q.x.u - rest, w0 = q.x.w, dw0 = q.x.dw;
     const Complex<R> swing = {y, (rate.re * y - q.x.du) * k.floor_period};  // u = rest + Re(swing e^(λt))
     const Complex<R> force = pull<R>(s.c1, rate) * swing;
-    const R height = q.x.u + w0, climb = q.x.du + dw0;  // of the upper ball, which falls freely
+    const R height = q.x.u + w0, climb = q.x.du + dw0;  // of the upper ball, in free fall
     const R l1 = q.x.u + s.c1 * q.x.du, l1_rate = q.x.du - s.c1 * (s.a1 * l1 + s.gravity), now = -s.a1 * l1;
     m = m & (omega > 0.0) & (l1 <= 0.0);
     // Estimate of the end of the floor contact: at phase 3π/2, with a small correction for gravity.
@@ -131,10 +131,10 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
             dw_then = (climb - s.gravity * release) - du_then;
     const R doubt =
         1e-4 * (math::abs<R>(u_then) + math::abs<R>(w0) + (release + k.floor_period) * math::abs<R>(dw_then));
-    // A slack pair opens by the zero of w + ẇ t − worst t²/2, where worst bounds −ẅ until then; as L2 = w + c2 ẇ >= 0,
-    // that is before 2 c2. Its force does not switch on before if L2 only rises, or if L2 is concave, for it is
-    // positive at both ends. Nor does it before the floor lets go if L2' > 0 until then. Else it does, at about the
-    // second zero of a parabola of L2.
+    // A slack pair opens no later than the zero of w + ẇ t − worst t²/2, where worst is a bound on −ẅ until then. Since
+    // L2 = w + c2 ẇ >= 0, that zero is before 2 c2. Its force does not set in earlier if L2 only rises, or if L2 is
+    // concave, because it is positive at both ends. Nor does it set in before the floor contact ends if L2' > 0 until
+    // then. Otherwise it sets in near the second zero of a parabola through L2.
     const Mask<R> slack = negation(q.pair_open);
     const R steepest = strength * omega, rise = select<R>(l1_rate >= 0.0, R{}, s.a1 * steepest);
     const R worst = now + rise * (2.0 * s.c2), square = dw0 * dw0 + 2.0 * (worst * w0),
@@ -148,7 +148,8 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Mask<R> presses = slack & negation(opens | parts) & q.on_l2;
     m = m & (negation(slack) | opens | parts | presses) & (release > 0.0) & (late < 0.02);
     const Mask<R> lets_go = parts | (negation(presses) & (w_then > -doubt));  // to be confirmed
-    // Else the zero of a parabola: through w, ẇ now and w then, or with the present ẅ for a short time.
+    // Otherwise the estimate is the zero of a parabola: through w and ẇ now and w at the end of the floor contact, or,
+    // for a short time, with the current ẅ.
     const R soon = math::sqrt<R>(math::max<R>(dw0 * dw0 + 2.0 * (now * w0), R{}));
     const Mask<R> shortly = (dw0 + soon) * omega < 0.3 * now;
     const R bend = (w_then - w0 - dw0 * release) / (release * release),
@@ -196,7 +197,7 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
         m & lets_go & (parts | (at.w > 0.0)) & (slope > 0.0) & (math::abs<R>(when - release) * omega < 0.02);
     const Mask<R> ends_before = m & negation(lets_go) & (when < release) & (slope < 0.0) & (pushing < 0.0);
     const Mask<R> closes = ends_before & negation(presses);
-    // L2 is concave before, and w rises.
+    // Conditions under which L2 is concave before this instant and w increases.
     const Mask<R> pressed = ends_before & presses & (at.w < 0.0) & (at.dw > 0.0) &
                             (l1 + s.c2 * l1_rate < 0.0) & (pushing + s.c2 * (at.du + s.c1 * x2) < 0.0) &
                             (when * omega < 1.0);
@@ -208,9 +209,10 @@ HL_FN Mask<R> quick_floor(State<R>& q, const Modes<R>& k, Mask<R> m) {
     return good;
 }
 
-// The end of a pair contact (motions C and D) that is the next event. L2 = slow part S + ring; the first zero is where
-// the ring rises, if it then outweighs S. Where the floor may let go before, that zero is kept, and the next such step
-// looks for the zero of L1.
+// Advances lanes in pair contact (motions C and D) to the end of that contact, if it is the next event. L2 is the sum
+// of the slow mode S and the fast mode ("ring"). The first zero lies where the ring rises, if the ring dominates S
+// there. If the floor contact may end earlier, that zero is stored in q.parting, and the next such step searches for
+// the zero of L1. Returns the lanes that were advanced.
 template <class R>
 HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
@@ -225,7 +227,7 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
                      shape = choose<R>(both, k.fast.shape, {-s.a2, R{}}),
                      slow_shape = choose<R>(both, k.slow.shape, none);
     m = m & (select<R>(both, k.can_ring, k.pair_rate) > 0.0);
-    // f = S + ring is L2, or L1 where the floor may let go first.
+    // f = S + ring is L2, or L1 if the floor contact may end first.
     const Mask<R> lifts = both & q.lifts;
     const Complex<R> at_floor = shape * fast, at_floor_slow = slow_shape * slow;
     const R c = select<R>(lifts, s.c1, s.c2), rest = select<R>(lifts, rest1, rest2);
@@ -235,8 +237,8 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R ring1 = real_product<R>(rate, ring), drift2 = real_product<R>(slow_rate, drift1);
     const R size2 = ring.re * ring.re + ring.im * ring.im, size = math::sqrt<R>(size2),
             period = select<R>(both, k.period, k.pair_period);
-    // Where the ring rises through −S, with S from its parabola; or where S crosses zero, if it is faster than the
-    // ring. A crest in the past does not count.
+    // Estimate: the ring rises through −S, with S from its parabola; or S crosses zero, if S changes faster than the
+    // ring. A crest in the past is excluded.
     const R ring_slope = size * select<R>(both, k.size, constant<R>(1.0));
     const Mask<R> drifts = drift1.re > ring_slope;
     R phase = rough_angle(ring);
@@ -287,9 +289,9 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R when = t + last;
     const Mask<R> found =
         (slope > 0.0) & (math::abs<R>(dt) < nearby) & (math::abs<R>(last) < polished) & (when > 0.0);
-    // It is the first zero: before it L2 has turned at most once, from falling to rising. So it is where the slope of
-    // the ring outweighs that of S until its peak (phase 2π), where S always rises faster than the ring may fall, and
-    // where S rises and the ring has no peak in between.
+    // It is the first zero if L2 has at most one extremum before it, a minimum. That holds in three cases: the slope of
+    // the ring dominates that of S up to its peak at phase 2π (ringing); S always rises faster than the ring can fall
+    // (drifting); S rises and the ring has no peak in between (rising).
     const Complex<R> drift_then = drift1 * zs;
     const R drift2_then = real_product<R>(slow_rate, drift_then),
             least = math::min<R>(drift1.re, drift_then.re);
@@ -302,13 +304,13 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Mask<R> drifting = no_dip & (least > ring_slope);
     const Mask<R> rising = no_peak & no_dip & (least > 0.0) & (phase > 2.0 / 3.0 * math::pi) &
                            (steep * (slow_rate.im * slow_rate.im) < 0.16 * (left * (omega * omega)));
-    // No earlier event: the slow part of the floor stays below zero by more than the amplitude of the ring.
+    // The floor contact does not end earlier if the slow part of L1 stays below zero by more than the ring's amplitude.
     const Complex<R> floor_drift = pull<R>(s.c1, slow_rate) * at_floor_slow, then = floor_drift * zs;
     const R bends = real_product<R>(slow_rate, floor_drift), bends_then = real_product<R>(slow_rate, then);
     const Mask<R> stays = (rest1 + math::max<R>(floor_drift.re, then.re) + size * k.floor_share < 0.0) &
                           ((bends <= 0.0) | (bends_then >= 0.0)) & (slow_rate.im * when < math::pi);
-    // An open floor gap is concave while the pair pushes. A slack floor contact stays so if L1' > 0; it has then
-    // opened or not, as u says at the end.
+    // An open floor gap is concave in time while the pair force acts. A slack floor contact does not engage if L1' > 0;
+    // whether it has opened follows from u at the end.
     const Mask<R> slack = negation(both | q.floor_open);
     const Mask<R> clear_of_floor = select<Mask<R>>(
         slack, (end.du > s.c1 * (s.gravity + s.a2 * size)) & (math::abs<R>(end.u) > 1e-12 * end.du),
@@ -328,9 +330,9 @@ HL_FN Mask<R> quick_pair(State<R>& q, const Modes<R>& k, Mask<R> m) {
     return good;
 }
 
-// ---- glide over a lasting contact (motion C) -------------------------------------------------------------------
+// ---- large step through a lasting contact (motion C) ----------------------------------------------------------------
 
-// S and the amplitude of the ring, in L1 or L2.
+// Upper bound on L1 or L2: the slow mode S plus the amplitude of the ring.
 template <class R>
 struct Envelope {
     R level, ring, decay;
@@ -343,9 +345,9 @@ struct Envelope {
     }
 };
 
-// A lasting contact is the sum of a slow part S that follows the floor and a decaying ring. From the time at which the
-// ring first acts towards separation, there is no event while S + its amplitude < 0 in L1 and L2: one step goes close
-// to the end of that time.
+// In a lasting contact the motion is the sum of a slow part S that follows the floor and a decaying ring. Once the ring
+// has first acted towards separation, no event occurs while S + ring amplitude < 0 in L1 and L2. One step advances
+// close to the end of that interval. Returns the lanes that were advanced.
 template <class R>
 HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const Groups<R>& s = q.s;
@@ -358,8 +360,8 @@ HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
     const R ring = magnitude(fast2);
     const Envelope<R> one = {k.rest1, ring * k.floor_share, rate.re, slow1, slow_rate};
     const Envelope<R> two = {k.rest2, ring, rate.re, slow2, slow_rate};
-    // The ring in L2 is negative, or falls faster than S rises, up to phase 3π/2, and up to 2π at most its next crest;
-    // after that its amplitude counts.
+    // Up to phase 3π/2 the ring in L2 is negative or falls faster than S rises; up to 2π it is at most its next crest;
+    // after that its amplitude is the bound.
     R phase = rough_angle(fast2);
     phase = select<R>(phase > k.crest_phase + 1.5 * math::pi, phase - 2.0 * math::pi, phase);
     const R peak = (2.0 * math::pi - phase) * k.period, middle = peak - (0.5 * math::pi) * k.period;
@@ -374,7 +376,7 @@ HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
         (math::max<R>(middle2, then2) + 1.0001 * loudest < 0.0) &
         ((phase > 0.5 * math::pi) | (ring1 + math::max<R>(drift1.re, drift_then.re) < 0.0)) &
         ((drift1.re <= 0.0) | (drift_then.re >= 0.0));
-    // The slow parts rise through zero at phase 3π/2; Newton from there on the envelopes.
+    // The slow parts rise through zero at phase 3π/2; Newton's method on the envelopes starts there.
     const R inverse = 1.0 / slow_rate.im;
     R until = constant<R>(1e300);
     const Envelope<R>* const envelopes[2] = {&one, &two};
@@ -404,7 +406,7 @@ HL_FN Mask<R> glide(State<R>& q, const Modes<R>& k, Mask<R> m) {
     return m;
 }
 
-// Which step each lane needs next, so that a round can be spent on the step most lanes wait for.
+// The step that each lane needs next, so that each round executes the step that most lanes wait for.
 template <class M>
 struct Waiting {
     M flying{}, lying{}, pressed{}, lasting{}, stuck{};  // fly, quick_floor, quick_pair, glide, careful
@@ -416,7 +418,7 @@ struct Waiting {
     }
 };
 
-// Lanes for which a glide is worthwhile: the ring about the slow pull S = a1 L1 is not much larger than S.
+// Lanes for which glide() is worthwhile: the ring about the slow force S = a1 L1 is not much larger than S.
 template <class R>
 HL_FN Mask<R> may_glide(const State<R>& q) {
     const R slow = q.s.a1 * (q.x.u + q.s.c1 * q.x.du), off = (q.x.w + q.s.c2 * q.x.dw) - slow;
@@ -425,7 +427,7 @@ HL_FN Mask<R> may_glide(const State<R>& q) {
            (off * off + q.x.dw * q.x.dw < bound * bound);
 }
 
-// Sorts the lanes of m, whose last step is done, by their next step.
+// Assigns the lanes of m, whose last step is done, to their next step.
 template <class R>
 HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
     wait.forget(m);
@@ -437,8 +439,8 @@ HL_FN void sort(const State<R>& q, Waiting<Mask<R>>& wait, Mask<R> m) {
     raise(wait.lasting, lasting);
 }
 
-// One round: the step that most lanes wait for, but short flights as soon as a few lanes wait for one. Returns the
-// lanes whose step is done.
+// Executes one round: the step that most lanes wait for, or free flight, which is short, as soon as a few lanes wait
+// for it. Returns the lanes whose step is done.
 template <class R>
 HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
     constexpr int few = (Lanes<R>::count + 3) / 4;
@@ -482,7 +484,7 @@ HL_FN Mask<R> step(State<R>& q, const Modes<R>& k, Waiting<Mask<R>>& wait) {
     return m;
 }
 
-// The modes of the next drops of a batch. Neighbours in a map often share them; they are then computed once.
+// Computes the modes of the next drops of a batch, once for consecutive drops with equal groups.
 template <class R>
 class ModesAhead {
     static constexpr int W = Lanes<R>::count;
@@ -490,7 +492,8 @@ class ModesAhead {
     int first = 0, end = 0, source = 0, row = -1;
 
 public:
-    // Writes the modes of drop i into a lane that holds those of row `held`. Calls must have consecutive i.
+    // Writes the modes of drop i into a lane that holds the modes of row `held`. i must increase by 1 from call to
+    // call.
     HL_FN void put_into(Modes<R>& k, int lane, int& held, const Batch& b, int i) {
         if (!alike(b, i, 0.0)) {
             if (i >= end) find(b, i);
@@ -523,7 +526,7 @@ private:
 
 }  // namespace lanes
 
-// b of each loss exponent of a list, in place.
+// Replaces each loss exponent −ln ε of a list by b = β/ω0.
 template <class R>
 HL_FN void damping_ratios(double* values, int count) {
     constexpr int W = Lanes<R>::count;

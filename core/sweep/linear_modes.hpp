@@ -1,10 +1,10 @@
-// The motions of two balls with closed contacts under the linear law as sums of modes e^(λt), found once for each drop.
+// Modal decomposition of the motion of two balls with closed contacts under the linear law: modes e^(λt) of one drop.
 //
-// About rest, with the gaps x = (u − u0, w − w0), motion C is ẍ + C ẋ + K x = 0,
+// With the gaps x = (u − u0, w − w0) relative to equilibrium, motion C is ẍ + C ẋ + K x = 0,
 //   C = ((a1 c1, −a2 c2), (−a1 c1, c2)),   K = ((a1, −a2), (−a1, 1)).
-// A mode e^(λt) (r, 1) has the left vector ψ with ψᵀ(λ² + λC + K) = 0, and its share in a state is
+// A mode e^(λt) (r, 1) has the left eigenvector ψ with ψᵀ(λ² + λC + K) = 0, and its amplitude in a state is
 //   ψᵀ(ẋ + (λ + C) x)/ψᵀ(2λ + C)(r, 1).
-// Motions B (floor alone) and D (pair alone) have one mode each and a parabola beside it.
+// Motions B (floor alone) and D (pair alone) are the sum of one mode and a parabola.
 #pragma once
 #include "../base/complex.hpp"
 #include "../base/math.hpp"
@@ -15,13 +15,14 @@ namespace hardlimit::sweep::lanes {
 using column::GapState;
 using column::Groups;
 
-// 1 + c λ: from a mode's share in a gap to its share in L.
+// 1 + c λ, the ratio of a mode's amplitude in L to that in the gap.
 template <class R>
 HL_FN Complex<R> pull(R c, Complex<R> rate) {
     return {1.0 + c * rate.re, c * rate.im};
 }
 
-// A pair of conjugate modes of motion C: w = Re(share e^(λt)), u = Re(shape share e^(λt)), and its share in a state.
+// A pair of conjugate modes of motion C: w = Re(share e^(λt)), u = Re(shape share e^(λt)). share(x): complex amplitude
+// in a state.
 template <class R>
 struct Mode {
     Complex<R> rate, shape, of_u, of_du, of_w, of_dw;
@@ -35,24 +36,24 @@ template <class R>
 struct Modes {
     // Motion C.
     Mode<R> fast, slow;
-    R can_ring;              // 1: both modes ring and were found; else 0
-    R rest1, rest2;          // gaps at rest
+    R can_ring;              // 1: both modes oscillate and were found; otherwise 0
+    R rest1, rest2;          // gaps in equilibrium
     R period, size;          // 1/ω and |λ| of the fast mode
-    R floor_share;           // of its amplitude in L2 that L1 has
+    R floor_share;           // ratio of its amplitudes in L1 and L2
     R crest, crest_inverse;  // first maximum of e^(Re λ t) sin ωt,
     R crest_phase;           // and its ωt
-    // Motion B: ω, or 0 if the floor contact does not ring; 1/ω; 1/(1 + c1 λ); gap at rest.
+    // Motion B: ω, or 0 if the floor contact does not oscillate; 1/ω; 1/(1 + c1 λ); gap in equilibrium.
     R floor_rate, floor_period;
     Complex<R> from_pull;
     R floor_rest;
-    // Motion D: ω, or 0 if the pair contact does not ring; 1/ω.
+    // Motion D: ω, or 0 if the pair contact does not oscillate; 1/ω.
     R pair_rate, pair_period;
 };
 
 // ---- elementary functions ---------------------------------------------------------------------------------------
-// The rough ones are for guesses that are then made exact.
+// The rough ones serve for estimates that are refined later.
 
-// e^x to 3e-6 for x < 700; never below 1e-304.
+// e^x with relative error 3e-6 for x < 700; at least 1e-304.
 template <class R>
 HL_FN R rough_exp(R y) {
     const R x = math::max<R>(y, broadcast<R>(-700.0));
@@ -156,7 +157,7 @@ HL_FN void find_floor_mode(const Groups<R>& s, Modes<R>& k) {
 template <class R>
 HL_FN void find_pair_modes(const Groups<R>& s, Modes<R>& k) {
     const R d1 = s.a1 * s.c1, kappa = s.a1 * (1.0 - s.a2), trace = 1.0 + s.a1;
-    // Undamped squares, and the damping that they would have alone.
+    // Squares of the undamped frequencies; `half`: damping rate of each mode without coupling to the other.
     const R fast2 = 0.5 * (trace + math::sqrt<R>(trace * trace - 4.0 * kappa)), slow2 = kappa / fast2;
     Mask<R> good = s.a2 < 1.0;
     HL_UNROLL
@@ -171,7 +172,7 @@ HL_FN void find_pair_modes(const Groups<R>& s, Modes<R>& k) {
         const Complex<R> p1 = pull<R>(s.c1, l), p2 = pull<R>(s.c2, l);
         const Complex<R> one = {broadcast<R>(1.0), R{}};
         const Complex<R> first = l2 + scaled<R>(s.a1, p1), second = l2 + p2;
-        // The two equations of each vector are the same; these are far from 0/0.
+        // Each eigenvector satisfies two equivalent equations; the one used here is far from 0/0.
         Complex<R> left1, left2;
         if (i == 0) {
             mode.shape = scaled<R>(s.a2, p2) / first;
@@ -186,7 +187,8 @@ HL_FN void find_pair_modes(const Groups<R>& s, Modes<R>& k) {
                          damp2 = scaled<R>(s.c2, left2 - scaled<R>(s.a2, left1));
         const Complex<R> norm =
             scaled<R>(broadcast<R>(2.0), l) * (left1 * mode.shape + left2) + damp1 * mode.shape + damp2;
-        const Complex<R> inverse = Complex<R>{broadcast<R>(2.0), R{}} / norm;  // 2: of a conjugate pair
+        const Complex<R> inverse =
+            Complex<R>{broadcast<R>(2.0), R{}} / norm;  // factor 2 for the conjugate pair
         mode.of_du = left1 * inverse;
         mode.of_dw = left2 * inverse;
         mode.of_u = (l * left1 + damp1) * inverse;
@@ -194,7 +196,7 @@ HL_FN void find_pair_modes(const Groups<R>& s, Modes<R>& k) {
         good = good & (last < 1e-18) & (l.im > 0.05 * magnitude(l)) & (l.re <= 0.0);
     }
     good = good & (k.fast.rate.im > 1.2 * k.slow.rate.im);
-    // What the motions without it multiply by zero must be finite.
+    // Where the modes are not used they are multiplied by zero and must be finite.
     const Complex<R> zero = {R{}, R{}};
     k.slow.rate = choose<R>(good, k.slow.rate, zero);
     k.slow.shape = choose<R>(good, k.slow.shape, zero);

@@ -1,4 +1,4 @@
-// A map: every point of a grid (or list) of parameters, in batches, on a few threads.
+// Solves a map of two-ball drops, a grid or list of parameter points, in batches on several threads.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -25,7 +25,7 @@ inline Parameters parameters_at(const double* values) {
     return p;
 }
 
-// Where results go; a null pointer: not wanted. Index 0 is the first point of the call.
+// Output arrays; those that are null are skipped. Index 0 is the first point of the call.
 struct Outputs {
     std::uint8_t* n_contacts;
     std::uint8_t* outcome;
@@ -33,27 +33,28 @@ struct Outputs {
         *t_floor_end;
 };
 
-// Counts that a byte cannot hold.
+// A number of contacts above 255, which does not fit into the byte array.
 struct LargeCount {
     u64 point;
     int count;
 };
 
+// A map or a part of it, shared by the threads that solve it.
 struct Job {
-    std::vector<Axis> axes;  // of the numbers of a point, see Parameters
+    std::vector<Axis> axes;  // one for each field of Parameters
     Setting setting;
     const hardlimit_abi::Kernel* kernel;
-    double log2_tolerance;  // of a step of the viscoelastic kernel
+    double log2_tolerance;  // error tolerance of a step of the viscoelastic kernel
     u64 first, count;
     Outputs out;
     std::atomic<u64> next{0}, done{0};
     std::mutex guard;
-    std::vector<LargeCount> large;  // under the guard
+    std::vector<LargeCount> large;  // protected by guard
     std::once_flag begun;
-    // Damping of floor and pair for each ε of their axis; where empty, it is found batch by batch.
+    // Damping of floor and pair for each ε of their axis; if empty, computed batch by batch.
     std::vector<double> damping[2];
 
-    // The axis of ε of floor (0) or pair (1), for a law that is given by ε.
+    // Axis of ε of floor (0) or pair (1), for a law specified by ε.
     const Axis& restitution_axis(int side) const {
         return axes[static_cast<std::size_t>(geometry_count + side * max_parameters +
                                              setting.restitution_at)];
@@ -81,7 +82,7 @@ struct Job {
     }
 };
 
-// The interface between a law and its vector kernel; a law without a kernel is solved point by point.
+// Interface between a law and its vector kernel. A law without a kernel is solved point by point.
 template <class Law>
 struct Vectorised {
     static constexpr bool on_gpu = false;  // whether kernel.cu is this kernel
@@ -95,7 +96,7 @@ struct Vectorised<contact::LinearDashpot> {
     static constexpr bool on_gpu = true;
     static bool covers(Model model) { return model != Model::independent; }
     static void solve(const Kernel& kernel, const Batch& b, double) { kernel.solve(b); }
-    // Replaces each ε by what the law needs: β/ω0.
+    // Replaces each ε by β/ω0.
     static void invert(const Kernel& kernel, double* restitution, int n) {
         for (int i = 0; i < n; ++i) restitution[i] = -math::log(restitution[i]);
         kernel.damping_ratios(restitution, n);
@@ -131,7 +132,7 @@ private:
     Rates rates;
 };
 
-// A batch of points through the vector kernel.
+// Solves a batch of points with the vector kernel.
 template <class Law>
 class VectorBatch {
     using Via = Vectorised<Law>;
@@ -172,13 +173,13 @@ private:
     u64 first;
     int count;
     double value[parameter_count][room];  // the parameters
-    double ratio[2][most] = {};           // Via::invert of the ε of floor and pair, if the law is given by ε
+    double ratio[2][most] = {};  // Via::invert of the ε of floor and pair, if the law is specified by ε
     Drops<most> drops;
     int point[most];                  // of each drop
     column::DropBound shallow[most];  // of each drop
     double restitution[room], quotient[2][room];
 
-    // f(i, end) for each run of points that differ in the gap alone.
+    // Calls f(i, end) for each range of points that differ only in the gap.
     template <class F>
     void each_run(F f) {
         u64 end = alike == 0 ? most : alike - (job.first + first) % alike;
@@ -210,7 +211,7 @@ private:
         }
     }
 
-    // Groups and initial states of the points for the kernel; the other points are solved here.
+    // Adds the points to the kernel's batch; points that the kernel cannot take are solved here.
     void enter() {
         drops.count = 0;
         each_run([&](int i, int end) {
@@ -243,7 +244,7 @@ private:
         });
     }
 
-    // Also solves the points that the kernel left and those in which a contact may be too deep.
+    // Stores the results. Solves again the points that the kernel left and those in which a contact may be too deep.
     void leave() {
         const int n = drops.count;
         auto& out = drops.out;
@@ -275,14 +276,14 @@ private:
         }
     }
 
-    // Not inlined: in both loops the scalar solver was 1 to 2 % slower.
+    // Not inlined: inlining into both loops made the scalar solver 1 to 2 % slower.
     HL_FN_APART void solve_alone(int i) {
         const PointResult r = solve_point<Law>(job.setting, parameters(i), stop);
         if (!stop.stopped()) job.put(first + static_cast<u64>(i), r);
     }
 };
 
-// The damping for each ε of an axis that many points share.
+// Computes the damping for each ε of an axis, if many points share its values.
 template <class Law>
 void tabulate_damping(Job& job) {
     constexpr u64 longest = u64{1} << 20;
@@ -299,8 +300,8 @@ void tabulate_damping(Job& job) {
     }
 }
 
-// Processes batches of `size` points until none is left. A result depends on its point alone, not on the number of
-// threads or the order.
+// Work of one thread: solves batches of `size` points until none is left. Results do not depend on the number of
+// threads or the order of the points.
 template <class Law>
 void work(Job& job, u64 size, Stop& stop) {
     const auto each_batch = [&](const auto& solve) {

@@ -1,8 +1,8 @@
-// The parameters of a column that can be swept: one table for Python's plan, the tasks of a GPU and the page.
+// Table of the column parameters that can be swept, used by Python, the GPU tasks and the web page.
 //
-// A point of a map of N balls is a row of numbers: the places below in their order, each as often as the column has it
-// (balls and gaps counted from below), then max_parameters numbers for each contact, the floor's first. For two balls
-// that is the layout of Parameters.
+// A point of a map of N balls is a row of numbers: the places below in their order, each once per column, ball or gap
+// (counted from below), then max_parameters numbers for each contact, the floor first. For two balls this is the layout
+// of Parameters.
 #pragma once
 #include <cstddef>
 
@@ -10,14 +10,15 @@
 
 namespace hardlimit::sweep {
 
-// What a number of a point means. Matter is the mass of a ball or its density, whichever the user gave; a radius ratio
-// that is not NaN replaces the lowest radius.
+// Meaning of a number in that row. matter: mass or density of a ball, as given by the user. radius_ratio: unless NaN,
+// it determines the lowest radius.
 enum class Place : int { radius, radius_ratio, matter, gap, height, velocity, gravity };
 inline constexpr int place_count = 7;
 
+// Whether a place occurs once per column, per ball or per gap.
 enum class Per : int { column, ball, gap };
 
-// One name that a user may sweep. Two names of one place exclude each other.
+// A parameter that can be swept. Two names with the same place exclude each other.
 struct SweptRecord {
     const char* name;
     Place place;
@@ -57,19 +58,19 @@ constexpr int count_of(Place place, int balls) {
     return per(place) == Per::ball ? balls : per(place) == Per::gap ? balls - 1 : 1;
 }
 
-// Where the first number of a place stands; the others follow.
+// Index of the first number of a place.
 constexpr int first_of(Place place, int balls) {
     int at = 0;
     for (int i = 0; i < static_cast<int>(place); ++i) at += count_of(static_cast<Place>(i), balls);
     return at;
 }
 
-// Where the parameters of a contact's law begin, 0 = floor; with contact = balls, the length of a point.
+// Index of the first law parameter of a contact, 0 = floor. For contact = balls, the length of the row.
 constexpr int law_of(int contact, int balls) {
     return first_of(Place::gravity, balls) + 1 + contact * max_parameters;
 }
 
-// The layout of Parameters, which the kernels for two balls take.
+// For two balls the row has the layout of Parameters, the input of the two-ball kernels.
 static_assert(first_of(Place::radius, 2) == offsetof(Parameters, radius_1) / sizeof(double));
 static_assert(first_of(Place::radius_ratio, 2) == offsetof(Parameters, radius_ratio) / sizeof(double));
 static_assert(first_of(Place::matter, 2) == offsetof(Parameters, matter_1) / sizeof(double));

@@ -1,5 +1,5 @@
-// A point of a map from its physical parameters to a drop in scaled units, and back to the numbers a sweep keeps.
-// Free of containers, so that it also compiles for a GPU.
+// Conversion of a point of a two-ball map from physical parameters to a scaled drop, and of its result to SI units.
+// Contains no containers, so that it also compiles for a GPU.
 #pragma once
 #include "../column/compression.hpp"
 #include "../column/effective_restitution.hpp"
@@ -10,8 +10,8 @@ namespace hardlimit::sweep {
 
 using column::Model;
 
-// The physical parameters of a point. Mass or density of each ball, whichever the user gave; a radius ratio that is
-// not NaN replaces the lower radius.
+// Physical parameters of a point. matter: mass or density of a ball, as given by the user. radius_ratio: unless NaN, it
+// determines the lower radius.
 struct Parameters {
     double radius_1, radius_2, radius_ratio, matter_1, matter_2, gap, height, velocity_1, velocity_2, gravity;
     double floor_law[max_parameters], pair_law[max_parameters];
@@ -20,13 +20,13 @@ inline constexpr int geometry_count = 10;
 inline constexpr int parameter_count = geometry_count + 2 * max_parameters;
 static_assert(sizeof(Parameters) == parameter_count * sizeof(double));
 
-// What all points have in common.
+// Settings common to all points of a map.
 struct Setting {
     Model model;
-    int alternative;            // of the law's parameters
+    int alternative;            // which of the law's parameter sets is given
     bool density_1, density_2;  // matter is a density, else a mass
-    int restitution_at;         // place of ε among the law's parameters; -1: the law was not given by ε
-    double tolerance = 1e-14;   // of the general solver, where that is asked
+    int restitution_at;         // index of ε among the law's parameters; −1: the law is not specified by ε
+    double tolerance = 1e-14;   // of the general solver, where it is used
 };
 
 // The results of a sequence that a sweep stores, in SI units.
@@ -45,19 +45,19 @@ HL_FN double ball_mass(double matter, bool density, double radius) {
     return density ? (4.0 / 3.0 * math::pi) * (matter * (radius * radius * radius)) : matter;
 }
 
-// Replaces any NaN by the same one: processors differ in the sign and bits of a NaN result.
+// Replaces any NaN by the canonical one: the sign and payload of a NaN result depend on the processor.
 template <class R>
 HL_FN R one_nan(R x) {
     return select<R>(math::is_nan(x), broadcast<R>(math::nan), x);
 }
 
-// ε of both contacts; NaN if they differ or were given otherwise.
+// ε of both contacts; NaN if they differ or the law is not specified by ε.
 HL_FN double restitution_of(const Setting& s, const Parameters& p) {
     const int at = s.restitution_at;
     return at >= 0 && p.floor_law[at] == p.pair_law[at] ? p.floor_law[at] : math::nan;
 }
 
-// From a sequence in SI units.
+// Stores the quantities of a sequence in SI units.
 template <class Q, class R>
 HL_FN void keep(const Q& q, R restitution, R speed, Quantities<R>& r) {
     r.relative_velocity = one_nan<R>(q.relative_velocity);
@@ -79,8 +79,8 @@ struct Bodies {
     double height, m1, m2;  // height of the lower ball above the floor
 };
 
-// Masses and height from the parameters, in which a radius ratio becomes the lower radius; false if that ball does not
-// fit above the floor.
+// Computes masses and height from the parameters, and the lower radius from a radius ratio. False if the lower ball
+// would overlap the floor.
 HL_FN bool measure(const Setting& setting, Parameters& q, Bodies& b) {
     if (!math::is_nan(q.radius_ratio)) q.radius_1 = q.radius_ratio * q.radius_2;
     q.radius_ratio = math::nan;
@@ -89,8 +89,8 @@ HL_FN bool measure(const Setting& setting, Parameters& q, Bodies& b) {
     return b.height >= 0.0;
 }
 
-// A drop for the kernel of linear_kernel.hpp under the linear law; false if the point is not one for it. The damping
-// ratios β/ω0 of floor and pair count when the law is given by ε.
+// Converts a point to a drop for linear_kernel.hpp; false if that kernel cannot solve it. The damping ratios β/ω0 of
+// floor and pair are used if the law is specified by ε.
 HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, double pair_ratio,
                  column::Start& s) {
     Bodies b;
@@ -109,7 +109,7 @@ HL_FN bool enter(const Setting& setting, Parameters& q, double floor_ratio, doub
     return s.outcome == Outcome::ok && math::is_finite(s.groups.gravity + s.first.w);
 }
 
-// A bound on the compressions of a point under a law, given the elastic part of its contacts.
+// Bound on the compressions of a point; only the elastic part of its contacts is used.
 template <class Law>
 HL_FN column::CompressionBound bound_of(const Setting& setting, const Parameters& q, const Bodies& b,
                                         const Law& floor, const Law& pair) {
@@ -117,7 +117,7 @@ HL_FN column::CompressionBound bound_of(const Setting& setting, const Parameters
                                         q.gravity, b.height, q.velocity_1, q.velocity_2,
                                         setting.model == Model::newton);
 }
-// Of a point that enter() has taken.
+// The same for a point that enter() accepted.
 HL_FN column::CompressionBound linear_bound(const Setting& setting, Parameters q) {
     using contact::LinearDashpot;
     Bodies b;
@@ -125,12 +125,12 @@ HL_FN column::CompressionBound linear_bound(const Setting& setting, Parameters q
     return bound_of(setting, q, b, LinearDashpot{q.floor_law[0], 0.0}, LinearDashpot{q.pair_law[0], 0.0});
 }
 
-// What the kernel found for a drop, in scaled units.
+// Result of the kernel for one drop, in scaled units.
 struct Found {
     double contacts, t_first, t_end, t_floor_end, relative, separation;
 };
 
-// In SI units.
+// Converts it to a Sequence in SI units.
 HL_FN column::Sequence sequence_of(const Found& found, const column::Units& units, Outcome outcome) {
     column::Sequence q;
     q.outcome = outcome;

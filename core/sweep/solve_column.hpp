@@ -1,16 +1,16 @@
-// One point of a map of N balls: from its numbers (parameter_table.hpp) to what a sweep keeps, through the solver that
-// takes the column. For what the kernels for two balls do not know: other numbers of balls, and values of each ball.
+// Solves one point of a map of N balls, given by its row of numbers (parameter_table.hpp). Used where the two-ball
+// kernels do not apply: other numbers of balls, and results for each ball.
 #pragma once
 #include "../column/rebound.hpp"
 #include "parameter_table.hpp"
 
 namespace hardlimit::sweep {
 
-// What all points have in common.
+// Settings common to all points of a map.
 struct ColumnSetting {
     Model model;
-    int alternative;                     // of the law's parameters
-    std::vector<unsigned char> density;  // [N] whether the matter of a ball is its density, else its mass
+    int alternative;                     // which of the law's parameter sets is given
+    std::vector<unsigned char> density;  // [N] matter of a ball is its density, otherwise its mass
     double tolerance;                    // of the general solver
     bool rebound_heights, final_velocities;
 
@@ -19,12 +19,12 @@ struct ColumnSetting {
 
 struct ColumnResult {
     column::Sequence sequence;
-    std::vector<double> rebound_height, final_velocity;  // [N]; empty: not wanted
+    std::vector<double> rebound_height, final_velocity;  // [N]; empty if not requested
 
     ColumnResult() { sequence.outcome = Outcome::invalid; }
 };
 
-// Null where the balls do not fit above the floor or nothing moves.
+// The column of a point. Null if the lowest ball would overlap the floor or the impact speed is zero or not finite.
 template <class Law>
 column::SharedColumn<Law> column_of(const ColumnSetting& setting, const double* p) {
     const int n = setting.balls();
@@ -68,7 +68,7 @@ ColumnResult solve_one(const ColumnSetting& setting, const double* p, Stop& stop
     options.record = setting.rebound_heights || setting.final_velocities;
     options.stop = &stop;
     const std::unique_ptr<column::Solution> s = column::solve_column(c, setting.model, options);
-    if (stop.stopped()) return r;  // what a stopped run holds is of no use
+    if (stop.stopped()) return r;  // the result of a stopped run is invalid
     r.sequence = s->sequence;
     if (setting.rebound_heights) r.rebound_height = column::rebound_heights(c, setting.model, options, *s);
     if (setting.final_velocities) r.final_velocity = column::final_velocities(*s, setting.balls());

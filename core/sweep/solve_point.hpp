@@ -1,4 +1,4 @@
-// One point of a map: two balls from their physical parameters to the numbers a sweep keeps.
+// Solves one point of a two-ball map with the scalar solvers.
 #pragma once
 #include "../column/exact/drop.hpp"
 #include "../column/general/sample.hpp"
@@ -7,7 +7,7 @@
 
 namespace hardlimit::sweep {
 
-// The result is invalid if `stop` has ended the run.
+// The result of a stopped run is invalid.
 template <class Law>
 PointResult solve_point(const Setting& setting, Parameters p, Stop& stop) {
     PointResult r;

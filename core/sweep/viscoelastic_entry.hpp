@@ -1,13 +1,13 @@
-// Input of viscoelastic_kernel.hpp: from the physical parameters of a point to its scaled drop.
+// Conversion of a point from physical parameters to the scaled drop that viscoelastic_kernel.hpp solves.
 #pragma once
 #include "parameters.hpp"
 #include "viscoelastic_scaling.hpp"
 
 namespace hardlimit::sweep {
 
-// The argument x of the universal collision for a loss exponent L = −ln ε, fast: contact::viscoelastic_argument solves
-// some eight collisions for each. ln L as a function of ln x is smooth and nearly straight; it is interpolated between
-// collisions solved once, at the Chebyshev points of equal panels, and inverted by Newton's method.
+// Table for the argument x of the universal collision as a function of the loss exponent L = −ln ε. Faster than
+// contact::viscoelastic_argument, which solves about eight collisions for each value. ln L is a smooth, nearly linear
+// function of ln x; it is interpolated at Chebyshev points of equal panels and inverted by Newton's method.
 class LossTable {
 public:
     static const LossTable& shared() {
@@ -15,7 +15,7 @@ public:
         return table;
     }
 
-    // To about 1e-14, like the function it replaces.
+    // Accurate to about 1e-14, like contact::viscoelastic_argument.
     double argument(double loss_exponent) const {
         if (!(loss_exponent > 0.0)) return 0.0;
         const double wanted = math::log(loss_exponent);
@@ -39,7 +39,7 @@ public:
 
 private:
     static constexpr int panels = 24, terms = 16;
-    static constexpr double lowest = -9.0, width = 0.625;  // of ln x: 1.2e-4 … 403, ε from 0.99986 to 6e-5
+    static constexpr double lowest = -9.0, width = 0.625;  // of ln x; x = 1.2e-4 … 403, ε = 0.99986 … 6e-5
     double coefficient[panels][terms], edge[panels + 1];
 
     LossTable() {
@@ -66,7 +66,7 @@ private:
         return math::log(c.loss < 0.5 ? -math::log1p(-c.loss) : -math::log(c.restitution));
     }
 
-    // Clenshaw's recurrence, and its derivative.
+    // The interpolant and its slope, by Clenshaw's recurrence.
     double value(int panel, double y, double& slope) const {
         double b1 = 0.0, b2 = 0.0, d1 = 0.0, d2 = 0.0;
         for (int j = terms - 1; j > 0; --j) {
@@ -81,7 +81,7 @@ private:
         return (coefficient[panel][0] + y * b1) - b2;
     }
 
-    // Below the table the series of Eq. B3 holds to rounding.
+    // Below the range of the table the series of Eq. B3 is accurate to rounding.
     static double weak(double loss_exponent) {
         double x = loss_exponent / -contact::series_coefficients[2];
         for (int i = 0; i < 8; ++i) {
@@ -95,8 +95,8 @@ private:
     }
 };
 
-// Cache of the last powers: neighbours in a map often have the same balls, and six powers cost as much as the rest of
-// the conversion.
+// Cache of the last results of column::viscoelastic_rate. Neighbours in a map often have the same balls, and the six
+// calls of pow cost as much as the rest of the conversion.
 class Rates {
     struct Entry {
         double prefactor = math::nan, mass = math::nan, speed = math::nan, rate;
@@ -105,7 +105,6 @@ class Rates {
     int next = 0;
 
 public:
-    // column::viscoelastic_rate
     double operator()(double prefactor, double mass, double speed) {
         for (const Entry& e : entries)
             if (e.prefactor == prefactor && e.mass == mass && e.speed == speed) return e.rate;
@@ -115,8 +114,8 @@ public:
     }
 };
 
-// A drop for the kernel; false if the point is not one for it. The arguments of the universal collision at impact speed
-// count when the law is given by ε.
+// Converts a point to a drop for the kernel; false if the kernel cannot solve it. The arguments x of the universal
+// collision at impact_speed are used if the law is specified by ε.
 inline bool enter_viscoelastic(const Setting& setting, Parameters& q, double floor_argument,
                                double pair_argument, Rates& rate, column::Start& s) {
     using contact::Viscoelastic;
@@ -141,7 +140,7 @@ inline bool enter_viscoelastic(const Setting& setting, Parameters& q, double flo
            math::is_finite((g.a1 + g.a2) + (g.c1 + g.c2) + (g.gravity + s.first.w));
 }
 
-// A bound on the compressions of a point that enter_viscoelastic() has taken.
+// Bound on the compressions of a point that enter_viscoelastic() accepted.
 inline column::CompressionBound viscoelastic_bound(const Setting& setting, Parameters q) {
     using contact::Viscoelastic;
     Bodies b;

@@ -1,18 +1,18 @@
-// Many two-ball drops under the viscoelastic law at once, one drop in each lane of a vector.
+// Vector kernel for two-ball drops under the viscoelastic law: one drop in each lane of a vector.
 //
 // In the units of an elastic impact of the pair (viscoelastic_scaling.hpp) and with compressions ξ = −gap, their
 // rates v and f = ξ + c v, the equations of motion (1: floor, 2: pair; forces F = √ξ f of closed contacts only) are
 //   v1' = G − a1 F1 + a2 F2,      v2' = a1 F1 − F2,
-// so that every event is defined as in linear_kernel.hpp, on the same functions. Only the steps differ: with a the
-// closed contact that is nearest to its onset, and b the other one,
+// so that the event functions are those of linear_kernel.hpp. Only the steps differ. With a the closed contact that is
+// nearest to its onset, and b the other contact,
 //   ξ_a = s²,  dt = s dτ:   ds/dτ = v_a/2,   dξ_b/dτ = s v_b,   dv/dτ = s G + k_a ξ_a f_a + k_b s F_b,
-// which is polynomial but for √ξ_b and therefore smooth through the onset and the end of contact a. The Taylor series
-// of this system about the present state is summed by recurrence, its last terms give the length of the step, and
-// every event within is the first zero of a polynomial. The root √ξ_b limits the step where b comes near its own
-// onset, which then makes it contact a.
+// which is polynomial except for √ξ_b and therefore smooth through the onset and the end of contact a. The Taylor
+// series of this system about the current state is computed by recurrence. Its last terms determine the length of the
+// step, and each event is the first zero of a polynomial. The root √ξ_b limits the step where b is near its onset; b
+// then becomes contact a.
 //
-// A drop that needs too many steps is left to the general solver (Status::left). The energy shows that the contacts of
-// a drop never end (Status::rests).
+// A drop that needs too many steps is left to the general solver (Status::left). A drop whose energy is too small to
+// end any contact is at rest (Status::rests).
 #pragma once
 #include "lane_state.hpp"
 
@@ -24,10 +24,11 @@ using namespace lanes;
 
 inline constexpr int order = 15;
 inline constexpr double most_steps = 3000.0;
-inline constexpr double elastic = 1e-12;     // damping time below which the force ends with the compression
-inline constexpr double first_touch = 0.02;  // τ in which a pair that only touches feels less than rounding
+inline constexpr double elastic = 1e-12;  // damping time below which the force ends with the compression
+inline constexpr double first_touch =
+    0.02;  // step in τ within which the force of a pair that touches at rate 0 is below rounding
 
-// Divides by τ a polynomial that the last event put on zero at τ = 0; again if its slope vanishes there too.
+// Divides a polynomial that the last event set to zero at τ = 0 by τ, repeatedly if its slope there is also zero.
 template <int D, class R>
 HL_FN_APART void leave_zero(R* f, Mask<R> at_zero) {
     for (int i = 0; i < D && any(at_zero); ++i) {
@@ -51,8 +52,8 @@ HL_FN R tail(const R* f, R x, Least least) {
     return part[0] + part[1] * x;
 }
 
-// Whether a positive polynomial may fall to zero in [0, h]: not if a parabola and the falling ones among its other
-// terms leave it positive.
+// Whether a positive polynomial may fall to zero in [0, h]. It cannot if its quadratic part plus its other negative
+// terms is positive.
 template <int D, class R>
 HL_FN_APART Mask<R> may_fall(const R* f, R h) {
     const R square = h * h;
@@ -64,7 +65,8 @@ HL_FN_APART Mask<R> may_fall(const R* f, R h) {
 }
 
 // First τ in [0, h] at which a positive polynomial falls to zero; `never` if it does not. Each step goes to the zero of
-// a parabola below it (its second derivative, bounded from below on [0, h]), so no zero can be passed.
+// a parabola that lies below the polynomial (from a lower bound on its second derivative on [0, h]), so no zero is
+// missed.
 template <int D, class R>
 HL_FN_APART R falls_anyhow(const R* f, R h, Mask<R> active) {
     R bound = R{};
@@ -89,8 +91,8 @@ HL_FN_APART R falls_anyhow(const R* f, R h, Mask<R> active) {
     return select<R>(active, tau, found);
 }
 
-// A fast version: Halley's method from the zero of a parabola. It finds the first zero if the polynomial falls
-// monotonically to it or is concave.
+// The same, faster: Halley's method from the zero of a parabola. The result is the first zero if the polynomial
+// decreases monotonically to it or is concave; otherwise falls_anyhow() is used.
 template <int D, class R>
 HL_FN_APART R falls(const R* f, R h, Mask<R> active) {
     using column::exact::slope_at, column::exact::value_at;
@@ -127,7 +129,7 @@ HL_FN_APART R falls(const R* f, R h, Mask<R> active) {
     return found;
 }
 
-// Binary logarithm and power by the bits of the exponent and a straight line in between, to 0.09 and 6 %.
+// Binary logarithm and exponential from the exponent bits, linear in between; errors 0.09 and 6 %.
 template <class R>
 HL_FN R rough_log2(R x) {
     return (real_of<R>((bits_of<R>(x) >> 32) | 0x4330000000000000ULL) - 4503599627370496.0) * 0x1p-20 -
@@ -138,8 +140,8 @@ HL_FN R rough_exp2(R y) {
     return real_of<R>(bits_of<R>((y + 1023.0) * 0x1p20 + 4503599627370496.0) << 32);
 }
 
-// Sums of products for orders n (even) and n + 1 together, so that each factor is read once. They run over the
-// coefficients below order n; the contributions of the newest ones are added last.
+// Cauchy products for orders n (even) and n + 1 together, so that each factor is read once. The sums run over the
+// coefficients below order n; inner() adds the newest coefficients.
 template <class R>
 struct Sums {
     R now{}, next{};
@@ -181,7 +183,7 @@ struct Sums {
     }
 };
 
-// Taylor coefficients in τ.
+// Taylor coefficients in τ of s, t, ξ_a, v_a, ξ_b and v_b.
 template <class R>
 struct Expansion {
     static constexpr int N = order;
@@ -205,9 +207,10 @@ struct Couplings {
     }
 };
 
-// Computes all orders from those of order 0. Terms that do not depend on the newest velocities are summed first, so
-// that the chain of dependent operations from one order to the next is short. (Half the work would suffice for lanes
-// with a single closed contact, but separate code for them costs as much in the instruction cache.)
+// Computes the Taylor coefficients of all orders from those of order 0. Terms that do not depend on the newest
+// velocities are summed first, to shorten the chain of dependent operations from one order to the next. Lanes with a
+// single closed contact need only half the work, but separate code for them costs as much through instruction-cache
+// misses.
 template <class R>
 HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p) {
     constexpr int N = order;
@@ -245,7 +248,7 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
             }
             fa[n] = p.xa[n] + k.ca * p.va[n];
         }
-        R free = root[0] * p.xb[0], other = s0 * free;  // of the force, without the newest velocity
+        R free = root[0] * p.xb[0], other = s0 * free;  // terms of the force without the newest velocity
         if (n > 0) {
             const R xb = select<R>(b_closed, p.xb[n], R{});
             root[n] = (n > 1 ? xb - root_root.inner_square(root, n) : xb) * half;
@@ -271,9 +274,9 @@ HL_FN_APART void expand(const Couplings<R>& k, Mask<R> b_closed, Expansion<R>& p
     p.xa[N] = twice * p.s[N] + s_s.inner_square(p.s, N);
 }
 
-// Length for which the last terms stay below the tolerance. An error of a length becomes one of a velocity, of s times
-// about 2s √(1.5s), which is 0.4 where the balls ring, and of ξ_b times the frequency of that contact; hence the
-// weights.
+// Step for which the last terms stay below the tolerance. The weights convert errors of lengths to errors of
+// velocities: that of s by about 2s √(1.5s), which is 0.4 while the balls oscillate, that of ξ_b by the frequency of
+// contact b.
 template <class R>
 HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     R log_h = constant<R>(40.0);
@@ -286,10 +289,10 @@ HL_FN R length(const Expansion<R>& p, R log2_of_tolerance) {
     return rough_exp2<R>(math::max<R>(log_h, constant<R>(-1000.0)));
 }
 
-// Gravity holds both contacts closed for good (the energy argument of column/general/rest.hpp, in units of m_eff V²). A
-// contact that carries K √ξ f under the weight W has the excess energy B(ξ) = 0.4 K ξ^(5/2) − W ξ + 0.6 W ξs above its
-// equilibrium K ξs^(3/2) = W. It can end only at ξ + c ξ̇ = 0, which at ξ < ξs/2 takes at least B(ξs/2) and at
-// ξ > ξs/2 a kinetic energy of at least m (ξs/2c)²/2.
+// Lanes in which gravity keeps both contacts closed forever (energy criterion of column/general/rest.hpp, in units of
+// m_eff V²). A contact with the force K √ξ f under the weight W has the energy B(ξ) = 0.4 K ξ^(5/2) − W ξ + 0.6 W ξs
+// above its equilibrium K ξs^(3/2) = W. It can end only at ξ + c ξ̇ = 0. At ξ < ξs/2 this requires at least the energy
+// B(ξs/2), at ξ > ξs/2 a kinetic energy of at least m (ξs/2c)²/2.
 template <class R>
 HL_FN_APART Mask<R> at_rest(const State<R>& q, Mask<R> m) {
     const R lower = 1.0 / q.s.a2, upper = 1.0 / (1.0 - q.s.a2);  // masses
@@ -315,7 +318,8 @@ template <class R>
 HL_FN Mask<R> rests(const State<R>& q, Mask<R> m) {
     m = m & q.floor & q.pair & (q.s.gravity > 0.0) & (q.pieces > 20.0);
     const R upper = 1.0 - q.s.a2;  // 1/mass
-    // Carried over weight, without roots and divisions: the square is between 0.7² and 1.3².
+    // Quick test: the contact force over the weight is between 0.7 and 1.3. Written with squares to avoid roots and
+    // divisions.
     const R f1 = (q.s.a1 * upper) * (q.x.u + q.s.c1 * q.x.du), f2 = upper * (q.x.w + q.s.c2 * q.x.dw);
     const R square = q.s.gravity * q.s.gravity, carried1 = -(f1 * f1) * q.x.u, carried2 = -(f2 * f2) * q.x.w;
     m = m & (f1 < 0.0) & (f2 < 0.0) & (carried1 > 0.49 * square) & (carried1 < 1.69 * square) &
@@ -323,7 +327,7 @@ HL_FN Mask<R> rests(const State<R>& q, Mask<R> m) {
     return any(m) ? at_rest<R>(q, m) : m;
 }
 
-// One step of all drops, in each of which a contact is closed. The tolerance is in units of the impact speed and of the
+// One step of all active lanes; each has a closed contact. The tolerance is in units of the impact speed and of the
 // pair's compression.
 template <class R>
 HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
@@ -332,7 +336,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     using M = Mask<R>;
     const M m = q.active;
     const R x1 = -q.x.u, v1 = -q.x.du, x2 = -q.x.w, v2 = -q.x.dw;
-    // The contact nearest to its onset in time: since it began or until it ends, at most its own period.
+    // Contact a is the one nearest in time to its onset or its end.
     const R near1 = x1 * (math::abs<R>(v2) + x2);
     const R near2 = x2 * (math::abs<R>(v1) + math::sqrt<R>(q.s.a1) * x1);
     const M first = q.floor & (negation(q.pair) | (near1 < near2));
@@ -348,18 +352,18 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
     p.xb[0] = select<R>(first, x2, x1);
     p.vb[0] = select<R>(first, v2, v1);
     expand<R>(k, b_closed, p);
-    // Before the first floor touch a long fall amplifies an error of a velocity.
+    // Smaller tolerance before the first floor touch, since a long fall amplifies velocity errors.
     R h = length<R>(p, select<R>(q.t < 0.0, constant<R>(log2_tolerance - 12.0), constant<R>(log2_tolerance)));
     h = select<R>(touching, math::min<R>(h, constant<R>(first_touch)), h);
 
-    // Each event as a polynomial that falls to zero. A contact without damping ends with its compression.
+    // Event functions as polynomials that fall to zero. A contact without damping ends at zero compression.
     const M on_a = select<M>(first, q.on_u, q.on_w), on_b = select<M>(first, q.on_w, q.on_u);
     const M on_la = select<M>(first, q.on_l1, q.on_l2), on_lb = select<M>(first, q.on_l2, q.on_l1);
     const M root_a = k.ca < elastic, root_b = k.cb < elastic;
     const M forced = b_closed & negation(root_b);
     const R sign = select<R>(b_open, constant<R>(-1.0), constant<R>(1.0)),
             damped = select<R>(forced, k.cb, R{});
-    R fa[N + 1], fb[N + 1], fc[N + 1];  // end of a; onset, end or opening of b; force of a slack b again
+    R fa[N + 1], fb[N + 1], fc[N + 1];  // end of a; onset, end or opening of b; b engages
     HL_ROLL
     for (int n = 0; n <= N; ++n) {
         fa[n] = p.xa[n] + k.ca * p.va[n];
@@ -385,8 +389,7 @@ HL_FN_APART void step(State<R>& q, Mask<R>& resting, double log2_tolerance) {
         const R none = constant<R>(never);
         R end_a = select<R>(zero_a, R{}, none), main_b = select<R>(zero_b, R{}, none),
           press_b = select<R>(zero_c, R{}, none);
-        while (any(due_a | due_b |
-                   due_c)) {  // one search per round, several where a lane has several candidates
+        while (any(due_a | due_b | due_c)) {  // a lane with several candidate events needs several rounds
             const M search_b = due_b & negation(due_a), search_c = due_c & negation(due_a | due_b);
             R f[N + 1];
             HL_ROLL

@@ -1,8 +1,9 @@
-// Two balls on a floor under the viscoelastic law: dimensionless groups, units, and the state in which a solver starts.
+// Dimensionless groups, units and initial state of two balls on a floor under the viscoelastic law.
 //
 // With gaps u, w, L1 = u + c1 u̇, L2 = w + c2 ẇ (c = 3A/2) and a force of −ρ √ξ L, ξ = −gap, while in contact:
 //   ü = −G − a1 √ξ1 L1 [floor] + a2 √ξ2 L2 [pair],      ẅ = a1 √ξ1 L1 [floor] − √ξ2 L2 [pair],
-// in units of length (m_eff V²/ρ12)^{2/5}, speed V: those of exact/motions.hpp with √ξ at every force.
+// in units of length (m_eff V²/ρ12)^{2/5} and speed V: the equations of exact/motions.hpp with a factor √ξ in each
+// force.
 #pragma once
 #include "../column/exact/scaling.hpp"
 #include "../contact/viscoelastic.hpp"
@@ -14,7 +15,7 @@ HL_FN double viscoelastic_rate(double elastic_prefactor, double mass, double spe
     return math::pow(elastic_prefactor / mass, 0.4) * math::pow(speed, 0.2);
 }
 
-// With the units' speed V and rate known.
+// Scales a problem, given the units.
 HL_FN Start start_two_ball(const contact::Viscoelastic& floor, const contact::Viscoelastic& pair, double m1,
                            double m2, double gravity, Gaps released, const Units& units) {
     const double reduced = effective(m1, m2);

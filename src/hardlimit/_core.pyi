@@ -16,7 +16,7 @@ outcome_messages: tuple = ...
 deepest_compression: float = 0.5
 
 def law_records() -> list:
-    """What the registered contact laws state about themselves."""
+    """Records of the registered contact laws."""
 
 class Contact:
     """One contact: law, effective mass and radius."""
@@ -42,7 +42,7 @@ class Contact:
 def make_contact(law: str, alternative: int, parameters: Sequence[float], effective_mass: float, effective_radius: float) -> Contact: ...
 
 def effective(a: float, b: float) -> float:
-    """a b/(a + b), also for an infinite partner."""
+    """a b/(a + b); also if one of them is infinite."""
 
 def viscoelastic_restitution(x: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]: ...
 
@@ -60,20 +60,20 @@ def linear_duration(damping_ratio: Annotated[NDArray[numpy.float64], dict(shape=
 
 def power_collision(elastic: int, damping: int, attracts: bool, c: float) -> tuple:
     """
-    ε, duration, greatest compression and force of X'' + X^(elastic/4) + c X^(damping/4) X' = 0 from speed 1.
+    ε, duration, largest compression and force of X'' + X^(elastic/4) + c X^(damping/4) X' = 0, X(0) = 0, X'(0) = 1.
     """
 
 def power_damping(elastic: int, damping: int, attracts: bool, restitution: float) -> float:
-    """The c of power_collision with this ε in (0, 1]."""
+    """The damping c for which power_collision gives this ε in (0, 1]."""
 
 def math(name: str, x: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
-    """The core's own elementary functions, for their tests."""
+    """The core's elementary functions, for tests."""
 
 def atan2_upper(y: float, x: float) -> float: ...
 
 def model_records() -> list:
     """
-    The models of a column in the order of their numbers: name, labels, limits.
+    The models of a column, in order of their numbers: name, labels, limits.
     """
 
 class Column:
@@ -82,7 +82,7 @@ class Column:
 def make_column(floor: bool, gravity: float, mass: Sequence[float], radius: Sequence[float], contacts: Sequence[Contact], gaps: Sequence[float], velocity: Sequence[float]) -> Column: ...
 
 class Solution:
-    """What a solver found."""
+    """Result of a column solver."""
 
     @property
     def n_contacts(self) -> int: ...
@@ -125,7 +125,7 @@ class Solution:
 
     def rebound_heights(self) -> list[float]:
         """
-        Greatest height of each centre after its first bounce [m]; NaN where there is none.
+        Largest height of each centre after its first bounce [m]; NaN where there is none.
         """
 
     def final_velocities(self) -> list[float]:
@@ -133,7 +133,7 @@ class Solution:
 
     def parting(self, missing: Sequence[int]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
-        Velocities at the end of the sequence [m/s], in the frame that has fallen freely since time 0, and ends of the last contact of each ball [s]. missing: contacts still to come of each upper pair.
+        Velocities at the end of the sequence [m/s], in the frame in free fall since time 0, and end of each ball's last contact [s]. missing: number of further contacts to follow for each upper pair.
         """
 
     def sample(self, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]: ...
@@ -152,35 +152,35 @@ def effective_restitution(relative_velocity: float, impact_speed: float) -> floa
 
 def planar_contact(contact: Contact, distance: float, normal_speed: float, tangential_speed: float, gravity: float = 0.0) -> dict:
     """
-    The isolated contact of two bodies that touch at this distance of their centres, in the plane of approach: its end, and velocity and shift of the equivalent collision. A wall: infinite distance, gravity pressing against it.
+    Isolated contact of two bodies whose centres are at this distance at touch, in the plane of approach: its end, and velocity and displacement of the equivalent collision. For a wall: infinite distance; gravity presses against it.
     """
 
 def planar_path(contact: Contact, distance: float, normal_speed: float, tangential_speed: float, times: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], gravity: float = 0.0) -> NDArray[numpy.float64]:
     """
-    Compression, its rate and the turn of the line of centres at times since touch [n, 3].
+    Compression, its rate and rotation angle of the line of centres at times since touch [n, 3].
     """
 
 def soft_contacts(own: Contact, own_distance: float, damping_varies: bool, contact: Contact, distance: float, normal_speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], tangential_speed: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
     """
-    Duration, turn, compression left, radial and tangential speed [n, 5] of contacts as an event-driven run computes them, whose polynomials are made for the pair `own`.
+    Duration, rotation angle, final compression, radial and tangential speed [n, 5] of contacts, as computed by an event-driven run whose polynomials were fitted for the pair `own`.
     """
 
 def step_errors(contact: Contact, speed: float, time_step: float) -> tuple[float, float, float]:
     """
-    The largest errors that steps make in an isolated contact: of ε; of the energy balance, relative to the energy of the impact; of positions after it, relative to the way at the speed of impact in its duration. Infinite where a contact does not end.
+    Largest errors of fixed time steps in an isolated contact: of ε; of the energy balance, relative to the impact energy; of positions after it, relative to impact speed times duration. Infinite if a contact does not end.
     """
 
 def longest_step(contact: Contact, speed: float, error: float) -> float:
-    """The longest time step whose `step_errors` are at most `error`."""
+    """Longest time step whose `step_errors` are at most `error`."""
 
 def swept_parameters(balls: int) -> list:
     """
-    The parameters of a column that can be swept: name, places in a point, unit, meaning and range.
+    The column parameters that can be swept: name, indices in the row of a point, unit, meaning and range.
     """
 
 def law_place(contact: int, balls: int) -> int:
     """
-    Where the law of a contact begins in a point, 0 = floor; of contact = balls, the length of a point.
+    Index of a contact's first law parameter in the row of a point, 0 = floor; for contact = balls, the length of the row.
     """
 
 def ball_mass(density: float, radius: float) -> float:
@@ -192,15 +192,15 @@ def run_columns(law: str, model: int, alternative: int, density: Sequence[bool],
 
 def has_kernel(law: str, model: int) -> bool:
     """
-    Whether points of two balls go through a vector kernel under this law and model.
+    Whether two-ball points of this law and model are solved by a vector kernel.
     """
 
 def has_gpu_kernel(law: str, model: int) -> bool:
-    """Whether such points can be computed on a GPU."""
+    """Whether such points can be solved on a GPU."""
 
 def has_exact_solver(law: str) -> bool:
     """
-    Whether the motion of two balls on a floor under this law has a piecewise closed form.
+    Whether two balls on a floor have a piecewise closed-form solution under this law.
     """
 
 def instruction_sets() -> list[str]: ...
@@ -210,7 +210,7 @@ engine_names: tuple = ('hard_spheres', 'newton_events', 'newton_steps')
 rules: tuple = ...
 
 class Box:
-    """Edges [m], what bounds each axis (periodic or wall), gravity [m/s²]."""
+    """Edges [m], boundary of each axis (periodic or wall), gravity [m/s²]."""
 
     def __init__(self, edges: Sequence[float], boundary: Sequence[str], gravity: Sequence[float] | None = None) -> None: ...
 
@@ -225,11 +225,11 @@ class Box:
 
     def walls(self, time: float = 0.0) -> list[tuple[int, float, float]]:
         """
-        Of each wall its number, as in logs (−1 − 2·axis at 0, −2 − 2·axis at L), position [m], velocity [m/s].
+        For each wall: number as in logs (−1 − 2·axis at 0, −2 − 2·axis at L), position [m], velocity [m/s].
         """
 
 class Engine:
-    """An engine with a box of particles in it."""
+    """A simulation: an engine and its particles."""
 
     @property
     def kind(self) -> str: ...
@@ -242,7 +242,7 @@ class Engine:
 
     def advance(self, until: float, max_work: int = 18446744073709551615, threads: int = 1) -> None:
         """
-        To `until` [s]; pauses after so many collisions, events or steps. What was paused goes on with the same bits.
+        Advances to `until` [s]; pauses after `max_work` collisions, events or steps. Pausing does not change the result.
         """
 
     @property
@@ -257,7 +257,7 @@ class Engine:
     @property
     def early_end(self) -> tuple[float, list[int], int | None] | None:
         """
-        Time [s], particles and wall where the run ended before its time; None of others.
+        Time [s], particles and wall at which a run ended early; otherwise None.
         """
 
     @property
@@ -273,7 +273,7 @@ class Engine:
 
     def state(self) -> tuple:
         """
-        Positions [m], along continuous paths, and velocities [m/s] now, (n, d) each.
+        Current positions [m], unwrapped across periodic boundaries, and velocities [m/s], (n, d) each.
         """
 
     def observe(self) -> dict: ...
@@ -282,16 +282,16 @@ class Engine:
     def largest_compression(self) -> float: ...
 
     def take_log(self) -> dict:
-        """Columns of the log since the last call."""
+        """Columns of the contact log since the last call."""
 
     def open_contacts(self) -> dict:
         """
-        The same of contacts that last, whose end is NaN, and of those whose cluster still holds together.
+        The same for open contacts, whose end is NaN, and for contacts whose cluster has not yet separated.
         """
 
     def safety_used(self, instants: int) -> float:
         """
-        The largest share that a body in contact uses, now, of the space that others leave it: at most 1.
+        Largest fraction of its safety radius that a body in contact currently uses; at most 1.
         """
 
     def save(self) -> bytes: ...
@@ -305,10 +305,10 @@ def load_engine(kind: str, saved: bytes) -> Engine: ...
 
 def grow_packing(box: Box, radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)], seed: int, progress: object | None = None) -> object:
     """
-    Random positions (n, d) of particles that do not overlap: small ones are inserted, which move and collide while they grow. progress(share of the final radii, collisions) is called now and then.
+    Random positions (n, d) without overlap: small particles are inserted, and move and collide while they grow. progress(fraction of the final radii, collisions) is called at intervals.
     """
 
 def deepest_overlap(box: Box, positions: Annotated[NDArray[numpy.float64], dict(shape=(None, None), order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(shape=(None,), order='C', device='cpu', writable=False)]) -> tuple[int, int, float]:
     """
-    Two particles and their gap [m], the deepest relative to the sum of the radii; −1, −1 and 0 where none overlap.
+    The two particles with the deepest overlap relative to the sum of their radii, and their gap [m]; −1, −1 and 0 if none overlap.
     """

@@ -1,5 +1,5 @@
-// How often a computation asks whether to give up: in one point of a map of two balls, and in the energy that was
-// dissipated up to each node of a long run. Each line: its name, and whether it gave up when told to.
+// Program for test_threads.py: checks that computations stop when their Stop says so: one point of a two-ball map, and
+// the energy dissipated up to each node of a long run. Each line: the name of the case, and passed or failed.
 #include <cstdio>
 
 #include "contact/viscoelastic.hpp"
@@ -12,13 +12,13 @@ using hl::contact::Viscoelastic;
 
 namespace {
 
-// Says "give up" at the third question.
+// A Stop that is true from its third check on.
 struct Impatient {
     int asked = 0;
     Stop stop{[](void* self) { return ++static_cast<Impatient*>(self)->asked >= 3; }, this};
 };
 
-// Told to give up, it asks no more; a patient one finds contacts.
+// Whether a point stops at the third check and checks no more, and has contacts if it is not stopped.
 template <class Law>
 bool gives_up_a_point(int alternative, hl::sweep::Parameters p) {
     const hl::sweep::Setting setting{hl::sweep::Model::newton, alternative, true, true, -1};
@@ -44,7 +44,7 @@ void print(const char* name, bool passed) { std::printf("%s %s\n", name, passed 
 }  // namespace
 
 int main() {
-    // A small ball under a large one that comes down slowly: the pair meets many times.
+    // A light ball below a heavy one that falls slowly: the pair has many contacts.
     const hl::sweep::Parameters linear{0.001, 0.1, hl::math::nan, 1000.0, 1000.0,     1e-6,
                                        0.1,   0.0, 0.0,           9.81,   {1e6, 0.0}, {1e6, 0.0}};
     const hl::sweep::Parameters soft{0.1, 0.01, hl::math::nan, 1000.0, 1000.0,           1e-6,

@@ -1,5 +1,5 @@
-// For test_newton_events.py: the queue of contact ends against a sorted set, while contacts begin, are disturbed and
-// end. Prints the numbers of ended contacts, of simultaneous ends, of disturbed contacts, and of differences.
+// Program for test_newton_events.py: compares ContactEndQueue with a sorted set, while contacts begin, are disturbed
+// and end. Prints the numbers of ended contacts, simultaneous ends, disturbed contacts and differences.
 #include "boxes/newton_events/contact_end_queue.hpp"
 
 #include <cstdio>

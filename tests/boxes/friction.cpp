@@ -1,11 +1,11 @@
-// For test_friction.py: a law with friction in the engine that takes small steps.
+// Program for test_friction.py: a contact law with friction in the time-stepping engine.
 //
-//   friction frictionless   prints how many numbers of a run with a friction coefficient of 0 differ from those of the
-//                           linear dashpot; with pauses, and with friction, from those of another number of threads
-//   friction rolling        a sphere slides on the floor until it rolls: prints its final speed over the initial one
-//                           and the speed of its surface at the floor over that
-//   friction oblique        two spheres collide with an offset: prints the changes of momentum and angular momentum
-//                           over their scales, the change of the sum of spins, and the largest |F_t|/F_n
+//   friction frictionless   prints three numbers of differing values: friction coefficient 0 against the linear dashpot;
+//                           with friction, one thread against three threads with pauses; with friction against without
+//   friction rolling        a sphere slides on the floor until it rolls: prints the ratio of its final to its initial
+//                           speed, and that of the final speed of its surface at the floor
+//   friction oblique        two spheres collide off-centre: prints the relative changes of momentum and angular momentum,
+//                           the sum of the spins, and the largest |F_t|/F_n
 #include "boxes/common/random.hpp"
 #include "boxes/newton_steps/engine.hpp"
 #include "contact/linear_dashpot.hpp"
@@ -22,7 +22,7 @@ using namespace hardlimit::boxes;
 
 double coefficient = 0.0, largest_ratio = 0.0;
 
-// Linear dashpot with a tangential spring that slips at Coulomb's limit (P. A. Cundall & O. D. L. Strack,
+// Linear dashpot with a tangential spring limited by Coulomb friction (P. A. Cundall & O. D. L. Strack,
 // Géotechnique 29, 47 (1979)).
 struct CundallStrack : contact::LinearDashpot {
     struct History {

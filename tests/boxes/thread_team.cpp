@@ -1,6 +1,6 @@
-// For test_thread_team.py: threads work through phases together.
+// Program for test_thread_team.py: a ThreadTeam works through phases of tasks.
 //
-//   thread_team N PARTITIONS   N threads: prints the tasks done, and how many of them were not done once in their phase
+//   thread_team N PARTITIONS   prints the number of tasks that N threads did, and of those not done exactly once per phase
 #include "boxes/newton_steps/thread_team.hpp"
 
 #include <cstdio>

@@ -1,7 +1,7 @@
-// For test_newton_events.py: touch times of the kernels for random neighbours, against the distances at many times. A
-// neighbour touches the enlarged radius of the particle while that holds, and the usual radius later. Prints the
-// numbers of neighbours, of touches while enlarged and of later ones, the largest relative error of a distance (too
-// close before the touch, or apart at it), and the number of times that differ between numbers of lanes.
+// Program for test_newton_events.py: compares the touch times of the kernels for random neighbours with distances at
+// many times. During enlarged_span a neighbour touches the enlarged radius of the particle, later its radius. Prints
+// the number of neighbours, of touches during and after that span, the largest relative error of a distance (overlap
+// before the touch, or a gap at it), and the number of queries whose result depends on the number of lanes.
 #include "boxes/kernels/touch_kernel.hpp"
 
 #include <cmath>
@@ -48,13 +48,13 @@ int main() {
             q.shift[k] = shifted ? normal(engine) : 0.0;
             q.gravity[k] = falling ? normal(engine) : 0.0, q.half_gravity[k] = 0.5 * q.gravity[k];
         }
-        // The first is the particle itself, unless images are shifted.
+        // Neighbour 0 is the particle itself, unless images are shifted.
         std::vector<Particle<3>> all(1 + static_cast<std::size_t>(engine() % 30));
         for (std::size_t j = 0; j < all.size(); ++j) {
             Particle<3>& p = all[j];
             p.time = j == 0 || i % 5 == 0 ? q.now : q.now - uniform(engine);
             p.radius = 0.5 + uniform(engine);
-            // Present position relative to the particle: anywhere, exactly at touch with either radius, or close to it.
+            // Current position relative to the particle: far away, exactly at touch with either radius, or close to it.
             double r[3], v[3], length = 0.0;
             for (int k = 0; k < 3; ++k) r[k] = normal(engine), v[k] = normal(engine), length += r[k] * r[k];
             const double touch = p.radius + (engine() % 2 ? q.radius : q.enlarged_radius);

@@ -1,6 +1,6 @@
-// For test_newton_events.py: distances of random triangles from the origin, against the nearest of many of their
-// points. Prints the number of triangles, and by how much the nearest point was closer or farther at most, in units of
-// the longest side.
+// Program for test_newton_events.py: compares the distances of random triangles from the origin with the nearest of
+// many of their points. Prints the number of triangles, and the largest amounts by which the nearest point is closer
+// and farther, in units of the size of the triangle.
 #include "boxes/common/triangle.hpp"
 
 #include <cmath>

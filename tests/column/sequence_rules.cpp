@@ -1,6 +1,6 @@
-// For test_sequence_rules.py: random orders of events through column/sequence.hpp, and the same events lane by
-// lane through sweep/lane_state.hpp. Prints how many drops were compared, how many of them came to their end, met the
-// floor again with a pair contact open, and had a separation velocity, and in how many the two sets of rules differ.
+// Program for test_sequence_rules.py: applies random sequences of events to the scalar rules of column/sequence.hpp and
+// to the vector rules of sweep/lane_state.hpp. Prints the number of drops compared; how many of them finished, touched
+// the floor again during a pair contact, and had a separation velocity; and in how many the two implementations differ.
 #include <cstdio>
 #include <random>
 
@@ -16,7 +16,7 @@ constexpr int width = 2;
 using Real = hardlimit::Vector<width>::Real;
 using Flags = hardlimit::Mask<Real>;
 
-// One drop: which contacts push and which gaps are open, as the solvers know it, and its sequence.
+// One drop: its sequence, the contacts that act and the gaps that are open.
 struct Drop {
     Sequence sequence;
     bool floor = false, pair = false, floor_open = true, pair_open = true, counted = false;
@@ -121,7 +121,7 @@ struct Totals {
     long compared = 0, finished = 0, followed = 0, separated = 0, different = 0;
 };
 
-// `width` drops side by side, each with its own order of events, until all are over or `most` events have passed.
+// Compares `width` drops, each with its own random events, over `most` events.
 void compare(std::mt19937& engine, Totals& totals) {
     constexpr int most = 40, kinds = 7;
     const bool damped = engine() % 4 != 0;

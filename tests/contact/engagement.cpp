@@ -1,6 +1,6 @@
-// For test_engagement.py: when a slack pair engages in free flight, by the closed form for a law with a relaxation time
-// and by the search for any law, given the same law without that time. Prints the number of cases, the largest relative
-// difference of the times, and the number of cases in which only one found a time.
+// Program for test_engagement.py: compares two ways to compute the time at which a slack pair engages in free flight:
+// the closed form for a law with a relaxation time, and the search for any law. Prints the number of cases, the largest
+// relative difference of the times, and the number of cases in which only one of them found a time.
 #include <cmath>
 #include <cstdio>
 #include <random>

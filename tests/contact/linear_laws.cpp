@@ -1,6 +1,6 @@
-// For test_contact.py: whether the laws that say `linear` are. A force k ξ + γ ξ̇ is the sum of its parts at rest
-// and at no compression, and each of them is proportional. Prints the name of each law that says so, with its largest
-// departure from that; the last is one that is not linear.
+// Program for test_contact.py: checks that the laws declared `linear` are linear. A force k ξ + γ ξ̇ is the sum of its
+// values at ξ̇ = 0 and at ξ = 0, which are proportional to ξ and ξ̇. Prints the name of each declared law and its
+// largest deviation; the last law is not linear.
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -11,7 +11,7 @@ namespace {
 
 using namespace hardlimit;
 
-// Says that it is linear.
+// Declared linear, but quadratic in the compression.
 struct Quadratic : contact::LinearDashpot {
     template <class T>
     T force(T s, T rate) const {

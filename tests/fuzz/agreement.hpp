@@ -1,11 +1,12 @@
-// Whether the exact and the general solver agree on a column of two balls, and if they differ, why.
+// Compares the exact and the general solver on a column of two balls, and classifies any difference.
 //
-// A difference is explained in one of three ways. It is the error of the integration, if a sharper tolerance
-// takes at least half of it away. Or it is the condition of the problem: the general solver's result is that
-// of the exact solver for a column whose numbers differ from the given ones by a small relative amount, the
-// backward error of the two solvers together. Where a contact only just happens, or thousands follow each other,
-// such a change makes the counts differ, and everything that depends on them (a tie). Or only the instants differ
-// at which a force ends that creeps through zero: the exact one vanishes at both to rounding.
+// A difference has one of three explanations.
+//   * Integration error: a tighter tolerance removes at least half of it.
+//   * Conditioning: the general solver's result is that of the exact solver for a column whose parameters differ from the
+//     given ones by a small relative amount, the joint backward error of both solvers. Where a contact barely happens, or
+//     thousands follow each other, such a change alters the number of contacts and all that depends on it (a tie).
+//   * Flat force: only the instants differ at which a force that passes slowly through zero ends. The exact force is zero
+//     to rounding at both.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -28,8 +29,8 @@ struct Agreement {
     double backward_error = 0.0;  // relative change of the column that explains it
 };
 
-// The column in natural units: the speed at the floor or, where it is larger, the speed that the weight
-// reaches while it presses the contacts in; the time of the faster contact, and that of the floor's own.
+// Natural units of a column: the impact speed or, if larger, the speed that gravity produces while the contacts are
+// compressed; the time scale of the faster contact, and that of the floor contact.
 struct Measure {
     double speed, time, floor_time, fall;
     explicit Measure(const LinearColumn& c) : fall(column::fall_time(c.gaps[0], c.velocity[0], c.gravity)) {
@@ -50,8 +51,8 @@ inline bool same_events(const Sequence& a, const Sequence& b) {
            math::is_nan(a.relative_velocity) == math::is_nan(b.relative_velocity);
 }
 
-// [4] Both velocities in units of the impact speed; both times in units of the contact's, less what a
-// rounding of the time since release makes.
+// Differences of both velocities in units of the impact speed, and of both times in units of the contact time, minus
+// the rounding error of the time since release.
 struct Differences {
     double value[4];
     double largest() const { return *std::max_element(value, value + 4); }
@@ -68,8 +69,8 @@ inline Differences differences(const Sequence& a, const Sequence& b, const Measu
              of(a.t_floor_end, b.t_floor_end, unit.floor_time, 1e-12)}};
 }
 
-// Every number of the column changed by up to `relative` of itself; what is zero by so much of its natural
-// unit.
+// The column with every parameter changed by a relative amount up to `relative`; velocities and gaps also by that part
+// of their natural unit.
 inline LinearColumn nearby(LinearColumn c, double relative, Random& random) {
     Draw<Random&> draw(random);
     const Measure unit(c);
@@ -90,8 +91,7 @@ inline constexpr double rounding =
     1e-10;  // differences up to this, in units of the impact, need no explanation
 inline constexpr double largest_backward_error = 1e-10;
 
-// The exact solution, given up after `most` questions whether to go on, of which there is one for each 64
-// pieces.
+// The exact solution, stopped after `most` checks of its Stop; there is one check for each 64 pieces.
 inline Sequence solve_exactly(const LinearColumn& c, long most) {
     Stop stop([](void* left) { return --*static_cast<long*>(left) < 0; }, &most);
     return column::solve_sequence(c, column::Model::newton, {.stop = &stop}, nullptr);
@@ -101,9 +101,9 @@ inline Sequence integrate(const LinearColumn& c, long max_steps, double toleranc
                                   {.general = true, .tolerance = tolerance, .max_steps = max_steps}, nullptr);
 }
 
-// Whether changes of the column by `relative` make the exact solution differ from itself as much as the
-// general one does; in a tie one of the changed columns has the general one's events or, where the counts of the
-// changed ones spread, they do so on both sides of its count. `a` is filled with how.
+// Whether changes of the column by `relative` change the exact solution by as much as the general one differs from it.
+// In a tie, one of the changed columns has the events of the general solution, or the contact counts of the changed
+// columns lie on both sides of its count. Stores the verdict in `a`.
 inline bool explained_by_condition(double relative, const LinearColumn& c, Random& random, Agreement& a) {
     const Measure unit(c);
     const Differences found = differences(a.exact, a.general, unit);
@@ -127,7 +127,7 @@ inline bool explained_by_condition(double relative, const LinearColumn& c, Rando
     return true;
 }
 
-// Whether the general solution comes closer to the exact one at a sharper tolerance.
+// Whether the general solution comes closer to the exact one with a tighter tolerance.
 inline bool explained_by_tolerance(const LinearColumn& c, long max_steps, Agreement& a) {
     const Measure unit(c);
     const Sequence sharp = integrate(c, 4 * max_steps, 2e-15);
@@ -139,9 +139,8 @@ inline bool explained_by_tolerance(const LinearColumn& c, long max_steps, Agreem
     return true;
 }
 
-// Whether the force of the exact solution vanishes, and v'_r is that of the general one, where that has the ends
-// of its contacts; nothing but these instants then differs. What is known to `rounding` are velocities and
-// compressions, and so the force as well.
+// Whether, at the instants at which the general solution ends its contacts, the exact solution has zero force and the
+// same v'_r; then only these instants differ. Velocities and compressions, and so the force, are known to `rounding`.
 inline bool explained_by_flat_force(const LinearColumn& c, Agreement& a) {
     const Measure unit(c);
     const Differences found = differences(a.exact, a.general, unit);

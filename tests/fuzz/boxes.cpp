@@ -1,5 +1,5 @@
-// Fuzz target: small boxes of hard spheres and disks, of every kind and under every rule, which nothing else runs under
-// sanitizers: a few hundred collisions, then saved, loaded and gone on with.
+// Fuzz target: small boxes of hard spheres and disks under every collision rule. Each runs for a few hundred
+// collisions, is saved and loaded, and continues. No other test runs this engine under sanitizers.
 #include <algorithm>
 #include <vector>
 
@@ -49,7 +49,7 @@ void check(const Case& c, const Engine& e, const Observation& start) {
         require(math::is_finite(now.position[i]) && math::is_finite(now.velocity[i]),
                 "finite places and velocities");
     const Observation o = e.observe();
-    // Along a periodic axis a fall goes on for ever: there is no potential.
+    // Energy is conserved only without gravity along periodic axes, where there is no potential.
     bool closed = true, free = true;
     for (int k = 0; k < c.s.box.dimension; ++k) {
         closed = closed && (c.s.box.gravity[k] == 0.0 || !c.s.box.wraps(k));
@@ -69,7 +69,7 @@ void check(const Case& c, const Engine& e, const Observation& start) {
         require(math::abs(o.momentum[k] - start.momentum[k]) <= 1e-9 * impulse + 1e-300, "momentum is kept");
 }
 
-// Whether it came to its end; a run that stands still is given up.
+// Advances the run. Returns false if it made no progress and was stopped.
 bool advance(Engine& e, double until, u64 rows) {
     long left = 300;  // times 64 events
     Stop stop([](void* n) { return --*static_cast<long*>(n) < 0; }, &left);

@@ -1,4 +1,4 @@
-// What a fuzz target insists on.
+// Assertion and choice of a random law for the fuzz targets.
 #pragma once
 #include <cstdio>
 #include <cstdlib>
@@ -8,14 +8,14 @@
 
 namespace hardlimit::fuzz {
 
-// A fuzzer keeps the input with which the program aborts.
+// Aborts if the condition does not hold; the fuzzer then keeps the input.
 inline void require(bool holds, const char* what) {
     if (holds) return;
     std::fprintf(stderr, "does not hold: %s\n", what);
     std::abort();
 }
 
-// Calls with the name of one of the laws that there are: f.template operator()<Law>().
+// Calls f<Law>() for a randomly drawn registered law.
 template <class Source, class F>
 void with_some_law(Draw<Source>& draw, const F& f) {
     int count = 0;

@@ -1,5 +1,4 @@
-// Fuzz target: one contact under any law, its parameters over many decades or any numbers that the law's
-// record allows.
+// Fuzz target: one contact under any law, with parameters over many decades or any values that the law's record allows.
 #include "check.hpp"
 
 namespace {
@@ -36,7 +35,7 @@ bool usable(const Law& law) {
     return true;
 }
 
-// The slack never grows with the rate, is there only where the bodies separate, and there the force is zero.
+// Checks that the slack never grows with the rate, is positive only while the bodies separate, and has zero force.
 template <class Law>
 void check_slack(const Law& law, double speed) {
     double before = math::infinity;
@@ -75,7 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const double speed = draw.decades(1e-9, 1e4);
         const Law law = any_law<Law>(draw, {mass, radius});
         const double restitution = law.restitution(speed, mass);
-        if (!usable(law)) return;  // it has come back, with whatever
+        if (!usable(law)) return;  // checked only to return
         (void)restitution;
         check_collision(law, speed, mass);
         check_slack(law, speed);

@@ -1,6 +1,5 @@
-// Columns from numbers that know nothing of physics: random ones, or the bytes of a fuzzer. Every parameter
-// runs over many decades, and what is special (a gap of zero, equal balls, critical damping, ε = 1, no
-// gravity) comes up often.
+// Generates columns from random numbers or the bytes of a fuzzer. Each parameter covers many decades, and special cases
+// (zero gap, equal balls, critical damping, ε = 1, no gravity) are frequent.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +10,7 @@
 
 namespace hardlimit::fuzz {
 
-// The same numbers for the same key (splitmix64: Steele, Lea & Flood, OOPSLA 2014).
+// Random numbers determined by the key (splitmix64: Steele, Lea & Flood, OOPSLA 2014).
 class Random {
 public:
     explicit Random(std::uint64_t key) : state_(key * 0x9e3779b97f4a7c15ull) {}
@@ -26,7 +25,7 @@ private:
     std::uint64_t state_;
 };
 
-// Four bytes for each number; zeros when there are no more.
+// Numbers from a byte array, four bytes each; zero after its end.
 class Bytes {
 public:
     Bytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -50,7 +49,7 @@ public:
     int below(int n) { return static_cast<int>(source_.bits() % static_cast<std::uint32_t>(n)); }
     double between(double low, double high) { return low + (high - low) * (source_.bits() * 0x1p-32); }
     double decades(double low, double high) { return math::exp(between(math::log(low), math::log(high))); }
-    // One of these, in three cases of eight; else what `common` gives.
+    // With probability 3/8 one of the special values, otherwise common().
     template <class Common>
     double often(std::initializer_list<double> special, const Common& common) {
         const int i = below(8);
@@ -69,13 +68,13 @@ private:
     Source source_;
 };
 
-// A value of a law's parameter; of one that is not known here, from the middle of its range.
+// Draws a value of a law's parameter; for a parameter not listed here, from the middle of its range.
 template <class Source>
 double draw_parameter(Draw<Source>& draw, const Parameter& p) {
     struct Range {
         const char* name;
         double low, high;
-        bool zero;  // comes up too
+        bool zero;  // also draw 0
     };
     constexpr Range known[] = {
         {"stiffness", 1e2, 1e10, false},         {"damping", 1e-6, 1e4, true},
@@ -94,7 +93,7 @@ double draw_parameter(Draw<Source>& draw, const Parameter& p) {
                    : draw.decades(1e-3, 1e3);
 }
 
-// The parameters of a law: one of its alternatives, chosen and filled from its record.
+// Randomly drawn parameters of a law, for one of the alternatives in its record.
 template <class Law>
 struct Material {
     int alternative;
@@ -128,8 +127,8 @@ void draw_balls(Draw<Source>& draw, column::Column<Law>& c) {
     }
 }
 
-// Velocities at release: all at rest, all the same, only one that moves, or each its own. Something moves or
-// falls.
+// Draws gravity, gaps and velocities at release: all at rest, all equal, only one moving, or all different. At least
+// one ball moves or falls.
 template <class Law, class Source>
 void draw_motion(Draw<Source>& draw, column::Column<Law>& c) {
     c.gravity = draw.often({0.0, 9.81, 1.62}, [&] { return draw.decades(1e-3, 1e3); });
@@ -140,7 +139,7 @@ void draw_motion(Draw<Source>& draw, column::Column<Law>& c) {
                            : kind == 2 ? (i == 0 ? -speed : 0.0)
                                        : -speed;
         c.velocity.push_back(kind == 0 && c.gravity > 0.0 ? 0.0 : own);
-        if (i == 0 && c.floor && !(c.gravity > 0.0)) c.velocity[0] = -speed;  // or it would never land
+        if (i == 0 && c.floor && !(c.gravity > 0.0)) c.velocity[0] = -speed;  // otherwise it would never land
         const double gap = draw.often({0.0, 1e-15}, [&] { return draw.decades(1e-12, 0.1); });
         c.gaps.push_back(i == 0 && kind == 0 ? draw.decades(1e-9, 10.0) : gap);
     }
@@ -163,7 +162,7 @@ column::Column<Law> draw_column(Draw<Source>& draw, int balls, bool floor) {
     return c;
 }
 
-// No contact damped beyond so many times the critical damping.
+// Limits the damping ratio of each contact to `most`.
 inline void limit_damping(column::Column<contact::LinearDashpot>& c, double most) {
     for (std::size_t j = 0; j < c.contacts.size(); ++j) {
         contact::LinearDashpot& k = c.contacts[j];

@@ -1,5 +1,4 @@
-// Fuzz target: two balls under the linear law through the exact solver, on its own and against the general
-// one.
+// Fuzz target: the exact solver for two balls under the linear law, alone and against the general solver.
 #include "agreement.hpp"
 #include "check.hpp"
 
@@ -9,7 +8,7 @@ using namespace hardlimit;
 using fuzz::LinearColumn;
 using fuzz::require;
 
-constexpr long most = 300;  // questions whether to go on, of which there is one for each 64 pieces
+constexpr long most = 300;  // checks of Stop, one for each 64 pieces
 
 column::Drop solve(const LinearColumn& c, column::Coupling coupling, double until) {
     long left = most;
@@ -30,7 +29,7 @@ void check_numbers(const column::Drop& d) {
     }
 }
 
-// Kinetic, potential and stored energy never rise from node to node: the forces only take.
+// Checks that the mechanical energy never increases from node to node.
 void check_energies(const LinearColumn& c, const column::Drop& d) {
     double before = math::infinity, scale = 0.0;
     for (const column::Node& n : d.nodes) {

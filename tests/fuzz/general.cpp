@@ -1,5 +1,5 @@
-// Fuzz target: one to five balls, on a floor or not, under any law, through the general solver and the model
-// of independent collisions.
+// Fuzz target: columns and cradles of one to five balls under any law, with the general solver and the model of
+// independent collisions.
 #include "check.hpp"
 #include "column/rebound.hpp"
 
@@ -15,12 +15,12 @@ double speed_of(const column::Column<Law>& c) {
     return speed;
 }
 
-// Of a course [J].
+// Initial and largest energy of a run [J].
 struct Sizes {
     double initial, largest;
 };
 
-// At the knots of the run and between them: numbers are finite, energy never rises and no force pulls.
+// Checks at and between the knots of a run that values are finite, energy never increases and no force is attractive.
 Sizes check_course(const column::Solution& s, int balls, double rounding) {
     std::vector<double> times = s.knots();
     std::erase_if(times, [&](double t) { return !(t >= s.first && t <= s.last); });
@@ -65,7 +65,7 @@ void check(fuzz::Draw<fuzz::Bytes>& draw) {
         require(s != nullptr, "a solution");
         if (s->sequence.outcome == Outcome::invalid || math::is_nan(s->first)) continue;
         const Sizes energy = check_course(*s, balls, 1e-10);
-        // A heavy ball on a soft floor stores a million times what it had.
+        // Relative to the largest energy: a heavy ball on a soft floor stores a million times the initial energy.
         if (model == column::Model::newton && s->sequence.outcome != Outcome::unresolved)
             require(s->energy_error * energy.initial <= 1e-9 * energy.largest, "the energy balance");
         if (math::is_nan(options.until)) check_end(*c, *s);

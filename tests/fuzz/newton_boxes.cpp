@@ -1,5 +1,5 @@
-// Fuzz target: small boxes under Newton's equations by events, with all boundaries and laws. Each runs for some
-// contacts, is saved and loaded, and continues.
+// Fuzz target: small boxes in the event-driven engine for Newton's equations, with all boundaries and laws. Each runs
+// for some contacts, is saved and loaded, and continues.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
@@ -16,7 +16,8 @@ using fuzz::kernels;
 using fuzz::require;
 using Draw = fuzz::Draw<fuzz::Bytes>;
 
-// Speeds and gravity for which the total energy can compress a contact by a given part of the smallest radius.
+// A box with speeds and gravity scaled so that its total energy can compress a contact by a given fraction of the
+// smallest radius.
 template <class Law>
 struct Case : fuzz::SmallBox {
     std::vector<double> v;  // [N d]
@@ -25,7 +26,7 @@ struct Case : fuzz::SmallBox {
     double energy = 0.0, momentum = 0.0;  // upper bounds [J], [kg m/s]
     double depth = 0.0;                   // of the softest contact at this energy [m]
     double until = 0.0;                   // [s]
-    double least_restitution = 1.0;       // of an isolated contact at the present speeds
+    double least_restitution = 1.0;       // of an isolated contact at these speeds
 
     explicit Case(Draw& draw)
         : fuzz::SmallBox(draw, 3, 4.2001),
@@ -65,7 +66,7 @@ struct Case : fuzz::SmallBox {
     }
 };
 
-// Everything that an engine says of its state.
+// Everything that an engine reports about its state.
 struct Seen {
     Observation sums;
     std::vector<double> position, velocity;  // [N d]
@@ -116,7 +117,7 @@ private:
     std::unique_ptr<Engine> engine_;
     Observation start_;
     double dissipated_ = 0.0;
-    double slack_ = 0.0;  // of what overlaps without force: not lost where it is pressed again [J]
+    double slack_ = 0.0;  // energy of overlaps without force, recovered if they engage again [J]
 
     static const hardlimit_abi::TouchKernels& of(const Case<Law>& c) {
         return c.wide ? kernels<8> : kernels<2>;
@@ -137,8 +138,8 @@ private:
             for (int k = 0; k < c_.s.box.dimension; ++k)
                 scale += c_.mass[i] *
                          math::abs(c_.s.box.gravity[k] * now.position[d * i + static_cast<std::size_t>(k)]);
-        // Contacts are integrated to about 1e-11 of the energy in a step, and there are tens of steps in each. A
-        // compression is known to the rounding of the places it is the difference of.
+        // The integration error is about 1e-11 of the energy per step, with tens of steps in each contact. A
+        // compression has the rounding error of the positions from which it is computed.
         const double farthest = math::max(math::max(c_.s.box.edge[0], c_.s.box.edge[1]), c_.s.box.edge[2]);
         const double of_contact = 5e-10 + 20.0 * math::epsilon * farthest / c_.depth;
         const double balance = 1e-9 + of_contact * static_cast<double>(now.sums.begun);
@@ -159,7 +160,8 @@ private:
                     "contacts begin and end");
     }
 
-    // Nobody is deeper in another one than all energy could press him; who approaches there is in contact.
+    // Checks that no overlap is deeper than the total energy allows, and that overlapping bodies that approach are in
+    // contact.
     void check_overlaps(const Seen& now, double energy) {
         slack_ = 0.0;
         const auto n = static_cast<std::int64_t>(c_.s.n);
@@ -211,7 +213,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::with_some_law(draw, [&]<class Law>() {
         const Case<Law> c(draw);
         if (fault_of(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
-        if (!(c.least_restitution > 1e-3)) return;  // what creeps takes steps without number
+        if (!(c.least_restitution > 1e-3)) return;  // creeping contacts need too many steps
         Run<Law> run(c);
         const double first = draw.between(0.0, c.until);
         run.advance(first);

@@ -1,6 +1,6 @@
-// A small box of any kind for a fuzz target: bodies on the places of a lattice, some of them moved, so that they may
-// touch and do not overlap. Often they have no room at all, move as in a mirror, or so slowly that the squares of
-// their speeds are no numbers.
+// Generates a small random box for a fuzz target: particles on or near lattice sites, which may touch but do not
+// overlap. Frequent special cases: no free space, mirror-symmetric motion, and speeds so small that their squares
+// underflow.
 #pragma once
 #include <algorithm>
 #include <type_traits>
@@ -16,7 +16,7 @@ namespace hardlimit::fuzz {
 template <int lanes>
 constexpr hardlimit_abi::TouchKernels kernels = boxes::touch_kernels<typename Vector<lanes>::Real>("fuzz");
 
-// The law with these parameters, by its place in the registry.
+// LawChoice for a law with these parameters.
 template <class Law>
 boxes::LawChoice law_choice(const Material<Law>& material) {
     boxes::LawChoice choice;
@@ -35,9 +35,9 @@ boxes::LawChoice law_choice(const Material<Law>& material) {
 struct SmallBox {
     boxes::System s{};
     std::vector<double> position, velocity, radius, mass;
-    double large, speed;  // the largest radius there can be [m], the largest component of a velocity [m/s]
+    double large, speed;  // upper bounds on radii [m] and velocity components [m/s]
 
-    // `most_places`: of the lattice along an axis; least_edge: of a periodic axis, in largest radii.
+    // most_places: largest number of lattice sites along an axis. least_edge: smallest periodic edge, in largest radii.
     template <class Source>
     SmallBox(Draw<Source>& draw, int most_places, double least_edge) {
         s.box.dimension = 2 + draw.below(2);
@@ -46,7 +46,7 @@ struct SmallBox {
         const double ratio = draw.often({1.0}, [&] { return draw.decades(0.01, 1.0); });
         const double spacing = 2.0 * large * draw.often({1.0}, [&] { return 1.0 + draw.decades(1e-9, 3.0); });
         speed = draw.decades(1e-3, 10.0);
-        if (draw.below(4) == 0) {  // all fly together, but for this part
+        if (draw.below(4) == 0) {  // common velocity, except for the fraction `apart`
             apart = draw.decades(1e-6, 1.0);
             for (double& x : together) x = (1.0 - apart) * draw.between(-speed, speed);
         }
@@ -74,7 +74,7 @@ struct SmallBox {
     SmallBox(const SmallBox&) = delete;
     SmallBox& operator=(const SmallBox&) = delete;
 
-    bool wide;  // which of two kernels
+    bool wide;  // kernel with 8 lanes; otherwise 2
 
 private:
     double together[3] = {}, apart = 1.0;

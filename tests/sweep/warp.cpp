@@ -1,4 +1,4 @@
-// core/sweep/kernel.cu in the emulated warp of warp.hpp, for tests/sweep/test_cuda.py.
+// Library for tests/sweep/test_cuda.py: runs core/sweep/kernel.cu in the emulated warp of warp.hpp.
 #include <cstring>
 
 #include "kernel.cu"
@@ -11,7 +11,7 @@ struct Call {
     void (*kernel)(Task*);
     Task* task;
 };
-// 0 if the threads stayed in step to the end.
+// Returns 0 if the threads stayed synchronous to the end.
 int emulate(void (*kernel)(Task*), Task* task) {
     std::memset(room, 0xa5, sizeof room);
     Call call{kernel, task};

@@ -1,5 +1,5 @@
-// A warp of 32 threads on a processor, for core/sweep/kernel.cu: each thread is a context of its own, and all are
-// run in turn from one exchange between them to the next. Put before the kernel with -include.
+// Emulates a warp of 32 GPU threads on the CPU, for core/sweep/kernel.cu. Each thread has its own context; the threads
+// run one after the other from one exchange between them to the next. Included before the kernel with -include.
 #pragma once
 #include <ucontext.h>
 
@@ -7,7 +7,7 @@
 
 #define __global__
 #define __device__
-#define __shared__ extern  // defined by warp.cpp, which fills it with what no flag may hold
+#define __shared__ extern  // defined by warp.cpp, which fills it with an invalid bit pattern
 #define __launch_bounds__(n)
 
 namespace emulated {
@@ -29,21 +29,21 @@ struct Warp {
     void* argument;
 };
 inline Warp w;
-inline void (*at_exchange)() = nullptr;  // for those who watch
+inline void (*at_exchange)() = nullptr;  // hook for tests
 
 inline void enter() {
     w.body(w.argument);
     w.done[w.lane] = true;
 }
 
-// What every thread of the warp says at this exchange.
+// Sends a value and returns the values of all threads of the warp at this exchange.
 inline const unsigned long long* exchange(unsigned long long mine) {
     w.said[w.lane] = mine;
     swapcontext(&w.thread[w.lane], &w.scheduler);
     return w.heard;
 }
 
-// Runs the threads of one warp to their end; returns the number of exchanges, or −1 if they fell out of step.
+// Runs the threads of one warp to their end. Returns the number of exchanges, or −1 if they did not stay synchronous.
 inline long run(void (*body)(void*), void* argument) {
     w.body = body;
     w.argument = argument;
@@ -72,7 +72,7 @@ inline long run(void (*body)(void*), void* argument) {
 
 }  // namespace emulated
 
-// threadIdx.x and its like.
+// CUDA built-in variables.
 struct EmulatedLane {
     operator unsigned() const { return static_cast<unsigned>(emulated::w.lane); }
 };

@@ -1,4 +1,4 @@
-// Largest compressions between the nodes of the exact solver.
+// Largest compressions of floor and pair over the nodes of the exact solver.
 #pragma once
 #include "glide.hpp"
 
@@ -6,6 +6,7 @@ namespace hardlimit::column {
 
 namespace drop {
 
+// State a time dt after a node.
 inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
     if (dt == 0.0) return n.x;
     if (!n.floor && !n.pair) return exact::fly<double>(s, n.x, dt);
@@ -22,19 +23,19 @@ inline Gaps state_at(const TwoBall& s, const Node& n, double dt) {
     return exact::evaluate(piece, 1.0);
 }
 
-// Greatest compressions so far, and where a contact reaches its limit. Scaled units.
+// Tracks the largest compressions and detects the instant a contact reaches its limit. Scaled units.
 class Compressions {
 public:
     double greatest[2] = {0.0, 0.0};  // of floor and pair
-    int too_deep = -1;                // the one that reached its limit; −1: none
-    double at = exact::never;         // when
-    Node there{};
+    int too_deep = -1;                // contact that reached its limit; −1: none
+    double at = exact::never;         // when it did
+    Node there{};                     // state then
 
     explicit Compressions(const TwoBall& groups, double floor = exact::never, double pair = exact::never)
         : s(groups), limit{floor, pair} {}
 
-    // From a node over dt, which may be infinite. A gap has at most one extremum in a quarter of a piece. Steps grow
-    // where one closed form lasts longer than 4 pieces: by then a contact oscillates about its rest position or creeps.
+    // Follows the motion for dt, possibly infinite, after a node. A gap has at most one extremum in a quarter of a
+    // piece. After 4 pieces the step grows: by then a contact oscillates about its rest position or creeps.
     void look(const Node& n, double dt) {
         if (too_deep >= 0 || !(n.floor || n.pair)) return;
         const double least = 0.25 * exact::piece_length(s, n.floor, n.pair);
@@ -66,7 +67,7 @@ private:
         return j == 0 ? Gap{x.u, x.du} : Gap{x.w, x.dw};
     }
 
-    // Contact j between t and next; `first`: when the other one has reached its limit, or next.
+    // Examines contact j between t and next. `first`: instant at which the other contact reaches its limit, or next.
     void compare(int j, const Node& n, double t, double next, Gap from, Gap to, double& first) {
         double deepest = math::min(from.gap, to.gap), turn = next;
         if (from.rate < 0.0 && to.rate > 0.0) {

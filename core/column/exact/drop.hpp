@@ -1,4 +1,4 @@
-// Two balls in SI units through the exact solver: start of the drop, recording, sampling anywhere.
+// Interface of the exact solver in SI units: solves a two-ball drop, records it and samples it at any time.
 #pragma once
 #include <algorithm>
 
@@ -14,7 +14,7 @@ namespace hardlimit::column {
 
 using LinearColumn = Column<contact::LinearDashpot>;
 
-// Observer that records the contacts of a run and, if it is to be sampled, its nodes (at most max_pieces).
+// Observer that records the contacts of a run and, if keep_nodes, its nodes (at most max_pieces).
 struct Recorder {
     bool keep_nodes = true;
     Stop* stop = nullptr;
@@ -50,6 +50,7 @@ struct Recorder {
     }
 };
 
+// A solved drop.
 struct Drop {
     Start start;
     Sequence sequence;              // SI
@@ -58,7 +59,7 @@ struct Drop {
     int too_deep = -1;              // pair that was compressed too much; −1: none
 };
 
-// One state in SI units: gaps and forces of floor and pair, velocities of lower and upper ball.
+// State at one time in SI units: gaps and forces of floor and pair, velocities of lower and upper ball.
 struct DropSample {
     double gap[2], velocity[2], force[2];
     Energies energies;
@@ -85,9 +86,9 @@ inline constexpr double gauss_at[4] = {0.18343464249564980494, 0.525532409916328
 inline constexpr double gauss_weight[4] = {0.36268378337836198297, 0.31370664587788728734,
                                            0.22238103445337447054, 0.10122853629037625915};
 
-// Work done by the dashpots in motion C of the adiabatic model. It differs from the loss of mechanical energy, because
-// the model leaves out the work of the reaction. Over t it is a quadratic form W(t) of the state, and
-// W(2t) = W(t) + Φᵀ W(t) Φ with Φ = exp(M t).
+// Energy dissipated by the dashpots in motion C of the adiabatic model. It is not the loss of mechanical energy,
+// because the model neglects the work of the reaction. Over a time t it is a quadratic form W(t) of the state, with
+// W(2t) = W(t) + Φᵀ W(t) Φ, Φ = exp(M t).
 inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x, double t) {
     const TwoBall& groups = s.groups;
     const double half_piece = 0.5 * exact::piece_length(groups, true, true);
@@ -113,9 +114,9 @@ inline double work_together(const LinearColumn& c, const Start& s, const Gaps& x
     return work * s.units.speed * s.units.speed / s.units.rate;
 }
 
-// Work done by the dashpots, and energy that a contact still stores when its clipped force vanishes, from the node
-// over dt: an eight-point Gauss rule on half pieces is exact to rounding. The energy stored in a
-// force-free overlap counts as lost as it opens. Over many pieces the sum is taken from the loss of mechanical energy.
+// Energy dissipated within dt after a node: by the dashpots, and by overlaps without force, whose stored energy is lost
+// as they open. The eight-point Gauss rule on half pieces is exact to rounding. Over many pieces the result is the loss
+// of mechanical energy.
 inline double dissipated_over(const LinearColumn& c, const Start& s, const Node& n, double dt) {
     const double speed2 = s.units.speed * s.units.speed;
     const auto power = [&](const Gaps& x) {
@@ -164,12 +165,12 @@ inline DropBound bound_of(const CompressionBound& bound, const Start& s, double 
     return DropBound::of(bound, gap, s.units.speed);
 }
 
-// Longest time that the contacts of a run may last: at rest they last forever, unless `until` is given.
+// End of the last contact of a run: infinity at rest, unless `until` is given.
 inline double lasts(const Sequence& q, double last, double span) {
     return q.outcome == Outcome::at_rest && span == -math::infinity ? math::infinity : last;
 }
 
-// A run that tracks the compressions and ends where one reaches its limit.
+// Runs the solver, tracks the compressions and ends the run where one reaches its limit.
 inline Sequence run_watched(const Start& s, const CompressionBound& bound, double span, Recorder& record,
                             Compressions& watch) {
     watch = Compressions(s.groups, bound.floor * s.per_metre, bound.pair * s.per_metre);
@@ -177,7 +178,7 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
     Sequence q = run_two_ball(s.groups, s.first, s.t, span, record);
     if (lasts(q, 0.0, span) > 0.0) watch.look(record.last, exact::never);
     if (watch.too_deep < 0) return q;
-    // The run may have passed one event after that instant.
+    // The run may have applied one event after that instant.
     const auto later = [&](const Contact& k) { return k.begin > watch.at; };
     if (!q.met_again && !q.finished)
         q.n_contacts -=
@@ -196,7 +197,7 @@ inline Sequence run_watched(const Start& s, const CompressionBound& bound, doubl
     return q;
 }
 
-// The sequence on the clock of the solver.
+// Solves the sequence, in scaled units.
 inline Sequence sequence_of(const Start& s, const CompressionBound& bound, double gap, double span,
                             Stop* stop) {
     const DropBound sure = bound_of(bound, s, gap);
@@ -218,14 +219,14 @@ inline Start start_drop(const LinearColumn& c, Coupling coupling) {
                           {c.gaps[0], c.velocity[0], c.gaps[1], c.velocity[1] - c.velocity[0]}, coupling);
 }
 
-// `until` [s] on the clock of the solver, at most 2^52: beyond, doubles cannot resolve a contact.
+// `until` [s] in scaled time, at most 2^52: beyond that, doubles cannot resolve a contact.
 inline double scaled_span(double until, const Units& units) {
     return math::is_nan(until) ? -math::infinity : math::min(until * units.rate, 0x1p52);
 }
 
 namespace drop {
 
-// Whether the energies at the last node exclude the compressions of a bound from there on.
+// Whether the energies at the last node exclude the compressions of `bound` at all later times.
 inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound) {
     const Units& units = d.start.units;
     const Gaps& x = d.nodes.back().x;
@@ -239,7 +240,7 @@ inline bool settles(const LinearColumn& c, const Drop& d, CompressionBound bound
 
 }  // namespace drop
 
-// Only the sequence, in SI units.
+// Solves only the sequence, in SI units.
 inline Sequence solve_drop_sequence(const LinearColumn& c, Coupling coupling, double until, Stop* stop) {
     const Start s = start_drop(c, coupling);
     Sequence q;
@@ -288,7 +289,7 @@ inline Drop solve_drop(const LinearColumn& c, Coupling coupling, double until, b
     return d;
 }
 
-// Dissipated energy up to each node [J]; invalid if `stop` has ended it.
+// Dissipated energy up to each node [J]; incomplete if stopped.
 inline std::vector<double> dissipated_energy(const LinearColumn& c, const Drop& d, Stop& stop) {
     std::vector<double> sum{0.0};
     for (std::size_t i = 0; i + 1 < d.nodes.size() && !stop(); ++i)
@@ -297,8 +298,8 @@ inline std::vector<double> dissipated_energy(const LinearColumn& c, const Drop& 
     return sum;
 }
 
-// State, forces and energies at time t [s after the first floor touch], within the recorded span. `dissipated` is
-// what dissipated_energy() gives.
+// State, forces and energies at time t [s after the first floor touch], within the recorded span. `dissipated` is the
+// result of dissipated_energy().
 inline DropSample sample_drop(const LinearColumn& c, const Drop& d, const std::vector<double>& dissipated,
                               double t) {
     const TwoBall& s = d.start.groups;

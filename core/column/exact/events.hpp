@@ -1,4 +1,4 @@
-// Events of the exact two-ball solver: which contact begins, ends or opens next.
+// Event detection for the exact two-ball solver: which contact begins, ends or opens next.
 #pragma once
 #include "motions.hpp"
 
@@ -7,7 +7,7 @@ namespace hardlimit::column::exact {
 enum class Event { none, floor_begins, floor_ends, floor_opens, pair_begins, pair_ends, pair_opens };
 
 struct Next {
-    double at = never;  // θ within a piece, or time in motion A
+    double at = never;  // θ within a piece; time in free flight (motion A)
     Event what = Event::none;
     HL_FN void consider(double when, Event candidate) {
         if (when < at) {
@@ -17,7 +17,7 @@ struct Next {
     }
 };
 
-// Which event functions the last event put exactly on zero.
+// Event functions that the last event set exactly to zero: u, w, L1, L2.
 struct OnSurface {
     bool u = false, w = false, l1 = false, l2 = false;
 };

@@ -1,22 +1,22 @@
-// Gliding over a lasting contact of both balls (motion C): many pieces in one step where nothing can happen.
+// Large steps through a lasting contact of both balls (motion C), over many pieces in which no event can occur.
 //
-// Energies of the derivatives, which never rise (rest.hpp), bound d²L/dt². So L1 and L2 stay below parabolas; while
-// these are negative no contact ends, and a power of exp(M h) advances the state. A light ball that rings between the
-// floor and a heavy one makes those energies large. There only the slow mode is bounded by a parabola, and the
-// amplitude of the fast mode is added.
+// The energies of the derivatives never increase (rest.hpp) and bound d²L/dt². So L1 and L2 stay below parabolas. While
+// these are negative no contact ends, and a power of exp(M h) advances the state. A light ball that oscillates between
+// the floor and a heavy ball makes those energies large. In that case only the slow mode is bounded by a parabola, and
+// the amplitude of the fast mode is added.
 #pragma once
 #include "rest.hpp"
 
 namespace hardlimit::column::exact {
 
-// exp(M t) for the motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or
-// s = u + w, whose slow motion would be lost in the rounding of the other's. The diagonal is kept twice: minus 1,
-// which keeps the digits of slow modes through many squarings, and as it is, which keeps those of decayed modes.
+// exp(M t) of motion C without gravity, acting on (q, q̇, w, ẇ). q is the height of the heavier ball, u or s = u + w;
+// computed from the other height, its slow motion would be lost to rounding. The diagonal is stored twice: minus 1,
+// which keeps the digits of slow modes through many squarings, and unchanged, which keeps those of decayed modes.
 struct Propagator {
     double m[4][4];  // exp(M t) − 1
     double kept[4];  // diagonal of exp(M t)
 
-    // Over one piece, by the Taylor series of its columns.
+    // Over a time h of at most one piece, by Taylor series of its columns.
     HL_FN static Propagator of(const TwoBall& s, double h) {
         Propagator p;
         for (int j = 0; j < 4; ++j) {
@@ -44,7 +44,7 @@ struct Propagator {
     }
     // An element of exp(M t).
     HL_FN double at(int i, int j) const { return i == j ? kept[i] : m[i][j]; }
-    // W + Φᵀ W Φ with Φ = exp(M t).
+    // Replaces W by W + Φᵀ W Φ with Φ = exp(M t).
     HL_FN void double_form(double (&form)[4][4]) const {
         double half[4][4] = {};
         for (int i = 0; i < 4; ++i)
@@ -100,7 +100,7 @@ private:
 
 inline constexpr int most_doublings = 200;
 
-// Motion C over any time.
+// State after a time t of motion C.
 HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
     const double h = piece_length(s, true, true);
     int doublings = 0;
@@ -111,12 +111,12 @@ HL_FN Gaps lie_together(const TwoBall& s, const Gaps& x, double t) {
     return p.moved(s, x);
 }
 
-// Bounds on L1 and L2 from now on.
+// Upper bounds on L1 and L2 at all later times, while both contacts are closed.
 struct Glide {
-    double l1, l2, rate1, rate2;  // L1, L2 and their rates now
+    double l1, l2, rate1, rate2;  // L1, L2 and their current rates
     double level1, level2;        // bounds on the rates
     double bend1, bend2;          // bounds on the second derivatives
-    double own, gain;  // another one for L2, as the pair alone under the drive of the floor: own + gain t
+    double own, gain;  // second bound on L2'': own + gain t, the pair as an oscillator driven by the floor
 
     HL_FN static Glide of(const TwoBall& s, const Gaps& x) {
         const Derivatives d = derivatives(s, x);
@@ -138,7 +138,7 @@ struct Glide {
         g.gain = (1.0 + s.c2) * (s.a1 * g.bend1);
         return g;
     }
-    // No contact ends within t.
+    // Whether the bounds exclude the end of a contact within t.
     HL_FN bool holds(double t) const {
         const double half = 0.5 * t * t, bend = math::min(bend2, own + gain * t);
         return (l1 + level1 * t < 0.0 || l1 + rate1 * t + bend1 * half < 0.0) &&
@@ -146,7 +146,7 @@ struct Glide {
     }
 };
 
-// Bounds on L1 and L2 from now on, coupled balls, from the two modes of the motion without damping.
+// Upper bounds on L1 and L2 at all later times for coupled balls, from the two modes of the undamped motion.
 //
 // With p = y/√a2 and r = (y + v)/√b2, y and v being the distances of u and w from the equilibrium, the equations read
 // q̈ + C q̇ + K q = 0 for q = (p, r), with symmetric C and K. Along the eigenvectors of K, slow (sin θ, cos θ) and fast
@@ -186,7 +186,7 @@ public:
         m.pair = {w0, s.c2, along, math::abs(across)};
         return m;
     }
-    // No contact ends within t.
+    // Whether the bounds exclude the end of a contact within t.
     HL_FN bool holds(double t) const {
         const double grown = coupling * energy * t, own = own_energy + grown,
                      ring = amplitude + grown / math::sqrt(fast);
@@ -196,7 +196,7 @@ public:
         const auto closed = [&](const Force& f) {
             const double now = q + f.c * dq, rate = dq + f.c * ddq, bend = second + f.c * third;
             const double most = f.slow * (now + rate * t) + math::abs(f.slow) * (0.5 * bend * t * t);
-            // At the end of the stretch and, where the parabola bends up, at its beginning: in between it is lower.
+            // The maximum of a parabola that bends up is at one of the two ends.
             const double from = f.slow * now;
             return f.still + math::max(most, from) + f.fast * ring * math::sqrt(1.0 + f.c * f.c * fast) < 0.0;
         };
@@ -212,17 +212,17 @@ private:
     double q, dq, ddq, own_energy;                // the slow mode
     double amplitude, energy;                     // of the fast mode; E
     double slow, fast;                            // squares of the frequencies
-    double damping_slow, damping_fast, coupling;  // elements of C, the last one's size
+    double damping_slow, damping_fast, coupling;  // elements C_ss, C_ff and |C_fs|
 };
 
-// Powers of the propagator of one piece, computed on demand.
+// Powers 2^n of the propagator of one piece, computed on demand.
 class Powers {
     static constexpr int most = 64;
     Propagator power[most];
     int known = 0;
 
 public:
-    // Number of doublings of a piece during which no event can happen and that fit into `span`; −1: not worthwhile.
+    // Largest n such that no event can occur within 2^n pieces and these fit into `span`; −1: too few to be worthwhile.
     HL_FN static int doublings(const TwoBall& s, const Gaps& x, double span) {
         constexpr int least = 3;
         const Glide g = Glide::of(s, x);

@@ -1,36 +1,36 @@
-// Two balls on a floor under the linear law: dimensionless groups and state.
+// Dimensionless groups and state of two balls on a floor under the linear law.
 #pragma once
 #include "../../contact/linear_dashpot.hpp"
 
 namespace hardlimit::column {
 
-// Whether the equations of motion of two balls on a floor have a piecewise closed form under a law.
+// Whether two balls on a floor have a piecewise closed-form solution under a law.
 template <class Law>
 inline constexpr bool has_exact_solver = false;
 template <>
 inline constexpr bool has_exact_solver<contact::LinearDashpot> = true;
 
-// The dimensionless groups of the problem.
+// Dimensionless groups; the equations of motion are in motions.hpp.
 template <class R>
 struct Groups {
-    R a1, a2;   // floor and reaction couplings
-    R c1, c2;   // damping times γ/k of floor and pair
+    R a1, a2;   // coupling of the floor force, and of the reaction of the upper ball on the lower
+    R c1, c2;   // relaxation times γ/k of floor and pair
     R gravity;  // G = g/(V ω)
 };
 
-// Below this b2 the lower ball counts as light: 1 − a2 would have lost its digits.
+// Below this b2 the lower ball counts as light: 1 − a2 would lose digits by cancellation.
 inline constexpr double light_below = 1.0 / 512.0;
 
-// Above this gravity squares overflow. The contacts are then so soft that its weight presses a ball in 1e100 times
-// deeper than its impact does.
+// Above this scaled gravity squares overflow. Contacts are then so soft that the static compression under the weight is
+// 1e100 times that of the impact.
 inline constexpr double strongest_gravity = 1e100;
 
-// The groups of one problem, and b2, which is to the upper ball what a2 is to the lower one: its height s = u + w obeys
-// s̈ = −G − b2 L2. In exact numbers b2 = 1 − a2. Where it is small that difference would lose its digits, and with them
-// the momentum of a heavy upper ball; b2 is then computed as m_eff/m2.
+// The groups of one problem, and b2, the coupling of the pair force to the upper ball: the height s = u + w obeys
+// s̈ = −G − b2 L2. Exactly, b2 = 1 − a2. If b2 is small, this difference loses digits and with them the momentum of a
+// heavy upper ball; b2 is then computed as m_eff/m2.
 struct TwoBall : Groups<double> {
     double b2;
-    // The lower ball is much the lighter one. The velocity of the upper ball is then followed by its own momentum.
+    // The lower ball is much lighter. The velocity of the upper ball is then computed from its own momentum balance.
     HL_FN bool light() const { return b2 < light_below; }
 };
 
@@ -39,12 +39,13 @@ struct Units {
     double speed, rate;
 };
 
+// b2 = m_eff/m2, computed without cancellation.
 HL_FN double upper_share(double reduced, double m1, double m2) {
     const double rest = 1.0 - reduced / m1;
     return rest < light_below ? reduced / m2 : rest;
 }
 
-// Fully coupled balls: time in units of the pair's own 1/ω12.
+// Groups of fully coupled balls; time in units of 1/ω, ω² = k12/m_eff.
 HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
                              double m1, double m2, double gravity, double speed, Units& units) {
     const double reduced = effective(m1, m2);
@@ -55,14 +56,15 @@ HL_FN TwoBall coupled_groups(const contact::LinearDashpot& floor, const contact:
             upper_share(reduced, m1, m2)};
 }
 
-// Appendix A of the paper: the upper ball does not act on the lower one (exact for R1 ≫ R2).
+// Groups of the adiabatic model (Appendix A of the paper): the upper ball does not act on the lower one. Exact for
+// R1 ≫ R2.
 //
 // Without the reaction, Eq. 14 becomes
 //   m1 z̈1 = −m1 g + F01,   m2 z̈2 = −m2 g + F12,
-// the motions A (Eqs. A1–A2), B (A3–A4), C (A5) and D (A6). In gaps this is the system of motions.hpp with the
-// reaction a2 = 0 and time in units of 1/ω, ω² = k12/m2: the pair spring moves the upper ball's own mass, no longer
-// m_eff. The solver is therefore the same. Amplitude and phase of A4, whose p is 0/0 at z = z_inh, are not formed:
-// the state itself is propagated. Damping constants stay those of the real contacts.
+// the motions A (Eqs. A1–A2), B (A3–A4), C (A5) and D (A6). In gaps this is the system of motions.hpp with a2 = 0 and
+// time in units of 1/ω, ω² = k12/m2: the pair spring accelerates the mass m2 instead of m_eff. So the same solver
+// applies. It propagates the state and does not need amplitude and phase of A4, whose p is 0/0 at z = z_inh. The
+// damping constants are those of the actual contacts.
 HL_FN TwoBall adiabatic_groups(const contact::LinearDashpot& floor, const contact::LinearDashpot& pair,
                                double m1, double m2, double gravity, double speed, Units& units) {
     const double rate = math::sqrt(pair.stiffness / m2);

@@ -1,16 +1,15 @@
-// Newton's equations for two balls on a floor with the linear dashpot (Eq. 14 with Eq. 7), solved exactly.
+// Exact solution of Newton's equations for two balls on a floor under the linear dashpot law (Eq. 14 with Eq. 7).
 //
 // With gaps u (floor) and w (pair), L1 = u + c1 u̇, L2 = w + c2 ẇ (c = γ/k, force = −k L while in contact):
 //   ü = −G − a1 L1 [floor] + a2 L2 [pair],      ẅ = a1 L1 [floor] − L2 [pair],
-// in units of length V/ω, time 1/ω, speed V, with ω² = k12/m_eff, a1 = k01/(m1 ω²), a2 = m_eff/m1. Other values of
-// the groups give the adiabatic problem (groups.hpp).
+// in units of length V/ω, time 1/ω, speed V, with ω² = k12/m_eff, a1 = k01/(m1 ω²), a2 = m_eff/m1. Terms in brackets
+// apply while that contact is closed. Other values of the groups give the adiabatic problem (groups.hpp).
 //
 // Between two events the system is linear with constant coefficients (motion A: free, B: floor, C: both,
-// D: pair), so the state is exp(M t) acting on the last one. The exponential is evaluated through its Taylor
-// series over pieces of length h = 1.5/|M|: 22 terms leave a remainder below rounding (1.5²²/22! = 7e-18), whatever
-// the damping, without the digits that eigenvectors lose where eigenvalues meet (critical damping). Motion A is the
-// parabola itself. Each event is the first zero of a polynomial on [0, 1], found by steps that provably cannot
-// pass it (first_crossing).
+// D: pair): the state after t is exp(M t) times the initial state. The exponential is evaluated by its Taylor series on
+// pieces of length h = 1.5/|M|: 22 terms leave a remainder below rounding (1.5²²/22! = 7e-18) for any damping.
+// Eigenvectors would lose digits where eigenvalues coincide (critical damping). Motion A is a parabola. Each event is
+// the first zero of a polynomial on [0, 1], found by steps that provably do not pass it (first_crossing).
 #pragma once
 #include "../../base/roots.hpp"
 #include "groups.hpp"
@@ -34,9 +33,10 @@ using roots::slope_at;
 using roots::value_at;
 
 inline constexpr int order = 22;
-inline constexpr long max_pieces = 4'000'000, max_lasting = 2'000'000;  // of a run; without an event
+inline constexpr long max_pieces = 4'000'000,
+                      max_lasting = 2'000'000;  // pieces in a run; pieces between two events
 
-// Polynomials in θ = (t − t0)/h, and the reciprocals 1/((n + 1)(n + 2)) of their recurrence.
+// Taylor polynomials of u, w, L1 and L2 in θ = (t − t0)/h.
 template <class R, int N = order>
 struct Series {
     R h;
@@ -55,7 +55,7 @@ struct InverseFactorials {
 
 using Piece = Series<double>;
 
-// Bound on the rates of the motion.
+// Upper bound on the rates (moduli of the eigenvalues) of the motion.
 template <class R>
 HL_FN R rate_bound(const Groups<R>& s, Mask<R> floor, Mask<R> pair) {
     const R square = select<R>(floor, s.a1, R{}) + select<R>(pair, broadcast<R>(1.0), R{});
@@ -63,13 +63,14 @@ HL_FN R rate_bound(const Groups<R>& s, Mask<R> floor, Mask<R> pair) {
     return math::max<R>(math::sqrt(square), damping);
 }
 
-inline constexpr double reach = 1.5;  // length of a piece times the bound on the rates
+inline constexpr double reach = 1.5;  // length of a piece times rate_bound
 HL_FN double piece_length(const TwoBall& s, bool floor, bool pair) {
     return reach / rate_bound(s, floor, pair);
 }
 
-// The recurrence runs on derivatives (n! times the coefficients), where its factors do not depend on n:
-// u⁽ⁿ⁺²⁾ = reaction·L2⁽ⁿ⁾ − k1·L1⁽ⁿ⁾, with L⁽ⁿ⁾ multiplied out so that few operations depend on the last one.
+// Computes the Taylor polynomials of a piece. The recurrence runs on derivatives (n! times the coefficients), for which
+// its factors do not depend on n: u⁽ⁿ⁺²⁾ = reaction·L2⁽ⁿ⁾ − k1·L1⁽ⁿ⁾. L⁽ⁿ⁾ is multiplied out to shorten the chain of
+// dependent operations.
 template <class R, int N>
 HL_FN void expand(const Groups<R>& s, const GapState<R>& x, Mask<R> floor, Mask<R> pair, R h,
                   Series<R, N>& p) {
@@ -112,7 +113,7 @@ HL_FN double impulse(const Piece& p, double theta) {
     return p.h * theta * sum;
 }
 
-// The parabola of motion A.
+// State after a time t of free flight (motion A).
 template <class R>
 HL_FN GapState<R> fly(const Groups<R>& s, const GapState<R>& x, R t) {
     return {x.u + t * (x.du - 0.5 * s.gravity * t), x.du - s.gravity * t, x.w + x.dw * t, x.dw};
@@ -141,7 +142,7 @@ HL_FN void oscillate(double kappa, double lambda, double t, double& y, double& d
     }
 }
 
-// Motion B in closed form over any time.
+// State after a time t of motion B, in closed form.
 HL_FN Gaps lie_on_floor(const TwoBall& s, const Gaps& x, double t) {
     const double u0 = -s.gravity / s.a1;
     double y = x.u - u0, dy = x.du;

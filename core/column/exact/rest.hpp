@@ -1,24 +1,24 @@
-// When gravity holds contacts closed forever, and the events that are still possible then.
+// Criteria for contacts that gravity keeps closed forever, and the events that remain possible then.
 //
-// Two bounds prove it, both from an energy that never rises. The energy about the static equilibrium bounds L1 and L2
-// themselves. The derivatives of the motion obey the same equations without gravity, so their energy never rises
-// either: it bounds the accelerations, and a contact stays closed as long as no ball accelerates like a free one. For
-// an overdamped ball that creeps, the second bound becomes sharp long before the first.
+// Two criteria are used; each bounds the motion by an energy that never increases. The energy relative to the static
+// equilibrium bounds L1 and L2. The derivatives of the motion obey the same equations without gravity, so their energy
+// never increases either. It bounds the accelerations, and a contact stays closed while no ball accelerates as in free
+// fall. For an overdamped, creeping ball the second criterion holds long before the first.
 #pragma once
 #include "motions.hpp"
 
 namespace hardlimit::column::exact {
 
-// The energy about the equilibrium is too small for L1 or L2 to reach zero. `upper` is b2. Adiabatic: the floor is
-// judged alone and must be still before the pair is.
+// Whether the energy relative to the equilibrium is too small for L1 or L2 to reach zero. `upper` is b2. Adiabatic
+// model: the floor contact is examined alone and must be nearly at rest.
 template <class R>
 HL_FN Mask<R> rests_on_both(const Groups<R>& s, R upper, const GapState<R>& x) {
     const R w0 = -s.gravity / upper, u0 = w0 / s.a1;
     const R y = x.u - u0, v = x.w - w0, sum = x.du + x.dw;
     const R floor = x.du * x.du + s.a1 * y * y,
-            pair = x.dw * x.dw + v * v;  // twice the energies over the masses
+            pair = x.dw * x.dw + v * v;  // twice the energy per mass
     const R floor_reach = 1.0 / math::sqrt<R>(s.a1) + s.c1, pair_reach = 1.0 + s.c2;
-    // Coupled: twice the energy in units of m_eff V² bounds both amplitudes.
+    // Coupled balls: twice the energy in units of m_eff V² is the square of a bound on both amplitudes.
     const R amplitude = math::sqrt<R>(floor / s.a2 + sum * sum / upper + v * v);
     const Mask<R> coupled =
         (amplitude * math::sqrt<R>(s.a2) * floor_reach < -u0) & (amplitude * pair_reach < -w0);
@@ -28,7 +28,7 @@ HL_FN Mask<R> rests_on_both(const Groups<R>& s, R upper, const GapState<R>& x) {
     return (s.gravity > 0.0) & select<Mask<R>>(s.a2 > 0.0, coupled, adiabatic);
 }
 
-// The same for the floor contact alone; the pair gap then closes under gravity some time later.
+// The same for the floor contact alone; the pair gap closes under gravity later.
 template <class R>
 HL_FN Mask<R> rests_on_floor(const Groups<R>& s, const GapState<R>& x) {
     const R u0 = -s.gravity / s.a1, y = x.u - u0;
@@ -62,24 +62,24 @@ HL_FN Derivatives derivatives(const TwoBall& s, const Gaps& x) {
     return d;
 }
 
-// √ of twice the energy of the nth derivative, in units of m_eff; never rises. Coupled balls only.
+// √(2 × energy of the nth derivative, in units of m_eff); never increases. Coupled balls only.
 HL_FN double amplitude(const TwoBall& s, const Derivatives& d, int n) {
     const double floor = d.u[n + 1] * d.u[n + 1] + s.a1 * (d.u[n] * d.u[n]);
     return math::sqrt(floor / s.a2 + d.s[n + 1] * d.s[n + 1] / s.b2 + d.w[n] * d.w[n]);
 }
-// The same of the lower ball on the floor alone.
+// The same for the lower ball alone on the floor, in units of its mass.
 HL_FN double floor_amplitude(const TwoBall& s, const Derivatives& d, int n) {
     return math::sqrt(d.u[n + 1] * d.u[n + 1] + s.a1 * (d.u[n] * d.u[n]));
 }
 
-// In units in which gravity is 1: no square overflows or vanishes, however soft the contacts are.
+// Rescales the state so that gravity is 1: squares then neither overflow nor underflow, however soft the contacts.
 HL_FN void in_units_of_gravity(TwoBall& s, Gaps& x) {
     x = {x.u / s.gravity, x.du / s.gravity, x.w / s.gravity, x.dw / s.gravity};
     s.gravity = 1.0;
 }
 
-// The lower ball alone stays on the floor: |ü| < G for good. Of the energies of u̇ and ü either may show it: the first
-// is less sharp, but less sensitive to rounding.
+// Whether the lower ball alone stays on the floor, |ü| < G at all later times. Either the energy of u̇ or that of ü may
+// prove it: the first gives a weaker bound but is less sensitive to rounding.
 HL_FN bool creeps_on_floor(TwoBall s, Gaps x) {
     if (!(s.gravity > 0.0)) return false;
     in_units_of_gravity(s, x);
@@ -87,8 +87,8 @@ HL_FN bool creeps_on_floor(TwoBall s, Gaps x) {
     return u2 * u2 + s.a1 * (x.du * x.du) < 1.0 || u3 * u3 + s.a1 * (u2 * u2) < s.a1;
 }
 
-// Bounds on |d²u/dt²|, and on both |d³u/dt³| and ∫|d⁴u/dt⁴| dt, of an overdamped lower ball on the floor, from its two
-// modes.
+// Bounds for an overdamped lower ball on the floor, from its two modes: `acceleration` on |d²u/dt²|, `jerk` on
+// |d³u/dt³| and on ∫|d⁴u/dt⁴| dt.
 struct FloorCreep {
     double acceleration, jerk;
 };
@@ -100,7 +100,7 @@ HL_FN FloorCreep floor_creep(const TwoBall& s, const Gaps& x) {
     return {slow * slow * a + fast * fast * b, slow * slow * slow * a + fast * fast * fast * b};
 }
 
-// Both contacts stay closed: the upper ball never falls freely, nor, with the upper one on it, does the lower ball.
+// Whether both contacts stay closed: neither the upper ball nor both balls together ever accelerate as in free fall.
 HL_FN bool creeps_on_both(TwoBall s, Gaps x) {
     if (!(s.gravity > 0.0)) return false;
     in_units_of_gravity(s, x);
@@ -108,29 +108,29 @@ HL_FN bool creeps_on_both(TwoBall s, Gaps x) {
     if (s.a2 > 0.0)
         return amplitude(s, d, 1) * math::sqrt(s.b2) < 1.0 ||
                amplitude(s, d, 2) * math::sqrt(1.0 + s.a2 / s.a1) < 1.0;
-    // Adiabatic: the second derivative of w is an oscillator that d⁴u/dt⁴ drives.
+    // Adiabatic model: the second derivative of w is an oscillator driven by d⁴u/dt⁴.
     if (!overdamped_floor(s)) return false;
     const FloorCreep floor = floor_creep(s, x);
     const double pair = math::sqrt(d.w[3] * d.w[3] + d.w[2] * d.w[2]) + floor.jerk;
     return floor.acceleration + pair < 1.0;
 }
 
-// A time within which a slack pair contact, overlapping without force above a lower ball that stays on the floor,
-// neither opens nor pushes again: w stays below a parabola, and L2 above one.
+// A time within which a slack pair (overlap without force) above a lower ball that stays on the floor neither opens nor
+// engages: w stays below a parabola, and L2 above one.
 HL_FN double slack_for(const TwoBall& s, const Gaps& x) {
     const double u2 = -s.gravity - s.a1 * (x.u + s.c1 * x.du), u3 = -s.a1 * (x.du + s.c1 * u2);
     double jerk = math::sqrt(u3 * u3 + s.a1 * (u2 * u2));
     const double acceleration =
         math::min(jerk / math::sqrt(s.a1), math::sqrt(u2 * u2 + s.a1 * (x.du * x.du)));
     if (overdamped_floor(s)) jerk = math::min(jerk, floor_creep(s, x).jerk);
-    const double ddw = -s.gravity - u2, rate = x.dw + s.c2 * ddw;  // of L2
+    const double ddw = -s.gravity - u2, rate = x.dw + s.c2 * ddw;  // dL2/dt
     const double opens = first_rise(x.w, x.dw, math::max(s.gravity - acceleration, 0.0));
     const double pushes = first_fall(x.w + s.c2 * x.dw, rate, (s.gravity + acceleration) + s.c2 * jerk);
     return 0.99 * math::min(opens, pushes);
 }
 
-// Time at which the pair gap closes on a lower ball that rests on the floor. w is concave there; Newton's method
-// from a time at which it is surely closed comes down to the zero from the right.
+// Time at which the pair gap closes on a lower ball that rests on the floor. w is concave there. Newton's method starts
+// at a time at which the gap is certainly closed and converges to the zero monotonically from the right.
 HL_FN double closing_on_rest(const TwoBall& s, const Gaps& x) {
     const double u0 = -s.gravity / s.a1;
     const double largest = math::sqrt(x.du * x.du / s.a1 + (x.u - u0) * (x.u - u0));

@@ -1,4 +1,4 @@
-// The run of the exact two-ball solver: from event to event until the sequence is over.
+// Main loop of the exact two-ball solver: advances from event to event until the sequence is over.
 #pragma once
 #include "../../base/stop.hpp"
 #include "../sequence.hpp"
@@ -9,7 +9,6 @@ namespace hardlimit::column {
 
 namespace exact {
 
-// One run: finds the next event, moves there, applies it, until the sequence is over.
 template <class Observer>
 class Run {
 public:
@@ -46,15 +45,15 @@ public:
 
 private:
     enum class Motion { flight, floor_rest, floor_glide, rest, glide, series };
-    // Pieces without an event after which a contact is examined for creep, and after which the run may glide over it,
-    // during the sequence and after it.
+    // Number of pieces without an event after which the run tests for creep, and after which it may take large steps
+    // (glide.hpp) during and after the sequence.
     static constexpr long creeps_after = 32, glides_after = 4000, glides_later_after = 32;
-    // Pieces between two nodes of a lasting contact of both balls after the sequence; its closed form spans them.
+    // Number of pieces between two recorded nodes of a lasting contact of both balls after the sequence.
     static constexpr long pieces_per_node = 32;
 
     TwoBall s;
     Gaps x;
-    double unit = 1.0;      // of lengths and velocities here
+    double unit = 1.0;      // of the lengths and velocities in this run
     double t, span, until;  // `until` is known once the floor has been touched
     Observer& observer;
     Sequence sequence;
@@ -62,21 +61,22 @@ private:
     OnSurface on;
     bool counted = false;  // the pair contact now closed belongs to the sequence
     bool stopped = false;
-    // The coming stretch: how the balls move, for how long, and what ends it.
+    // The next step: kind of motion, duration dt and the event at its end.
     Motion motion = Motion::flight;
     Piece piece;
     Next next;
     double dt = 0.0;
-    long lasting = 0;   // pieces since the last event
-    double rise = 0.0;  // velocity of the upper ball by its own momentum, for a light lower ball
+    long lasting = 0;  // pieces since the last event
+    double rise =
+        0.0;  // velocity of the upper ball, from its momentum balance; used if the lower ball is light
     Powers powers;
-    int doublings = 0;  // of a piece, to glide over
+    int doublings = 0;  // a large step spans 2^doublings pieces
 
     HL_FN void see() {
         observer.node(Node{t, {x.u * unit, x.du * unit, x.w * unit, x.dw * unit}, phase.floor, phase.pair});
     }
 
-    // The closed form from an earlier node gives the present state.
+    // Whether this state need not be recorded: the closed form from an earlier node gives it.
     HL_FN bool spanned() const {
         return sequence.finished && phase.floor && phase.pair && lasting % pieces_per_node != 0;
     }
@@ -114,7 +114,7 @@ private:
         else if (motion == Motion::series)
             find_in_piece();
         if (dt == never && !(math::abs(until) < never)) stopped = true;
-        if (t < until && t + dt >= until) {  // the requested state comes first
+        if (t < until && t + dt >= until) {  // the requested time comes first
             if (next.at != never && dt > until - t) next = Next{};
             dt = until - t;
         }
@@ -146,7 +146,7 @@ private:
     }
 
     HL_FN void move() {
-        if (!(dt > 0.0)) return;  // the state stays on its event surface
+        if (!(dt > 0.0)) return;  // the state stays exactly on the zero of its event function
         if (s.light()) follow_upper_ball();
         switch (motion) {
             case Motion::flight:
@@ -171,15 +171,13 @@ private:
         on = OnSurface{};
     }
 
-    // The upper ball's velocity from its own momentum, which changes slowly by gravity and the pair force. Computed as
-    // the sum of u̇ and ẇ, which both follow the fast light ball, the change would be a small difference of large
-    // numbers.
+    // Updates the velocity of the upper ball from gravity and the pair force. Computed as u̇ + ẇ, which both follow the
+    // fast light ball, its change would be a small difference of large numbers.
     HL_FN void follow_upper_ball() {
         rise -= s.gravity * dt;
         if (motion == Motion::series && phase.pair) rise -= s.b2 * impulse(piece, dt / piece.h);
     }
-    // u̇ + ẇ is the upper ball's velocity. From it follows that of the light ball, or without a pair force that of the
-    // gap.
+    // Makes u̇ + ẇ equal to the velocity of the upper ball, by correcting u̇ (with a pair force) or ẇ (without).
     HL_FN void match_upper_ball() {
         if (motion == Motion::glide || motion == Motion::rest)
             rise = x.du + x.dw;
@@ -215,7 +213,7 @@ private:
         }
     }
 
-    // Each event puts the state exactly on its surface.
+    // Each event sets the state exactly on the zero of its event function.
     HL_FN void floor_begins() {
         x.u = phase.floor_open ? 0.0 : -s.c1 * x.du;
         on.u = phase.floor_open;
@@ -227,7 +225,7 @@ private:
         if (first) restart_clock();
         observer.begins(0, t);
     }
-    // Time is measured from the first touch: a long flight before it would cost digits.
+    // Sets the origin of time to the first floor touch: a long flight before it would cost digits.
     HL_FN void restart_clock() {
         observer.clock_restarts(t);
         sequence.clock_restarts();
@@ -274,14 +272,14 @@ private:
 
 }  // namespace exact
 
-// Runs the sequence from `start` (at time `t`, all contacts open), and on to `span` after the first floor touch if
-// that is later (-infinity: no later). `Observer` sees the nodes and the contacts.
+// Solves the sequence from `start` (at time `t`, all contacts open), and continues to `span` after the first floor
+// touch if that is later (-infinity: ends with the sequence). The observer receives the nodes and the contacts.
 template <class Observer>
 HL_FN Sequence run_two_ball(const TwoBall& s, const Gaps& start, double t, double span, Observer& observer) {
     return exact::Run<Observer>(s, start, t, span, observer).run();
 }
 
-// Observer for maps, which need only the sequence.
+// Observer that records nothing, for maps, which need only the sequence.
 struct NoRecorder {
     Stop* stop = nullptr;
     double last = 0.0;  // time of the last node

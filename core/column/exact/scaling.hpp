@@ -1,4 +1,4 @@
-// From release to the state in which the two-ball solvers start, and from their units back to SI.
+// Initial state and units of the two-ball solvers, and conversion of their results to SI units.
 #pragma once
 #include "../flight.hpp"
 #include "../sequence.hpp"
@@ -8,17 +8,19 @@ namespace hardlimit::column {
 
 enum class Coupling { full, adiabatic };
 
+// A two-ball problem in scaled units.
 struct Start {
     TwoBall groups;
     Units units;
-    Gaps released, first;  // at release, and where the solver starts (the touch, unless the pair meets first)
-    double per_metre;      // scaled length of one metre
-    double fall;           // time from release to the touch, in scaled time
-    double t;              // of `first`
+    // State at release, and where the solver starts: at the floor touch, or at release if the pair meets first.
+    Gaps released, first;
+    double per_metre;  // scaled length of one metre
+    double fall;       // scaled time from release to the floor touch
+    double t;          // scaled time of `first`; 0 at the floor touch
     Outcome outcome;
 };
 
-// Sets what depends on the initial gap of the pair.
+// Sets the initial gap of the pair and the state at which the solver starts.
 HL_FN void release_pair(Start& s, double gap) {
     s.released.w = gap * s.per_metre;
     const double w_touch = s.released.w + s.released.dw * s.fall;
@@ -27,7 +29,7 @@ HL_FN void release_pair(Start& s, double gap) {
     s.t = pair_first ? -s.fall : 0.0;
 }
 
-// For any law, given its groups and units; the unit of speed is the speed at the floor.
+// Scales a problem of any law, given its groups and units. The unit of speed is the impact speed at the floor.
 HL_FN Start start_scaled(const TwoBall& groups, const Units& units, double gravity, Gaps released) {
     Start s{};
     const double speed = units.speed;
@@ -52,7 +54,7 @@ HL_FN Start start_two_ball(const contact::LinearDashpot& floor, const contact::L
     return start_scaled(groups, units, gravity, released);
 }
 
-// Scaled sequence to SI units; times from the first floor touch.
+// Converts a scaled sequence to SI units, with times from the first floor touch.
 template <class Q, class R>
 HL_FN void to_si(Q& q, R speed, R rate) {
     const R t0 = select<R>(math::is_nan(q.t_first_touch), R{}, q.t_first_touch);
