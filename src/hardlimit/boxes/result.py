@@ -407,8 +407,8 @@ class ContactResult(_Result):
 
     @property
     def energy_error(self) -> float:
-        """Largest error of the energy balance, divided by the largest kinetic or dissipated energy; NaN with LAMMPS,
-        whose dissipated energy is computed as the difference of the others."""
+        """Largest change of the total energy, including dissipated energy, over the largest kinetic or dissipated
+        energy; NaN with LAMMPS, whose dissipated energy is computed as the difference of the others."""
         if self.engine == "lammps":
             return math.nan
         kept = self.samples

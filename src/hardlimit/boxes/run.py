@@ -175,7 +175,7 @@ class Run:
         return engine.time == at and engine.outcome == "ok"
 
     def _adapt_portion(self, took: float) -> None:
-        """Adapt the work per call of the engine to a call of about the same duration ``PORTION``."""
+        """Adapt the work per call of the engine so that a call takes about ``PORTION``."""
         if took < 0.5 * PORTION:
             self._portion = min(2 * self._portion, 2**40)
         elif took > 2.0 * PORTION:
