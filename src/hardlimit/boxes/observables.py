@@ -65,7 +65,7 @@ class Observable:
     shape: Shape = "scalar"
     never_falls: bool = False  #: whether it never decreases with time
     unit_of_disks: str = ""  #: unit in 2-D, if different
-    of: Callable[[Samples], Floats] | None = None  #: how it is computed; None: it is the record of the same name
+    of: Callable[[Samples], Floats] | None = None  #: computes it; None: the record of the same name
 
     def values(self, samples: Samples) -> NDArray[Any]:
         """The values over the samples; the first value of a rate is NaN."""

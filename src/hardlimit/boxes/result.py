@@ -58,8 +58,8 @@ class EarlyEnd(NamedTuple):
 
     time: float  #: [s]
     position: tuple[float, ...]  #: position of the first particle [m]
-    particles: tuple[int, ...]  #: the particles of the contact or cluster, or the particle that was too fast; ascending
-    wall: int | None  #: the wall of the contact, −1 − 2·axis at 0 and −2 − 2·axis at the edge; None without a wall
+    particles: tuple[int, ...]  #: in the contact or cluster, or the one that was too fast; ascending
+    wall: int | None  #: wall of the contact, −1 − 2·axis at 0, −2 − 2·axis at the edge; None without one
 
     def who(self) -> str:
         """The particles and the wall as text.
@@ -150,7 +150,7 @@ class _Result:
     outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
     samples: Mapping[str, Floats] = field(repr=False)  #: quantities recorded by the engine, over the samples
     log: Log | None = field(repr=False)  #: arrays of the ``columns``; None if the run kept no log
-    largest_compression: float | None  #: largest of all contacts, divided by the smaller radius; None if unknown
+    largest_compression: float | None  #: of all contacts, over the smaller radius; None if unknown
     early_end: EarlyEnd | None = None  #: the event that ended the run early; None if the run reached its end
     observed: Mapping[str, NDArray[Any]] = field(default_factory=dict, repr=False)  #: values of ``observe``
 
@@ -381,17 +381,19 @@ class ContactResult(_Result):
 
     law: Law  #: contact law of all contacts
     engine: str  #: ``"events"``, ``"steps"`` or ``"lammps"``
-    n_contacts: (
-        int | None
-    )  #: number of contacts that began, including walls; None if not counted (LAMMPS without log)
+    n_contacts: int | None  #: number of contacts that began, with walls too; None with LAMMPS without log
     n_pairs: int | None  #: number of these between two particles
     n_ended: int | None  #: number of contacts that ended
-    n_overlapped: int | None  #: number of ended contacts that shared a particle with another contact while they lasted
-    largest_compression: float | None = None  #: largest of all contacts, over the smaller radius; None with LAMMPS
+    n_overlapped: int | None  #: number of ended contacts that overlapped another contact in time
+    largest_compression: float | None = (
+        None  #: largest of all contacts, over the smaller radius; None with LAMMPS
+    )
     time_step: float | None = None  #: longest step [s], with engines steps and lammps
     n_steps: int | None = None  #: number of steps, with engines steps and lammps
     largest_cluster: int | None = None  #: largest number of particles integrated together, with engine events
-    cluster_share: float | None = None  #: fraction of time that particles spent in clusters, with engine events
+    cluster_share: float | None = (
+        None  #: fraction of time that particles spent in clusters, with engine events
+    )
     engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty if the user chose it
 
     def _outcome_key(self) -> str:

@@ -69,7 +69,7 @@ def newton(
 
 
 def adiabatic(column: Column, until: float | None = None) -> Result:
-    """Solve two balls on a floor under the linear law, neglecting the force of the upper ball on the lower (Appendix A).
+    """Solve two balls on a floor under the linear law without the force of the upper ball on the lower (Appendix A).
 
     Exact for R1 ≫ R2; the error is proportional to the mass ratio m2/m1. Parameters as for :func:`newton`.
 
@@ -89,8 +89,8 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
 def independent(column: Column, until: float | None = None) -> Result:
     """Compute the sequence of instantaneous collisions (independent-collisions model, Eqs. 1–6).
 
-    Each collision has the restitution of the law at its impact speed. ``begin`` and ``end`` of a contact coincide. Parameters
-    and errors as for :func:`newton`.
+    Each collision has the restitution of the law at its impact speed. ``begin`` and ``end`` of a contact coincide.
+    Parameters and errors as for :func:`newton`.
 
     Returns
     -------

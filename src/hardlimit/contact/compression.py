@@ -1,4 +1,4 @@
-"""Limits of the compression: the largest one that contact laws describe, and the one from which on there is a warning."""
+"""Limits of the compression: the one above which there is a warning, and the largest that contact laws describe."""
 
 from __future__ import annotations
 

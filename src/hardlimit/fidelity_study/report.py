@@ -172,7 +172,7 @@ def legend(f: Fidelity) -> str:
 
 
 def departures(f: Fidelity) -> list[list[str]]:
-    """Rows: time [t_c] and size of the first significant difference of each rule; quantities without one are omitted."""
+    """Rows: time [t_c] and size of the first significant difference of each rule. Quantities without one are absent."""
     rules = [model for model in f.models if model != NEWTON]
     rows = []
     for name in QUANTITIES:

@@ -42,15 +42,15 @@ HOPELESS: Final = 1e4
 class Block:
     """The impacts of one drop, whose errors are correlated (``chained``), or impacts with independent errors.
 
-    The readings y of the instruments have errors σ. ``d_speed`` and ``d_restitution`` are derivatives with respect to y,
-    of shape (n, m) for the m readings of a chain, and otherwise of shape (n, q) for q readings per impact.
+    The readings y of the instruments have errors σ. ``d_speed`` and ``d_restitution`` are derivatives with respect to
+    y, of shape (n, m) for the m readings of a chain, and otherwise of shape (n, q) for q readings per impact.
     """
 
-    speed: Floats  #: of impact [m/s]
+    speed: Floats  #: impact speeds [m/s]
     restitution: Floats
     d_speed: Floats
     d_restitution: Floats
-    sigma: Floats  #: (m,) of a chain, (n, q) otherwise
+    sigma: Floats  #: errors of the readings, (m,) for a chain, (n, q) otherwise
     chained: bool
 
 

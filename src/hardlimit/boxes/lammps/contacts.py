@@ -78,7 +78,7 @@ def overlapped(begin: Floats, end: Floats, first: Integers, second: Integers) ->
     contact, body = contact[order], body[order]
     starts, stops = begin[contact], np.where(np.isnan(end), np.inf, end)[contact]
     found = np.zeros(n, bool)
-    latest, owner, last = -np.inf, -1, -1  # latest end so far of this particle's contacts, its row, the particle
+    latest, owner, last = -np.inf, -1, -1  # latest end of the particle's contacts, its row, the particle
     for k, (b, start, stop) in enumerate(zip(body.tolist(), starts.tolist(), stops.tolist(), strict=True)):
         if b != last:
             latest, last = -np.inf, b

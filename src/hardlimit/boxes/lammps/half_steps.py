@@ -16,11 +16,10 @@ import numpy as np
 PHASES: Final = (np.arange(128) + 0.6) / 128
 BETWEEN: Final = 1.03
 FEWEST: Final = 10  #: smallest number of steps per contact, as for engine "steps"
-MOST: Final = (
-    2000  #: largest number of steps per contact tested; beyond it the error is assumed proportional to the step
-)
+#: Largest number of steps per contact that is tested. Beyond it the error is assumed proportional to the step.
+MOST: Final = 2000
 MARGIN: Final = 1.1
-FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: numbers of steps tested together, relative to the first
+FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
 
 
 def restitution_error(contact: Any, speed: float, time_step: float) -> float:
