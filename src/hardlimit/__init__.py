@@ -36,7 +36,7 @@ __version__: str = _core.version
 #: Names of the outcome codes, in the order of their numbers.
 OUTCOMES: tuple[str, ...] = _core.outcome_names
 
-#: Where the names are that are imported when first asked for: a drop needs none of them, and they take as long as it.
+#: Modules of the names that are imported at first use. A drop needs none of them, and their import takes as long as it.
 _LATER = {
     "fitting": ("fit",),
     "fitting.files": ("read_measurements",),

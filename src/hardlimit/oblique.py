@@ -1,4 +1,4 @@
-"""Drop of two balls whose centres are not on one vertical line: ``hl.oblique_drop``."""
+"""``hl.oblique_drop``: a drop of two balls whose centres are not on one vertical line."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from .support import validation
 
 Floats = NDArray[np.float64]
 
-#: Edge of the box over the distance of the centres at the first floor contact: no ball reaches the side walls.
+#: Edge of the box over the distance of the centres at the first floor contact. No ball reaches a side wall.
 EDGE: Final = 20.0
-#: Duration of the first run over that of the sequence without offset; doubled until the balls have separated.
+#: Duration of the first run over that of the sequence without offset. It is doubled until the balls have separated.
 LONGER: Final = 1.5
 MOST_DOUBLINGS: Final = 12
 #: Largest offset over the sum of the radii; beyond it the balls miss each other.
@@ -31,14 +31,14 @@ LARGEST_OFFSET: Final = 0.99
 
 @dataclass(frozen=True, eq=False)
 class ObliqueDrop:
-    """Two smooth balls in a plane with a horizontal offset of their centres; made by :func:`hardlimit.oblique_drop`.
+    """Result of a drop of two smooth balls with a horizontal offset; made by :func:`hardlimit.oblique_drop`.
 
-    Velocities [m/s] are those after the last contact of the sequence: horizontal, positive towards the upper ball, and
-    vertical.
+    Velocities [m/s] are those after the last contact of the sequence. Horizontal velocities are positive in the
+    direction from the lower to the upper ball.
 
     Notes
     -----
-    Newton's equations (Eq. 14 of the paper) in the plane, each force along the line of centres.
+    Newton's equations (Eq. 14 of the paper) in the plane; each force acts along the line of centres.
 
     Examples
     --------
@@ -68,7 +68,7 @@ class ObliqueDrop:
 
     @property
     def separation_velocity(self) -> float:
-        """Difference of the vertical velocities [m/s]; ``Result.separation_velocity`` without offset."""
+        """Difference of the vertical velocities [m/s]; without offset, this is ``Result.separation_velocity``."""
         return float(self.velocities[1, 1] - self.velocities[0, 1])
 
     @property
@@ -121,7 +121,7 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
     Raises
     ------
     ValueError
-        If an argument is outside its range, or the column is of another kind.
+        If an argument is outside its range, or the column does not have two balls above a floor.
     RuntimeError
         If a contact becomes too deep, or the balls do not separate before the lower one meets the floor again.
 
@@ -205,7 +205,7 @@ def _parted(run: ContactResult) -> bool:
 
 
 def _met_floor_again(run: ContactResult) -> bool:
-    """Whether the log has a floor contact of a later bounce, which begins long after the one before."""
+    """Whether the log has a floor contact of a later bounce, which begins long after the previous one."""
     log: Any = run.log
     if log is None:
         return False

@@ -1,4 +1,4 @@
-"""Stacks of balls whose masses throw the top ball fastest, under Newton's equations or independent collisions."""
+"""``hl.stack``: find the masses with which a stack of balls throws its top ball fastest, under one of two models."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ Floats = NDArray[np.float64]
 
 MOST_BALLS: Final = 20
 MODELS: Final = {"newton": "Newton's equations", "independent": "independent collisions"}
-#: Starting points of the search: curvatures and slopes of x_k over k, …
+#: Starting points of the search: curvatures and slopes of x_k as a function of k, …
 BENDS: Final = (-0.9, -0.5, 0.0, 0.5, 0.9)
-#: … mean x_k where the top mass is free, …
+#: … mean x_k if the top mass is free, …
 FIRST_RATIOS: Final = 7
-#: … points spread over the whole domain, with the primes that spread them, …
+#: … points spread evenly over the whole domain by multiples of the square roots of primes, …
 SPREAD: Final = 100
 PRIMES: Final = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67)
 #: … and levels of a row of equal balls.
@@ -201,8 +201,8 @@ def stack(
     impact_speed : float [m/s]
         Speed V of all balls at impact. Gravity is neglected from then on.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is called with the number of finished descents and their total. Ten balls take a
-        second or two, twenty about ten seconds under the linear law and several times that under Hertzian laws.
+        True shows a bar. A function is called with the number of finished minimizations and their total. Ten balls take
+        a second or two, twenty about ten seconds under the linear law and several times that under Hertzian laws.
 
     Returns
     -------
@@ -352,7 +352,7 @@ class _Search:
         return -found if math.isfinite(found) else 1.0
 
     def _minimize(self, start: Floats) -> tuple[float, Floats]:
-        """Lowest cost on a descent by SLSQP, and where; the cost may jump, so the last point need not be the lowest."""
+        """Lowest cost found by SLSQP, and its point. The cost may jump, so the last point need not be the lowest."""
         from scipy.optimize import approx_fprime, minimize
 
         best = self._cost(start), start
@@ -386,7 +386,7 @@ class _Search:
         return [start for each in allowed for start in sorted(each, key=self._cost)[:count]]
 
     def _nearest(self, given: Floats) -> Floats:
-        """A point of the domain: all x_k moved by one amount until their sum is right, but not beyond a bound."""
+        """A point of the domain: all x_k are shifted equally until their sum is right, but not beyond a bound."""
         if self.total is None:
             return np.clip(given, *self.bounds)
         from scipy.optimize import brentq
@@ -399,7 +399,7 @@ class _Search:
         return moved(brentq(lambda shift: moved(shift).sum() - total, low, high, xtol=1e-15))
 
     def _spread(self) -> list[Floats]:
-        """Shares of the sum that are spread evenly: multiples of irrational numbers, modulo 1."""
+        """Points spread evenly over the domain, from multiples of irrational numbers modulo 1."""
         steps = self.n - 1
         irrational = np.sqrt(np.array(PRIMES[:steps])) % 1.0
         parts = -np.log(1.0 - np.outer(np.arange(1, SPREAD + 1), irrational) % 1.0)
@@ -418,7 +418,7 @@ class _Search:
                     yield mean * (1.0 + slant * place + bend * (place**2 - np.mean(place**2)))
 
     def _plateaus(self) -> Iterator[Floats]:
-        """Equal balls between the ends, which carry the impulse as a pulse under Newton's equations."""
+        """Rows of equal balls between the ends; under Newton's equations the impulse travels along them as a pulse."""
         if self.n < 3:
             return
         last = self.total if self.total is not None else self.bounds[0]

@@ -1,1 +1,1 @@
-"""Boxes of grains: smooth spheres and disks, their files, hard-sphere runs and what theory says of them."""
+"""Boxes of grains: smooth spheres and disks, event-driven or under Newton's equations; files and kinetic theory."""

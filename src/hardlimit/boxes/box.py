@@ -1,4 +1,4 @@
-"""The box: its edges, what bounds each axis, gravity; the checks of all three, and the numbers of its walls."""
+"""The box: its edges, the boundary of each axis, gravity, and the numbers of its walls; checks of each."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ AXES: Final = ("x", "y", "z")
 BOUNDARIES: Final = ("periodic", "wall")
 #: Larger lengths, speeds and accelerations are refused: their squares would overflow.
 LARGEST: Final = 1e100
-#: Largest radii that fit along an axis, at least: particles touch no second image of a partner, and no second wall.
+#: Shortest edge in units of the largest radius. A particle then touches at most one image of another particle, and at
+#: most one of two opposite walls.
 FEWEST_RADII: Final = {"periodic": 4, "wall": 2}
-#: What the log of every engine says of a wall's number.
+#: Meaning of a wall's number, for the logs of all engines.
 WALL_NUMBERS: Final = "−1 − 2·axis wall at 0, −2 − 2·axis at L"
 
 
 @dataclass(frozen=True, eq=False)
 class Box:
-    """A box from 0 to ``edges``."""
+    """A rectangular box from 0 to ``edges``, with boundaries and gravity."""
 
     edges: Floats  #: (d,) [m]
     boundary: tuple[str, ...]  #: ``"periodic"`` or ``"wall"`` for each axis
@@ -36,38 +37,38 @@ class Box:
 
     @property
     def dimension(self) -> int:
-        """d."""
+        """The dimension d."""
         return len(self.edges)
 
     @property
     def periodic(self) -> list[bool]:
-        """Whether an axis is periodic, for each."""
+        """Whether each axis is periodic."""
         return [side == "periodic" for side in self.boundary]
 
     @property
     def volume(self) -> float:
-        """Volume [m³], of a plane box its area [m²]."""
+        """Volume [m³], in 2-D the area [m²]."""
         return float(np.prod(self.edges))
 
     @property
     def common_fall(self) -> Floats:
-        """Gravity along the periodic axes [m/s²], (d,); 0 along others. It accelerates all particles alike."""
+        """Gravity along the periodic axes (d,) [m/s²], 0 along the others. It accelerates all particles equally."""
         return np.where(self.periodic, self.gravity, 0.0)
 
     def walls(self) -> Iterator[tuple[int, int, bool]]:
-        """Number, axis, and whether it is the upper one, of each wall."""
+        """For each wall: its number, its axis, and whether it is the upper one."""
         for axis, side in enumerate(self.boundary):
             if side == "wall":
                 yield -1 - 2 * axis, axis, False
                 yield -2 - 2 * axis, axis, True
 
     def of_core(self) -> _core.Box:
-        """The box as the core takes it: with the gravity that is left in the frame of the common fall."""
+        """The box for the core, whose gravity is that in the frame of the common fall."""
         gravity = self.gravity - self.common_fall
         return _core.Box(self.edges.tolist(), list(self.boundary), gravity.tolist())
 
     def fold(self, positions: Floats) -> None:
-        """Move positions (N, d) [m] of unfolded paths back into the box, in place."""
+        """Map unfolded positions (N, d) [m] into the box, in place."""
         for axis, periodic in enumerate(self.periodic):
             x, edge = positions[:, axis], self.edges[axis]
             if periodic:
@@ -87,18 +88,18 @@ class Box:
 
 
 def wall_name(number: int) -> str:
-    """The name of a wall, such as ``z = 0``, from its number in logs: −1 − 2·axis at 0, −2 − 2·axis at the edge."""
+    """Name of a wall, such as ``z = 0``, from its number in logs: −1 − 2·axis at 0, −2 − 2·axis at the edge."""
     axis, upper = divmod(-1 - number, 2)
     return f"{AXES[axis]} = {'L' if upper else '0'}"
 
 
 def checked_edges(box: Any, d: int) -> Floats:
-    """Edges [m] from one number or one for each axis."""
+    """Edges [m] from one number, or from one for each axis."""
     return np.array(validation.numbers("box", box, d, lowest=0.0, highest=LARGEST, highest_allowed=True))
 
 
 def checked_boundary(boundary: Any, d: int) -> tuple[str, ...]:
-    """The boundary of each axis, from one word or one for each."""
+    """The boundary of each axis, from one word or from one for each axis."""
     if isinstance(boundary, str):
         return (validation.one_of("boundary", boundary, BOUNDARIES),) * d
     words = validation.instances("boundary", boundary, str, "word")
@@ -117,6 +118,6 @@ def checked_gravity(gravity: Any, d: int) -> Floats:
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """The array itself, from now on read-only."""
+    """Make an array read-only and return it."""
     array.flags.writeable = False
     return array

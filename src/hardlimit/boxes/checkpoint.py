@@ -1,6 +1,6 @@
-"""Checkpoints: all that a run needs to continue, in one file that is replaced as a whole.
+"""Checkpoint files, from which a run can continue; each one replaces the previous one as a whole.
 
-The file is an uncompressed ZIP of NumPy arrays (``numpy.load`` opens it), whose checksums reveal damage.
+A checkpoint is an uncompressed ZIP of NumPy arrays (``numpy.load`` opens it). Its checksums reveal damage.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from .. import _core
 from ..support import saving, validation
 
-FORMAT: Final = 4  #: of the file; another one is refused
+FORMAT: Final = 4  #: version of the file format; files of another version are refused
 HEADER: Final = "header"
 
 
 def checked_path(path: Any) -> Path:
-    """The path of a checkpoint."""
+    """The path of a checkpoint, checked to be a file that can be written."""
     if not isinstance(path, str | os.PathLike):
         raise ValueError(f"checkpoint: got {validation.shown(path)}, must be a path")
     target = Path(path)
@@ -43,7 +43,7 @@ def write(path: Path, header: Mapping[str, Any], arrays: Mapping[str, NDArray[An
     with saving.whole(path) as unfinished, open(unfinished, "wb") as file:
         np.savez(file, **content)
         file.flush()
-        os.fsync(file.fileno())  # before it replaces the previous one
+        os.fsync(file.fileno())  # before the file replaces the previous checkpoint
 
 
 def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -57,7 +57,7 @@ def read(path: Any) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         written = header["format"], header["hardlimit_version"]
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except Exception:  # zipfile and NumPy raise exceptions of many kinds at a damaged file
+    except Exception:  # zipfile and NumPy raise many kinds of exceptions for a damaged file
         raise ValueError(f"{path}: no checkpoint, or damaged") from None
     if written != (FORMAT, _core.version):
         raise ValueError(

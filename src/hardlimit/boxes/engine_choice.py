@@ -1,4 +1,4 @@
-"""The choice of an engine for Newton's equations: an estimate of the cost of a contact by each."""
+"""Choice of the engine for Newton's equations, by an estimate of the cost per contact."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .falling_frame import engine_arguments, law_arguments
 from .system import ROUNDING, ParticleSystem
 from .theory import Gas
 
-#: Shortest periodic edge of engine events, in largest radii.
+#: Shortest periodic edge for engine events, in units of the largest radius.
 SMALLEST_EDGE: Final = 4.2
-#: Cost of a contact [µs], from boxes of 300 to 4000 particles (docs/grains.md). By events: a constant, and per t_c ν.
-#: By steps: a constant, and per step of each of its two particles in the time 1/ν.
+#: Cost of a contact [µs], fitted to boxes of 300 to 4000 particles (docs/grains.md). By events: a constant, and the
+#: factor of t_c ν. By steps: a constant, and the factor of 1/(ν Δt), the number of steps between two contacts.
 BY_EVENTS: Final = (1.6, 35.0)
 BY_STEPS: Final = (9.0, 0.0045)
 #: Packing fraction of the densest disordered packings, by dimension.
@@ -27,22 +27,22 @@ DENSEST: Final = {2: 0.84, 3: 0.64}
 
 
 class Choice(NamedTuple):
-    """An engine, and the reason for it."""
+    """The chosen engine, and the reason."""
 
     engine: str
     reason: str
 
 
 class Touch(NamedTuple):
-    """Number of contacts that a particle makes during one contact, and when."""
+    """t_c ν, the number of contacts that a particle makes during one contact, and the part of the run it is for."""
 
     tc_nu: float
     when: str
 
 
 def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str, Any]) -> Choice:
-    """The engine for a run until a time [s]: steps where an option is given that only steps take, else the one that
-    is :func:`estimated` to be cheaper."""
+    """The engine for a run until a time [s]: steps if an option is given that only steps accept, else the one that is
+    :func:`estimated` to be cheaper."""
     for name, value in of_steps.items():
         if value is not None:
             return Choice("steps", f"{name} is given, which steps alone take")
@@ -52,11 +52,11 @@ def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str
 def estimated(
     system: ParticleSystem, law: Law, until: float, restitution_error: float | None = None
 ) -> Choice:
-    """The engine by which a contact costs less, with steps that make this error of ε.
+    """The engine with the lower cost per contact, for a time step with this error of ε.
 
     A contact costs about 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt. t_c ν is the largest
-    of three: Enskog's rate times the duration of a typical contact; the contacts that last at the start, for each
-    particle; and that at the end of a run in which a bed falls and dissipates (:func:`of_bed`).
+    of three values: Enskog's rate times the duration of a typical contact; the number of open contacts per particle at
+    the start; and t_c ν at the end of a run in which particles settle in a bed (:func:`of_bed`).
     """
     try:
         check_box(system)
@@ -72,11 +72,11 @@ def estimated(
     most = max(touches)
     if most.tc_nu == 0.0:
         return Choice("events", "no contacts are to be expected")
-    if not most.tc_nu < 2.0 * system.dimension:  # as many as keep a packing in place
+    if not most.tc_nu < 2.0 * system.dimension:  # contacts per particle of an isostatic packing
         return Choice("steps", f"contacts last, t_c ν = {most.tc_nu:.2g} {most.when}")
     at = f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about"
     by_events, by_steps = BY_EVENTS[0] + BY_EVENTS[1] * most.tc_nu, BY_STEPS[0]
-    if by_events <= by_steps:  # whatever the step, which takes time to find
+    if by_events <= by_steps:  # for any time step; the search for the step would take time
         return Choice("events", f"{at} {by_events:.2g} µs by events, more than {by_steps:g} µs by steps")
     step = time_step.chosen(system, law, restitution_error, None)
     by_steps += BY_STEPS[1] * duration / (most.tc_nu * step)
@@ -85,8 +85,11 @@ def estimated(
 
 
 def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, float]:
-    """Duration [s], infinite where it does not end, and ε of a contact of mean mass and radius at the mean impact
-    speed √(πT), and the temperature T [m²/s²] of that: of the motion, or of the fall to come where that is hotter."""
+    """Duration [s] (infinite if it does not end) and ε of a typical contact, and the initial temperature [m²/s²].
+
+    The contact is that of two particles of mean mass and radius at the mean impact speed √(πT), where T is the initial
+    temperature or that of the atmosphere that settles, whichever is larger.
+    """
     temperature = system.granular_temperature
     if "wall" in system.boundary:
         temperature = 2.0 * system.kinetic_energy / (system.dimension * float(system.mass.sum()))
@@ -103,7 +106,7 @@ def typical_contact(system: ParticleSystem, law: Law) -> tuple[float, float, flo
 
 
 def lasting_contacts(system: ParticleSystem) -> float:
-    """Contacts of each particle in the state of the system; in a gas their mean is t_c ν."""
+    """Number of open contacts per particle in this state; in a gas its mean is t_c ν."""
     if system._overlap_share <= 2.0 * ROUNDING:
         return 0.0
     at_rest = engine_arguments(system.replace(velocities=np.zeros_like(system.velocities)))
@@ -113,12 +116,13 @@ def lasting_contacts(system: ParticleSystem) -> float:
 
 
 def of_bed(system: ParticleSystem, duration: float, restitution: float, until: float) -> Touch:
-    """t_c ν at the end of a run, of particles that gravity g pulls to a wall.
+    """t_c ν at the end of a run in which gravity g pulls the particles to a wall.
 
-    As an atmosphere of one temperature T whose floor is A wide, L = Nσ^(d−1)/A layers, they have E = (d/2 + 1)T for
-    each kg, collide at the rate ν = a g/√T and lose (1 − ε²) T ν/2 to each other and what a bouncing ball loses to the
-    floor: √T falls linearly, d√T/dt = −g [(1 − ε²) b/2 + (1 − ε) c]/(d + 2), a = b + c/(d + 2), b = (d − 1)√π L,
-    c = √(d + 2)/2. When T is zero, and the time of a fall has passed, the bed is at rest. Its χ is taken as 1.
+    The particles are modelled as an isothermal atmosphere of temperature T over a floor of area A, with
+    L = Nσ^(d−1)/A layers. Its energy per unit mass is (d/2 + 1)T and its collision rate ν = a g/√T. It loses
+    (1 − ε²) T ν/2 in collisions of pairs, and at the floor as much as a bouncing ball. √T therefore decreases linearly:
+    d√T/dt = −g [(1 − ε²) b/2 + (1 − ε) c]/(d + 2), with a = b + c/(d + 2), b = (d − 1)√π L, c = √(d + 2)/2. The bed is
+    at rest after the time of the fall plus the time in which T reaches zero. χ is taken as 1.
     """
     axis, pull = _pull(system)
     if pull == 0.0:
@@ -138,7 +142,7 @@ def of_bed(system: ParticleSystem, duration: float, restitution: float, until: f
 
 
 def check_box(system: ParticleSystem) -> None:
-    """Refuse boxes in which a particle could come near two images of another one, which events do not handle."""
+    """Refuse boxes in which a particle could come near two images of another one: engine events cannot handle them."""
     least = SMALLEST_EDGE * float(system.radius.max())
     for axis, side in enumerate(system.boundary):
         if side == "periodic" and not system.box[axis] >= least:
@@ -149,7 +153,7 @@ def check_box(system: ParticleSystem) -> None:
 
 
 def _collision_rate(system: ParticleSystem, temperature: float) -> float:
-    """Enskog's rate [1/s] for particles of mean size, at most as dense as a packing."""
+    """Enskog's collision rate [1/s] for particles of mean size, with the density limited to that of a packing."""
     n, d = system.n, system.dimension
     packed = float(_solid(system) / DENSEST[d])
     gas = Gas(n, float(system.radius.mean()), 1.0, max(system.domain.volume, packed), d)
@@ -157,19 +161,19 @@ def _collision_rate(system: ParticleSystem, temperature: float) -> float:
 
 
 def _solid(system: ParticleSystem) -> float:
-    """Volume of the particles [m³], of disks their area [m²]."""
+    """Volume of the particles [m³], in 2-D their area [m²]."""
     return system.packing_fraction * system.domain.volume
 
 
 def _pull(system: ParticleSystem) -> tuple[int, float]:
-    """The axis along which gravity presses most on a wall, and how much [m/s²], with its sign."""
+    """The axis with walls along which gravity is largest, and its signed component [m/s²]."""
     pulls = system.gravity - system.domain.common_fall
     axis = int(np.argmax(np.abs(pulls)))
     return axis, float(pulls[axis])
 
 
 def _bed_temperature(system: ParticleSystem) -> float:
-    """Temperature [m²/s²] of an atmosphere with the energy of these particles above a packing at rest."""
+    """Temperature [m²/s²] of an atmosphere with the energy that these particles have above a packing at rest."""
     pull = abs(_pull(system)[1])
     if pull == 0.0:
         return 0.0

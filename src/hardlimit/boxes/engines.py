@@ -1,4 +1,4 @@
-"""The engines of boxes: one record each, and an engine at work as a run knows it."""
+"""Engines for boxes of grains: a record for each, and the interface through which a run uses an engine."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from .rules import Settings
 from .system import ParticleSystem
 
 ENERGIES: Final = ("kinetic_energy", "potential_energy", "dissipated_energy")
-#: Records that every engine gives at a sample.
+#: Quantities that every engine records at a sample.
 COMMON: Final = ("time", *ENERGIES, "granular_temperature", "momentum", "virial", "n_pairs")
 OF_CONTACTS: Final = (*COMMON, "contact_energy", "n_contacts", "n_ended", "n_overlapped", "n_in_contact")
-#: Arrays of a system in a checkpoint; the engine's own bytes hold positions and velocities.
+#: Arrays of a system in a checkpoint. Positions and velocities are in the saved state of the engine.
 FIXED: Final = ("radius", "mass", "box", "gravity")
 
 
 @dataclass(frozen=True)
 class EngineRecord:
-    """An engine of boxes."""
+    """Properties of an engine for boxes."""
 
-    name: str  #: for ``engine=`` of molecular_dynamics, and in checkpoints
-    kind: str  #: name in the core; "" of a program of its own
-    task: str  #: what a progress bar calls a run
-    counts: str  #: what a progress bar counts
-    records: tuple[str, ...]  #: what it gives at each sample; observables follow from these
-    columns: tuple[Column, ...]  #: of the log
-    options: tuple[str, ...]  #: arguments of molecular_dynamics that not all engines take
+    name: str  #: as in ``engine=`` of molecular_dynamics and in checkpoints
+    kind: str  #: name in the core; empty for an external program
+    task: str  #: title of the progress bar
+    counts: str  #: unit of the progress bar
+    records: tuple[str, ...]  #: quantities recorded at each sample, from which observables are computed
+    columns: tuple[Column, ...]  #: columns of the log
+    options: tuple[str, ...]  #: arguments of molecular_dynamics that this engine accepts and others may not
 
 
 _NEWTON: Final = "molecular dynamics"
@@ -74,23 +74,23 @@ _RECORDS: Final = (
         ("restitution_error", "time_step", "ranks"),
     ),
 )
-#: By name.
+#: Engines by name.
 ENGINES: Final = {record.name: record for record in _RECORDS}
-#: Those that solve Newton's equations.
+#: Names of the engines for Newton's equations.
 NEWTON: Final = tuple(record.name for record in _RECORDS if record.task == _NEWTON)
 
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """How an engine solves Newton's equations."""
+    """Settings of an engine for Newton's equations."""
 
     law: Law
     threads: int = 1
-    reason: str = ""  #: for the engine, unless it was asked for
+    reason: str = ""  #: why ``"auto"`` chose this engine; empty if the user chose it
 
 
 class Engine:
-    """An engine of the core with a system in it."""
+    """A compiled engine that simulates a system."""
 
     def __init__(
         self, name: str, system: ParticleSystem, settings: Settings | NewtonSettings, compiled: Any
@@ -107,7 +107,7 @@ class Engine:
         log: bool,
         time_step: float | None = None,
     ) -> Engine:
-        """The engine at the start of a run."""
+        """Make the engine for the start of a run."""
         own: dict[str, Any] = {} if settings.law is None else {"law": law_arguments(settings.law)}
         if isinstance(settings, Settings):
             own["rule"] = settings.rule
@@ -119,35 +119,35 @@ class Engine:
         compiled = _core.make_engine(ENGINES[name].kind, *engine_arguments(system), log=log, **own)
         return cls(name, system, settings, compiled)
 
-    # --- while it runs --------------------------------------------------------------------------------------
+    # --- running --------------------------------------------------------------------------------------------
 
     @property
     def time(self) -> float:
-        """The time [s] that was reached."""
+        """Current time [s]."""
         return float(self.compiled.time)
 
     @property
     def outcome(self) -> str:
-        """``"ok"``, or why the run cannot go on."""
+        """``"ok"``, or the name of the reason why the run cannot continue."""
         return str(self.compiled.outcome)
 
     @property
     def paused(self) -> bool:
-        """Whether the state is between two that are reported: Newton's engines may stop within an event or step."""
+        """Whether the engine has stopped within an event or a step, where no sample can be taken."""
         return bool(self.record.name != "hard_spheres" and self.compiled.paused)
 
     @property
     def n_contacts(self) -> int:
-        """Collisions, or contacts that began, so far."""
+        """Number of collisions, or of contacts that have begun."""
         return int(self.compiled.n_contacts)
 
     def advance(self, until: float, work: int) -> None:
-        """Go on to ``until`` [s], or for so many collisions, events or steps."""
+        """Advance to ``until`` [s], or by ``work`` collisions, events or steps, whichever comes first."""
         threads = self.settings.threads if isinstance(self.settings, NewtonSettings) else 1
         self.compiled.advance(until, work, threads)
 
     def done_and_total(self, until: float | None, max_collisions: int | None) -> tuple[int, int]:
-        """Progress: collisions, contacts or steps so far, and how many there will be at the same rate."""
+        """Progress: number of collisions, contacts or steps so far, and their expected total at this rate."""
         if self.record.name == "steps":
             assert until is not None
             statistics = self.compiled.statistics()
@@ -162,7 +162,7 @@ class Engine:
         return done, max(done, 1, round(expected) if expected < 2**53 else 0)
 
     def note(self, until: float | None) -> str:
-        """What a progress bar says beside the count."""
+        """Text beside the progress bar."""
         if self.record.name != "events" or until is None or self.settings.law is None:
             return ""
         share = float(self.compiled.statistics()["cluster_share"])
@@ -171,15 +171,15 @@ class Engine:
     # --- state and records ----------------------------------------------------------------------------------
 
     def state(self) -> tuple[Floats, Floats]:
-        """Positions along unfolded paths [m] and velocities [m/s] now, (N, d) each."""
+        """Current unfolded positions [m] and velocities [m/s], (N, d) each."""
         return state(self.system, self.time, self.compiled.state())
 
     def current(self) -> ParticleSystem:
-        """The system now, inside the box."""
+        """The current system, with positions in the box."""
         return present(self.system, self.time, self.compiled.state())
 
     def sample(self) -> dict[str, Any]:
-        """The records of a sample: numbers and vectors."""
+        """The quantities recorded at a sample."""
         system, time = self.system, self.time
         seen = dict(self.compiled.observe())
         fall = system.domain.common_fall
@@ -189,21 +189,21 @@ class Engine:
         return {name: np.asarray(seen[name], float) for name in self.record.records}
 
     def is_at(self, sample: Mapping[str, Any]) -> bool:
-        """Whether this sample is of the present state."""
+        """Whether this sample belongs to the current state."""
         counted = sample.get("n_collisions", self.n_contacts)
         return self.paused or bool(sample["time"] == self.time and counted == self.n_contacts)
 
     @property
     def n_logged(self) -> int:
-        """Rows of the log so far."""
+        """Number of rows of the log so far."""
         return int(self.compiled.n_logged)
 
     def take_log(self) -> Log:
-        """Rows of the log since the last call."""
+        """Remove and return the rows of the log since the last call."""
         return self._columns(self.compiled.take_log())
 
     def whole_log(self, taken: Log) -> Log:
-        """All rows, with the contacts that last, in the order of their times."""
+        """The complete log in order of time: the rows taken so far and the open contacts."""
         if self.record.name == "hard_spheres":
             return taken
         log = joined([taken, self._columns(self.compiled.open_contacts())])
@@ -215,7 +215,7 @@ class Engine:
         return tuple(log[column.name] for column in self.record.columns)
 
     def early_end(self, now: ParticleSystem) -> EarlyEnd | None:
-        """The event that ended the run early; ``now`` is the present system."""
+        """The event that ended the run early, or None; ``now`` is the current system."""
         if self.compiled.early_end is None:
             return None
         time, particles, wall = self.compiled.early_end
@@ -224,7 +224,7 @@ class Engine:
     def result(
         self, samples: Mapping[str, Floats], log: Log | None, observed: Mapping[str, Any], idle: bool
     ) -> ParticleResult | ContactResult:
-        """The result of a run that ends now; ``idle`` where nothing collides any more."""
+        """The result of a run that ends now; ``idle`` means that no more collisions happen."""
         now, seen, statistics = self.current(), self.compiled.observe(), self.compiled.statistics()
         largest = float(self.compiled.largest_compression)
         common: dict[str, Any] = {
@@ -276,7 +276,7 @@ class Engine:
         Raises
         ------
         KeyError, TypeError, ValueError
-            If something is missing or damaged.
+            If an entry is missing or damaged.
         """
         name, given = header["engine"], dict(header["settings"])
         given["law"] = None if given["law"] is None else law_of(given["law"])
@@ -290,15 +290,15 @@ class Engine:
 
 
 def joined(parts: Sequence[Log]) -> Log:
-    """Logs that follow each other as one."""
+    """Concatenate consecutive logs."""
     return tuple(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
 def law_entry(law: Law) -> list[Any]:
-    """A law for a JSON file: its name and parameters."""
+    """Name and parameters of a law, for a JSON file."""
     return [law.record["name"], dict(law.parameters)]
 
 
 def law_of(entry: Sequence[Any]) -> Law:
-    """The law of such an entry."""
+    """The law with this name and these parameters."""
     return LAWS[entry[0]](**entry[1])

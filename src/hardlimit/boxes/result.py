@@ -1,4 +1,4 @@
-"""Results of boxes of grains: the final state, series over time, the log; of hard spheres and of Newton's equations."""
+"""Results of boxes of grains, of hard spheres and of Newton's equations: final state, time series, log."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-#: Particles of a group that a message names.
+#: Largest number of particles that a message names.
 MOST_NAMED: Final = 3
 Log = tuple[NDArray[Any], ...]
 
 
 class EarlyEnd(NamedTuple):
-    """Time, place and particles of the event that stopped a run before its end; ``outcome`` says why.
+    """Time, place and particles of the event that ended a run early; ``outcome`` of the result gives the reason.
 
     Made by :func:`hardlimit.event_driven` and :func:`hardlimit.molecular_dynamics`.
 
@@ -57,9 +57,9 @@ class EarlyEnd(NamedTuple):
     """
 
     time: float  #: [s]
-    position: tuple[float, ...]  #: of the first particle [m]
-    particles: tuple[int, ...]  #: ascending: of the contact or group, or the one that was too fast
-    wall: int | None  #: of the contact, −1 − 2·axis at 0 and −2 − 2·axis at the edge; None: none
+    position: tuple[float, ...]  #: position of the first particle [m]
+    particles: tuple[int, ...]  #: in the contact or cluster, or the one that was too fast; ascending
+    wall: int | None  #: wall of the contact, −1 − 2·axis at 0, −2 − 2·axis at the edge; None without one
 
     def who(self) -> str:
         """The particles and the wall as text.
@@ -115,7 +115,7 @@ class Column(NamedTuple):
     """A column of a log."""
 
     name: str
-    unit: str  #: "" where it has none
+    unit: str  #: empty if it has none
     meaning: str
 
 
@@ -139,24 +139,24 @@ CONTACTS: Final = (
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class _Result:
-    """What the results of all engines of boxes have."""
+    """Common part of the results of all engines of boxes."""
 
     solves: ClassVar[str]
     columns: ClassVar[tuple[Column, ...]]
     outcomes: ClassVar[Mapping[str, str]]
 
-    system: ParticleSystem  #: the final state, inside the box
-    time: float  #: [s] of the final state
+    system: ParticleSystem  #: the final state, with positions in the box
+    time: float  #: time of the final state [s]
     outcome_name: str  #: ``"ok"`` or a name among ``hardlimit.OUTCOMES``
-    samples: Mapping[str, Floats] = field(repr=False)  #: records of the engine over the samples
-    log: Log | None = field(repr=False)  #: as in ``columns``; None without log
-    largest_compression: float | None  #: of all contacts, over the smaller radius; None where it is not known
-    early_end: EarlyEnd | None = None  #: where and when, unless the run reached its end
+    samples: Mapping[str, Floats] = field(repr=False)  #: quantities recorded by the engine, over the samples
+    log: Log | None = field(repr=False)  #: arrays of the ``columns``; None if the run kept no log
+    largest_compression: float | None  #: of all contacts, over the smaller radius; None if unknown
+    early_end: EarlyEnd | None = None  #: the event that ended the run early; None if the run reached its end
     observed: Mapping[str, NDArray[Any]] = field(default_factory=dict, repr=False)  #: values of ``observe``
 
     @property
     def outcome(self) -> str:
-        """``"ok"``, or one sentence that says what happened instead."""
+        """``"ok"``, or one sentence that says why the run ended early."""
         said, end = self.outcomes[self._outcome_key()], self.early_end
         return said if end is None else said.format(who=end.who(), where=end.where())
 
@@ -165,7 +165,7 @@ class _Result:
 
     @property
     def outcome_code(self) -> int:
-        """The outcome as an integer; 0 is ok, the names are those of ``hardlimit.OUTCOMES``."""
+        """The outcome as an index of ``hardlimit.OUTCOMES``; 0 is ok."""
         return _core.outcome_names.index(self.outcome_name)
 
     @cached_property
@@ -200,21 +200,21 @@ class _Result:
         raise NotImplementedError
 
     def _change(self, name: str) -> tuple[float, float]:
-        """A record at the first and at the last sample."""
+        """The first and the last value of a recorded quantity."""
         return float(self.samples[name][0]), float(self.samples[name][-1])
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ParticleResult(_Result):
-    """Result of a run of a box of grains; made by :func:`event_driven`. It is immutable.
+    """Result of an event-driven run of a box of grains; made by :func:`event_driven`. It is immutable.
 
-    Times are in s after the start of the run. ``n_elastic_by_tc`` counts the collisions that the rule tc made elastic,
-    ``n_soft_third_body`` the contacts, among the ``n_soft`` of the rule soft, during which a third body was in reach:
-    there the rule may be wrong.
+    Times are in s after the start of the run. ``n_elastic_by_tc`` is the number of collisions that the rule tc made
+    elastic. ``n_soft`` is the number of contacts of the rule soft. During ``n_soft_third_body`` of these a third body
+    was in reach, so that the rule may be wrong.
 
     Notes
     -----
-    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008), the pressure that of the virial.
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008); the pressure is that of the virial.
 
     Examples
     --------
@@ -236,13 +236,13 @@ class ParticleResult(_Result):
     columns = COLLISIONS
     outcomes = HARD_SPHERES_OUTCOMES
 
-    settings: Settings  #: what the collisions obey
-    n_collisions: int  #: of pairs and with walls
-    n_pairs: int  #: collisions of two particles
-    n_walls: int  #: collisions with walls
-    n_elastic_by_tc: int  #: collisions that the rule tc made elastic
-    n_soft: int  #: contacts of the rule soft
-    n_soft_third_body: int  #: of them with a third body in reach
+    settings: Settings  #: the collision rule and its parameters
+    n_collisions: int  #: number of collisions, including those with walls
+    n_pairs: int  #: number of collisions of two particles
+    n_walls: int  #: number of collisions with walls
+    n_elastic_by_tc: int  #: number of collisions that the rule tc made elastic
+    n_soft: int  #: number of contacts of the rule soft
+    n_soft_third_body: int  #: number of these contacts with a third body in reach
 
     def _outcome_key(self) -> str:
         settings = self.settings
@@ -251,12 +251,12 @@ class ParticleResult(_Result):
 
     @property
     def elastic_share(self) -> float:
-        """Share of the collisions that the rule tc made elastic; NaN under other rules."""
+        """Fraction of the collisions that the rule tc made elastic; NaN under other rules."""
         return self._share(self.n_elastic_by_tc, self.n_collisions, "tc")
 
     @property
     def third_body_share(self) -> float:
-        """Share of the soft contacts during which a third body was in reach; NaN under other rules."""
+        """Fraction of the contacts of the rule soft with a third body in reach; NaN under other rules."""
         return self._share(self.n_soft_third_body, self.n_soft, "soft")
 
     def _share(self, count: int, total: int, rule: str) -> float:
@@ -267,8 +267,8 @@ class ParticleResult(_Result):
         """Dataset over ``time`` [s], equally spaced; the last sample is the end of the run.
 
         ``kinetic_energy``, ``potential_energy`` and ``dissipated_energy`` [J], ``granular_temperature`` [m²/s²],
-        ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` [Pa; disks N/m], and what
-        ``observe`` returned. The rate and the pressure are means since the sample before and NaN at the first.
+        ``momentum`` [kg m/s], ``n_collisions``, ``collision_rate`` [1/s], ``pressure`` [Pa; disks N/m], and the values
+        of ``observe``. Rate and pressure are means since the previous sample, and NaN at the first sample.
         """
         return self._series.copy()
 
@@ -287,7 +287,7 @@ class ParticleResult(_Result):
         return self._log_dataset("collision")
 
     def plot(self) -> Figure:
-        """Temperature, collision rate and pressure over time, beside theory where it applies.
+        """Plot temperature, collision rate and pressure over time, with kinetic theory if it applies.
 
         Returns
         -------
@@ -353,7 +353,7 @@ class ContactResult(_Result):
 
     Notes
     -----
-    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008), the pressure that of the virial.
+    The granular temperature is that of Goldhirsch, Powder Technol. 182, 130 (2008); the pressure is that of the virial.
 
     Examples
     --------
@@ -379,36 +379,38 @@ class ContactResult(_Result):
     columns = CONTACTS
     outcomes = NEWTON_OUTCOMES
 
-    law: Law  #: of all contacts
+    law: Law  #: contact law of all contacts
     engine: str  #: ``"events"``, ``"steps"`` or ``"lammps"``
-    n_contacts: (
-        int | None
-    )  #: that began, with walls too; None where they are not counted (LAMMPS without log)
-    n_pairs: int | None  #: of them between two particles
-    n_ended: int | None  #: of them that ended
-    n_overlapped: int | None  #: of those that ended, how many shared a particle with another contact in time
-    largest_compression: float | None = None  #: of all contacts, over the smaller radius; None by LAMMPS
-    time_step: float | None = None  #: of steps and LAMMPS, the longest [s]
-    n_steps: int | None = None  #: of steps and LAMMPS
-    largest_cluster: int | None = None  #: of events, the most particles that were integrated together
-    cluster_share: float | None = None  #: of events, share of all time that particles spent in such clusters
-    engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty where it was asked for
+    n_contacts: int | None  #: number of contacts that began, with walls too; None with LAMMPS without log
+    n_pairs: int | None  #: number of these between two particles
+    n_ended: int | None  #: number of contacts that ended
+    n_overlapped: int | None  #: number of ended contacts that overlapped another contact in time
+    largest_compression: float | None = (
+        None  #: largest of all contacts, over the smaller radius; None with LAMMPS
+    )
+    time_step: float | None = None  #: longest step [s], with engines steps and lammps
+    n_steps: int | None = None  #: number of steps, with engines steps and lammps
+    largest_cluster: int | None = None  #: largest number of particles integrated together, with engine events
+    cluster_share: float | None = (
+        None  #: fraction of time that particles spent in clusters, with engine events
+    )
+    engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty if the user chose it
 
     def _outcome_key(self) -> str:
         return self.outcome_name if self.outcome_name in self.outcomes else self.engine
 
     @property
     def overlapped_share(self) -> float:
-        """Share of the ended contacts that shared a particle with another one; NaN where none ended, or contacts were
-        not counted."""
+        """Fraction of the ended contacts that shared a particle with another contact while they lasted; NaN if none
+        ended or contacts were not counted."""
         return (
             self.n_overlapped / self.n_ended if self.n_ended and self.n_overlapped is not None else math.nan
         )
 
     @property
     def energy_error(self) -> float:
-        """Largest change of energy + dissipated energy, over the largest kinetic energy or dissipated energy; NaN by
-        LAMMPS, whose dissipated energy is the difference of the others."""
+        """Largest change of the total energy, including dissipated energy, over the largest kinetic or dissipated
+        energy; NaN with LAMMPS, whose dissipated energy is computed as the difference of the others."""
         if self.engine == "lammps":
             return math.nan
         kept = self.samples
@@ -424,15 +426,15 @@ class ContactResult(_Result):
 
         ``kinetic_energy``, ``potential_energy``, ``contact_energy`` and ``dissipated_energy`` [J],
         ``granular_temperature`` [m²/s²], ``momentum`` [kg m/s], ``n_contacts``, ``n_in_contact``, ``collision_rate``
-        [1/s], ``pressure`` [Pa; disks N/m], ``overlapped_share``, and what ``observe`` returned. Rate, pressure and
-        share are means since the sample before and NaN at the first. By LAMMPS without log ``n_contacts``,
-        ``collision_rate`` and ``overlapped_share`` are NaN.
+        [1/s], ``pressure`` [Pa; disks N/m], ``overlapped_share``, and the values of ``observe``. Rate, pressure and
+        share are means since the previous sample, and NaN at the first sample. With LAMMPS and without a log
+        ``n_contacts``, ``collision_rate`` and ``overlapped_share`` are NaN.
         """
         return self._series.copy()
 
     @property
     def contacts(self) -> xr.Dataset:
-        """Dataset over ``contact``, in the order of their begins: ``begin``, ``end`` [s], ``first``, ``second``,
+        """Dataset over ``contact``, ordered by ``begin``: ``begin``, ``end`` [s], ``first``, ``second``,
         ``impact_speed``, ``separation_speed`` [m/s], ``overlapped``.
 
         ``first < second``, or ``second < 0`` for a wall: −1 − 2·axis at 0, −2 − 2·axis at the edge.

@@ -1,4 +1,4 @@
-"""``resume``: a run of a box of grains goes on from its checkpoint."""
+"""``resume``: continue a run of a box of grains from its checkpoint."""
 
 from __future__ import annotations
 
@@ -20,31 +20,34 @@ def resume(
     observe: Observe | None = None,
     progress: bool | Report | None = None,
 ) -> ParticleResult | ContactResult:
-    """Continue a run from its checkpoint, with the bits of an uninterrupted run; it goes on writing checkpoints.
+    """Continue a run from its checkpoint, with the same bits as an uninterrupted run.
+
+    The run continues to write checkpoints to this file.
 
     Parameters
     ----------
     path : path
         The checkpoint.
     until : float [s], optional
+        New end of the run. Without ``until`` and ``max_collisions``, the end is that of the checkpoint. The interval
+        between samples is unchanged.
     max_collisions : int, optional
-        Of hard spheres; counted from the start of the run. Without both, the end stays. The samples keep their
-        spacing.
+        New number of collisions, counted from the start of the run. For hard spheres only.
     observe : callable(time, system), optional
-        The function again, if the run has one: a checkpoint holds what it returned, not the function itself.
+        Required if the run was started with one: a checkpoint has the values of the function, not the function.
     progress : bool or callable(done, total), optional
-        As for the function that began the run.
+        As for the function that started the run.
 
     Returns
     -------
     ParticleResult or ContactResult
-        As from the function that began the run.
+        As from the function that started the run.
 
     Raises
     ------
     ValueError
-        If the file is no checkpoint, is damaged or of another version, the new end lies before its state, or
-        ``observe`` is missing or returns other names than before.
+        If the file is not a checkpoint, is damaged or was written by another version, the new end is before the time of
+        the checkpoint, or ``observe`` is missing or returns other names than before.
     OSError
         If a checkpoint cannot be written; names it.
 

@@ -1,4 +1,4 @@
-"""The rules of collision for hard spheres: one record each, and the choice of one for a run."""
+"""Collision rules of hard spheres: a record for each, and the choice of the rule of a run."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..support import validation
 
 
 class Rule(NamedTuple):
-    """A rule of collision: a record of the core."""
+    """A collision rule, from its record in the core."""
 
-    name: str  #: for ``rule=`` and the core
-    takes: tuple[str, ...]  #: arguments of which exactly one gives the restitution
-    meaning: str  #: what a collision does
-    assumes: str  #: what must hold for the rule to be right
-    counts: tuple[str, ...]  #: attributes of a result that count what the rule did
+    name: str  #: as in ``rule=`` and in the core
+    takes: tuple[str, ...]  #: the arguments that may give the restitution, exactly one of them
+    meaning: str  #: the effect of a collision
+    assumes: str  #: the condition under which the rule is right
+    counts: tuple[str, ...]  #: attributes of a result that count how often the rule did something special
     source: str
     has_contact_duration: bool
 
@@ -43,7 +43,7 @@ def _rule(record: Mapping[str, Any]) -> Rule:
 
 #: The default rule for each argument.
 DEFAULTS: Final = {"restitution": "constant", "law": "law"}
-#: By name, the defaults first.
+#: Rules by name, the defaults first.
 RULES: Final = {
     record["name"]: _rule(record)
     for record in sorted(_core.rules, key=lambda record: record["name"] not in DEFAULTS.values())
@@ -52,12 +52,12 @@ RULES: Final = {
 
 @dataclass(frozen=True)
 class Settings:
-    """What the collisions of a run obey; made by :func:`hardlimit.event_driven`."""
+    """The collision rule of a run and its parameters; made by :func:`hardlimit.event_driven`."""
 
     rule: str  #: "constant", "law", "tc" or "soft"
-    restitution: float | None  #: of rules with a constant one
-    law: Law | None  #: of the other rules
-    contact_duration: float | None  #: of the rule tc [s]
+    restitution: float | None  #: constant ε, or None if a law gives ε
+    law: Law | None  #: contact law that gives ε, or None
+    contact_duration: float | None  #: t_c of the rule tc [s]
 
     def report(self) -> str:
         """One line for a table or an attribute, such as ``tc, restitution 0.8, contact duration 1e-05 s``.
@@ -74,7 +74,7 @@ class Settings:
 
 
 def checked_settings(law: Any, restitution: Any, rule: Any, contact_duration: Any) -> Settings:
-    """The rule of a run with its parameters."""
+    """Check the rule of a run and its parameters."""
     given = validation.exactly_one(law=law, restitution=restitution)
     if given == "law" and not isinstance(law, Law):
         raise ValueError(f"law: got {validation.shown(law)}, must be a contact law such as LinearDashpot")

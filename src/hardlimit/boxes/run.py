@@ -1,4 +1,4 @@
-"""The run loop of all engines of boxes: samples at equal times, the log, checkpoints, the end."""
+"""Run loop of all engines of boxes: samples at equal time intervals, log, checkpoints, end of the run."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from .observe import Observe, Values
 from .result import ContactResult, Log, ParticleResult
 from .system import ParticleSystem
 
-#: Times that the spacing of the samples may double without a collision before a run without end stops.
+#: Number of times that the sampling interval may double without a collision before a run without ``until`` stops.
 PATIENCE: Final = 20
-#: Seconds [wall clock] between two looks at the checkpoint and the progress.
+#: Target duration [s, wall clock] of a call of the engine, after which checkpoint and progress are updated.
 PORTION: Final = 0.2
-#: Collisions, events or steps of the first portion.
+#: Collisions, events or steps in the first call of the engine.
 FIRST_PORTION: Final = 100
 MOST_SAMPLES: Final = 10_000_000
 
 
 class Keeping(NamedTuple):
-    """What a run keeps."""
+    """The records that a run keeps: samples, log, checkpoints, values of ``observe``."""
 
     samples: int = 100
     log: bool = False
-    path: Path | None = None  #: of the checkpoint
-    every: float = math.inf  #: seconds between two checkpoints [wall clock]
+    path: Path | None = None  #: path of the checkpoint
+    every: float = math.inf  #: time between checkpoints [s, wall clock]
     observe: Observe | None = None
 
 
 def checked_keeping(samples: Any, log: Any, checkpoint: Any, every: Any, observe: Any = None) -> Keeping:
-    """What a run is to keep."""
+    """Check the arguments that say what a run keeps."""
     return Keeping(
         checked_samples(samples),
         validation.flag("log", log),
@@ -52,26 +52,26 @@ def checked_keeping(samples: Any, log: Any, checkpoint: Any, every: Any, observe
 
 
 def checked_samples(samples: Any) -> int:
-    """Number of intervals between samples."""
+    """Check the number of intervals between samples."""
     return validation.whole("samples", samples, 1, MOST_SAMPLES)
 
 
 @dataclass(frozen=True)
 class Target:
-    """The end of a run, and its samples, at the times span·(k/samples)."""
+    """The end of a run, and the times span·(k/samples) of its samples."""
 
     until: float | None  #: [s]
     max_collisions: int | None
     span: float  #: [s]
     samples: int
-    idle: int = 0  #: times that the spacing has doubled since the last collision
+    idle: int = 0  #: number of times that the sampling interval has doubled since the last collision
 
     def time(self, k: int) -> float:
         """Time of sample k [s]."""
         return self.span * (k / self.samples)
 
     def is_reached(self, engine: Engine) -> bool:
-        """Whether the run is over."""
+        """Whether the run has ended."""
         if engine.outcome != "ok" or self.idle > PATIENCE:
             return True
         if self.max_collisions is not None and engine.n_contacts >= self.max_collisions:
@@ -80,14 +80,14 @@ class Target:
 
 
 class Sample(NamedTuple):
-    """One sample."""
+    """The values recorded at one sampling time."""
 
-    records: Mapping[str, NDArray[Any]]  #: of the engine
-    observed: Values  #: what the user's function returned
+    records: Mapping[str, NDArray[Any]]  #: quantities recorded by the engine
+    observed: Values  #: values of the user's function
 
 
 class Run:
-    """A run under way. An interrupt between any two statements leaves it consistent."""
+    """A run in progress. It stays consistent if an interrupt occurs between any two statements."""
 
     def __init__(
         self,
@@ -101,21 +101,21 @@ class Run:
         self._log = [engine.take_log() if log is None else log] if keeping.log else None
         self._portion = FIRST_PORTION
         self._saved_at = clock.monotonic()
-        # Samples and the target they were taken for: thinning out replaces both at once.
+        # The samples and the target to which they belong. Thinning the samples replaces both in one assignment.
         self._sampled: tuple[list[Sample], Target] = list(samples), target
 
     @property
     def target(self) -> Target:
-        """The end of the run, and its samples."""
+        """The end of the run and the sampling times."""
         return self._sampled[1]
 
     def set_end(self, until: float | None, max_collisions: int | None = None) -> None:
-        """Set another end; the spacing of the samples stays."""
+        """Set another end; the sampling interval is unchanged."""
         samples, target = self._sampled
         self._sampled = samples, replace(target, until=until, max_collisions=max_collisions)
 
     def set_observe(self, observe: Any) -> None:
-        """Go on with this function of the user, whose names and shapes must stay."""
+        """Set the user's function for the rest of the run; it must return the same names and shapes as before."""
         found, samples = observing.checked_function(observe), self._sampled[0]
         returned = samples[-1].observed if samples else self._keeping.observe
         if found is None and returned:
@@ -130,7 +130,7 @@ class Run:
         Raises
         ------
         KeyboardInterrupt
-            At Ctrl-C, after the checkpoint is written, if the run has one.
+            At Ctrl-C, after writing the checkpoint if the run has one.
         """
         for _ in self.steps(report):
             pass
@@ -139,7 +139,7 @@ class Run:
         return found
 
     def steps(self, report: Report) -> Iterator[float]:
-        """Run to the end and stop at every sample; yields its time [s]."""
+        """Run to the end; yields the time [s] of each sample after it is taken."""
         try:
             while not (self._sampled[0] and self.target.is_reached(self.engine)):
                 samples, target = self._sampled
@@ -155,7 +155,7 @@ class Run:
             raise
 
     def _advance(self, at: float, report: Report) -> bool:
-        """Go on to ``at`` [s] or to the end of the run; whether there is a sample to be taken."""
+        """Advance to ``at`` [s] or to the end of the run. Returns whether a sample is to be taken."""
         engine, target = self.engine, self.target
         if engine.time >= at and not engine.paused:
             return True
@@ -175,16 +175,17 @@ class Run:
         return engine.time == at and engine.outcome == "ok"
 
     def _adapt_portion(self, took: float) -> None:
-        """Let the engine answer after about the same time [wall clock]."""
+        """Adapt the work per call of the engine so that a call takes about ``PORTION``."""
         if took < 0.5 * PORTION:
             self._portion = min(2 * self._portion, 2**40)
         elif took > 2.0 * PORTION:
             self._portion = max(self._portion // 2, 1)
 
-    # --- what is kept ---------------------------------------------------------------------------------------
+    # --- samples, log and checkpoints -----------------------------------------------------------------------
 
     def _sample(self) -> None:
-        """Take a sample. Without an end in time, drop every second one and double the spacing where there are many."""
+        """Take a sample. In a run without ``until``, drop every second sample and double the interval if there are
+        too many."""
         new = self._present_sample()
         samples, target = self._sampled
         samples.append(new)
@@ -206,7 +207,7 @@ class Run:
         return Sample(self.engine.sample(), seen)
 
     def _taken_log(self) -> Log | None:
-        """All rows of the log so far."""
+        """The complete log so far; None if the run keeps none."""
         if self._log is None:
             return None
         self._log.append(self.engine.take_log())
@@ -214,7 +215,7 @@ class Run:
         return self._log[0]
 
     def _save_if_whole(self) -> None:
-        """Write the checkpoint, unless an interrupt lost rows of the log on their way here."""
+        """Write the checkpoint, unless an interrupt lost rows of the log while they were taken from the engine."""
         log = self._taken_log()
         if log is None or len(log[0]) == self.engine.n_logged:
             self.save()
@@ -224,7 +225,7 @@ class Run:
         keeping, (samples, target) = self._keeping, self._sampled
         if keeping.path is None:
             return
-        log = self._taken_log()  # before the engine is saved, with the rows that it still holds
+        log = self._taken_log()  # before the engine is saved, so that no row is saved twice
         header, arrays = self.engine.saved()
         seen = observing.collected([sample.observed for sample in samples])
         header |= {
@@ -241,7 +242,7 @@ class Run:
     # --- results --------------------------------------------------------------------------------------------
 
     def current(self) -> ParticleSystem:
-        """The system now, inside the box."""
+        """The current system, with positions in the box."""
         return self.engine.current()
 
     def result(self) -> ParticleResult | ContactResult:
@@ -258,17 +259,17 @@ class Run:
 
 
 def _stacked(samples: Sequence[Sample]) -> dict[str, NDArray[Any]]:
-    """One array for each record, over the samples."""
+    """Stack the recorded quantities of all samples: one array for each."""
     return observing.collected([dict(sample.records) for sample in samples])
 
 
 def _observe_again(time: float, system: ParticleSystem) -> Mapping[str, Any]:
-    """Stands for the function of a checkpoint until the user gives it again."""
+    """Placeholder for the function of a loaded checkpoint until the user gives it again."""
     raise AssertionError
 
 
 def load(path: Any) -> Run:
-    """The run of a checkpoint."""
+    """Load a run from a checkpoint."""
     header, arrays = checkpoints.read(path)
     try:
         engine = Engine.load(header, arrays)
@@ -288,7 +289,7 @@ def load(path: Any) -> Run:
 
 
 def checked_until(run: Run, until: Any) -> float:
-    """A new end [s] of a run that goes on."""
+    """Check the new end [s] of a run that is continued."""
     end, target, reached = validation.number("until", until), run.target, run.engine.time
     if end < reached:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""The check that contacts are stiff enough for the speeds of a system."""
+"""Check that contacts are stiff enough for the speeds in a system."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .time_step import contacts
 
 
 def typical_speed(system: ParticleSystem) -> float:
-    """Mean impact speed [m/s] in a gas, √(πT); between walls T includes the mean motion."""
+    """Mean impact speed √(πT) [m/s] in a gas; if there are walls, T includes the mean motion."""
     squares = np.einsum("ij,ij->i", system.velocities, system.velocities)
     if "wall" not in system.boundary:
         return math.sqrt(math.pi * system.granular_temperature)
@@ -21,7 +21,7 @@ def typical_speed(system: ParticleSystem) -> float:
 
 
 def refuse_too_soft(system: ParticleSystem, law: Law | None) -> None:
-    """Refuse a law under which a mean impact of any two particles would exceed the range of contact laws."""
+    """Refuse a law under which every impact at the mean speed would exceed the largest allowed compression."""
     speed = typical_speed(system)
     if law is None or not 0.0 < speed < math.inf:
         return

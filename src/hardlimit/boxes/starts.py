@@ -1,4 +1,4 @@
-"""Random starts: radii, masses, the edge of the box, positions without overlap, Maxwell's velocities."""
+"""Random initial states: radii, masses, edge of the box, positions without overlap, Maxwellian velocities."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..support.progress import Report
 from .box import LARGEST, Box, Floats
 
 MOST_PARTICLES: Final = 2**31 - 1
-#: Memory of each particle while a start grows, or in a run [bytes].
+#: Memory per particle during the growth of a random start or during a run [bytes].
 BYTES_PER_PARTICLE: Final = 300
-#: The densest random starts that growth reaches, by dimension.
+#: Largest packing fraction of a random start, by dimension.
 DENSEST: Final = {2: 0.82, 3: 0.62}
 
 
 class Generators:
-    """Random generators of one seed, independent for radii, positions and velocities.
+    """Independent random generators for radii, positions and velocities, from one seed.
 
     Raises
     ------
@@ -40,7 +40,7 @@ class Generators:
 
 
 def count(n: Any) -> int:
-    """N, if so many particles fit in memory."""
+    """The number of particles, checked to fit in memory."""
     wanted = validation.whole("n", n, 1, MOST_PARTICLES)
     needed, room = wanted * BYTES_PER_PARTICLE, machine.free_memory()
     if needed > room:
@@ -51,7 +51,7 @@ def count(n: Any) -> int:
 
 
 def radii(radius: Any, n: int, generators: Generators) -> Floats:
-    """N radii [m]: one for all, N of them, or a uniform spread between two."""
+    """N radii [m]: one for all, one for each particle, or uniformly distributed between two limits."""
     limits: dict[str, Any] = {"lowest": 0.0, "highest": LARGEST}
     pair = n != 2 and not isinstance(radius, str | bytes) and _length(radius) == 2
     if not pair:
@@ -67,7 +67,7 @@ def radii(radius: Any, n: int, generators: Generators) -> Floats:
 
 
 def checked_masses(given: str, matter: Floats, radius: Floats) -> Floats:
-    """Masses [kg] from ``matter``, the densities or masses; one broadcast number where all are equal."""
+    """Masses [kg] from ``matter``, the densities or masses; a broadcast number if all are equal."""
     if given == "mass":
         mass = matter
     elif matter.strides == radius.strides == (0,):
@@ -92,14 +92,14 @@ def _length(values: Any) -> int:
 
 
 def solid_volume(radius: Floats, dimension: int) -> float:
-    """Volume [m³] of all particles, in 2-D their area [m²]."""
+    """Total volume [m³] of the particles, in 2-D their area [m²]."""
     if dimension == 2:
         return math.pi * float(np.sum(radius**2))
     return 4.0 / 3.0 * math.pi * float(np.sum(radius**3))
 
 
 def edge(packing_fraction: Any, radius: Floats, dimension: int) -> float:
-    """Edge [m] of the square or cube in which the particles fill this share."""
+    """Edge [m] of the square or cube with this packing fraction."""
     share = validation.number(
         "packing_fraction", packing_fraction, 0.0, DENSEST[dimension], highest_allowed=True
     )
@@ -118,7 +118,7 @@ def check_room(box: Box, radius: Floats) -> None:
 
 
 def positions(radius: Floats, box: Box, generators: Generators, report: Report) -> Floats:
-    """Positions (N, d) [m] without overlap; reports thousandths of the growth."""
+    """Positions (N, d) [m] without overlap; progress is reported in thousandths of the growth."""
     found = _core.grow_packing(
         box.of_core(),
         np.ascontiguousarray(radius),
@@ -131,7 +131,7 @@ def positions(radius: Floats, box: Box, generators: Generators, report: Report) 
 def velocities(
     mass: Floats, dimension: int, rms_speed: float, periodic: Sequence[bool], generators: Generators
 ) -> Floats:
-    """Maxwell's velocities (N, d) [m/s] with this root mean square and no momentum along periodic axes."""
+    """Maxwellian velocities (N, d) [m/s] with this root mean square, and no total momentum along periodic axes."""
     n = len(mass)
     if rms_speed == 0.0:
         return np.zeros((n, dimension))

@@ -1,4 +1,4 @@
-"""A system of particles: spheres or disks in a box, with their positions and velocities."""
+"""``ParticleSystem``: spheres or disks in a box, with their positions and velocities."""
 
 from __future__ import annotations
 
@@ -48,11 +48,12 @@ class ParticleSystem:
     Parameters
     ----------
     positions : (N, d) numbers [m]
-        Of the centres, d = 2 or 3. Along a periodic axis they lie in [0, edge]; between walls the whole particle does.
+        Centres of the particles, d = 2 or 3. Along a periodic axis a centre lies in [0, edge]; between walls the whole
+        particle does.
     velocities : (N, d) numbers [m/s]
     radius : number or N numbers [m]
     density : number or N numbers [kg/m³]
-        The mass is then that of a sphere, also for disks: a monolayer.
+        Disks also get the mass of a sphere: they are a monolayer.
     mass : number or N numbers [kg]
         Give exactly one of ``density`` and ``mass``.
     box : d numbers [m]
@@ -60,15 +61,15 @@ class ParticleSystem:
         particle touches two images of another one; an edge between walls at least twice.
     boundary : "periodic", "wall", or one of them for each axis
     gravity : number or d numbers [m/s²]
-        A vector, or one number: the acceleration along minus the last axis.
+        A vector, or one number for an acceleration against the last axis.
     allowed_overlap : float
-        Overlaps up to this, relative to the sum of the radii (at a wall the radius), are accepted. The default covers
-        rounding. Particles in contact under Newton's equations overlap by more.
+        Largest accepted overlap, relative to the sum of the radii (at a wall, to the radius). The default allows for
+        rounding errors. Particles in contact under Newton's equations overlap by more.
 
     Raises
     ------
     ValueError
-        If a value is outside its range or of another shape, a particle lies outside the box, or two overlap; names
+        If a value is outside its range or has another shape, a particle lies outside the box, or two overlap; names
         them.
 
     Notes
@@ -132,19 +133,19 @@ class ParticleSystem:
 
     @classmethod
     def _of(cls, **values: Any) -> ParticleSystem:
-        """A system of values that are checked already; it keeps the arrays and makes them read-only."""
+        """A system of values that are already checked. Keeps the arrays and makes them read-only."""
         self = cls.__new__(cls)
         self._set(**values)
         return self
 
     def _moved(self, positions: Floats, velocities: Floats) -> ParticleSystem:
-        """The same particles elsewhere, unchecked."""
+        """The same particles with other positions and velocities, unchecked."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return self._of(**values | {"positions": positions, "velocities": velocities})
 
     @cached_property
     def domain(self) -> Box:
-        """The box as one value.
+        """The box with its boundaries and gravity.
 
         :meta private:
         """
@@ -187,12 +188,13 @@ class ParticleSystem:
         n : int
             Number of particles.
         packing_fraction : float
-            Share of the box that the particles fill; at most 0.62 in 3-D and 0.82 in 2-D.
+            Fraction of the box that the particles fill; at most 0.62 in 3-D and 0.82 in 2-D.
         radius : float, N numbers, or (smallest, largest) [m]
             Two numbers are the limits of a uniform distribution, unless n is 2.
         density : number or N numbers [kg/m³]
         rms_speed : float [m/s]
-            Root mean square of all speeds, exactly. The total momentum along periodic axes is zero.
+            Root mean square of the speeds; the sample has exactly this value. The total momentum along periodic axes is
+            zero.
         dimension : int
             2 or 3.
         seed : int
@@ -211,7 +213,7 @@ class ParticleSystem:
         Raises
         ------
         ValueError
-            If a value is outside its range, or so few particles are asked for that the box would be too small.
+            If a value is outside its range, or the box would be too small because there are too few particles.
 
         Examples
         --------
@@ -251,15 +253,15 @@ class ParticleSystem:
     def read(
         cls, path: str | Path, *, frame: int = -1, allowed_overlap: float | None = None
     ) -> ParticleSystem:
-        """The system in a file: extended XYZ (.xyz, .extxyz), GSD (.gsd) or LAMMPS data (.data, .lmp), by its ending.
+        """Read a system from a file: extended XYZ (.xyz, .extxyz), GSD (.gsd) or LAMMPS data (.data, .lmp).
 
         Parameters
         ----------
         path : path
         frame : int
-            Which one of a trajectory; the last one by default.
+            Index of the frame in a trajectory; the last one by default.
         allowed_overlap : float, optional
-            As for the system; by default rounding, which is coarser in a GSD file of single precision.
+            As for the system. The default allows for rounding errors, also those of a GSD file in single precision.
 
         Returns
         -------
@@ -268,7 +270,7 @@ class ParticleSystem:
         Raises
         ------
         ValueError
-            If the file cannot be read, is damaged, or holds no system that is accepted; names it.
+            If the file cannot be read, is damaged, or contains an invalid system; names it.
 
         Examples
         --------
@@ -288,8 +290,8 @@ class ParticleSystem:
     def write(self, path: str | Path) -> Path:
         """Write the system as extended XYZ, GSD or LAMMPS data, by the ending of ``path``.
 
-        Every number comes back to the last bit, except that LAMMPS data hold densities, from which a mass comes back
-        to rounding. A file of that name is replaced once the new one is whole.
+        :meth:`read` returns the same numbers to the last bit, except masses in LAMMPS data: the file has densities, and
+        some masses have a rounding error. An existing file is replaced when the new one is complete.
 
         Parameters
         ----------
@@ -319,7 +321,7 @@ class ParticleSystem:
         return files.write(path, [self.as_frame()])
 
     def as_frame(self, time: float = 0.0) -> Frame:
-        """The frame that files hold of the system at ``time`` [s].
+        """The system at ``time`` [s] as a frame for files.
 
         :meta private:
         """
@@ -337,7 +339,7 @@ class ParticleSystem:
         boundary: str | Sequence[str] | None = None,
         gravity: Vector | None = None,
     ) -> ParticleSystem:
-        """A copy with some values changed; what is not given stays, the masses included.
+        """A copy with the given values changed and all others kept, including the masses.
 
         Parameters
         ----------
@@ -358,8 +360,7 @@ class ParticleSystem:
         Raises
         ------
         ValueError
-            As for the system itself. Overlaps that the system already has are accepted unless positions, radius, box or
-            boundary change.
+            As for the system itself. Existing overlaps are accepted unless positions, radius, box or boundary change.
 
         Examples
         --------
@@ -388,13 +389,13 @@ class ParticleSystem:
 
     @cached_property
     def _deepest_overlap(self) -> tuple[int, int, float]:
-        """The two particles that overlap most, −1 each without two of them, and their gap [m]."""
+        """The two particles with the deepest overlap (−1 each for a single particle), and their gap [m]."""
         radius = np.ascontiguousarray(self.radius)
         return _core.deepest_overlap(self.domain.of_core(), self.positions, radius)
 
     @cached_property
     def _overlap_share(self) -> float:
-        """The deepest overlap, relative to the sum of the radii or, at a wall, the radius; rounded up."""
+        """The deepest overlap, relative to the sum of the radii (at a wall, to the radius), rounded up."""
         first, second, gap = self._deepest_overlap
         deepest = -gap / float(self.radius[first] + self.radius[second])
         for _, axis, upper in self.domain.walls():
@@ -407,37 +408,37 @@ class ParticleSystem:
 
     @property
     def n(self) -> int:
-        """N, the number of particles."""
+        """Number of particles N."""
         return len(self.positions)
 
     @property
     def dimension(self) -> int:
-        """d: 2 for disks, 3 for spheres."""
+        """Dimension d: 2 for disks, 3 for spheres."""
         return int(self.positions.shape[1])
 
     @property
     def density(self) -> Floats:
-        """Mass over the volume of the sphere (N,) [kg/m³]."""
+        """Mass divided by the volume of the sphere (N,) [kg/m³]."""
         return read_only(self.mass / (4.0 / 3.0 * math.pi * self.radius**3))
 
     @cached_property
     def packing_fraction(self) -> float:
-        """Share of the box that the particles fill: volumes in 3-D, areas in 2-D."""
+        """Fraction of the box that the particles fill, by volume in 3-D and by area in 2-D."""
         return starts.solid_volume(self.radius, self.dimension) / self.domain.volume
 
     @property
     def kinetic_energy(self) -> float:
-        """Σ m v²/2 [J]."""
+        """Kinetic energy Σ m v²/2 [J]."""
         return 0.5 * float(np.einsum("i,ij,ij->", self.mass, self.velocities, self.velocities))
 
     @property
     def momentum(self) -> Floats:
-        """Σ m v (d,) [kg m/s]."""
+        """Total momentum Σ m v (d,) [kg m/s]."""
         return read_only(self.mass @ self.velocities)
 
     @property
     def granular_temperature(self) -> float:
-        """T = Σ m|v − V|²/(d Σ m) [m²/s²], V the velocity of the centre of mass."""
+        """Granular temperature T = Σ m|v − V|²/(d Σ m) [m²/s²], with the velocity V of the centre of mass."""
         total = float(self.mass.sum())
         relative = self.velocities - self.momentum / total
         return float(np.einsum("i,ij,ij->", self.mass, relative, relative)) / (self.dimension * total)
@@ -481,7 +482,7 @@ class ParticleSystem:
     def _digest(self) -> int:
         digest = hashlib.blake2b(repr(self.boundary).encode(), digest_size=8)
         for name in ("positions", "velocities", "radius", "mass", "box", "gravity"):
-            digest.update((getattr(self, name) + 0.0).tobytes())  # −0 equals 0 and has other bits
+            digest.update((getattr(self, name) + 0.0).tobytes())  # turns −0, which equals 0, into 0
         return int.from_bytes(digest.digest(), "little", signed=True)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -501,7 +502,7 @@ class ParticleSystem:
 
 
 def described(system: ParticleSystem) -> list[tuple[str, str]]:
-    """Rows of the table of a system: label and value."""
+    """Labels and values for the table of a system."""
     found = [
         ("box [m]", _times(system.box)),
         ("sides", ", ".join(f"{axis} {side}" for axis, side in zip(AXES, system.boundary, strict=False))),

@@ -1,7 +1,7 @@
 """Kinetic theory of a homogeneous gas of equal hard spheres or disks.
 
-All of it holds for a fluid without walls, gravity or a mean flow: spheres below φ = 0.49, where freezing sets in, and
-disks below 0.70. Temperatures T are in m²/s² as everywhere here: the mean square of one velocity component.
+The formulas hold for a fluid without walls, gravity or mean flow: spheres below freezing at φ = 0.49, disks below 0.70.
+The temperature T [m²/s²] is the mean square of one velocity component.
 """
 
 from __future__ import annotations
@@ -18,21 +18,21 @@ from .system import ParticleSystem
 
 Floats = NDArray[np.float64]
 
-#: Packing fraction at which the fluid ends, by dimension: spheres freeze (Hoover & Ree 1968), disks become hexatic
+#: Largest packing fraction of the fluid, by dimension: spheres freeze (Hoover & Ree 1968), disks become hexatic
 #: (Bernard & Krauth 2011).
 FLUID: Final = {2: 0.70, 3: 0.49}
 
 #: Largest number of particles.
 MOST: Final = 2**62
-#: Collisions per particle after which a random start is in equilibrium: at packing fractions of 0.3 and 0.4 the rate of
-#: 1000 elastic spheres was 2.0 and 1.2 times Enskog's during the first quarter of a collision per particle, and within
-#: 5 % of it after three.
+#: Number of collisions per particle after which a random start is in equilibrium. At packing fractions of 0.3 and 0.4
+#: the rate of 1000 elastic spheres was 2.0 and 1.2 times Enskog's during the first quarter of a collision per particle,
+#: and within 5 % of it after three.
 RELAXED: Final = 3
 
 
 @dataclass(frozen=True)
 class Gas:
-    """A gas of equal spheres (``dimension`` 3) or disks (2): ``n`` of them in a box of ``volume`` [m³, m²].
+    """A homogeneous gas of equal spheres (``dimension`` 3) or disks (2) in a box.
 
     :func:`gas` makes one from a system.
 
@@ -43,7 +43,7 @@ class Gas:
     radius : float [m]
     mass : float [kg]
     volume : float [m³]
-        Of the box, in 2-D its area [m²].
+        Volume of the box, in 2-D its area [m²].
     dimension : int
         2 or 3.
 
@@ -66,7 +66,7 @@ class Gas:
     n: int
     radius: float  #: [m]
     mass: float  #: [kg]
-    volume: float  #: of the box [m³], in 2-D its area [m²]
+    volume: float  #: volume of the box [m³], in 2-D its area [m²]
     dimension: int
 
     def __post_init__(self) -> None:
@@ -81,16 +81,17 @@ class Gas:
 
     @property
     def packing_fraction(self) -> float:
-        """Share φ of the box that the particles fill: volumes in 3-D, areas in 2-D."""
+        """Fraction φ of the box that the particles fill, by volume in 3-D and by area in 2-D."""
         ball = math.pi * self.radius**2 if self.dimension == 2 else 4.0 / 3.0 * math.pi * self.radius**3
         return self.n * ball / self.volume
 
     @property
     def contact_value(self) -> float:
-        """χ, the pair distribution at contact.
+        """Pair correlation function at contact, χ.
 
-        Spheres: (1 − φ/2)/(1 − φ)³ (Carnahan & Starling, J. Chem. Phys. 51, 635 (1969)), below 0.3 % off in the
-        fluid. Disks: (1 − 7φ/16)/(1 − φ)² (Henderson, Mol. Phys. 30, 971 (1975)), below 1 % off up to φ = 0.6.
+        Spheres: (1 − φ/2)/(1 − φ)³ (Carnahan & Starling, J. Chem. Phys. 51, 635 (1969)), with an error below 0.3 % in
+        the fluid. Disks: (1 − 7φ/16)/(1 − φ)² (Henderson, Mol. Phys. 30, 971 (1975)), with an error below 1 % up to
+        φ = 0.6.
         """
         phi = self.packing_fraction
         if self.dimension == 2:
@@ -98,10 +99,11 @@ class Gas:
         return (1.0 - 0.5 * phi) / (1.0 - phi) ** 3
 
     def collision_rate(self, temperature: Floats | float) -> Floats:
-        """Enskog's rate ν of one particle [1/s]: 4√π n σ² χ √T, of disks 2√π n σ χ √T, σ = 2R.
+        """Enskog's collision rate ν of one particle [1/s]: 4√π n σ² χ √T for spheres, 2√π n σ χ √T for disks, σ = 2R.
 
-        Source: Chapman & Cowling, The Mathematical Theory of Non-uniform Gases (1970). Exact but for the error of χ in
-        an elastic gas; in a granular one as long as velocities stay close to Maxwell's and places uncorrelated.
+        Source: Chapman & Cowling, The Mathematical Theory of Non-uniform Gases (1970). In an elastic gas the only error
+        is that of χ. In a granular gas the formula holds while velocities are nearly Maxwellian and positions are
+        uncorrelated.
 
         Parameters
         ----------
@@ -130,18 +132,19 @@ class Gas:
 
     @property
     def mean_free_path(self) -> float:
-        """Mean speed over collision rate [m]: 1/(√2 π n σ² χ), of disks 1/(2√2 n σ χ).
+        """Mean free path [m], mean speed over collision rate: 1/(√2 π n σ² χ) for spheres, 1/(2√2 n σ χ) for disks.
 
-        Not to be confused with √T/ν, which Lue, J. Chem. Phys. 122, 044513 (2005) tabulates.
+        Lue, J. Chem. Phys. 122, 044513 (2005) tabulates √T/ν instead.
         """
         mean_speed = math.sqrt(0.5 * math.pi) if self.dimension == 2 else math.sqrt(8.0 / math.pi)
         return mean_speed / float(self.collision_rate(1.0))
 
     def pressure(self, temperature: Floats | float, restitution: float = 1.0) -> Floats:
-        """p [Pa], of disks [N/m]: n m T (1 + 2^(d−1) φ χ (1 + ε)/2).
+        """Pressure p = n m T (1 + 2^(d−1) φ χ (1 + ε)/2) [Pa; disks N/m].
 
-        For ε = 1 that is Carnahan & Starling's equation in 3-D, within 0.3 % of simulations, and Henderson's in 2-D,
-        within 1 % up to φ = 0.6. The factor (1 + ε)/2: Jenkins & Richman, Arch. Rat. Mech. Anal. 87, 355 (1985).
+        For ε = 1 this is Carnahan & Starling's equation in 3-D, within 0.3 % of simulations, and Henderson's in 2-D,
+        within 1 % up to φ = 0.6. Source of the factor (1 + ε)/2: Jenkins & Richman, Arch. Rat. Mech. Anal. 87, 355
+        (1985).
 
         Parameters
         ----------
@@ -152,7 +155,7 @@ class Gas:
 
         Returns
         -------
-        array [Pa], of disks [N/m]
+        array [Pa; disks N/m]
 
         Raises
         ------
@@ -172,8 +175,8 @@ class Gas:
     def cooling(self, time: Floats | float, temperature: float, restitution: float) -> Floats:
         """Haff's law: T(t) = T(0)/(1 + (1 − ε²) ν(0) t/(2d))², from dT/dt = −(1 − ε²) ν T/d.
 
-        Source: Haff, J. Fluid Mech. 134, 401 (1983). It holds while the gas stays homogeneous: clusters grow sooner
-        in large, dense and dissipative systems. The fourth cumulant of the velocities, some per cent, is left out.
+        Source: Haff, J. Fluid Mech. 134, 401 (1983). The law holds while the gas is homogeneous; clusters grow sooner
+        in large, dense and dissipative systems. The fourth cumulant of the velocities, a few per cent, is neglected.
 
         Parameters
         ----------
@@ -222,12 +225,12 @@ def gas(system: ParticleSystem) -> Gas:
     Raises
     ------
     ValueError
-        If theory here does not apply to it; says why.
+        If the theory does not apply to this system; says why.
 
     Notes
     -----
-    It holds for a fluid: spheres freeze at φ = 0.49 (Hoover & Ree 1968), disks become hexatic at 0.70 (Bernard & Krauth
-    2011).
+    The theory holds for a fluid: spheres freeze at φ = 0.49 (Hoover & Ree 1968), disks become hexatic at 0.70 (Bernard
+    & Krauth 2011).
 
     Examples
     --------
@@ -253,7 +256,7 @@ def gas(system: ParticleSystem) -> Gas:
 
 
 def why_not(system: ParticleSystem) -> str | None:
-    """The reason why the formulas do not hold for a system; None if they do."""
+    """The reason why the theory does not apply to a system; None if it applies."""
     if not isinstance(system, ParticleSystem):
         return f"got {validation.shown(system)}"
     if len(system.boundary) != system.boundary.count("periodic"):

@@ -1,4 +1,4 @@
-"""The time step of a run by steps, chosen from its errors in isolated contacts."""
+"""Choice of the time step of a run by steps, from its errors in isolated contacts."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def chosen(
     time_step: Any,
     longest_step: LongestStep = _core.longest_step,
 ) -> float:
-    """The longest step [s] of a run: as given, or the longest within the accepted error."""
+    """The time step [s] of a run: the given one, or the longest one with the accepted error."""
     if restitution_error is not None and time_step is not None:
         raise ValueError("restitution_error | time_step: got both, must be at most one of them")
     if time_step is None:
@@ -60,7 +60,7 @@ def chosen(
 
 
 def _longest(system: ParticleSystem, law: Law, error: float, longest_step: LongestStep) -> float:
-    """The longest step within this error in all expected contacts, in which no particle can cross another."""
+    """The longest step with this error in all expected contacts in which no particle can pass through another."""
     top = largest_speed(system)
     # Without motion and gravity only initial overlaps drive contacts; their speed does not matter here.
     tried = top if top > 0.0 else 1.0
@@ -72,14 +72,14 @@ def _longest(system: ParticleSystem, law: Law, error: float, longest_step: Longe
 
 
 def largest_speed(system: ParticleSystem) -> float:
-    """The largest expected impact speed [m/s]: twice that of the fastest particle plus that of a fall."""
+    """The largest expected impact speed [m/s]: twice the largest speed, plus the speed after a fall through the box."""
     fastest = math.sqrt(float(np.einsum("ij,ij->i", system.velocities, system.velocities).max()))
     fall = float(np.abs(system.gravity) @ system.box)
     return 2.0 * fastest + math.sqrt(2.0 * fall)
 
 
 def contacts(system: ParticleSystem, law: Law) -> Iterator[_core.Contact]:
-    """One contact of each pair of kinds of particles, and of each kind with a wall if there is one."""
+    """A contact for each pair of kinds of particles, and for each kind with a wall if there are walls."""
     kinds = np.unique(np.stack([system.mass, system.radius], axis=1), axis=0)
     if len(kinds) > MOST_KINDS:
         ends = [f(kinds[:, column]) for column in (0, 1) for f in (np.argmin, np.argmax)]

@@ -1,6 +1,6 @@
-"""The command line ``hardlimit``: a module per command, or ``about`` for the small ones. It computes nothing itself.
+"""The command line ``hardlimit``: a module for each command, ``about`` for the small ones. It computes nothing itself.
 
-Functions here raise a ValueError for bad input, which :mod:`hardlimit.cli.program` prints in one line.
+The functions raise a ValueError for invalid input, which :mod:`hardlimit.cli.program` prints in one line.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from .program import Program, no_such_command
 COMMANDS = {
     "cite": "Print BibTeX entries for the package and the methods you used.",
     "completion": "Print a script that completes commands in your shell.",
-    "contact": "One contact: its duration, restitution and damping.",
-    "convert": "A restitution as the input of particle codes, and back.",
+    "contact": "Compute duration, restitution and damping of one contact.",
+    "convert": "Convert a restitution to input of particle codes, and back.",
     "drop": "Drop a column of balls: Newton's equations and event-driven.",
     "explore": "Serve the interactive page on 127.0.0.1 until Ctrl-C.",
     "fit": "Fit a contact law to measurements and test whether it holds.",

@@ -1,4 +1,4 @@
-"""Small commands and ``--version``: citations, shell completion, the interactive page, what is installed."""
+"""Small commands and ``--version``: citations, shell completion, the explorer page, installed packages."""
 
 from __future__ import annotations
 

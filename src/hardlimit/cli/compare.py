@@ -1,4 +1,4 @@
-"""``hardlimit gas compare``: one start under Newton's equations and each rule for hard spheres."""
+"""``hardlimit gas compare``: simulate a box under Newton's equations and under each rule for hard spheres."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .options import dpi_option, json_option, law_options, law_text, output_opti
 from .printing import console, plain, print_files, print_json, show, table
 from .program import Command
 
-#: Stiffness [N/m] of glass beads without a law; softer than glass, t_c ν is about 0.02.
+#: Default stiffness [N/m] for the default glass beads. It is lower than that of glass; t_c ν is about 0.02.
 STIFFNESS: Final = 1e6
 REPLICAS: Final = 8
 
@@ -38,10 +38,12 @@ ARGUMENTS: Final = (
     UNTIL,
     SAMPLES,
     Entry("engine", "Engine for Newton’s equations: auto | events | steps.  [default: auto]"),
-    Entry("replicas", f"Number of starts, from which error bars follow.  [default: {REPLICAS}]", kind=int),
+    Entry(
+        "replicas", f"Number of initial states, which give the error bars.  [default: {REPLICAS}]", kind=int
+    ),
     Entry(
         "resolution",
-        f"Relative difference to be resolved; the output has the number of replicas that this takes."
+        f"Relative difference to be resolved; the output gives the number of replicas needed for it."
         f"{default(hl.fidelity, 'resolution')}",
         unit="1",
     ),
@@ -72,10 +74,10 @@ def compare(
 ) -> None:
     """Compare each rule for hard spheres with Newton's equations.
 
-    FILE, start and law are those of hardlimit gas. Without a law, contacts are linear with a stiffness of 1e6 N/m and a
-    restitution of 0.9, unless one of them is given. Each replica starts from another random state; if FILE has
-    particles, from another equilibrium state of these particles. Of a job file, this command uses start, law, until,
-    samples, restitution and contact duration.
+    FILE and the options of start and law are those of hardlimit gas. The default law is linear with a stiffness of 1e6
+    N/m and a restitution of 0.9. Each replica starts from another random state, or, if FILE has particles, from another
+    equilibrium state of these particles. From a job file, this command uses start, law, until, samples, restitution and
+    contact duration.
     """
     outputs = writable("out", out, ".nc"), picture("plot", plot)
     arguments = {entry.name: given.pop(entry.name) for entry in ARGUMENTS}

@@ -1,4 +1,4 @@
-"""``hardlimit contact``: one contact of two bodies under a law."""
+"""``hardlimit contact``: compute a contact of two bodies under a law."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
 @quantity_option(
     "--speed", "speeds", unit="m/s", multiple=True, help="Impact speed [m/s]; repeat it for a table."
 )
-@output_option("--plot", "Restitution as a picture (png, pdf, svg, …).")
+@output_option("--plot", "Plot of the restitution (png, pdf, svg, …).")
 @dpi_option
 @json_option()
 def contact(
@@ -77,7 +77,7 @@ def contact(
     as_json: bool,
     **given: Any,
 ) -> None:
-    """One contact: its duration, restitution and damping.
+    """Compute duration, restitution and damping of one contact.
 
     The output also has the restitution that the usual formula for the damping would give. Without options, a ball of
     radius 1 cm and density 840 kg/m³ meets the floor under the linear law with stiffness 5e7 N/m and restitution 0.7.

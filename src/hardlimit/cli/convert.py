@@ -1,4 +1,4 @@
-"""``hardlimit convert``: a restitution as the numbers of particle codes, and back."""
+"""``hardlimit convert``: convert a restitution to the input of particle codes, and back."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ code_options = options(
     click.option(
         "--attraction",
         is_flag=True,
-        help="Let the force attract at the end of a contact, if the code has both.",
+        help="Let the force attract at the end of a contact, if this is an option of the code.",
     ),
     click.option("--input", "text", help="Lines of the code's input to evaluate; '-' reads standard input."),
     click.option("--read", metavar="FILE", help="File with the code's input to evaluate."),
@@ -115,9 +115,7 @@ code_options = options(
     quantity_option(
         "--restitution-error", unit="1", help="Error of ε that the time step may cause.  [default: 0.001]"
     ),
-    quantity_option(
-        "--time-step", unit="s", help="Time step [s] whose error is computed, instead of the reverse."
-    ),
+    quantity_option("--time-step", unit="s", help="Time step [s] for which to compute the error of ε."),
 )
 
 
@@ -136,12 +134,12 @@ def convert(
     as_json: bool,
     **given: Any,
 ) -> None:
-    """A restitution as the input of particle codes, and back.
+    """Convert a restitution to input of particle codes, and back.
 
     Particle codes convert a restitution to a damping force by different formulas, and some let the force attract at
     the end of a contact. The same input therefore gives different restitutions. This command finds the input with
     which each code has the desired ε, the ε that the usual input would give, and the longest time step. With --input,
-    it finds the ε that lines of a code's input give. Numbers may have a unit, such as 0.5mm or 210GPa.
+    it computes the ε that lines of a code's input produce. Numbers may have a unit, such as 0.5mm or 210GPa.
     """
     balls = bed_of(radii, densities, masses)
     if text is not None or read is not None:

@@ -1,4 +1,4 @@
-"""``hardlimit drop``: one column under all models."""
+"""``hardlimit drop``: solve one column under all models."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ output_options = options(
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options
 @quantity_option(
-    "--until", unit="s", help="Follow the contacts until this time [s] after the first floor contact begins."
+    "--until", unit="s", help="Time [s] after the first floor touch up to which contacts are followed."
 )
 @output_options
 def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool, **given: Any) -> None:

@@ -1,4 +1,4 @@
-"""``hardlimit gas``: a box of grains as hard spheres or under Newton's equations."""
+"""``hardlimit gas``: simulate a box of grains as hard spheres or under Newton's equations."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SOLVER = (
         "[default: 0.001]",
         unit="1",
     ),
-    Entry("time_step", "Longest time step [s] (steps, lammps), instead of that error.", unit="s"),
+    Entry("time_step", "Longest time step [s] (steps, lammps), instead of --restitution-error.", unit="s"),
     Entry(
         "threads",
         "Number of threads (steps).  [default: one for each 1000 particles, at most all processors]",
@@ -60,7 +60,7 @@ newton_options = options(
 #: Options that have no meaning for Newton's equations.
 HARD_SPHERES_ONLY = ("rule", "contact_duration", "max_collisions")
 PICTURES = ("out", "plot", "animate")
-#: Numbers of a result in the JSON, with the attribute of the result.
+#: Numbers in the JSON output, with the attributes of the result.
 HARD_SPHERES_NUMBERS = {
     "n_collisions": "n_collisions",
     "n_pair_collisions": "n_pairs",
@@ -79,7 +79,7 @@ NEWTON_NUMBERS = {
 
 
 class WithCompare(Command):
-    """``gas FILE`` is this command, ``gas compare FILE`` is another one."""
+    """The command ``gas FILE``, with ``gas compare FILE`` as a command of its own."""
 
     def make_context(
         self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any

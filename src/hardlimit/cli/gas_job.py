@@ -1,4 +1,4 @@
-"""The job of ``hardlimit gas`` and ``gas compare``: start, law, run and files, from a job file and from options."""
+"""Jobs of ``hardlimit gas`` and ``gas compare``: start, law, run and outputs, from a job file and options."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ..support.formatting import listed
 from .job import Entry, changed, table_of
 from .options import film, picture, take_law, writable
 
-#: A start without options: glass beads.
+#: The default start: glass beads.
 GLASS_BEADS: Final = {"n": 1000, "packing_fraction": 0.3, "radius": 1e-3, "density": 2500.0, "rms_speed": 1.0}
 RESTITUTION: Final = 0.9
 #: Collisions per particle, at the initial rate, in a run whose end is not given.
@@ -41,7 +41,7 @@ def _of_random(name: str) -> str:
     return default(hl.ParticleSystem.random, name)
 
 
-#: The table [random]: the start, and what may be changed of the box of a start from a file.
+#: Entries of the table [random]: a random start, or changes of the box if the start is from a file.
 START: Final = (
     Entry("n", f"Number of particles.{_of_beads('n')}", kind=int),
     Entry(
@@ -51,7 +51,7 @@ START: Final = (
     ),
     Entry(
         "radius",
-        f"Radius [m]; give it twice for radii between two limits.{_of_beads('radius')}",
+        f"Radius [m]; give it twice for the limits of a uniform distribution.{_of_beads('radius')}",
         unit="m",
         many=True,
     ),
@@ -83,28 +83,28 @@ SAMPLES: Final = Entry(
 UNTIL: Final = Entry(
     "until", f"End of the run [s].  [default: about {COLLISIONS} collisions per particle]", unit="s"
 )
-#: The table [event_driven], which also has the restitution of all collisions.
+#: Entries of the table [event_driven], which also has the restitution of all collisions.
 RUN: Final = (
     Entry("rule", f"Collision rule: {' | '.join(RULES)}.  [default: constant, or law with a contact law]"),
     Entry("contact_duration", "Contact duration of the rule tc [s].", unit="s"),
     UNTIL,
     Entry("max_collisions", "Number of collisions after which the run ends.", kind=int),
     SAMPLES,
-    Entry("checkpoint", "File for --resume, written at regular times and at Ctrl-C.", metavar="FILE"),
+    Entry("checkpoint", "Checkpoint for --resume, written at intervals and at Ctrl-C.", metavar="FILE"),
     Entry(
         "checkpoint_every",
-        f"Time between checkpoints [s], by the clock.{default(hl.event_driven, 'checkpoint_every')}",
+        f"Wall-clock time between checkpoints [s].{default(hl.event_driven, 'checkpoint_every')}",
         unit="s",
     ),
 )
-#: The table [output].
+#: Entries of the table [output].
 OUTPUT: Final = (
     Entry("out", "Trajectory (xyz; gsd with the extra hardlimit[files]).", metavar="FILE"),
     Entry("save", "Series, collisions or contacts, and final state as NetCDF.", metavar="FILE.nc"),
     Entry("plot", "Temperature, rate and pressure over time, with theory (png, pdf, …).", metavar="FILE"),
     Entry(
         "animate",
-        "Film (gif; mp4 with the extra hardlimit[film]); of spheres, a slice is shown.",
+        "Film (gif; mp4 with the extra hardlimit[film]); spheres are shown in cross section.",
         metavar="FILE",
     ),
 )
@@ -146,7 +146,7 @@ def read(file: str | None) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class GasJob:
-    """What a job file and options say of a box of grains."""
+    """A simulation of a box of grains, as given by a job file and options."""
 
     file: str | None  #: particles to start from; None for a random start
     random: dict[str, Any]  #: arguments of ``ParticleSystem.random``, or changes of the box of a file

@@ -1,4 +1,4 @@
-"""Job files of ``gas`` and ``sweep``: entries that stand in a table of the file and are options as well."""
+"""Entries of job files for ``gas`` and ``sweep``; each entry of a table is also a command-line option."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Entry:
         )
 
     def check(self, name: str, value: Any) -> Any:
-        """Kind of the entry in a table."""
+        """Check the entry in a table."""
         kind: toml.Kind = toml.whole if self.kind is int else toml.text
         if self.unit is not None:
             kind = toml.quantity(self.unit)
@@ -46,7 +46,7 @@ def entry_options(entries: Iterable[Entry]) -> Callable[[F], F]:
 
 
 def table_of(entries: Iterable[Entry], more: Mapping[str, toml.Kind] | None = None) -> toml.Kind:
-    """Kind of a table with these entries, and with ``more``."""
+    """A check for a table with these entries and with ``more``."""
     kinds = {entry.name: entry.check for entry in entries} | dict(more or {})
     return lambda name, value: toml.table(name, value, kinds)
 

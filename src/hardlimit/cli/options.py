@@ -81,7 +81,7 @@ def _all_law_parameters() -> dict[str, tuple[dict[str, Any], list[str]]]:
     return found
 
 
-#: All parameters of contact laws: their options, and what may be swept of a law, follow from this table.
+#: All parameters of contact laws. Options and the law parameters that can be swept are made from this table.
 LAW_PARAMETERS = _all_law_parameters()
 
 

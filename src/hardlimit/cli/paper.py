@@ -1,4 +1,4 @@
-"""``hardlimit paper``: every figure and statement of the paper."""
+"""``hardlimit paper``: compute the figures of the paper and check its statements."""
 
 from __future__ import annotations
 

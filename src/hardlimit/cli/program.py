@@ -1,4 +1,4 @@
-"""Errors of commands: one line on stderr and an exit code, never a traceback."""
+"""Error handling of commands: one line on stderr and an exit code, never a traceback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``hardlimit stack``: the masses with which a stack throws its top ball fastest."""
+"""``hardlimit stack``: find the masses with which a stack throws its top ball fastest."""
 
 from __future__ import annotations
 

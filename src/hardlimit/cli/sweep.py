@@ -1,4 +1,4 @@
-"""``hardlimit sweep``: maps over any parameters of a column of balls."""
+"""``hardlimit sweep``: compute maps over any parameters of a column of balls."""
 
 from __future__ import annotations
 
@@ -229,7 +229,7 @@ def make_job(file: str | None, resume: bool, given: dict[str, Any]) -> Job:
 
 
 def _axes(name: str, content: Any, balls: int) -> dict[str, Any]:
-    """Kind of the table [sweep.axes]; the order of its keys is that of the dimensions."""
+    """Check the table [sweep.axes]; the order of its keys is that of the dimensions."""
     kinds = {key: lambda n, value, unit=unit: axis(n, value, unit) for key, unit in units_of(balls).items()}
     return toml.table(name, content, kinds)
 

@@ -1,1 +1,1 @@
-"""Balls on a vertical line: the scenario, its solvers, what came out, and the models side by side."""
+"""Columns of balls on a vertical line: scenario, solvers, results, comparison of models, files."""

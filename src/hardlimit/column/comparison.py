@@ -1,4 +1,4 @@
-"""Comparison of event-driven collisions with Newton's equations for one column, and the verdict."""
+"""``hl.compare``: comparison of event-driven collisions with Newton's equations for a column, with a verdict."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TOLERANCE: Final = 0.01
 
 
 class Verdict(NamedTuple):
-    """Is an event-driven simulation good enough for this column? Returned by :attr:`Comparison.verdict`."""
+    """Whether an event-driven simulation is good enough for a column; returned by :attr:`Comparison.verdict`."""
 
     answer: Literal["yes", "by luck", "no", "undecided"]  #: one word
     sentence: str  #: the reason, with numbers
@@ -95,7 +95,7 @@ def overlapping_contacts(result: Result) -> int:
 
 
 def _of_balls(result: Result) -> NDArray[np.int64]:
-    """Indices of the ball–ball contacts of the sequence, ordered by their begins."""
+    """Indices of the ball–ball contacts of the sequence, in order of time."""
     return np.flatnonzero(result.contact_times[0])[: result.n_contacts]
 
 
@@ -133,7 +133,7 @@ def _verdict(c: Comparison) -> Verdict:
 
 
 def _unclear(c: Comparison, true: str, hard: str) -> str | None:
-    """The reason if there is nothing to compare."""
+    """The reason why the models cannot be compared; None if they can."""
     for model, name, result in (
         ("Newton’s equations", true, c.newton),
         ("the event-driven model", hard, c.independent),
@@ -200,10 +200,11 @@ def _of_separation(c: Comparison) -> _Difference:
 def _of_velocities(c: Comparison, counts: Sequence[NDArray[np.int64]] = ()) -> _Difference:
     """Difference for the ball whose velocities differ most.
 
-    Velocities after the last contact of each ball are compared, whenever it ends: in the freely falling frame, less
-    the fall during the delay between both ends (none for a ball without contacts under one model). With ``counts``, the
-    numbers of contacts of the upper pairs under both models, the upper balls continue after the second floor contact
-    until they have met as often as under the other model.
+    The velocity of each ball after its last contact is compared in the freely falling frame, so that the change of
+    velocity by gravity between the ends of this contact under both models does not count (there is none for a ball
+    without contacts under one model). ``counts`` are the numbers of contacts of the upper pairs under both models. If
+    they are given, the upper balls continue after the second floor contact until they have met as often as under the
+    other model.
     """
     missing = [(counts[1 - i] - counts[i]).clip(0).tolist() for i in range(len(counts))] or [[], []]
     (moves, since), (hard, hard_since) = (

@@ -1,11 +1,11 @@
-"""Columns as TOML files, and columns changed by named parameters, as the command line reads and writes them.
+"""Read and write columns as TOML files, and change their parameters by name, for the command line.
 
 A file has the top-level keys ``height``, ``gravity``, ``gaps`` and ``velocities``, one table ``[[balls]]`` per ball,
 bottom first (``radius``, and ``density`` or ``mass``), and one ``[law]`` (``name`` and its parameters) or one
 ``[[laws]]`` per contact, the floor's first. With ``cradle = true`` there is no floor, no height and no gravity (a
 ``gravity`` of 0 may be written). A quantity is a number in SI units or a text with a unit, such as ``"1 mm"``.
 
-All functions raise a ValueError with a message of one line for what they refuse; :func:`read` names the file.
+All functions raise a ValueError with a one-line message for invalid input; :func:`read` names the file.
 """
 
 from __future__ import annotations
@@ -150,7 +150,7 @@ def _check_cradle(found: Mapping[str, Any]) -> None:
 
 
 def _ball(name: str, content: Any) -> Ball:
-    """Kind of a table of a ball."""
+    """Check the table of a ball."""
     kinds = {"radius": toml.quantity("m"), "density": toml.quantity("kg/m3"), "mass": toml.quantity("kg")}
     given = toml.table(name, content, kinds)
     if "radius" not in given:
@@ -159,7 +159,7 @@ def _ball(name: str, content: Any) -> Ball:
 
 
 def law_table(name: str, content: Any) -> Law:
-    """Kind of a table of a law."""
+    """Check the table of a law."""
     kind = None
     if isinstance(content, dict):
         if "name" not in content:
@@ -310,7 +310,7 @@ def with_motion(
 
 
 def _fitting(name: str, given: Sequence[float], present: tuple[float, ...], count: int) -> tuple[float, ...]:
-    """The values given, or the present ones, which are repeated for more balls if all are equal."""
+    """The given values, or the present ones, which are repeated for more balls if they are equal."""
     if given:
         limits = {"lowest": 0.0, "lowest_allowed": True} if name == "gap" else {}
         return validation.numbers(name, given[0] if len(given) == 1 else given, count, **limits)

@@ -1,6 +1,6 @@
-"""The models of a column: description, applicability and solver of each.
+"""The models of a column: description, condition of applicability, and solver of each.
 
-Names, labels and limits come from ``core/column/model.hpp``, which the page also reads.
+Names, labels and limits come from ``core/column/model.hpp``, which the explorer page uses as well.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .. import _core
 
 
 class Scenario(Protocol):
-    """The part of a column that decides whether a model applies."""
+    """The properties of a column that determine whether a model applies."""
 
     @property
     def solvable_exactly(self) -> bool: ...

@@ -1,4 +1,4 @@
-"""Results of one column under one model: contacts, velocities, trajectories (see docs/definitions.md)."""
+"""Result of a column under one model: contacts, velocities, trajectories (defined in docs/definitions.md)."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Result:
-    """Result of one column under one model, returned by its solver. Times in s after the first floor touch.
+    """Result of a column under one model, returned by its solver.
 
-    Times of a cradle are counted from its release. A result is immutable, and its arrays are read-only. A copy, or a
-    result that was sent to another process, is solved again at first use and has the same bits. :doc:`/definitions`
-    defines each number exactly.
+    Times are in s after the first floor touch, or for a cradle after its release. A result is immutable, and its arrays
+    are read-only. A copy, or a result that was sent to another process, is solved again at first use, with the same
+    bits. :doc:`/definitions` defines each number exactly.
 
     Notes
     -----
@@ -243,7 +243,7 @@ class Result:
         return f"time after {'the first floor touch' if self.column.floor else 'release'}"
 
     def _attributes(self, what: str) -> dict[str, Any]:
-        """Attributes of a Dataset: names of the CF conventions, and what is needed to compute it again."""
+        """Attributes of a Dataset by the CF conventions, with everything needed to compute it again."""
         facts: dict[str, Any] = {
             "title": f"{what} of a {'column' if self.column.floor else 'cradle'} of balls",
             "source": f"hardlimit {_core.version}, {MODELS[self.model].label}",

@@ -1,4 +1,4 @@
-"""The scenario of a column: balls on a vertical line above a floor, or a cradle without floor and gravity."""
+"""``Column``: balls on a vertical line above a floor, or a cradle without floor and gravity."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Column:
     Raises
     ------
     ValueError
-        If a value is outside its range (lengths, speeds and accelerations up to 1e100), or nothing would ever move.
+        If a value is outside its range (lengths, speeds and accelerations up to 1e100), or no ball would ever move.
 
     Notes
     -----

@@ -20,17 +20,17 @@ TOLERANCE: Final = 1e-14
 def newton(
     column: Column, until: float | None = None, *, method: Method = AUTO, tolerance: float = TOLERANCE
 ) -> Result:
-    """Solve Newton's equations (Eq. 14), exactly where the law allows, else by integration with located switches.
+    """Solve Newton's equations (Eq. 14), exactly if the law allows it, otherwise by integration with event location.
 
     Parameters
     ----------
     column : Column
     until : float [s], optional
-        Continue to this time after the first floor touch and record every contact up to it. Not before the release.
+        End time after the first floor touch, up to which every contact is recorded; not before the release.
     method : {"auto", "exact", "general"}
         ``"exact"``: piecewise closed form for two balls on a floor under the linear law. ``"general"``: adaptive
-        Runge–Kutta method of order 8, and an implicit one of order 9 (Radau IIA) while up to 16 balls creep.
-        ``"auto"``: the exact one where it applies.
+        Runge–Kutta method of order 8, and an implicit method of order 9 (Radau IIA) for creeping motion of up to 16
+        balls. ``"auto"``: exact if it applies, otherwise general.
     tolerance : float
         Local error of the general solver, relative to the impact, 1e-15 to 1e-2.
 
@@ -69,7 +69,7 @@ def newton(
 
 
 def adiabatic(column: Column, until: float | None = None) -> Result:
-    """Solve two balls on a floor under the linear law as if the upper did not act on the lower (Appendix A).
+    """Solve two balls on a floor under the linear law without the force of the upper ball on the lower (Appendix A).
 
     Exact for R1 ≫ R2; the error is proportional to the mass ratio m2/m1. Parameters as for :func:`newton`.
 
@@ -87,10 +87,10 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
 
 
 def independent(column: Column, until: float | None = None) -> Result:
-    """Compute the whole sequence of instantaneous collisions (independent-collisions model, Eqs. 1–6).
+    """Compute the sequence of instantaneous collisions (independent-collisions model, Eqs. 1–6).
 
-    Each collision has the restitution of the law at its speed. ``begin`` and ``end`` of a contact coincide. Parameters
-    and errors as for :func:`newton`.
+    Each collision has the restitution of the law at its impact speed. ``begin`` and ``end`` of a contact coincide.
+    Parameters and errors as for :func:`newton`.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def independent(column: Column, until: float | None = None) -> Result:
 
 
 def _is_general(method: Any, only: bool) -> bool:
-    """Whether ``method`` selects the general solver, which is the ``only`` one if the exact one does not apply."""
+    """Whether ``method`` selects the general solver; ``only`` is true if the exact one does not apply."""
     validation.one_of("method", method, METHODS)
     if method == "exact" and only:
         raise ValueError(
@@ -111,7 +111,7 @@ def _is_general(method: Any, only: bool) -> bool:
 
 
 def _checked(model: Model, column: Any, until: Any) -> float | None:
-    """Check column and model and return the checked ``until``."""
+    """Check column and model; returns the checked ``until``."""
     if not isinstance(column, Column):
         raise ValueError(f"column: got {validation.shown(column)}, must be a Column")
     if not model.applies(column):

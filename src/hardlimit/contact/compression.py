@@ -1,4 +1,4 @@
-"""Limits of the compression: where contact laws end, and the warning before."""
+"""Limits of the compression: the one above which there is a warning, and the largest that contact laws describe."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .. import _core
 DEEPEST: Final = _core.deepest_compression
 #: Compression from which on there is a warning.
 DEEP: Final = 0.05
-#: Contains no number of the run, so that Python shows it once for many results of one line.
+#: The message contains no number of the run, so that Python shows it only once for many results of one line of code.
 WARNING: Final = (
     f"contacts were compressed by more than {100.0 * DEEP:g} % of the smaller radius (see largest_compression); "
     f"contact laws describe a few per cent, and none more than {100.0 * DEEPEST:g} %"

@@ -1,6 +1,7 @@
 """The base class of contact laws, and the contact of two bodies.
 
-The laws are C++ headers (``core/contact``). This module makes Python classes from their records; the core computes.
+The laws are C++ headers (``core/contact``). This module makes Python classes from their records; all computation is
+done in the core.
 """
 
 from __future__ import annotations
@@ -298,7 +299,7 @@ class Law:
         return type(self)(**(kept | changes))
 
     def _alternative_for(self, changed: set[str]) -> list[dict[str, Any]]:
-        """The alternative that changed and present parameters complete, else the present one."""
+        """The alternative for which the changed and the present parameters are complete, or else the present one."""
         choices: list[list[dict[str, Any]]] = self.record["alternatives"]
         present = choices[self.alternative]
         common = {p["name"] for p in self.record["common"]}
@@ -362,7 +363,7 @@ def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:
 
 
 def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[str]) -> str:
-    """The message for a wrong set of parameters: it lists the sets that complete what was given, or all sets."""
+    """The message for a wrong set of parameters. It lists the sets that contain the given ones, or else all sets."""
     sets = [[str(p["name"]) for p in choice] for choice in choices]
     fitting = [names for names in sets if given <= set(names)] or sets
     names = dict.fromkeys(name for one in fitting for name in one)

@@ -1,4 +1,4 @@
-"""The contact laws, one class for each line of ``core/contact/registry.hpp``. Their types are in ``laws.pyi``."""
+"""The contact laws: one class for each entry of ``core/contact/registry.hpp``. Their types are in ``laws.pyi``."""
 
 from .. import _core
 from .contact import Law, make_law

@@ -45,14 +45,15 @@ def convert(
     speed : float [m/s]
         Impact speed at which it is wanted.
     stiffness : float [N/m]
-        Of a linear spring. Give exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and ``compression``.
+        Stiffness of a linear spring. Give exactly one of ``stiffness``, ``youngs_modulus``, ``duration`` and
+        ``compression``.
     youngs_modulus : float [Pa]
-        Of the material of balls and wall. Under the linear law, an undamped impact at ``speed`` compresses the spring
-        as far as the Hertz contact.
+        Young's modulus of the material of balls and wall. Under the linear law, an undamped impact at ``speed``
+        compresses the spring as far as the Hertz contact.
     poisson_ratio : float
-        Of this material, together with ``youngs_modulus``; in (-1, 0.5].
+        Poisson's ratio of this material, to be given with ``youngs_modulus``; in (-1, 0.5].
     duration : float [s]
-        Of each contact.
+        Duration of each contact.
     compression : float [m]
         Largest compression in each contact.
     law : str
@@ -63,19 +64,19 @@ def convert(
     code : str
         Name of a code; all by default.
     model : str
-        Name of one of its models; all of this law by default.
+        Name of one of the code's models; by default all models of this law.
     attraction : bool
         Whether the force attracts at the end of a contact, for codes with this option.
     restitution_error : float
         Error of ε allowed for the time step, 1e-3 by default.
     time_step : float [s]
-        Instead, a time step for which to compute the error of ε.
+        A time step for which the error of ε is computed, instead of ``restitution_error``.
 
     Returns
     -------
     Conversion
-        ``.contacts`` under our own law; ``.models`` with the numbers for each code and what the usual number would give
-        there; ``.text`` to paste.
+        ``.contacts`` has the contacts under our own law. ``.models`` has the numbers for each code, and the restitution
+        that the usual number would give there. ``.text`` is the input to paste.
 
     Raises
     ------

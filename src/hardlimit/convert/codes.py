@@ -1,4 +1,4 @@
-"""Normal contact models of particle codes, read from one data file per code in the folder ``codes``.
+"""Normal contact models of particle codes, read from a data file for each code in the folder ``codes``.
 
 The force of a model is F = K ξ^p + C ξ^q dξ/dt. The file gives p and q, how the code computes K and C, whether the
 force may attract, and how its input is written and read. To add a code, add a file.
@@ -71,10 +71,10 @@ class Extra:
 
 @dataclass(frozen=True)
 class Input:
-    """Templates with places such as {stiffness}; ``reads`` is what the code's reader finds in an input.
+    """Templates of a code's input, with placeholders such as {stiffness}; ``reads`` has the settings of the reader.
 
-    Each name in ``reads`` has words, some of which are places. {unsigned:timeconst} is a number without a sign,
-    {negative:stiffness} the absolute value of a number that is negative or 0.
+    Each setting in ``reads`` has words, some of which are placeholders. {unsigned:timeconst} is a number without a
+    sign; {negative:stiffness} is the absolute value of a number that is negative or 0.
     """
 
     reads: dict[str, str]
@@ -107,7 +107,7 @@ class Model:
     input: Input  #: how it is written and read
     keyword: str = ""  #: prevents attraction, if ``attracts`` is "unless"
     mass: Mass = Mass()  #: in the formulas, if it is not the effective mass
-    note: str = ""  #: remark
+    note: str = ""  #: remark on the model
     checked: Literal["", "source"] = ""  #: if it was checked less thoroughly than its code
 
     def unit(self, name: str) -> tuple[float, float, float]:
@@ -201,7 +201,7 @@ FOLDER: Final = resources.files(__package__) / "codes"
 
 @dataclass(frozen=True)
 class Pair:
-    """Two bodies as a code's formulas see them."""
+    """A contact of two bodies, with the quantities in a code's formulas."""
 
     name: str
     mass: float  #: effective [kg]
@@ -213,7 +213,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Written:
-    """A model in one contact: the force for given numbers, and the numbers for a given force."""
+    """A model applied to one contact: the force for given numbers of the input, and the numbers for a given force."""
 
     model: Model
     pair: Pair
@@ -246,9 +246,9 @@ class Written:
         return None if number is None else self._all_numbers(stiffness, number)
 
     def usual_numbers(self, stiffness: float, restitution: float) -> Numbers | None:
-        """The usual numbers, without knowledge of the code; None if there are none.
+        """The numbers that a user who does not know the code's formulas would give; None if there are none.
 
-        They are the wanted restitution, or for a coefficient the damping by the formula in common use.
+        They are the wanted restitution itself, or for a damping coefficient the value of the formula in common use.
         """
         damping = self.model.damping
         if damping.formula == "none":

@@ -44,9 +44,9 @@ class ModelNumbers:
 
     pair: str  #: the bodies, such as ``1 – 2`` or ``1 – wall``
     numbers: Numbers | None  #: for the input of the code; None if it cannot have this restitution
-    restitution: float  #: that they produce; NaN without numbers
-    usual: Numbers | None  #: the usual numbers, without knowledge of the code
-    usual_restitution: float  #: that these produce; NaN without numbers
+    restitution: float  #: ε that they produce; NaN without numbers
+    usual: Numbers | None  #: the numbers that a user who does not know the code's formulas would give
+    usual_restitution: float  #: ε that these produce; NaN without numbers
     time_step: float  #: [s], with the error ``restitution_error`` of ε
     restitution_error: float  #: error of ε by the time step
 
@@ -112,7 +112,7 @@ class Conversion:
 
 @dataclass(frozen=True)
 class Obtained:
-    """What an input of a code really gives in one contact; returned by :func:`hardlimit.convert_back`."""
+    """The contact that an input of a code really produces; returned by :func:`hardlimit.convert_back`."""
 
     code: Code  #: its name, title, version and sources
     model: Model  #: its name, title and formulas
@@ -143,7 +143,7 @@ class Obtained:
 
 @dataclass(frozen=True)
 class Stepping:
-    """The choice of the time step: the longest with a given error of ε, or a given one."""
+    """Choice of the time step: a given step, or the longest one with a given error of ε."""
 
     error: float
     time_step: float | None

@@ -1,8 +1,8 @@
-"""How particle codes turn the numbers of their input into stiffness and damping.
+"""Formulas by which particle codes convert the numbers of their input to stiffness and damping.
 
 The files in ``codes`` select a spring and a formula by name. A spring gives K of F = K ξ^p + … from the numbers of an
-input, and these numbers from K. A formula gives a damping ratio from the number of the input. None of them is used for
-our own contacts.
+input, and the numbers from K. A damping formula gives a damping ratio from a number of the input. None of these
+formulas is used for our own contacts.
 """
 
 from __future__ import annotations

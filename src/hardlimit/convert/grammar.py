@@ -261,7 +261,7 @@ class _Calls(ast.NodeVisitor):
                     self.names.pop(one.id, None)
 
     def _nested(self, node: ast.AST) -> None:
-        """Code that may run any number of times: names that it assigns have no known value, before or after."""
+        """Code that may run any number of times. Names that it assigns have no known value, before or after."""
         for one in ast.walk(node):
             if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store):
                 self.names.pop(one.id, None)

@@ -1,7 +1,7 @@
 """Readers of the input of particle codes. The files in ``codes`` select a reader by name.
 
-A reader returns what an input sets in each contact. It understands every word of the statements that affect a normal
-contact, or refuses the word with a quotation. It skips other statements.
+A reader returns the settings of each contact. In statements that affect a normal contact it either understands a word
+or refuses it with a message that quotes it. It skips other statements.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Asked:
-    """What the file of a code tells the reader."""
+    """The information for the reader in the file of a code."""
 
     names: frozenset[str]  #: settings that its models read
     defaults: Mapping[str, str] = field(default_factory=dict)  #: settings if the input does not set them

@@ -224,7 +224,7 @@ def _reads(model: Model, wall: bool) -> dict[str, str]:
 
 
 def _filled(text: str, pair: Pair, bodies: int, places: dict[str, str]) -> str:
-    """Fill the known places of a text. Other braces stay, since JSON has braces."""
+    """Fill in the known placeholders of a text. Other braces are kept, because JSON contains braces."""
     first, second = sorted((pair.first, pair.second))
     # Index in the upper triangle of a matrix, row by row.
     entry = str((first - 1) * (2 * bodies - first) // 2 + second)

@@ -1,4 +1,4 @@
-"""The explorer: the built web page, whose sources are in web/, and a local server for it."""
+"""The explorer: a web page, built from the sources in web/, and a local server for it."""
 
 from .server import serve
 

@@ -1,4 +1,4 @@
-"""Comparison of rules for hard spheres with Newton's equations: ``hl.fidelity``."""
+"""``hl.fidelity``: comparison of collision rules for hard spheres with Newton's equations."""
 
 from __future__ import annotations
 
@@ -54,8 +54,8 @@ def fidelity(
 ) -> Fidelity:
     """Compare rules for hard spheres with Newton's equations, for one initial state and over replicas.
 
-    All models of a replica start from the same state, so that their differences are known better than their values.
-    Errors are standard errors over replicas. One replica gives no errors and no verdict.
+    All models of a replica start from the same state. Differences between models therefore scatter less than the values
+    themselves. Errors are standard errors over replicas; a single replica gives no errors and no verdict.
 
     Parameters
     ----------
@@ -69,20 +69,20 @@ def fidelity(
         Contact law of Newton's equations and of the rules law and soft.
     until : float [s]
     models : sequence of {"newton", "constant", "law", "tc", "soft"}
-        ``"newton"`` must be included; see :func:`event_driven` for the rules.
+        Must include ``"newton"``. :func:`event_driven` describes the rules.
     replicas : int
         Number of initial states.
     samples : int
         Number of sampling intervals.
     restitution : float, optional
         ε of the rules constant and tc. Default: that of the law for two particles of mean mass and radius at the mean
-        impact speed of the initial state, √(πT); for laws that are given by a restitution, that restitution.
+        impact speed of the initial state, √(πT); if the law was given by a restitution, this restitution.
     contact_duration : float [s], optional
         t_c of the rule tc and of t_c ν. Default: that of the law for the same impact.
     resolution : float
         Relative difference that must be resolved, 1e-5 to 1. A rule agrees with Newton's equations only if the
         half-width of the 99 % confidence interval (Student's distribution) is at most this. Otherwise it is not
-        resolved, and the sentence says how many replicas would be needed.
+        resolved, and the summary says how many replicas would be needed.
     engine : {"auto", "events", "steps"}
         Engine for Newton's equations: see :func:`molecular_dynamics`. ``"auto"`` chooses for the initial state of
         replica 0, and keeps the choice. ``"steps"`` suits long contacts (t_c ν above about 0.1, with large clusters)
@@ -90,14 +90,15 @@ def fidelity(
     seed : int
         The same seed gives the same initial states.
     workers : int
-        Number of processes; 1 computes in this one. The result does not depend on it.
+        Number of processes; 1 computes in the calling process. The result does not depend on it.
     scheduler : str, distributed.Client or cluster object, optional
-        Compute on a cluster of dask.distributed instead (extra ``hardlimit[cluster]``).
+        Scheduler of a dask.distributed cluster on which to compute instead (extra ``hardlimit[cluster]``).
     store : path, optional
         File that keeps the finished replicas. The same call computes only missing ones; a call with more ``replicas``
         adds to them.
     progress : bool or callable(done, total), optional
-        True shows a bar. A function is called with the number of samples of all models and replicas.
+        True shows a bar. A function is called with the number of samples so far and in total, over all models and
+        replicas.
 
     Returns
     -------
@@ -239,8 +240,8 @@ def _impact(system: ParticleSystem, law: Law, restitution: Any, contact_duration
 
 
 def typical_speed(system: ParticleSystem) -> float:
-    """Mean impact speed [m/s] in a gas of this granular temperature, √(πT). For particles at rest it is that after a
-    fall over the height of the box, and 1 m/s without gravity."""
+    """Mean impact speed √(πT) [m/s] in a gas of this granular temperature. For particles at rest, the speed after a
+    fall through the height of the box, or 1 m/s without gravity."""
     thermal = math.sqrt(math.pi * system.granular_temperature)
     fall = math.sqrt(2.0 * float(np.abs(system.gravity) @ system.box))
     return thermal or fall or 1.0

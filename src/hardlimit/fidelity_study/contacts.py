@@ -20,7 +20,8 @@ Indices = NDArray[np.int64]
 
 #: Edges of the histogram of restitutions; the last bin includes all larger values.
 EDGES: Final = np.linspace(0.0, 1.2, 61)
-#: Decimals of restitutions, about those that the engines know: a value on an edge of a bin falls into one bin only.
+#: Restitutions are rounded to this number of decimals, about the accuracy of the engines, so that a value at the edge
+#: of a bin always falls into the same bin.
 DECIMALS: Final = 8
 
 
@@ -49,7 +50,7 @@ class Contacts(NamedTuple):
 
 
 def of_newton(result: ContactResult) -> Contacts:
-    """Contacts that ended and began with an approach. (A force that returns while bodies separate begins without.)"""
+    """The contacts that have ended and began with an approach. (A force that switches on again may begin without.)"""
     assert result.log is not None
     _, end, _, _, impact, separation, overlapped = result.log
     good = np.isfinite(end) & (impact > 0.0)
@@ -57,8 +58,8 @@ def of_newton(result: ContactResult) -> Contacts:
 
 
 def of_hard_spheres(system: ParticleSystem, law: Law, result: ParticleResult) -> Contacts:
-    """Collisions that had a result. They overlap if a contact of that impact speed, which lasts for some time under
-    ``law``, would still last at the next collision of a partner."""
+    """The collisions with a finite restitution. A collision counts as overlapped if a contact under ``law`` at its
+    impact speed would still last at the next collision of either partner."""
     assert result.log is not None
     time, first, second, impact, separation = result.log
     end = time + durations(system, law, first, second, impact)
@@ -83,7 +84,7 @@ def neighbours(time: Floats, first: Indices, second: Indices) -> tuple[Indices, 
 
 
 def durations(system: ParticleSystem, law: Law, first: Indices, second: Indices, speed: Floats) -> Floats:
-    """Durations [s] of isolated contacts at these impact speeds [m/s]; a negative second is a wall."""
+    """Durations [s] of isolated contacts at these impact speeds [m/s]; a negative ``second`` is a wall."""
     found = np.empty(len(first))
     for rows, contact in _by_pair(system, law, first, second):
         found[rows] = contact.duration(np.ascontiguousarray(speed[rows]))
@@ -93,7 +94,7 @@ def durations(system: ParticleSystem, law: Law, first: Indices, second: Indices,
 def _by_pair(
     system: ParticleSystem, law: Law, first: Indices, second: Indices
 ) -> Iterator[tuple[Indices, _core.Contact]]:
-    """Rows with equal effective mass and radius, and their contact."""
+    """Groups of rows with equal effective mass and radius, each with its contact."""
     wall = second < 0
     mass, radius = (
         np.where(wall, values[first], values[first] * values[second] / (values[first] + values[second]))

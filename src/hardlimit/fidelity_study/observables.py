@@ -1,4 +1,4 @@
-"""Observables of a configuration: pairs near contact, clustering, distance between two trajectories."""
+"""Observables of particle positions: pairs near contact, clustering, distance between two trajectories."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ..boxes.system import ParticleSystem
 
 #: Pairs closer than this, in units of R_i + R_j, are near contact.
 NEAR: Final = 1.1
-#: Mean number of particles in a cell of the density.
+#: Mean number of particles in a cell for the variance of the density.
 CELL: Final = 8
 
 
 class Observer:
-    """Observables of configurations of one system, whose unfolded positions are given."""
+    """Computes observables of one system from unfolded positions."""
 
     def __init__(self, system: ParticleSystem) -> None:
         self.system = system
@@ -26,15 +26,16 @@ class Observer:
         self._cells = tuple(max(1, round(float(length) / edge)) for length in system.box)
 
     def pair_correlation(self, positions: Floats) -> float:
-        """g near contact: pairs closer than 1.1 (R_i + R_j), overlaps included, over the number expected between touch
-        and that distance for independent positions. NaN for one particle."""
+        """Pair correlation function g near contact: the number of pairs closer than 1.1 (R_i + R_j), including
+        overlapping pairs, divided by the number expected between touch and this distance for independent positions. NaN
+        for one particle."""
         if self.system.n < 2:
             return math.nan
         return near_pairs(self.system, positions) / self._expected_pairs
 
     def density_variance(self, positions: Floats) -> float:
-        """Variance over mean of the number of centres in cells of about 8 particles: 1 for independent positions, less
-        in a dense fluid, more with clusters. NaN for a single cell."""
+        """Variance divided by mean of the number of centres in cells of about 8 particles: 1 for independent positions,
+        smaller in a dense fluid, larger with clusters. NaN for a single cell."""
         cells = self._cells
         if math.prod(cells) < 2:
             return math.nan

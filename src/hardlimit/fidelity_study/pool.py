@@ -27,7 +27,7 @@ Found = Generator[tuple[int, Arrays], None, None]
 
 
 def here(starts: Starts, plan: Plan, wanted: Sequence[int], tell: Tell) -> Found:
-    """One replica after the other."""
+    """Compute one replica after the other in this process."""
     done = 0
 
     def sampled() -> None:
@@ -55,7 +55,7 @@ _shared: dict[str, Any] = {}  #: in a worker: the number of samples of each repl
 
 
 def processes(starts: Starts, plan: Plan, wanted: Sequence[int], workers: int, tell: Tell) -> Found:
-    """Each replica in one of ``workers`` processes; yields them as they finish.
+    """Compute each replica in one of ``workers`` processes; yields replicas as they finish.
 
     Raises
     ------
@@ -130,16 +130,16 @@ def _task(starts: Starts, plan: Plan, replica: int) -> Arrays:
 
 
 def on_cluster(starts: Starts, plan: Plan, wanted: Sequence[int], scheduler: Any) -> Found:
-    """Each replica as a task of dask.distributed; yields them as they finish.
+    """Compute each replica as a task of dask.distributed; yields replicas as they finish.
 
     Raises
     ------
     ImportError
-        If it is not installed.
+        If dask.distributed is not installed.
     ValueError
         If no scheduler answers.
     RuntimeError
-        If the scheduler goes away.
+        If the connection to the scheduler is lost.
     """
     with cluster.connection(scheduler, "scheduler: got one") as client:
         from distributed import as_completed

@@ -1,4 +1,4 @@
-"""One replica: the same initial state under Newton's equations and under each rule, in step from sample to sample."""
+"""One replica: an initial state simulated under Newton's equations and each rule, synchronously at every sample."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from . import contacts
 from .observables import Observer
 
 NEWTON: Final = "newton"
-#: Largest error of ε with the engine "steps": a tenth of its default.
+#: Accepted error of ε with the engine "steps", a tenth of its default.
 RESTITUTION_ERROR: Final = 1e-4
 
 #: Dissipated energies below this fraction of the initial kinetic energy are rounding errors.
@@ -32,7 +32,7 @@ ROUNDING: Final = 1e-12
 
 
 def _mean(name: str) -> Observable:
-    """The mean since the start of a rate of a box."""
+    """An observable: the mean since the start of a rate in the series of a box."""
     found = OBSERVABLES[name]
     return replace(found, meaning=f"{found.meaning}, mean since the start")
 
@@ -181,7 +181,7 @@ def _series(system: ParticleSystem, ended: Any, reached: int) -> dict[str, Float
 
 
 def _cooling(system: ParticleSystem, lost: Floats) -> Floats:
-    """√(E(0)/E) − 1; NaN under gravity. E is the kinetic energy, without walls relative to the centre of mass."""
+    """√(E(0)/E) − 1; NaN under gravity. E is the kinetic energy; without walls, that relative to the centre of mass."""
     if system.gravity.any():
         return np.full(len(lost), math.nan)
     at_start = system.kinetic_energy

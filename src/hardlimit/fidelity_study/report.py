@@ -1,4 +1,4 @@
-"""Report of a comparison of rules with Newton's equations: one sentence, and tables."""
+"""Text of a comparison of rules with Newton's equations: a summary sentence and tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NAMES: Final = {
     "pair_correlation": "pairs near contact",
     "density_variance": "density variance",
 }
-#: The quantity of the verdict is the first that is defined: verb, more of it, less of it.
+#: The verdict is about the first of these quantities that is defined; each has a verb, and words for more and for less.
 MEASURES: Final = {
     "cooling": ("cools", "too fast", "too slowly"),
     "collision_rate": ("collides", "too often", "too rarely"),
@@ -49,7 +49,7 @@ def half_width(found: Estimate[float]) -> float:
 
 
 def sentence(f: Fidelity) -> str:
-    """How far each rule is from Newton's equations, or why that is unknown."""
+    """The difference of each rule from Newton's equations, or the reason why it is unknown."""
     rules = [model for model in f.models if model != NEWTON]
     reason = _no_verdict(f, rules)
     if reason is not None:
@@ -116,7 +116,7 @@ def _defined(f: Fidelity, name: str, rules: list[str]) -> list[str]:
 
 
 def _early_ends(f: Fidelity) -> str:
-    """Sentences about models that ended early, one for all with the same end."""
+    """Sentences about models that ended early; models with the same end share a sentence."""
     alike: dict[tuple[str, float], list[str]] = {}
     for model in f.models:
         outcomes = f.outcomes(model)
@@ -159,7 +159,7 @@ def _cell(f: Fidelity, name: str, rule: str) -> str:
 
 
 def _bare(text: str) -> str:
-    """Short and without the per cent sign, which the title has: four rules fit into 60 characters."""
+    """A percentage without its sign, which is in the title, so that four rules fit into 60 characters."""
     return text.removesuffix(" %").replace("less than ", "<").replace(" ± ", "±")
 
 
@@ -172,7 +172,7 @@ def legend(f: Fidelity) -> str:
 
 
 def departures(f: Fidelity) -> list[list[str]]:
-    """Rows: time [t_c] and size of the first significant difference of each rule; no row where there is none."""
+    """Rows: time [t_c] and size of the first significant difference of each rule. Quantities without one are absent."""
     rules = [model for model in f.models if model != NEWTON]
     rows = []
     for name in QUANTITIES:

@@ -68,10 +68,9 @@ class Departure(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fidelity:
-    """One initial state under Newton's equations and under rules for hard spheres, over replicas; made by
-    :func:`fidelity`.
+    """Comparison of collision rules for hard spheres with Newton's equations, over replicas; made by :func:`fidelity`.
 
-    ``print(f)`` gives one sentence, ``f.dataset`` everything, ``f.plot()`` a figure.
+    ``print(f)`` prints a summary sentence, ``f.dataset`` has all values, and ``f.plot()`` draws a figure.
 
     Examples
     --------
@@ -227,9 +226,9 @@ class Fidelity:
         return statistics.replicas_needed(error, self.n_replicas, self.resolution)
 
     def departure(self, quantity: str, model: str) -> Departure | None:
-        """First sample at which the difference is significant although many samples are tested; None if there is none.
+        """First sample with a significant difference, corrected for the number of samples; None if there is none.
 
-        Of quantities that do not differ, less than 1 % have a departure (0.8 % in 48 000 tests with 2 to 30 replicas
+        Less than 1 % of the quantities that do not differ have a departure (0.8 % in 48 000 tests with 2 to 30 replicas
         and 100 samples). Parameters as for :meth:`Fidelity.difference`.
 
         Raises
@@ -254,7 +253,7 @@ class Fidelity:
 
     @cached_property
     def replicas(self) -> xr.Dataset:
-        """Every replica: Dataset over ``model``, ``replica`` and ``time``, with statistics of the contacts."""
+        """Values of each replica: Dataset over ``model``, ``replica`` and ``time``, with statistics of the contacts."""
         import xarray as xr
 
         data: dict[str, Any] = {}
@@ -366,7 +365,7 @@ class Fidelity:
         Returns
         -------
         Path
-            Of the file.
+            Path of the file.
 
         Raises
         ------

@@ -49,12 +49,12 @@ class Starts:
 
 
 def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engine: str) -> Starts:
-    """Check the argument ``system``; ``elsewhere`` says that other processes make the initial states.
+    """Check the argument ``system``; ``elsewhere`` is true if other processes make the initial states.
 
     Raises
     ------
     ValueError
-        If so many initial states cannot be made.
+        If this number of initial states cannot be made.
     """
     if isinstance(source, ParticleSystem):
         source = _written_out(source)
@@ -75,8 +75,8 @@ def checked_starts(source: Any, seed: Any, replicas: int, elsewhere: bool, engin
 
 
 def _written_out(system: ParticleSystem) -> ParticleSystem:
-    """The same system with arrays of full length, as other processes get it: sums over a broadcast array are rounded
-    differently."""
+    """The same system with arrays of full length, as in other processes. (A sum over a broadcast array is rounded
+    differently.)"""
     values = {field.name: getattr(system, field.name) for field in fields(system)}
     for name in ("radius", "mass"):
         values[name] = np.ascontiguousarray(values[name])

@@ -1,4 +1,4 @@
-"""File of finished replicas, rewritten when another one is finished."""
+"""A file of finished replicas, which is rewritten each time another replica is finished."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .replica import Arrays
 #: Kind of checkpoint in the header of the file.
 KIND: Final = "fidelity"
 
-#: Seconds to wait for other processes that write; longer than the largest store takes.
+#: Time to wait while another process writes [s]; longer than the largest store takes.
 PATIENCE: Final = 60.0
 
 

@@ -1,4 +1,4 @@
-"""Fit of a contact law to measurements: ``hl.fit``."""
+"""``hl.fit``: fit a contact law to measurements."""
 
 from __future__ import annotations
 

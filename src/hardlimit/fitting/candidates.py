@@ -1,4 +1,4 @@
-"""Candidates of a fit: a law, its free parameters, and the values at which the others are held."""
+"""Candidates of a fit: a law with its free parameters and the fixed values of the others."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class Free:
     logarithmic: bool
 
     def inner(self, value: float) -> float:
-        """The fitted variable that belongs to a value."""
+        """The variable of the fit for a value of the parameter."""
         return math.log(value) if self.logarithmic else value
 
     def outer(self, variable: float) -> float:
-        """The value that belongs to a fitted variable."""
+        """The value of the parameter for a variable of the fit."""
         return math.exp(variable) if self.logarithmic else variable
 
     @property
@@ -77,7 +77,7 @@ class Candidate:
     model: str  #: "newton" or "independent"
     free: tuple[Free, ...]
     held: Mapping[str, float]
-    notes: tuple[str, ...]  #: what is held and why, one sentence each
+    notes: tuple[str, ...]  #: parameters held at a value, and why; one sentence each
     ball: Ball
     other: Ball | Floor
     alike: tuple[str, ...] = ()  #: laws with a constant ε, which impacts cannot distinguish

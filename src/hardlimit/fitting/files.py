@@ -1,4 +1,4 @@
-"""Measurements in CSV files: a header with names and units, and one row for each impact, height, time or drop.
+"""Read measurements from CSV files: a header with names and units, and one row for each impact, height, time or drop.
 
 Lines that begin with ``#`` are comments. A unit follows a name, ``speed [cm/s]``; the default is SI. Cells are
 separated by commas, semicolons or tabs. Unknown columns are ignored with a warning.
@@ -74,7 +74,7 @@ class Table:
 def read_measurements(
     path: str | Path, *, column: Column | None = None, gravity: float = STANDARD_GRAVITY
 ) -> Measured:
-    """Read measurements from a CSV file; the names in the header say what they are.
+    """Read measurements from a CSV file; the names of its columns determine the kind of measurement.
 
     ======================================  =========================================================
     header                                  one row is
@@ -87,16 +87,16 @@ def read_measurements(
     ``top_velocity`` or ``top_height``      differ from drop to drop
     ======================================  =========================================================
 
-    Columns ``…_error`` hold standard errors; ``drop`` numbers the drops of peaks or times. Cells are separated by
-    commas, semicolons or tabs. Other columns are ignored with a warning.
+    Columns ``…_error`` have standard errors. The column ``drop`` gives the number of the drop to which a peak or time
+    belongs. Cells are separated by commas, semicolons or tabs. Other columns are ignored with a warning.
 
     Parameters
     ----------
     path : path
     column : Column, optional
-        For rebounds of a column.
+        The column that was dropped, for measurements of its rebounds.
     gravity : float [m/s²]
-        For heights and times.
+        Gravity, for measurements of heights and times.
 
     Returns
     -------

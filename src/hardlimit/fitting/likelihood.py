@@ -176,7 +176,7 @@ def _ends(fit: Minuit, i: int) -> tuple[float, float]:
 
 
 def chi_square_probability(chi_square: float, degrees: int) -> float:
-    """Probability that χ² with so many degrees of freedom exceeds ``chi_square``; NaN without degrees of freedom."""
+    """Probability that χ² with this number of degrees of freedom exceeds ``chi_square``; NaN for zero degrees."""
     from scipy.special import chdtrc
 
     return float(chdtrc(degrees, chi_square)) if degrees > 0 else math.nan

@@ -1,7 +1,7 @@
 """Measurements: impacts of one ball (speed and coefficient of restitution), or drops of a column.
 
-Speeds and coefficients of restitution follow from heights or flight times by free fall. One reading then enters several
-of them, so that their errors are correlated; the covariance is propagated to first order.
+Heights and flight times are converted to speeds and coefficients of restitution by free fall. One reading then enters
+several impacts, so that their errors are correlated; the covariance is propagated to first order.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ HOPELESS: Final = 1e4
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Impacts with correlated errors (those of one drop, ``chained``), or any number with independent errors.
+    """The impacts of one drop, whose errors are correlated (``chained``), or impacts with independent errors.
 
-    The instruments give readings y with errors σ. ``d_speed`` and ``d_restitution`` are derivatives by y: of shape
-    (n, m) for the m readings of a chain, of shape (n, q) for q readings per impact otherwise.
+    The readings y of the instruments have errors σ. ``d_speed`` and ``d_restitution`` are derivatives with respect to
+    y, of shape (n, m) for the m readings of a chain, and otherwise of shape (n, q) for q readings per impact.
     """
 
-    speed: Floats  #: of impact [m/s]
+    speed: Floats  #: impact speeds [m/s]
     restitution: Floats
     d_speed: Floats
     d_restitution: Floats
-    sigma: Floats  #: (m,) of a chain, (n, q) otherwise
+    sigma: Floats  #: errors of the readings, (m,) for a chain, (n, q) otherwise
     chained: bool
 
 

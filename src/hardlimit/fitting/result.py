@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 #: A law does not describe the data if the probability of χ² is smaller than this.
 UNLIKELY: Final = 0.01
-#: A law has little support if its AIC exceeds the best by this (Burnham & Anderson 2002).
+#: A law has little support if its AIC exceeds that of the best law by this (Burnham & Anderson 2002).
 WORSE: Final = 10.0
 
 

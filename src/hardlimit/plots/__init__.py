@@ -1,7 +1,7 @@
-"""Pictures of results. These modules only draw: every number comes from a result.
+"""Plots and films of results. These modules only draw; all numbers come from results.
 
-All pictures share one style (:func:`style`), a palette for colour-blind readers, and one colour for each
-number of contacts (:func:`count_colours`).
+All pictures share a style (:func:`style`), a palette for colour-blind readers, and a colour for each number of contacts
+(:func:`count_colours`).
 """
 
 from .contacts import restitution_obtained, restitution_over_speed

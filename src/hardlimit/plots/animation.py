@@ -1,4 +1,4 @@
-"""A film of one drop: the fall, the contacts in slow motion, the rebound.
+"""A film of a drop: the fall, the contacts in slow motion, the rebound.
 
 A second model, usually independent collisions, runs beside it ("ghost"). The contacts are shown as a close-up
 in which gaps and deformations are enlarged more than the balls; the frames state scale and time.
@@ -44,7 +44,7 @@ def animate(
     path : path
         The file appears only when it is complete.
     ghost : Result, optional
-        A result of the same column under another model, shown beside; independent collisions by default.
+        A result of the same column under another model, shown beside it; independent collisions by default.
     width : int, optional
         Width of the frames in pixels, 160 to 3840, rounded down to a multiple of 32; 1280 (MP4) or 640 (GIF)
         by default. The frames are 16:9.

@@ -1,4 +1,4 @@
-"""Restitution and duration of an isolated contact over the impact speed."""
+"""Plots of a contact: restitution and duration over the impact speed, obtained over requested restitution."""
 
 from __future__ import annotations
 

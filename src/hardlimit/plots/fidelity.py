@@ -1,4 +1,4 @@
-"""Collision rules against Newton's equations: differences over time with standard errors, contacts, trajectories."""
+"""Plot of collision rules against Newton's equations: differences with standard errors, contacts, trajectories."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A fit: data and laws, and the deviations in units of the standard errors."""
+"""Plot of a fit: data and laws, and the deviations in units of the standard errors."""
 
 from __future__ import annotations
 

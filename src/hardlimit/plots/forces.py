@@ -1,4 +1,4 @@
-"""Contact forces over time, one panel for each pair of neighbours."""
+"""Plot of the contact forces over time, with a panel for each pair of neighbours."""
 
 from __future__ import annotations
 

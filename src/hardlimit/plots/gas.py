@@ -1,4 +1,4 @@
-"""A box of grains over time: temperature, collision rate and pressure, with theory."""
+"""Plot of a box of grains over time: temperature, collision rate and pressure, with kinetic theory."""
 
 from __future__ import annotations
 

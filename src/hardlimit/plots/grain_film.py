@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 COLOURS = "viridis"
-FASTEST = 2.0  #: end of the colour bar, in root mean squares; few particles are faster
+FASTEST = 2.0  #: end of the colour bar, in units of the root mean square speed; few particles are faster
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """What a frame shows of a state; for many spheres it takes far less memory than the state."""
+    """The part of a state that a frame shows. For many spheres it takes far less memory than the state."""
 
     time: float  #: [s]
     circles: tuple[Floats, Floats, Floats]  #: of :func:`shown`

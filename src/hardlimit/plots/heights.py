@@ -1,4 +1,4 @@
-"""Heights of the balls over time, from release to the tops of their flights; a drop at a glance."""
+"""Plots of a drop: heights of the balls from release to the tops of their flights, and the contact forces."""
 
 from __future__ import annotations
 

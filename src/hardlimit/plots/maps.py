@@ -1,4 +1,4 @@
-"""A variable of a sweep as a map over two parameters or a line over one."""
+"""Plots of a variable of a sweep: a map over two parameters, or a line over one."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def _white_at(low: float, middle: float, high: float) -> Colormap:
 
 
 def is_logarithmic(values: NDArray[Any]) -> bool:
-    """Whether points on an axis are closer to equal ratios than to equal differences."""
+    """Whether the points on an axis are spaced by nearly equal ratios rather than by nearly equal differences."""
     v = np.asarray(values, dtype=float)
     if v.size < 3 or not np.all(v > 0.0) or v.max() < 20.0 * v.min():
         return False
@@ -231,7 +231,7 @@ def _windows(inside: NDArray[np.bool_], box: NDArray[np.int64]) -> NDArray[np.bo
 
 
 def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """The cell farthest from the border, found by peeling the region."""
+    """The cell farthest from the border of the region, found by repeated erosion."""
     left = np.pad(inside, 1)
     while True:
         peeled = left & np.roll(left, 1, 0) & np.roll(left, -1, 0)

@@ -1,4 +1,4 @@
-"""The scenes of the film of a drop: fall, contacts, rebound, each with its instants and its speed."""
+"""The scenes of the film of a drop: fall, contacts and rebound, each with the times of its frames and its speed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Style of all pictures: palette, fonts, colours of pairs and of contact counts; saving a figure."""
+"""Style of all pictures: palette, fonts, colours of pairs and of contact counts; function to save a figure."""
 
 from __future__ import annotations
 

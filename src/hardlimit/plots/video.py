@@ -1,4 +1,4 @@
-"""Film frames as pixels, and their files: MP4 with ffmpeg from imageio-ffmpeg, GIF with Pillow."""
+"""Render film frames and write them to files: MP4 with ffmpeg from imageio-ffmpeg, GIF with Pillow."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def write_mp4(path: Path, pictures: Iterator[Frame], size: tuple[int, int], rate
 
 
 def write_gif(path: Path, pictures: Iterator[Frame], rate: int) -> None:
-    """Write the frames with one palette of 64 colours: films have few colours, and one palette compresses best."""
+    """Write the frames with a common palette of 64 colours. Films have few colours, and one palette compresses best."""
     from PIL import Image
 
     palette: Image.Image | None = None

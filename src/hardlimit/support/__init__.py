@@ -1,1 +1,1 @@
-"""What any package needs: checks of the input, units, files, progress, tables, citations."""
+"""Utilities without physics: checks of input, units, files, progress, tables, citations."""

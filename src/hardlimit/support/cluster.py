@@ -1,4 +1,4 @@
-"""Connection to a cluster of dask.distributed, given or started here, and checks on its workers."""
+"""Connection to a dask.distributed cluster, which is given or started here, and checks on its workers."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def connection(scheduler: Any, asked: str) -> Iterator[Client]:
 
 
 def cancel(client: Client, futures: list[Future]) -> None:
-    """Stop the work on these futures, unless the client is closed."""
+    """Cancel these futures, unless the client is closed."""
     if futures and _is_open(client):
         client.cancel(futures, force=True)
 
@@ -79,7 +79,7 @@ def _is_open(client: Client) -> bool:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Drop the NameError that dask logs if Ctrl-C arrives when a call of it begins."""
+    """Suppress the NameError that dask logs if Ctrl-C arrives at the beginning of one of its calls."""
 
     def wanted(record: logging.LogRecord) -> bool:
         return not (record.exc_info and isinstance(record.exc_info[1], NameError))

@@ -16,7 +16,7 @@ SMALLEST_PERCENTAGE: Final = 0.001
 
 
 def digits(value: float, significant: int = 6) -> str:
-    """A number with so many significant digits; a dash for NaN."""
+    """A number with ``significant`` digits; a dash for NaN."""
     if math.isnan(value):
         return "–"
     text = f"{value:.{significant}g}"
@@ -24,7 +24,7 @@ def digits(value: float, significant: int = 6) -> str:
 
 
 def quantity(value: float, unit: str, significant: int = 6) -> str:
-    """A number with a prefixed unit, such as ``0.1 mm``; without a prefix where none fits."""
+    """A number with a prefixed unit, such as ``0.1 mm``; without a prefix if none fits."""
     if value != 0.0 and math.isfinite(value):
         for factor, prefix in PREFIXES:
             if abs(value) >= 0.9999999 * factor:
@@ -110,12 +110,12 @@ def _exponent(value: float) -> int:
 
 
 def _rounded(value: float, decimals: int) -> str:
-    """Rounded to so many decimals; to tens or hundreds if negative."""
+    """A number rounded to ``decimals``; to tens or hundreds if negative."""
     return _with_minus_sign(f"{round(value, decimals):.{max(decimals, 0)}f}")
 
 
 def _decimals(error: float) -> int:
-    """Decimals with which an error is written."""
+    """Number of decimals with which an error is written."""
     if error == 0.0:
         return 3
     extra = 1 if f"{error:.1e}"[0] == "1" else 0
@@ -123,7 +123,7 @@ def _decimals(error: float) -> int:
 
 
 def _with_minus_sign(text: str) -> str:
-    """A minus sign for a hyphen, and none before a zero."""
+    """Replace a leading hyphen by a minus sign, and remove it before a zero."""
     if not text.startswith("-"):
         return text
     return text[1:] if re.fullmatch(r"-[0.]+", text) else f"−{text[1:]}"

@@ -1,4 +1,4 @@
-"""What this machine gives a process: processors and free memory."""
+"""Processors and free memory that are available to this process."""
 
 import os
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""Progress of a long computation: a bar on stderr, lines in a log, or a function of the caller."""
+"""Progress of a long computation: a bar on stderr, lines in a log, or calls of the user's function."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .validation import shown
 if TYPE_CHECKING:
     from rich.console import Console
 
-#: Seconds [wall clock] until the first line in a log, and at most until the next.
+#: Time until the first line in a log, and longest time between two lines [s, wall clock].
 FIRST, LONGEST = 10.0, 600.0
 
 Report = Callable[[int, int], object]  #: called with (done, total)
 
 
 def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractContextManager[Report]:
-    """The function to report to, given the argument ``progress``: a bar for True, nothing for False and None.
+    """The function that takes reports, for the argument ``progress``: a bar for True, none for False and None.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractC
 
 
 class Shown:
-    """A ``Report`` with a line of text, ``note``, that is shown beside it."""
+    """A ``Report`` that also shows a line of text, ``note``."""
 
     def __init__(self, tell: Callable[[int, int, str], object]) -> None:
         self.note = ""
@@ -51,10 +51,10 @@ class Shown:
 
 @contextmanager
 def bar(title: str, rate: str | None = None, console: Console | None = None) -> Iterator[Shown]:
-    """A progress bar on stderr, removed at the end. If stderr is neither a terminal nor a notebook, it is a line now
-    and then, the first after 10 s.
+    """A progress bar on stderr, removed at the end. If stderr is neither a terminal nor a notebook, lines are written
+    instead, the first after 10 s.
 
-    ``rate`` names what is counted, for the number per second beside the bar.
+    ``rate`` is the unit that is counted; its number per second is shown beside the bar.
     """
     from rich.console import Console, RenderableType
     from rich.progress import (

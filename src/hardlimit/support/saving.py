@@ -1,4 +1,4 @@
-"""Files that are written completely or not at all, and by one process at a time."""
+"""Write files completely or not at all, by one process at a time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Seconds to wait for the lock of another process, which may have been killed a moment ago.
+#: Time to wait for a lock [s]; the process that holds it may just have been killed.
 PATIENCE: Final = 2.0
 
 
@@ -44,7 +44,7 @@ def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
 
 
 def store_failure(path: Path, error: OSError, what: str = "write") -> OSError:
-    """The same error with a message for the user: the disk is full, the folder read-only."""
+    """The same error with a message for the user, such as for a full disk or a read-only folder."""
     told = OSError(f"store: cannot {what} {path}: {error.strerror or error}; what is finished is kept")
     told.errno = error.errno
     return told
@@ -94,7 +94,7 @@ def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
 
 
 def _write_and_release(path: str | Path, content: Any) -> Path:
-    """``write``, then release the buffer: xarray could not free it otherwise, also after an error."""
+    """``write``, then release the buffer, also after an error; xarray could not free it otherwise."""
     try:
         return write(path, content)
     finally:

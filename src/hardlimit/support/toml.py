@@ -1,6 +1,6 @@
-"""TOML files: reading them, and checking tables so that a message names key, value and what is accepted.
+"""Read TOML files and check their tables; messages name the key, its value and what is accepted.
 
-All functions raise a ValueError with a message of one line for content that they refuse.
+All functions raise a ValueError with a one-line message for invalid content.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, Final, TypeVar
 from . import units, validation
 
 T = TypeVar("T")
-#: Checks the value of a key, whose name is that in messages; returns the value to use.
+#: A check of one entry: takes the name for messages and the value, and returns the value to use.
 Kind = Callable[[str, Any], Any]
 
 #: A larger file is not read.
@@ -40,7 +40,7 @@ def read(path: str | Path) -> dict[str, Any]:
 
 
 def parse(text: str) -> dict[str, Any]:
-    """The content of a text in TOML."""
+    """The content of TOML text."""
     try:
         return tomllib.loads(text)
     except ValueError as error:
@@ -63,7 +63,7 @@ def convert(content: Mapping[str, Any], kind: type[T], where: str = "") -> T:
 
 
 def table(name: str, content: Any, kinds: Mapping[str, Kind]) -> dict[str, Any]:
-    """The entries of a table, each checked by the kind of its key; an empty ``name`` is the top level of the file."""
+    """Check the entries of a table, each by the check of its key; the ``name`` of the top level of a file is empty."""
     if not isinstance(content, dict):
         raise ValueError(f"{name}: got {validation.shown(content)}, must be a table")
     names = {key: f"{name}.{key}" if name else key for key in content}
@@ -75,24 +75,24 @@ def table(name: str, content: Any, kinds: Mapping[str, Kind]) -> dict[str, Any]:
 
 
 def text(name: str, value: Any) -> str:
-    """Kind of a text."""
+    """Check that a value is text."""
     if not isinstance(value, str):
         raise ValueError(f"{name}: got {validation.shown(value)}, must be a text")
     return value
 
 
 def whole(name: str, value: Any) -> int:
-    """Kind of a whole number; its range is checked where it is used."""
+    """Check that a value is a whole number; its range is checked where it is used."""
     return validation.whole(name, value, -(2**63), 2**63 - 1)
 
 
 def quantity(unit: str) -> Kind:
-    """Kind of a number in an SI unit, or of a text with its unit; the range is checked where it is used."""
+    """A check for a number in an SI unit, or for text with a unit; the range is checked where it is used."""
     return lambda name, value: units.quantity(name, value, unit)
 
 
 def list_of(kind: Kind) -> Kind:
-    """Kind of a list whose members are of ``kind``."""
+    """A check for a list, each member of which is checked by ``kind``."""
 
     def check(name: str, value: Any) -> list[Any]:
         if not isinstance(value, list):
@@ -103,7 +103,7 @@ def list_of(kind: Kind) -> Kind:
 
 
 def one_or_list_of(kind: Kind) -> Kind:
-    """Kind of a value of ``kind``, or of a list of them."""
+    """A check for a value that ``kind`` accepts, or for a list of such values."""
 
     def check(name: str, value: Any) -> Any:
         if isinstance(value, list):

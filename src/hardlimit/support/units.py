@@ -1,4 +1,4 @@
-"""Conversion of texts such as ``1 mm`` or ``3.2e9Pa`` to numbers in SI units; a ValueError says what is accepted."""
+"""Convert text such as ``1 mm`` or ``3.2e9Pa`` to numbers in SI units; a ValueError says what is accepted."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from . import validation
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-#: Accepted units, in pint's syntax. Decimal factors make ``10 us`` exactly the number 1e-5. Pint's own list takes 0.3 s
-#: to load and has units that make no sense here (logarithmic, with an offset).
+#: Accepted units, in pint's syntax. With decimal factors, ``10 us`` is exactly the number 1e-5. Pint's own list takes
+#: 0.3 s to load and has units that make no sense here (logarithmic ones, and ones with an offset).
 DEFINITIONS: Final = (
     *("nano- = 1e-9 = n-", "micro- = 1e-6 = µ- = μ- = u-", "milli- = 1e-3 = m-", "centi- = 1e-2 = c-"),
     *("deci- = 1e-1 = d-", "hecto- = 1e2 = h-", "kilo- = 1e3 = k-", "mega- = 1e6 = M-", "giga- = 1e9 = G-"),
@@ -26,7 +26,7 @@ DEFINITIONS: Final = (
     *("bar = 1e5 * pascal", "joule = newton * meter = J", "percent = 0.01 = %"),
 )
 
-#: What a unit measures, and an example for messages.
+#: The quantity that a unit measures, and an example for messages.
 KINDS: Final = {
     "m": ("a length", "1 mm"),
     "kg": ("a mass", "50 g"),
@@ -47,7 +47,7 @@ _POWER: Final = re.compile(r"([A-Za-zµμ%])(?:\^|\*\*)?(-?\d(?:\.\d)?)", re.ASC
 
 
 def quantity(name: str, value: Any, unit: str) -> Any:
-    """A number as it is, or the one that a text with a unit stands for, in ``unit``."""
+    """A number unchanged, or the value of text with a unit, converted to ``unit``."""
     if isinstance(value, str):
         return with_unit(name, value, unit)
     if not validation.is_number(value):
@@ -56,7 +56,7 @@ def quantity(name: str, value: Any, unit: str) -> Any:
 
 
 def number(name: str, text: str, unit: str) -> float:
-    """The number in ``text``, in ``unit`` unless the text has a unit."""
+    """The number in ``text``, which is in ``unit`` unless the text names another one."""
     try:
         return float(text)
     except ValueError:
@@ -64,7 +64,7 @@ def number(name: str, text: str, unit: str) -> float:
 
 
 def with_unit(name: str, text: str, unit: str) -> float:
-    """As :func:`number` for a text that must have a unit."""
+    """As :func:`number`, for text that must have a unit."""
     found = _QUANTITY.fullmatch(text.strip())
     value = None if found is None else _convert(found[1], found[2], unit)
     if value is None:

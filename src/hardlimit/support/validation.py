@@ -1,8 +1,8 @@
-"""Checks of input. A refusal is one line with the parameter, its value and what is accepted.
+"""Checks of input. The error message is one line with the parameter, its value and the accepted values.
 
-A *number* is an int, a float, a Fraction, a Decimal, a real NumPy scalar, or an array without dimensions that holds one
-of these. Bools, texts, dates, complex numbers and quantities with a unit are not numbers, although some of them convert
-to a float: that is rarely what the user meant.
+A *number* is an int, a float, a Fraction, a Decimal, a real NumPy scalar, or an array without dimensions that contains
+one of these. Bools, text, dates, complex numbers and quantities with a unit are refused although some of them convert
+to a float, because that is rarely what the user meant.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 T = TypeVar("T")
 
-#: Most characters of a value in a message.
+#: Largest number of characters of a value in a message.
 LONGEST: Final = 60
 #: Bounds of whole numbers from here on are technical; a message names them only if they are exceeded.
 TECHNICAL: Final = 2**31 - 1
@@ -110,7 +110,7 @@ def whole(name: str, value: Any, lowest: int, highest: int) -> int:
 
 
 def _describe_whole(value: int | None, lowest: int, highest: int) -> str:
-    """The end of a message on a whole number: its range."""
+    """The end of a message about a whole number, with its range."""
     if value is not None and value > highest >= TECHNICAL:
         return f" <= {at_most(highest)}"
     if value is not None and value < lowest <= -TECHNICAL:
@@ -235,7 +235,7 @@ def _read_only(found: NDArray[np.float64], given: Any) -> NDArray[np.float64]:
 
 
 def is_number(value: Any) -> bool:
-    """Whether :func:`number` takes the value, if it is in the range."""
+    """Whether :func:`number` accepts the value if it is within the range."""
     return _as_float(value) is not None
 
 

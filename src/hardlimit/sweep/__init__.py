@@ -1,4 +1,4 @@
-"""Sweep over parameters of a column: ``hl.sweep``."""
+"""``hl.sweep``: solve columns over a grid or list of parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The swept arrays: values, dimensions and coordinates."""
+"""Axes of a sweep: values, dimensions and coordinates of the swept parameters."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Axes:
         self.coordinates: list[Coordinate] = []
         self._labels: dict[
             str, tuple[str, NDArray[Any]]
-        ] = {}  # of a dimension, and the parameter that has them
+        ] = {}  # coordinates of each dimension, and the parameter that has them
         for name, given in swept.items():
             if name not in known:
                 raise ValueError(f"{name}: unknown, a sweep takes {', '.join(known)}")

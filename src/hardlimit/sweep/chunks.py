@@ -1,6 +1,6 @@
 """Chunks of a grid: contiguous ranges of points that are also boxes.
 
-Thus a chunk is one call of a kernel, one chunk of a Zarr array and one task of a cluster.
+A chunk can therefore be one call of a kernel, one chunk of a Zarr array, and one task on a cluster.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import numpy as np
 
 from .computation import Computation
 
-#: Points of a chunk, about 20 MB with all variables. Fewer if each point is integrated numerically, so that an
-#: interruption loses little.
+#: Largest number of points of a chunk, about 20 MB with all variables. It is smaller if each point is integrated
+#: numerically, so that an interruption loses little work.
 POINTS: Final = 1 << 19
 POINTS_INTEGRATED: Final = 1 << 14
 

@@ -1,7 +1,7 @@
 """Interface of a computation on a labelled grid of points, for stores, chunks and engines.
 
-They know nothing about columns of balls. ``plan.Plan`` is a computation; any other one can be stored, divided into
-chunks and sent to a cluster in the same way.
+Stores, chunks and engines know nothing about columns of balls. ``plan.Plan`` is a computation; any other computation
+can be stored, divided into chunks and sent to a cluster in the same way.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Results of a sweep in memory, with the interface of ``store.Store``; check of their size."""
+"""Storage of a sweep in memory, with the interface of ``store.Store``, and the check of the size of the results."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Memory:
             whole = self.values.get(name)
             if whole is None:
                 whole = np.empty((self.computation.size, *some.shape[1:]), some.dtype)
-            elif some.dtype.itemsize > whole.dtype.itemsize:  # the first counts above 255
+            elif some.dtype.itemsize > whole.dtype.itemsize:  # the first chunk with counts above 255
                 whole = whole.astype(some.dtype)
             self.values[name] = whole
             whole[first : first + count] = some

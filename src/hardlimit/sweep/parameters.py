@@ -1,4 +1,4 @@
-"""Parameters that can be swept, from the core's table, and their indices in the row of numbers of a point."""
+"""Parameters that can be swept, from the core's table, with their indices in a point's row of numbers."""
 
 from __future__ import annotations
 

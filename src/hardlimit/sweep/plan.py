@@ -1,4 +1,4 @@
-"""A sweep of columns without its results: the column, the swept parameters and their dimensions."""
+"""The plan of a sweep: the column, the swept parameters and their dimensions, without results."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """Results of a sweep in a Zarr store, which is filled chunk by chunk and can be resumed after any interruption.
 
-The folder appears (by renaming) with all its metadata and coordinates; only chunks are missing. Every file is complete
-when it appears under its name, and every chunk ends with a checksum (Zarr's ``crc32c``). A chunk counts as computed if
-all its files exist and agree with their checksums; any other is computed again. The bytes of a store depend on the
-arguments of the call only, not on time, place or interruptions. Other files in the folder are left alone.
+The folder is created complete (by renaming), with all metadata and coordinates and without chunks. Every file is
+complete when it appears under its name, and every chunk ends with a checksum (Zarr's ``crc32c``). A chunk counts as
+computed if all its files exist and match their checksums; otherwise it is computed again. The bytes of a store depend
+only on the arguments of the call, not on time, place or interruptions. Other files in the folder are left alone.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Store:
             files = label_files(self.computation, self.chunks)
             if _is_new(self.path):
                 self._begin_writing()
-            if _is_new(self.path):  # still: no other process was faster
+            if _is_new(self.path):  # checked again with the lock, in case another process has created it
                 self._create(files)
                 self._arrays = _open_arrays(self.path, self.computation)
             else:
@@ -81,7 +81,7 @@ class Store:
         with _one_line(self.path):
             for name in sorted(
                 values, key="outcome".__eq__
-            ):  # the outcome last: it says that the point is computed
+            ):  # the outcome is written last, because it marks a point as computed
                 shape = *(s.stop - s.start for s in box), *self.computation.results[name].shape
                 self._arrays[name][box] = values[name].reshape(shape)
 
@@ -156,7 +156,7 @@ class Store:
         return True
 
     def _is_intact(self, chunk: int) -> bool:
-        """Whether a chunk exists and agrees with its checksums."""
+        """Whether a chunk exists and matches its checksums."""
         if not self._exists(chunk):
             return False
         try:
@@ -173,7 +173,7 @@ class Store:
 
 
 def label_files(computation: Computation, chunks: Chunks) -> dict[str, bytes]:
-    """Metadata and coordinates, that is all files of a store but its chunks: contents by relative path."""
+    """All files of a store except its chunks (metadata and coordinates): contents by relative path."""
     from zarr.storage import MemoryStore
 
     files: dict[str, Any] = {}
@@ -199,7 +199,7 @@ def _make_arrays(store: Any, computation: Computation, chunks: Chunks) -> None:
         dims, shape = (*computation.dims, *variable.dims), (*computation.shape, *variable.shape)
         box, dtype = (*chunks.box_shape, *variable.shape), variable.stored or variable.dtype
         _make_array(group, name, dims, shape, box, dtype, variable.not_computed, attributes)
-    with warnings.catch_warnings():  # xarray wants consolidated metadata, of which Zarr's format 3 warns
+    with warnings.catch_warnings():  # xarray needs consolidated metadata, for which Zarr's format 3 warns
         warnings.simplefilter("ignore")
         zarr.consolidate_metadata(store)
 
@@ -244,7 +244,7 @@ def _attributes(computation: Computation, chunks: Chunks) -> dict[str, Any]:
 
 
 def _open_arrays(path: Path, computation: Computation) -> dict[str, zarr.Array[Any]]:
-    """The arrays of the variables. A chunk is written even if it holds nothing but fill values."""
+    """The arrays of the variables. A chunk is written even if all its values are fill values."""
     import zarr
 
     with zarr.config.set({"array.write_empty_chunks": True}):
@@ -290,7 +290,7 @@ def _insist_on_the_same(path: Path, computation: Computation, expected: dict[str
     if found["fingerprint"] == wanted["fingerprint"]:
         return
     made = "other values of what is swept"
-    for name in ("variables", *computation.attributes()):  # the last one, the version, says most
+    for name in ("variables", *computation.attributes()):  # the message is about the last one that differs
         if found.get(name) != wanted.get(name):
             made = f"{name.replace('hardlimit_', '')} {found.get(name)}, not {wanted.get(name)}"
     raise ValueError(f"store: {path} was made with {made}; repeat that call or take another path")

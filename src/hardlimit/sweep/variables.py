@@ -1,4 +1,4 @@
-"""Variables of a sweep."""
+"""Table of the variables that a sweep can compute."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Reading and writing boxes of grains; the ending of the name chooses the format."""
+"""Read and write boxes of grains; the ending of the file name determines the format."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FORMATS: Final[dict[str, ModuleType]] = {
 
 
 def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
-    """The path and the format of its ending."""
+    """The path, and the module of the format that belongs to its ending."""
     if not isinstance(path, str | os.PathLike):
         raise ValueError(f"{parameter}: got {validation.shown(path)}, must be a path")
     target = Path(path)
@@ -36,9 +36,9 @@ def format_of(path: str | Path, parameter: str = "path") -> tuple[Path, Any]:
 
 
 def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
-    """Arguments of ParticleSystem in the file, and the rounding error of distances.
+    """The arguments of ParticleSystem in a file, and the rounding error of distances.
 
-    The error is relative to a radius, and 0 in double precision.
+    The error is relative to the smallest radius; it is 0 in double precision.
     """
     target, kind = format_of(path)
     which = validation.whole("frame", frame, -(2**31), 2**31 - 1)
@@ -56,7 +56,7 @@ def read(path: str | Path, frame: int = -1) -> tuple[dict[str, Any], float]:
 
 
 def write(path: str | Path, frames: Iterable[Frame]) -> Path:
-    """Write frames to a file, which appears when it is complete."""
+    """Write frames to a file, which appears under its name when it is complete."""
     with appender(path) as append:
         for frame in frames:
             append(frame)
@@ -65,7 +65,7 @@ def write(path: str | Path, frames: Iterable[Frame]) -> Path:
 
 @contextmanager
 def appender(path: str | Path) -> Iterator[Append]:
-    """Takes frames for a file, which appears when the block is left."""
+    """Open a file to which frames can be appended; it appears under its name at the end of the block."""
     _, kind = format_of(path)
     with saving.whole(path) as unfinished, kind.appender(unfinished) as append:
         yield append

@@ -1,6 +1,6 @@
-"""Extended XYZ: text with one line for each particle, read by OVITO and ASE.
+"""Extended XYZ files: text with one line for each particle, which OVITO and ASE can read.
 
-ASE itself writes eight decimals, which keeps only five digits of the position of a grain of 1 mm.
+We do not write with ASE: its eight decimals keep only five digits of the position of a grain of 1 mm.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ NAMES: Final = {
     "mass": "mass",
     "masses": "mass",
 }
-BLOCK: Final = 65536  #: rows that are formatted together
+BLOCK: Final = 65536  #: number of rows formatted at a time
 
 _ENTRY: Final = re.compile(r'([^\s="]+)=(?:"([^"]*)"|(\S+))')
 
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Appends frames to a new file."""
+    """Create a file to which frames can be appended."""
     with open(path, "wb") as file:
         yield lambda frame: _append(file, frame)
 
@@ -47,7 +47,7 @@ def _append(file: BinaryIO, frame: Frame) -> None:
 
 
 def _comment(frame: Frame) -> str:
-    """The second line: cell, columns, periodicity, time and gravity."""
+    """The comment line of a frame: cell, columns, periodicity, time and gravity."""
     d = len(frame.box)
     edges = three(frame.box, 2.0 * float(frame.radius.max()))
     flags = ["T" if side == "periodic" else "F" for side in frame.boundary] + ["F"] * (3 - d)
@@ -60,7 +60,7 @@ def _comment(frame: Frame) -> str:
 
 
 def read(path: Path, frame: int) -> Found:
-    """One frame of the file."""
+    """Read one frame of a file."""
     with open(path, "rb") as file:
         starts = list(_frames(file))
         if not -len(starts) <= frame < len(starts):
@@ -73,7 +73,7 @@ def read(path: Path, frame: int) -> Found:
 
 
 def _frames(file: BinaryIO) -> Iterator[int]:
-    """Offset of each frame."""
+    """Byte offset of each frame."""
     while True:
         start = file.tell()
         first = file.readline()
@@ -103,7 +103,7 @@ def _entries(comment: str) -> dict[str, str]:
 
 
 def _table(file: BinaryIO, n: int, entries: dict[str, str]) -> tuple[Floats, dict[str, slice]]:
-    """The columns that are needed, and the position of each property among them."""
+    """Read the required columns; also returns which of them belong to each property."""
     parts = entries.get("Properties", "").split(":")
     used: list[int] = []
     where: dict[str, slice] = {}
@@ -156,7 +156,7 @@ def _arguments(table: Floats, where: dict[str, slice], entries: dict[str, str]) 
 
 
 def _vector(entries: dict[str, str], name: str, count: int, default: float | None = None) -> Floats:
-    """An entry with this many numbers."""
+    """An entry of the comment line with ``count`` numbers."""
     if name not in entries and default is not None:
         return np.full(count, default)
     try:

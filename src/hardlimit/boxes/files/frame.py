@@ -1,4 +1,4 @@
-"""A box of grains at one instant, as files hold it."""
+"""A frame of a file: a box of grains at one instant."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Frame:
-    """The values of a ParticleSystem, and the time."""
+    """The values of a ParticleSystem and the time."""
 
     positions: Floats  #: (N, d) [m]
     velocities: Floats  #: (N, d) [m/s]
@@ -26,24 +26,24 @@ class Frame:
     time: float = 0.0  #: [s]
 
 
-#: Appends a frame to a file.
+#: Function that appends a frame to a file.
 Append = Callable[[Frame], None]
 
 
 @dataclass(frozen=True)
 class Found:
-    """Arguments of ParticleSystem in a file, unchecked."""
+    """The arguments of ParticleSystem read from a file, unchecked."""
 
     arguments: dict[str, Any]
     rounding: float = 0.0  #: rounding error of distances, relative to a radius
 
 
 def three(values: Floats, last: float = 0.0) -> Floats:
-    """Rows with three columns; in 2-D the third is ``last``."""
+    """Rows of three columns; in 2-D the third column is filled with ``last``."""
     missing = 3 - values.shape[-1]
     return np.concatenate([values, np.full((*values.shape[:-1], missing), last)], axis=-1)
 
 
 def boundary_of(periodic: Any) -> tuple[str, ...]:
-    """The boundary of each axis from a flag."""
+    """The boundary of each axis, from flags that are true for periodic axes."""
     return tuple("periodic" if flag else "wall" for flag in periodic)

@@ -1,7 +1,8 @@
-"""GSD, the binary trajectory format of HOOMD-blue, read by OVITO; by the library gsd.
+"""GSD files, the binary trajectory format of HOOMD-blue, read and written with the library gsd.
 
-The format has single precision and its origin in the middle of the box. ``log`` holds the same values in double
-precision, so that a system comes back to the last bit, and walls and gravity, for which GSD has no place.
+The format has single precision, and its origin is in the middle of the box. We store the same values in double
+precision under ``log``, so that a system is read back to the last bit. Walls and gravity, which GSD does not have, are
+stored there as well. OVITO can read the files.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import numpy as np
 
 from .frame import Append, Floats, Found, Frame, boundary_of, three
 
-#: Names under ``log`` of our values in double precision.
+#: Names under ``log`` of the values in double precision.
 OF_PARTICLES: Final = {
     name: f"particles/hardlimit/{name}" for name in ("positions", "velocities", "radius", "mass")
 }
@@ -32,14 +33,14 @@ def _library() -> Any:
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Appends frames to a new file."""
+    """Create a file to which frames can be appended."""
     library = _library()
     with library.open(str(path), "w") as file:
         yield lambda frame: file.append(_made(library.Frame(), len(file), frame))
 
 
 def _made(made: Any, step: int, frame: Frame) -> Any:
-    """A frame as gsd writes it."""
+    """A frame of the library gsd."""
     made.configuration.step = step
     made.configuration.dimensions = len(frame.box)
     made.configuration.box = [*_single(three(frame.box)), 0.0, 0.0, 0.0]
@@ -64,7 +65,7 @@ def _single(values: Floats) -> Any:
 
 
 def _in_single(values: dict[str, Any]) -> dict[str, Any]:
-    """Position, velocity, diameter and mass in single precision."""
+    """Positions, velocities, diameters and masses in single precision."""
     return {
         "position": _single(three(values["positions"] - 0.5 * values["box"])),
         "velocity": _single(three(values["velocities"])),
@@ -74,14 +75,14 @@ def _in_single(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def read(path: Path, frame: int) -> Found:
-    """One frame of the file."""
+    """Read one frame of a file."""
     library = _library()
     try:
         with library.open(str(path), "r") as file:
             count = len(file)
             if not -count <= frame < count:
                 raise ValueError(f"frame: got {frame}, must be in [{-count}, {count - 1}]")
-            for index in {0, frame % count}:  # values that a frame leaves out are those of the first frame
+            for index in {0, frame % count}:  # a frame omits values that equal those of the first frame
                 _check_counts(file.file, index, path.stat().st_size)
             found = file[frame % count]
     except (RuntimeError, OSError, KeyError, TypeError, AssertionError) as error:
@@ -95,7 +96,7 @@ def read(path: Path, frame: int) -> Found:
 
 
 def _check_counts(file: Any, frame: int, size: int) -> None:
-    """Refuse damaged numbers of particles or bonds before gsd allocates memory for them."""
+    """Refuse impossible numbers of particles or bonds before gsd allocates memory for them."""
     for what in ("particles", "bonds", "angles", "dihedrals", "impropers", "constraints", "pairs"):
         name = f"{what}/N"
         if file.chunk_exists(frame=frame, name=name):
@@ -111,7 +112,7 @@ def _line(error: Exception) -> str:
 
 
 def _in_double(found: Any) -> Found:
-    """The values under ``log``, if those in single precision agree with them."""
+    """The values under ``log``; refused if the values in single precision differ from them."""
     missing = [key for key in (*OF_PARTICLES.values(), *OF_BOX.values()) if key not in found.log]
     if missing:
         raise ValueError(f"log: {missing[0]} is missing")
@@ -130,7 +131,7 @@ def _in_double(found: Any) -> Found:
 
 
 def _of_another_program(found: Any) -> Found:
-    """A frame of another program: single precision, periodic."""
+    """A frame written by another program: single precision, all axes periodic."""
     d = found.configuration.dimensions
     p = found.particles
     box = found.configuration.box[:d].astype(np.float64)

@@ -1,7 +1,7 @@
-"""LAMMPS data, ``atom_style sphere``, in SI units. No library reads or writes that style.
+"""LAMMPS data files with ``atom_style sphere``, in SI units. No library reads or writes this style.
 
-The format has diameters and densities. Walls and gravity belong to the script of LAMMPS; we write them in the first
-line, which LAMMPS skips.
+The format has diameters and densities. It has no walls and no gravity, which belong to the input script of LAMMPS; we
+write them in the first line, which LAMMPS skips.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ... import _core
 from ...support import validation
 from .frame import Append, Floats, Found, Frame, boundary_of, three
 
-BLOCK: Final = 65536  #: rows that are formatted together
+BLOCK: Final = 65536  #: number of rows formatted at a time
 SECTIONS: Final = ("Atoms", "Velocities")
 _MARK: Final = re.compile(
     r"LAMMPS data file by hardlimit, SI units, dimension ([23]), boundary ([pf ]+), gravity (.+)"
@@ -29,7 +29,7 @@ _MARK: Final = re.compile(
 
 @contextmanager
 def appender(path: Path) -> Iterator[Append]:
-    """Writes one frame to a new file; a second one is refused, since the format has no trajectories."""
+    """Create a file for one frame; a second frame is refused because the format has no trajectories."""
     with open(path, "wb") as file:
 
         def append(frame: Frame) -> None:
@@ -41,7 +41,7 @@ def appender(path: Path) -> Iterator[Append]:
 
 
 def write(path: Path, frame: Frame, types: NDArray[np.int64]) -> None:
-    """Write particles of several types, numbered from 1."""
+    """Write particles with their types, which are numbered from 1."""
     with open(path, "wb") as file:
         _write(file, frame, types)
 
@@ -54,7 +54,7 @@ def _write(file: BinaryIO, frame: Frame, types: NDArray[np.int64]) -> None:
 
 
 def _rows(file: BinaryIO, title: str, columns: list[Floats], types: NDArray[np.int64] | None = None) -> None:
-    """Rows of a section: number, type if there is one, and the columns."""
+    """Write the rows of a section: number, type if given, and the columns."""
     table = np.column_stack(columns)
     file.write(f"\n{title}\n\n".encode())
     for first in range(0, len(table), BLOCK):
@@ -87,7 +87,7 @@ def _header(frame: Frame, types: int) -> str:
 
 
 def densities(mass: Floats, radius: Floats) -> Floats:
-    """Densities [kg/m³] that give the masses, to the last bit if there is such a number."""
+    """Densities [kg/m³] that give these masses, to the last bit if such a density exists."""
     rho = mass / (4.0 / 3.0 * math.pi * radius**3)
     best = rho.copy()
     found = sphere_masses(rho, radius) == mass
@@ -102,12 +102,12 @@ def densities(mass: Floats, radius: Floats) -> Floats:
 
 
 def sphere_masses(density: Floats, radius: Floats) -> Floats:
-    """The masses of spheres [kg]."""
+    """Masses of solid spheres [kg]."""
     return np.fromiter(map(_core.ball_mass, density.tolist(), radius.tolist()), np.float64, len(density))
 
 
 def read(path: Path, frame: int) -> Found:
-    """The system in the file."""
+    """Read the system from a file."""
     if frame not in (0, -1):
         raise ValueError(f"frame: got {frame}, must be 0 or -1: the format holds one")
     try:
@@ -137,7 +137,7 @@ def read(path: Path, frame: int) -> Found:
 
 
 def _parts(lines: list[str]) -> tuple[list[str], dict[str, tuple[str, list[str]]]]:
-    """The header, and for each section the comment of its title and its lines."""
+    """The header, and for each section the comment after its title and its lines."""
     header: list[str] = []
     sections: dict[str, tuple[str, list[str]]] = {}
     here = header
@@ -162,7 +162,7 @@ def _count(header: Iterable[str]) -> int:
 
 
 def _limits(header: Iterable[str]) -> Floats:
-    """Lower and upper end (3, 2) of the box along each axis."""
+    """Lower and upper limits (3, 2) of the box."""
     found: dict[str, list[float]] = {}
     for line in header:
         if re.search(r"\b(xy\s+xz\s+yz|avec|bvec|cvec)\b", line):
@@ -184,7 +184,7 @@ def _float(name: str, word: str) -> float:
 
 
 def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, widths: tuple[int, ...]) -> Floats:
-    """The rows of a section, sorted by number."""
+    """The rows of a section, sorted by the number of the atom."""
     if title not in sections:
         raise ValueError(f"{title}: missing, must hold one line for each atom")
     style, lines = sections[title]
@@ -207,7 +207,7 @@ def _table(title: str, sections: dict[str, tuple[str, list[str]]], n: int, width
 
 
 def _from_mark(mark: re.Match[str] | None, d: int) -> dict[str, Any]:
-    """Walls and gravity from the first line, if we wrote it."""
+    """Walls and gravity from the first line, if this package wrote it."""
     if mark is None:
         return {}
     sides, gravity = mark[2].split(), mark[3].split()

@@ -1,4 +1,4 @@
-"""Newton's equations of a box of grains by LAMMPS: its input, its run in a child process, its output.
+"""Engine "lammps": input, run and output of LAMMPS for a box of grains under Newton's equations.
 
-LAMMPS is called as a program, never imported or linked.
+LAMMPS runs as a separate program; it is never imported or linked.
 """

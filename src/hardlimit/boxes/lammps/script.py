@@ -1,4 +1,4 @@
-"""The input script of LAMMPS."""
+"""Write the input script of LAMMPS."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..box import AXES
 from ..system import ParticleSystem
 from .forces import Types
 
-#: Limits of the skin of the neighbour list, in mean radii; within them it is half the mean gap between neighbours.
+#: Limits of the skin of the neighbour list, in mean radii. Between them, the skin is half the mean gap of neighbours.
 SKINS: Final = (0.1, 1.0)
 NUMBERS: Final = "format float %.17g"
 
@@ -23,13 +23,13 @@ class Plan:
 
     until: float  #: [s]
     samples: int  #: intervals between samples of the series
-    per_sample: int  #: steps between two samples
+    per_sample: int  #: number of steps between two samples
     time_step: float  #: [s]
-    log: bool  #: all contacts at every step, not only at the samples
+    log: bool  #: whether contacts are written at every step, not only at the samples
 
     @property
     def n_steps(self) -> int:
-        """Steps of the whole run."""
+        """Number of steps of the whole run."""
         return self.samples * self.per_sample if self.until > 0.0 else 0
 
 
@@ -40,7 +40,7 @@ def script(
     plan: Plan,
     header: Sequence[str],
 ) -> str:
-    """The input as text. ``coefficients``: those for pairs (i, j) of types, and for (i, None), a type at a wall."""
+    """The input script. The keys of ``coefficients`` are pairs (i, j) of types, or (i, None) for a type and a wall."""
     parts = [
         [f"# {line}".rstrip() for line in header],
         _box(system),
@@ -84,7 +84,7 @@ def skin(system: ParticleSystem) -> float:
 def _walls(
     system: ParticleSystem, types: Types, coefficients: Mapping[tuple[int, int | None], str]
 ) -> Iterator[str]:
-    """One command for each wall: of two in one command LAMMPS takes only the nearer one."""
+    """One command for each wall, since LAMMPS uses only the nearer one of two walls in one command."""
     if "wall" not in system.boundary:
         return
     yield "# walls"
@@ -100,7 +100,7 @@ def _walls(
 
 
 def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
-    """Time integration; without friction particles do not rotate."""
+    """Gravity and time integration. Rotation is not integrated, since there is no friction."""
     yield "# motion"
     pull = system.gravity - system.domain.common_fall
     if pull.any():
@@ -145,7 +145,7 @@ def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 
 def _touches(system: ParticleSystem) -> str:
-    """Formula of LAMMPS that is true for a particle that overlaps a wall."""
+    """A formula for LAMMPS that is true for particles that overlap a wall."""
     ways = [
         f"{name}<radius||{name}>{float(edge)!r}-radius"
         for name, edge, side in zip(AXES, system.box, system.boundary, strict=False)

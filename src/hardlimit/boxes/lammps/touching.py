@@ -1,8 +1,8 @@
-"""Contacts from the overlaps that LAMMPS writes: energy and number at samples, times and speeds for the log.
+"""Contacts, found in the overlaps that LAMMPS writes: energy and number at samples, times and speeds for the log.
 
-LAMMPS writes the distances of all overlapping pairs. Their differences between two steps are the velocities half a step
-away, with which it computed its forces. Our law gives these forces, hence the velocity before a touch and after a
-release, and the begin and end of the force to a fraction of a step.
+LAMMPS writes the distances of all overlapping pairs. The difference between two steps gives the velocity half a step
+earlier, with which LAMMPS computes its forces. With the same forces from our law, we obtain the velocities before the
+touch and after the release, and the begin and end of the force to a fraction of a step.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ from ..system import ParticleSystem
 from .forces import Flags, Integers, Pairs
 from .rows import Snapshot, snapshots, table
 
-#: Lines of a dump that are parsed together.
+#: Number of lines of a dump parsed at a time.
 BATCH: Final = 50_000
-#: Rows that are searched together.
+#: Number of rows searched at a time.
 PORTION: Final = 500_000
-#: Fixed-point iterations for the rate before a touch; each gains more than a digit.
+#: Number of fixed-point iterations for the rate before a touch; each gains more than a digit.
 REPETITIONS: Final = 20
 
 
 class Overlaps(NamedTuple):
-    """Overlaps at several instants."""
+    """Overlaps at several steps."""
 
     step: Integers
     first: Integers
     second: Integers  #: a negative number is a wall
     compression: Floats  #: [m]
-    pushing: Flags  #: the force is not zero
+    pushing: Flags  #: whether the force is not zero
 
 
 class PairDump:
-    """Dump of pairs; a row has two particle numbers, distance, force."""
+    """Dump of pairs; each row has two particle numbers, distance and force."""
 
     width: Final = 4
 
@@ -52,7 +52,7 @@ class PairDump:
 
 
 class WallDump:
-    """Dump of particles at walls; a row has number, position, velocity."""
+    """Dump of particles at walls; each row has number, position and velocity."""
 
     width: Final = 7
 
@@ -60,7 +60,7 @@ class WallDump:
         self._pairs, self._system = pairs, system
 
     def overlaps(self, step: Integers, table: Floats) -> Overlaps:
-        """Particles and walls that overlap."""
+        """The particles and walls that overlap."""
         sides = zip(*self._sides(step, table), strict=True)
         step, first, second, compression, rate = (np.concatenate(part) for part in sides)
         force = self._pairs.force(first, second, compression, rate)
@@ -83,14 +83,14 @@ class Sums(NamedTuple):
 
 
 class DumpReader:
-    """Reads a dump to its end."""
+    """Reads a dump and computes the sums at samples; passes the overlaps to a ``Finder`` if there is a log."""
 
     def __init__(
         self, dump: PairDump | WallDump, pairs: Pairs, per_sample: int, finder: Finder | None
     ) -> None:
         self._dump, self._pairs, self._per_sample, self.finder = dump, pairs, per_sample, finder
         self._shots: list[Snapshot] = []
-        self._waiting = 0  # lines
+        self._waiting = 0  # number of lines not yet parsed
         self.sums: dict[int, Sums] = {}  #: by step
 
     def follow(self, lines: Iterable[str]) -> None:
@@ -133,12 +133,12 @@ class Change(NamedTuple):
 
 
 class Finder:
-    """Finds begins and ends of contacts in the overlaps of all steps."""
+    """Finds the begins and ends of contacts in the overlaps of all steps."""
 
     def __init__(self, pairs: Pairs, time_step: float, last: int) -> None:
         self._pairs, self._dt, self._last = pairs, time_step, last
         self._held: list[Overlaps] = []
-        self._count, self._done = 0, -1  # rows kept; last step that was searched
+        self._count, self._done = 0, -1  # number of rows kept; last step searched
         self.begins: list[Change] = []
         self.ends: list[Change] = []
 
@@ -152,7 +152,7 @@ class Finder:
             self._search(until - 1)
 
     def _search(self, until: int) -> None:
-        """Find begins and ends after the last searched step. Three steps are kept, for differences."""
+        """Find begins and ends from the last searched step to ``until``, and keep the last rows for differences."""
         held = Overlaps._make(np.concatenate(column) for column in zip(*self._held, strict=True))
         rows = Rows(self._pairs, self._dt, held)
         new = (rows.step > self._done) & (rows.step <= until)
@@ -174,7 +174,7 @@ class Rows:
         same = (np.diff(first) == 0) & (np.diff(second) == 0) & (np.diff(step) == 1)
         self._has_before = np.concatenate([[False], same]) if len(step) else np.zeros(0, bool)
         self._has_after = np.concatenate([same, [False]]) if len(step) else np.zeros(0, bool)
-        # To the velocity half a step before; the first step of LAMMPS is half a step.
+        # Change of velocity per force from one half step to the next; the first change of LAMMPS is half a step long.
         self._kick = np.where(step == 0, 0.5, 1.0) * dt / pairs.effective_mass(first, second)
         self._rate = np.full(len(step), np.nan)
         change = np.diff(depth) / dt
@@ -190,7 +190,7 @@ class Rows:
         self._after[leaving] = (self._rate - self._kick * self._force)[leaving]
 
     def _before_touch(self, pairs: Pairs, at: Integers) -> Floats:
-        """The rates u before the touch: u − F(ξ, u) Δt/m is the measured rate after it."""
+        """The rates u before the touch, which satisfy u − F(ξ, u) Δt/m = measured rate after it."""
         measured = self._after[at]
         rate = measured
         for _ in range(REPETITIONS):
@@ -199,7 +199,7 @@ class Rows:
         return rate
 
     def begins(self, among: Flags) -> Change:
-        """Contacts whose first force acts at one of these rows."""
+        """The contacts whose force begins to act at one of the rows ``among``."""
         pushed_before = np.zeros(len(self.step), bool)
         pushed_before[1:] = self._pushes[:-1] & self._has_before[1:]
         at = np.flatnonzero(among & self._pushes & ~pushed_before)
@@ -209,7 +209,7 @@ class Rows:
         return Change(self._first[at], self._second[at], time, self._rate[at])
 
     def ends(self, among: Flags) -> Change:
-        """Contacts whose last force acts at one of these rows."""
+        """The contacts whose force acts for the last time at one of the rows ``among``."""
         pushes_after = np.zeros(len(self.step), bool)
         pushes_after[:-1] = self._pushes[1:] & self._has_after[:-1]
         at = np.flatnonzero(among & self._pushes & ~pushes_after)

@@ -1,4 +1,4 @@
-"""Engines of a sweep: processor, GPU, cluster. A new engine is one file and one line here."""
+"""Engines of a sweep: processor, GPU, cluster. To add an engine, add a module and a line here."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sweep on a GPU: core/sweep/kernel.cu, compiled for the device, with chunks streamed through it."""
+"""Sweep on a GPU with the kernel core/sweep/kernel.cu; chunks are streamed through the device."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ RESULTS: Final = (
 #: Size of the kernel's struct Task in 64-bit words.
 TASK_FIELDS: Final = 2 + 3 * _core.law_place(2, 2) + 2 + 4 + len(RESULTS)
 
-#: Largest number of points of a piece: several waves of threads on the largest device, 0.2 GB of pinned memory.
+#: Largest number of points computed at a time: several waves of threads on the largest device, 0.2 GB of pinned memory.
 POINTS: Final = 1 << 22
 
 
@@ -48,7 +48,7 @@ def check(plan: Any) -> None:
     Raises
     ------
     ValueError
-        Except for two balls, a law and a model with a kernel, and variables with one value per point.
+        Unless the column has two balls, its law and model have a kernel, and all variables have one value per point.
     """
     if not isinstance(plan, Plan) or plan.balls != 2:
         need = "must be 'cpu' or 'dask' unless two balls are swept"
@@ -88,7 +88,7 @@ def compute_on(gpu: Gpu, plan: Plan, threads: int, pool: ThreadPoolExecutor, rep
     slots = [Slot(gpu, plan, math.prod(pieces.box_shape)) for _ in range(min(2, len(pieces)))]
     for k in range(len(pieces) + len(slots)):
         slot = slots[k % len(slots)]
-        if k >= len(slots):  # the piece in this slot
+        if k >= len(slots):  # finish the previous piece in this slot
             first, count = pieces.span(k - len(slots))
             results = slot.finish()
             parts = [(out[first : first + count], results[name]) for name, out in values.items()]
@@ -117,12 +117,12 @@ def _kept(plan: Plan) -> list[str]:
 
 
 def _solve_on_host(plan: Plan, values: Values, points: NDArray[np.int64], threads: int) -> None:
-    """Solve the points that the kernel gives up: resting contacts, long sequences, invalid drops."""
+    """Solve the points that the kernel leaves to the host: resting contacts, long sequences, invalid drops."""
     if not len(points):
         return
     some = plan.at(points)
     for name, solved in some.compute(0, some.size, threads).items():
-        if solved.dtype.itemsize > values[name].dtype.itemsize:  # contacts that a byte does not hold
+        if solved.dtype.itemsize > values[name].dtype.itemsize:  # more than 255 contacts
             values[name] = values[name].astype(solved.dtype)
         values[name][points] = solved
 

@@ -1,4 +1,4 @@
-"""Sweep on a cluster: chunks as tasks of dask.distributed."""
+"""Sweep on a cluster: each chunk is a task of dask.distributed."""
 
 from __future__ import annotations
 
