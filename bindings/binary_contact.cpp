@@ -79,8 +79,8 @@ auto soft_contacts(const Contact& own, double own_distance, bool damping_varies,
             using Law = std::decay_t<decltype(law)>;
             const Law* first = std::get_if<Law>(&own.law);
             if (!first) throw nb::value_error("contact: must be of the law of own");
-            hl::boxes::SoftContacts<Law> contacts(*first, own.pair.effective_mass, own_distance,
-                                                  damping_varies);
+            hl::boxes::TabulatedContacts<Law> contacts(*first, own.pair.effective_mass, own_distance,
+                                                       damping_varies);
             for (std::size_t i = 0; i < n; ++i) {
                 const auto end =
                     contacts(law, {c.pair.effective_mass, distance, normal.data()[i], tangential.data()[i]});

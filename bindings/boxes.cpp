@@ -285,7 +285,7 @@ Engine make_engine(const std::string& kind, const box::Box& bounds, Rows positio
     arguments.log = log;
     box::Fault fault;
     auto engine = unlocked([&](hl::Stop& stop) {
-        fault = box::fault_of(s);
+        fault = box::validate(s);
         return fault.kind == box::Fault::none ? record.make(s, arguments, stop) : nullptr;
     });
     if (!engine) throw refusal(message_of(fault, s));
@@ -446,16 +446,19 @@ void bind_boxes(nb::module_& m) {
         .def_prop_ro("largest_compression",
                      [](const Engine& e) { return e.get().observe().largest_compression; })
         .def(
-            "take_log", [](const Engine& e) { return columns(e.get().take_log(), e.get().contacts_last()); },
+            "take_log",
+            [](const Engine& e) { return columns(e.get().take_log(), e.get().contacts_have_duration()); },
             "Columns of the contact log since the last call.")
         .def(
             "open_contacts",
-            [](const Engine& e) { return columns(e.get().open_contacts(), e.get().contacts_last()); },
+            [](const Engine& e) {
+                return columns(e.get().open_contacts(), e.get().contacts_have_duration());
+            },
             "The same for open contacts, whose end is NaN, and for contacts whose cluster has not yet "
             "separated.")
         .def(
-            "safety_used", [](const Engine& e, int instants) { return e.get().safety_used(instants); },
-            "instants"_a,
+            "largest_safety_use",
+            [](const Engine& e, int instants) { return e.get().largest_safety_use(instants); }, "instants"_a,
             "Largest fraction of its safety radius that a body in contact currently uses; at most 1.")
         .def("save", &save)
         .def_prop_ro("memory", [](const Engine& e) { return e.get().bytes(); });

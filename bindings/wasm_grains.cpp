@@ -151,7 +151,7 @@ int box_start(int keep_log) {
     box::RuleChoice choice;
     if (!read_rule(choice)) return no_such_rule;
     const box::System s = system_given();
-    if (box::fault_of(s).kind != box::Fault::none) return no_such_start;
+    if (box::validate(s).kind != box::Fault::none) return no_such_start;
     hl::Stop never;
     run().engine = box::make_hard_spheres(s, choice, keep_log != 0, kernels, never);
     return none;

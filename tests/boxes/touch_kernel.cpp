@@ -14,8 +14,8 @@ using namespace hardlimit;
 using namespace hardlimit::boxes;
 
 template <Motion motion>
-std::vector<double> times(const hardlimit_abi::TouchQuery& q, const std::vector<Particle<3>>& all, int lanes,
-                          double& first) {
+std::vector<double> times(const hardlimit_abi::ContactQuery& q, const std::vector<Particle<3>>& all,
+                          int lanes, double& first) {
     std::vector<unsigned> ids;
     for (unsigned i = 0; i < all.size(); ++i) ids.push_back(i);
     ids.resize(all.size() + 16);
@@ -37,7 +37,7 @@ int main() {
     double wrong = 0.0;
     for (int i = 0; i < queries; ++i) {
         const bool falling = i % 2 != 0, shifted = i % 7 == 0;
-        hardlimit_abi::TouchQuery q{};
+        hardlimit_abi::ContactQuery q{};
         q.now = normal(engine);
         q.others = 1.0;
         q.radius = 0.5 + uniform(engine);

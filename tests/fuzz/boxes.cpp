@@ -52,8 +52,8 @@ void check(const Case& c, const Engine& e, const Observation& start) {
     // Energy is conserved only without gravity along periodic axes, where there is no potential.
     bool closed = true, free = true;
     for (int k = 0; k < c.s.box.dimension; ++k) {
-        closed = closed && (c.s.box.gravity[k] == 0.0 || !c.s.box.wraps(k));
-        free = free && c.s.box.gravity[k] == 0.0 && c.s.box.wraps(k);
+        closed = closed && (c.s.box.gravity[k] == 0.0 || !c.s.box.is_periodic(k));
+        free = free && c.s.box.gravity[k] == 0.0 && c.s.box.is_periodic(k);
     }
     double scale = start.kinetic_energy + math::abs(start.potential_energy), impulse = 0.0;
     for (std::size_t i = 0; i < c.s.n; ++i) {
@@ -82,7 +82,7 @@ bool advance(Engine& e, double until, u64 rows) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     Draw draw{fuzz::Bytes(data, size)};
     const Case c(draw);
-    if (fault_of(c.s).kind != Fault::none) return 0;
+    if (validate(c.s).kind != Fault::none) return 0;
     Stop never;
     const auto& kernel = c.wide ? kernels<8> : kernels<2>;
     const auto engine = make_hard_spheres(c.s, c.rule, draw.below(2) == 0, kernel, never);

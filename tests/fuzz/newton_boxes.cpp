@@ -148,12 +148,12 @@ private:
         dissipated_ = now.sums.dissipated_energy;
         bool free = true;
         for (int k = 0; k < c_.s.box.dimension; ++k)
-            free = free && c_.s.box.wraps(k) && c_.s.box.gravity[k] == 0.0;
+            free = free && c_.s.box.is_periodic(k) && c_.s.box.gravity[k] == 0.0;
         for (int k = 0; free && k < c_.s.box.dimension; ++k)
             require(math::abs(now.sums.momentum[k] - start_.momentum[k]) <= 1e-10 * c_.momentum,
                     "momentum is kept");
         check_overlaps(now, scale);
-        require(engine_->safety_used(5) <= 1.0, "true paths keep to the space that is left to them");
+        require(engine_->largest_safety_use(5) <= 1.0, "true paths keep to the space that is left to them");
         for (const ContactRecord& row : engine_->take_log())
             require(row.begin >= 0.0 && row.end >= row.begin && row.end <= engine_->time() &&
                         (row.second < 0 || row.first < row.second),
@@ -173,14 +173,15 @@ private:
                     const auto a = static_cast<std::size_t>(d * i + k),
                                b = static_cast<std::size_t>(d * j + k);
                     double r = now.position[b] - now.position[a];
-                    if (c_.s.box.wraps(k)) r -= c_.s.box.edge[k] * math::round_small(r / c_.s.box.edge[k]);
+                    if (c_.s.box.is_periodic(k))
+                        r -= c_.s.box.edge[k] * math::round_small(r / c_.s.box.edge[k]);
                     square += r * r;
                     inwards -= r * (now.velocity[b] - now.velocity[a]);
                 }
                 check_overlap(now, i, j, c_.radius[i] + c_.radius[j] - math::sqrt(square), inwards, energy);
             }
             for (int k = 0; k < c_.s.box.dimension; ++k) {
-                if (c_.s.box.wraps(k)) continue;
+                if (c_.s.box.is_periodic(k)) continue;
                 const auto a = static_cast<std::size_t>(d * i + k);
                 const double at = now.position[a], speed = now.velocity[a];
                 for (const bool high : {false, true}) {
@@ -212,7 +213,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Draw draw{fuzz::Bytes(data, size)};
     fuzz::with_some_law(draw, [&]<class Law>() {
         const Case<Law> c(draw);
-        if (fault_of(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
+        if (validate(c.s).kind != Fault::none || !(c.energy > 0.0) || !math::is_finite(c.until)) return;
         if (!(c.least_restitution > 1e-3)) return;  // creeping contacts need too many steps
         Run<Law> run(c);
         const double first = draw.between(0.0, c.until);

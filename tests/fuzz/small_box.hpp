@@ -57,7 +57,7 @@ struct SmallBox {
             places[k] = 1 + draw.below(most_places);
             s.box.edge[k] = spacing * places[k];
             s.box.boundary[k] = draw.below(2) == 0 ? boxes::Boundary::periodic : boxes::Boundary::wall;
-            if (s.box.wraps(k)) s.box.edge[k] = math::max(s.box.edge[k], least_edge * large);
+            if (s.box.is_periodic(k)) s.box.edge[k] = math::max(s.box.edge[k], least_edge * large);
             s.box.gravity[k] = draw.often({0.0}, [&] { return draw.between(-10.0, 10.0); });
             if (slow) s.box.gravity[k] *= draw.often({1.0, 0.0}, [&] { return draw.decades(1e-320, 1.0); });
         }

@@ -27,7 +27,7 @@ void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, doub
     if (!(bound > asked)) return;
     deepest.bound = math::max(deepest.bound, bound);
     const PlanarContact contact = solve_planar_contact(law, a);
-    const double given_up = PlanarRun<Law>::deepest * a.distance;
+    const double given_up = PlanarSolver<Law>::deepest * a.distance;
     const double found = (contact.outcome == Outcome::too_deep ? given_up : contact.greatest) / radius;
     if (!(found <= deepest.compression)) deepest.compression = found;
     deepest.too_deep = found >= deepest_compression;

@@ -178,7 +178,7 @@ private:
 
 // Integrates a contact from touch to its end.
 template <class Law>
-class PlanarRun {
+class PlanarSolver {
 public:
     static constexpr double tolerance = 1e-14;  // relative, of one step
     // In τ. A force of a high power of σ starts so slowly that the error estimate misses it.
@@ -188,7 +188,7 @@ public:
     static constexpr double strong_pull = 1e17;  // gravity away from the wall at which forces are negligible
     static constexpr double resting_part = 1e-10;  // part of speed and weight below which a body is at rest
 
-    PlanarRun(const Law& law, const Approach& approach) : motion_(law, approach) {}
+    PlanarSolver(const Law& law, const Approach& approach) : motion_(law, approach) {}
 
     // Whether the input is in range.
     static bool accepts(const Approach& a) {
@@ -399,14 +399,14 @@ private:
 // is solved at that speed, and the result is scaled in proportion.
 template <class Law>
 PlanarContact solve_planar_contact(const Law& law, const Approach& approach) {
-    if (!PlanarRun<Law>::accepts(approach)) return PlanarRun<Law>::without_end(Outcome::invalid);
+    if (!PlanarSolver<Law>::accepts(approach)) return PlanarSolver<Law>::without_end(Outcome::invalid);
     if (approach.normal_speed >= slowest_approach)
-        return PlanarRun<Law>(law, approach).integrate([](const auto&) {});
+        return PlanarSolver<Law>(law, approach).integrate([](const auto&) {});
     const double part = approach.normal_speed / slowest_approach;
     Approach faster = approach;
     faster.normal_speed = slowest_approach;
     if (approach.gravity < 0.0) faster.gravity = math::max(approach.gravity / part, -1e100);
-    PlanarContact end = PlanarRun<Law>(law, faster).integrate([](const auto&) {});
+    PlanarContact end = PlanarSolver<Law>(law, faster).integrate([](const auto&) {});
     for (double* x : {&end.compression, &end.radial_speed, &end.speed_loss, &end.greatest}) *x *= part;
     end.rate_square *= part * part;
     return end;
@@ -433,9 +433,9 @@ template <class Law>
 PlanarContact sample_planar_contact(const Law& law, const Approach& approach, const double* times, long count,
                                     PlanarState* states) {
     long done = 0;
-    PlanarContact end = PlanarRun<Law>::without_end(Outcome::invalid);
-    if (PlanarRun<Law>::accepts(approach)) {
-        end = PlanarRun<Law>(law, approach).integrate([&](auto& run) {
+    PlanarContact end = PlanarSolver<Law>::without_end(Outcome::invalid);
+    if (PlanarSolver<Law>::accepts(approach)) {
+        end = PlanarSolver<Law>(law, approach).integrate([&](auto& run) {
             while (done < count && times[done] <= run.end_time()) {
                 states[done] = run.at(times[done]);
                 ++done;

@@ -35,7 +35,7 @@ namespace hardlimit::boxes {
 
 // A law with its damping multiplied by a factor; the damping force must be proportional to the rate.
 template <class Law>
-struct DampedMore {
+struct ScaledDamping {
     static constexpr int onset_power = Law::onset_power;
     const Law* law;
     double factor;
@@ -51,15 +51,15 @@ struct DampedMore {
 
 // `virial`: also gives ∫ (dξ/dt)² dt and the greatest compression, which are NaN otherwise; takes 50 % longer.
 template <class Law, bool virial = false>
-class SoftContacts {
+class TabulatedContacts {
 public:
     static constexpr double accuracy = 1e-10;  // of duration, speeds and turn, relative to the impact
 
     using ReadCell = void (*)(const void* cell, const double* x, double* values);
 
     // Tables for pairs like this one. `damping_varies`: D differs between pairs. `reads`: a build of read_wide_cell.
-    SoftContacts(const Law& law, double effective_mass, double distance, bool damping_varies,
-                 ReadCell reads = nullptr)
+    TabulatedContacts(const Law& law, double effective_mass, double distance, bool damping_varies,
+                      ReadCell reads = nullptr)
         : law_(law),
           reads_(reads),
           mass_(effective_mass),
@@ -99,7 +99,7 @@ public:
             const int row = row_of(at);
             if (!(level.bends[row] > 0.0)) level.bends[row] = bend(level, at);
             if (!level.of_depths) depth = depth_at(level, at.speed);
-            const Slant slant = slant_of(a, depth, level.bends[row]);
+            const DirectionCoordinate slant = slant_of(a, depth, level.bends[row]);
             at.slant = {slant.cell, slant.x};
             const int slot = row * slants + slant.cell;
             if (varies_ ? fitted(deep_[slot], level, at) : fitted(level.flat[slot], level, at))
@@ -253,12 +253,12 @@ private:
     }
     // Not with a Place as a member: a copy of the whole just after its parts are written would stall (store
     // forwarding).
-    struct Slant {
+    struct DirectionCoordinate {
         int cell;
         double x;
         double part;  // the unit of length in units of l
     };
-    static Slant slant_of(const Approach& a, double depth, double bend) {
+    static DirectionCoordinate slant_of(const Approach& a, double depth, double bend) {
         const double normal = a.normal_speed * a.normal_speed;
         const double sideways = a.distance == math::infinity ? 0.0 : a.tangential_speed;
         const double across = depth * (sideways * sideways), bent = bend * normal;
@@ -341,7 +341,7 @@ private:
             if (varies_) {
                 const double place = at.damping.cell + 0.5 * (at.damping.x + 1.0);
                 const double damping = math::exp(lowest_damping + damping_width * place);
-                return solve_planar_contact(DampedMore<Law>{&law_, damping / own_.damping}, a);
+                return solve_planar_contact(ScaledDamping<Law>{&law_, damping / own_.damping}, a);
             }
         }
         return solve_planar_contact(law_, a);

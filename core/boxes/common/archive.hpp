@@ -9,7 +9,7 @@
 
 namespace hardlimit::boxes {
 
-inline constexpr char archive_mark[16] = "hardlimit box 5";
+inline constexpr char archive_magic[16] = "hardlimit box 5";
 
 // Detects damaged files: FNV-1a over words of eight bytes.
 HL_FN u64 checksum(const char* data, std::size_t n) {
@@ -26,7 +26,7 @@ HL_FN u64 checksum(const char* data, std::size_t n) {
 class Writer {
 public:
     // `engine`: name of the engine, stored first.
-    explicit Writer(std::string_view engine) : bytes_(archive_mark, archive_mark + sizeof archive_mark) {
+    explicit Writer(std::string_view engine) : bytes_(archive_magic, archive_magic + sizeof archive_magic) {
         (*this)(std::vector<char>(engine.begin(), engine.end()));
     }
 
@@ -64,12 +64,12 @@ public:
 
     // Whether this is a complete, undamaged checkpoint of this engine.
     bool whole(std::string_view engine) {
-        if (n_ < sizeof archive_mark + 8 || std::memcmp(data_, archive_mark, sizeof archive_mark) != 0)
+        if (n_ < sizeof archive_magic + 8 || std::memcmp(data_, archive_magic, sizeof archive_magic) != 0)
             return false;
         u64 sum;
         std::memcpy(&sum, data_ + n_ - 8, 8);
         n_ -= 8;
-        at_ = sizeof archive_mark;
+        at_ = sizeof archive_magic;
         if (sum != checksum(data_, n_)) return false;
         std::vector<char> found;
         (*this)(found);

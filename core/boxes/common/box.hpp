@@ -48,9 +48,9 @@ struct Box {
     Boundary boundary[3] = {};
     double gravity[3] = {};  // acceleration [m/s²]
 
-    bool wraps(int axis) const { return boundary[axis] == Boundary::periodic; }
-    bool walled(int axis) const { return boundary[axis] == Boundary::wall; }
-    bool any_wall() const { return walled(0) || walled(1) || walled(2); }
+    bool is_periodic(int axis) const { return boundary[axis] == Boundary::periodic; }
+    bool has_walls(int axis) const { return boundary[axis] == Boundary::wall; }
+    bool any_wall() const { return has_walls(0) || has_walls(1) || has_walls(2); }
     bool falls() const { return gravity[0] != 0.0 || gravity[1] != 0.0 || gravity[2] != 0.0; }
     double volume() const {
         double product = 1.0;
@@ -66,7 +66,7 @@ struct Box {
     std::vector<Wall> walls() const {
         std::vector<Wall> all;
         for (int axis = 0; axis < dimension; ++axis)
-            if (walled(axis)) all.push_back(wall(axis, false)), all.push_back(wall(axis, true));
+            if (has_walls(axis)) all.push_back(wall(axis, false)), all.push_back(wall(axis, true));
         return all;
     }
 
@@ -76,18 +76,18 @@ struct Box {
     // The same for the velocity: zero, since images move with the particle.
     static constexpr double image_velocity(int /*axis*/, int /*flags*/) { return 0.0; }
     // Minimum image of a coordinate difference along a periodic axis [m].
-    double nearest_image(double distance, int axis) const {
+    double minimum_image(double distance, int axis) const {
         return distance - edge[axis] * math::round_small(distance / edge[axis]);
     }
     // Folds an unfolded coordinate into the box [m].
     double folded(double x, int axis) const {
-        if (!wraps(axis)) return x;
-        x = nearest_image(x, axis);
+        if (!is_periodic(axis)) return x;
+        x = minimum_image(x, axis);
         return x < 0.0 ? math::min(x + edge[axis], edge[axis]) : x;
     }
 };
 
-HL_FN int floor_of(double x) {
+HL_FN int floor_to_int(double x) {
     const int toward_zero = static_cast<int>(x);
     return toward_zero - (x < toward_zero ? 1 : 0);
 }

@@ -85,12 +85,12 @@ public:
     // Writes n·d values each, in the user's order. Positions are unfolded.
     virtual void state(double* position, double* velocity) const = 0;
     virtual Observation observe() const = 0;
-    virtual bool contacts_last() const = 0;             // whether contacts take time; false: collisions
+    virtual bool contacts_have_duration() const = 0;    // whether contacts take time; false: collisions
     virtual std::vector<ContactRecord> take_log() = 0;  // rows since the last call
     virtual std::vector<ContactRecord> open_contacts() const = 0;  // contacts that are not logged yet
     // For tests: the largest part of a safety radius that a body in contact uses, now and at `instants` later times; at
     // most 1.
-    virtual double safety_used(int /*instants*/) const { return 0.0; }
+    virtual double largest_safety_use(int /*instants*/) const { return 0.0; }
 
     virtual std::vector<char> save() const = 0;
     virtual std::size_t bytes() const = 0;  // memory used, approximately

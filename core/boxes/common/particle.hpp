@@ -24,7 +24,7 @@ static_assert(sizeof(Particle<3>) == 64 && sizeof(Particle<2>) == 64);
 // anyway, and the kernels may load it as an ordinary number.
 inline constexpr double collision_count = 1.0;
 HL_FN u32 collisions_in(double count) { return static_cast<u32>(bits_of(count)); }
-HL_FN double one_more_collision(double count) {
+HL_FN double increment_collision_count(double count) {
     const u64 bits = bits_of(count), low = 0xffffffff;
     return real_of<double>((bits & ~low) | ((bits + 1) & low));
 }
@@ -49,7 +49,7 @@ constexpr WallId wall_at(SelfEvent own) { return WallId::at(axis_of(own), is_hig
 
 // Earliest predicted collision and earliest single-particle event. The collision is stale if the partner's collision
 // count has changed; pair_time is then a lower bound on the particle's next collision.
-struct Pending {
+struct PendingEvents {
     double pair_time = math::infinity;  // [s]
     double own_time = math::infinity;   // [s]
     u32 partner = no_particle;
@@ -60,7 +60,7 @@ struct Pending {
 
     double time() const { return math::min(pair_time, own_time); }
 };
-static_assert(sizeof(Pending) == 32);
+static_assert(sizeof(PendingEvents) == 32);
 inline constexpr u32 most_cells = 1u << 29;
 
 // How particles move between collisions.

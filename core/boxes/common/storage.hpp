@@ -10,13 +10,13 @@
 namespace hardlimit::boxes {
 
 template <class T>
-struct HugePages {
+struct HugePageAllocator {
     using value_type = T;
     static constexpr std::size_t page = std::size_t{2} << 20;
 
-    HugePages() = default;
+    HugePageAllocator() = default;
     template <class U>
-    HugePages(const HugePages<U>&) {}
+    HugePageAllocator(const HugePageAllocator<U>&) {}
 
     T* allocate(std::size_t n) {
         const std::size_t bytes = n * sizeof(T);
@@ -28,40 +28,40 @@ struct HugePages {
     void deallocate(T* p, std::size_t n) {
         ::operator delete(p, std::align_val_t{n * sizeof(T) < 2 * page ? alignof(T) : page});
     }
-    bool operator==(const HugePages&) const { return true; }
+    bool operator==(const HugePageAllocator&) const { return true; }
 };
 
 template <class T>
-using Records = std::vector<T, HugePages<T>>;
+using Records = std::vector<T, HugePageAllocator<T>>;
 
 // Scratch memory aligned to pages: a vector store across a page boundary costs as much as twenty aligned ones.
 template <class T>
-struct WholePages {
+struct PageAllocator {
     using value_type = T;
     static constexpr std::align_val_t page{4096};
 
-    WholePages() = default;
+    PageAllocator() = default;
     template <class U>
-    WholePages(const WholePages<U>&) {}
+    PageAllocator(const PageAllocator<U>&) {}
 
     T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), page)); }
     void deallocate(T* p, std::size_t) { ::operator delete(p, page); }
-    bool operator==(const WholePages&) const { return true; }
+    bool operator==(const PageAllocator&) const { return true; }
 };
 
 template <class T>
-using Scratch = std::vector<T, WholePages<T>>;
+using Scratch = std::vector<T, PageAllocator<T>>;
 
 // Reserves space for one more record; large arrays grow by a quarter.
 template <class T>
-void make_room(Records<T>& records) {
+void reserve_one(Records<T>& records) {
     if (records.size() == records.capacity() && records.size() > 1000)
         records.reserve(records.size() + records.size() / 4);
 }
 
 // A list with a small buffer: up to `most_in_place` elements are stored in the object itself.
 template <class T, std::size_t most_in_place>
-class Few {
+class SmallVector {
 public:
     std::size_t size() const { return size_; }
     T* begin() { return size_ <= most_in_place ? few_ : many_.data(); }

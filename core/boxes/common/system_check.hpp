@@ -25,7 +25,7 @@ inline Fault fault_of_sizes(const System& s) {
     return {};
 }
 
-inline Fault fault_of(const System& s) {
+inline Fault validate(const System& s) {
     if (const Fault f = fault_of_sizes(s); f.kind != Fault::none) return f;
     const std::size_t d = static_cast<std::size_t>(s.box.dimension);
     for (std::size_t i = 0; i < s.n; ++i) {

@@ -55,7 +55,7 @@ public:
     std::vector<Statistic> statistics() const override;
     void state(double* position, double* velocity) const override;
     Observation observe() const override;
-    bool contacts_last() const override { return false; }
+    bool contacts_have_duration() const override { return false; }
     std::vector<ContactRecord> take_log() override { return std::exchange(log_, {}); }
     std::vector<ContactRecord> open_contacts() const override { return {}; }
     std::vector<char> save() const override;
@@ -90,7 +90,7 @@ private:
     double mass_ = 0.0;  // of each particle, unless mixed [kg]
     double smallest_radius_ = 0.0, largest_radius_ = 0.0;
     Records<Particle<d>> particles_;
-    Records<Pending> pending_;
+    Records<PendingEvents> pending_;
     Records<std::array<int, d>>
         image_flags_;              // how often each particle has left the box through a periodic side
     Records<u32> original_index_;  // index in the user's arrays
@@ -106,7 +106,7 @@ private:
     Outcome outcome_ = Outcome::ok;
     EarlyEnd early_end_;
     hardlimit_abi::TouchKernels::Of touch_{};
-    hardlimit_abi::TouchQuery query_{};  // of the particle whose next collision is predicted
+    hardlimit_abi::ContactQuery query_{};  // of the particle whose next collision is predicted
     Scratch<u32> candidates_;
     Scratch<double> times_;    // until contact with each candidate [s]
     u64 next_sort_ = 0;        // collision count at the next sort
@@ -143,7 +143,7 @@ private:
         if constexpr (mixed)
             ++pending_[i].count;
         else
-            particles_[i].radius = one_more_collision(particles_[i].radius);
+            particles_[i].radius = increment_collision_count(particles_[i].radius);
     }
     double event_time(u32 i) const { return pending_[i].time(); }
 
@@ -194,7 +194,7 @@ private:
     void predict_in_images(NextCollision& next, int level, const Place<d>& from, const Place<d>& to);
     void predict_finer(NextCollision& next, int level);
     void make_room_for_candidates();
-    void keep_earliest(NextCollision& next, const hardlimit_abi::Touched& touched, bool nearest);
+    void keep_earliest(NextCollision& next, const hardlimit_abi::EarliestContact& touched, bool nearest);
     bool touches(u32 id, bool nearest) const;
     void store(const NextCollision& next);
     double frame_speed(const double* velocity) const;

@@ -6,7 +6,7 @@ namespace hardlimit::boxes {
 
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::process_event(u32 i) {
-    const Pending& e = pending_[i];
+    const PendingEvents& e = pending_[i];
     if (e.pair_time <= e.own_time) {
         if (collisions(e.partner) == e.partner_count)
             collide(i, e.partner);
@@ -20,7 +20,7 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
     const Place<d> at = cells_.place(level_i, e.cell);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(level_i)];
     const int last = is_high(own) ? g.cells[axis] - 1 : 0;
-    if (at[axis] == last && box_.walled(axis))
+    if (at[axis] == last && box_.has_walls(axis))
         collide_with_wall(i);
     else
         leave_cell(i, at);
@@ -30,7 +30,7 @@ void HardSpheres<d, motion, mixed>::process_event(u32 i) {
 // neighbours: those of its own grid, and of coarser grids in which it has changed its cell as well.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::leave_cell(u32 i, Place<d> at) {
-    Pending& e = pending_[i];
+    PendingEvents& e = pending_[i];
     Particle<d>& p = particles_[i];
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1, fine = level(i);
@@ -112,8 +112,8 @@ void HardSpheres<d, motion, mixed>::to_nearest_image(u32 i, u32 j, double (&r)[d
     for (int k = 0; k < d; ++k) {
         r[k] = q.position[k] - p.position[k];
         const double edge = box_.edge[k];
-        if (math::abs(r[k]) < 0.499 * edge || !box_.wraps(k)) continue;
-        r[k] = box_.nearest_image(r[k], k);
+        if (math::abs(r[k]) < 0.499 * edge || !box_.is_periodic(k)) continue;
+        r[k] = box_.minimum_image(r[k], k);
         // If both images may touch, the approaching one does.
         const double other = r[k] > 0.0 ? r[k] - edge : r[k] + edge;
         const double v = q.velocity[k] - p.velocity[k];

@@ -72,7 +72,7 @@ private:
     // Draws a position; returns its cell.
     u32 draw(Random& random, int level, double radius, double (&x)[d]) const {
         for (int k = 0; k < d; ++k) {
-            const double room = box_.wraps(k) ? 0.0 : radius;
+            const double room = box_.is_periodic(k) ? 0.0 : radius;
             x[k] = room + (box_.edge[k] - 2.0 * room) * random.uniform();
         }
         return cells_.number(level, cells_.place_of(level, x));
@@ -86,7 +86,7 @@ private:
     bool is_free(const double (&x)[d], double radius, double share, int level, u32 cell,
                  const std::vector<double>& position) {
         bool free = true;
-        cells_.for_neighbourhoods(
+        cells_.for_stencils(
             level, cells_.place(level, cell), [&](int at, const Place<d>& from, const Place<d>& to) {
                 cells_.for_block(box_, at, from, to, [&](u32 other, const double (&shift)[d]) {
                     if (!free) return;

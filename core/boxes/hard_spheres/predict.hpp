@@ -14,7 +14,7 @@ void HardSpheres<d, motion, mixed>::prepare_query() {
     query_.rate = growth_.rate;
     for (int k = 0; k < d; ++k) {
         query_.edge[k] = box_.edge[k];
-        query_.per_edge[k] = box_.wraps(k) ? 1.0 / box_.edge[k] : 0.0;
+        query_.per_edge[k] = box_.is_periodic(k) ? 1.0 / box_.edge[k] : 0.0;
         query_.half_gravity[k] = 0.5 * box_.gravity[k];
         query_.gravity[k] = box_.gravity[k];
     }
@@ -51,7 +51,8 @@ bool HardSpheres<d, motion, mixed>::touches(u32 id, bool nearest) const {
 // Keeps the earliest collision that a kernel has found among the candidates; among simultaneous ones, that with the
 // lowest original index.
 template <int d, Motion motion, bool mixed>
-void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next, const hardlimit_abi::Touched& touched,
+void HardSpheres<d, motion, mixed>::keep_earliest(NextCollision& next,
+                                                  const hardlimit_abi::EarliestContact& touched,
                                                   bool nearest) {
     if (!(touched.time <= next.in) || touched.time == math::infinity) return;
     if (touched.time < next.in && !touched.several && touched.id != next.except) {
@@ -107,7 +108,7 @@ void HardSpheres<d, motion, mixed>::predict_in_images(NextCollision& next, int l
 // Stores the collision if it is earlier than the one that is pending.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::store(const NextCollision& next) {
-    Pending& e = pending_[next.id];
+    PendingEvents& e = pending_[next.id];
     const double time = now_ + next.in;
     if (next.partner == no_particle || time > e.pair_time) return;
     if (time == e.pair_time && e.partner != no_particle &&
@@ -127,11 +128,11 @@ void HardSpheres<d, motion, mixed>::predict(u32 i, u32 except) {
 // Predicts all events of a particle.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_unscheduled(u32 i, u32 except) {
-    Pending& e = pending_[i];
+    PendingEvents& e = pending_[i];
     const int own = level(i);
     const Place<d> at = cells_.place(own, e.cell);
     NextCollision next = begin_prediction(i, except);
-    cells_.for_neighbourhoods(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
+    cells_.for_stencils(own, at, [&](int level, const Place<d>& from, const Place<d>& to) {
         predict_in_block(next, level, from, to);
     });
     e.pair_time = math::infinity;
@@ -147,7 +148,7 @@ template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::frame_speed(const double* velocity) const {
     double square = 0.0;
     for (int k = 0; k < d; ++k) {
-        const double v = velocity[k] - (box_.wraps(k) ? box_.gravity[k] * now_ : 0.0);
+        const double v = velocity[k] - (box_.is_periodic(k) ? box_.gravity[k] * now_ : 0.0);
         square += v * v;
     }
     return math::sqrt(square);
@@ -157,7 +158,7 @@ template <int d, Motion motion, bool mixed>
 double HardSpheres<d, motion, mixed>::speed_bound() const {
     double square = fastest_ * fastest_;
     for (int k = 0; k < d; ++k)
-        if (box_.walled(k)) square += 2.0 * math::abs(box_.gravity[k]) * box_.edge[k];
+        if (box_.has_walls(k)) square += 2.0 * math::abs(box_.gravity[k]) * box_.edge[k];
     return math::sqrt(square);
 }
 
@@ -173,8 +174,8 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
         horizon = math::min(horizon, 0.99 * margin / speed);
         Place<d> from, to;
         for (int k = 0; k < d; ++k) {
-            from[k] = floor_of((query_.position[k] - reach) / g.edge[k]);
-            to[k] = floor_of((query_.position[k] + reach) / g.edge[k]);
+            from[k] = floor_to_int((query_.position[k] - reach) / g.edge[k]);
+            to[k] = floor_to_int((query_.position[k] + reach) / g.edge[k]);
         }
         bool wide = false;
         for (int k = 0; k < d; ++k) wide = wide || to[k] - from[k] > 2;
@@ -189,7 +190,7 @@ void HardSpheres<d, motion, mixed>::predict_finer(NextCollision& next, int level
 // Predicts when the particle leaves its cell `at` or meets a wall, whichever comes first.
 template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at) {
-    Pending& e = pending_[i];
+    PendingEvents& e = pending_[i];
     const Particle<d>& p = particles_[i];
     const int own = level(i);
     const Grid<d>& g = cells_.grids()[static_cast<std::size_t>(own)];
@@ -204,7 +205,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
     for (int k = 0; k < d; ++k) {
         const double x = p.position[k], v = p.velocity[k], size = radius(i);
         const double low = at[k] * g.edge[k], high = (at[k] + 1) * g.edge[k];
-        const bool walls = motion != Motion::growing && box_.walled(k);
+        const bool walls = motion != Motion::growing && box_.has_walls(k);
         const double lowest = walls && at[k] == 0 ? box_.wall(k, false).position(now_) + size : low;
         const double highest =
             walls && at[k] == g.cells[k] - 1 ? box_.wall(k, true).position(now_) - size : high;
@@ -225,7 +226,7 @@ void HardSpheres<d, motion, mixed>::predict_self_event(u32 i, const Place<d>& at
             const bool up = v > 0.0;
             consider(time_to(borders[up] - x, v), k, up);
         }
-        if (motion == Motion::growing && box_.walled(k)) {
+        if (motion == Motion::growing && box_.has_walls(k)) {
             const double touch = size * growth_.at(p.time), rate = size * growth_.rate;
             if (at[k] == 0) consider(time_below(touch - x, rate - v, 0.0), k, false);
             if (at[k] == g.cells[k] - 1) consider(time_below(x + touch, v + rate, box_.edge[k]), k, true);

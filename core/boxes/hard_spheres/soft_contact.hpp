@@ -22,7 +22,7 @@ template <int d, Motion motion, bool mixed>
 void HardSpheres<d, motion, mixed>::update_cell(u32 i) {
     Particle<d>& p = particles_[i];
     for (int k = 0; k < d; ++k)
-        while (box_.wraps(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
+        while (box_.is_periodic(k) && (p.position[k] < 0.0 || p.position[k] > box_.edge[k])) {
             const int step = p.position[k] < 0.0 ? -1 : 1;
             p.position[k] -= box_.image_shift(k, step);
             image_flags_[i][static_cast<std::size_t>(k)] += step;

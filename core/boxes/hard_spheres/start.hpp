@@ -162,7 +162,7 @@ void HardSpheres<d, motion, mixed>::sort_along_cells() {
     const auto follow = [&](u32& partner) {
         if (partner != no_particle) partner = now_at[partner];
     };
-    for (Pending& e : pending_) follow(e.partner);
+    for (PendingEvents& e : pending_) follow(e.partner);
     for (LastContact& c : last_contacts_) follow(c.partner);
     fill_cells();
     rebuild_queue();

@@ -5,7 +5,7 @@
 namespace hardlimit_abi {
 
 // Input of a prediction: present state of the particle whose collisions are predicted, and the box.
-struct TouchQuery {
+struct ContactQuery {
     double now;             // [s]
     double position[3];     // [m]
     double velocity[3];     // [m/s]
@@ -31,7 +31,7 @@ struct CellBlock {
 };
 
 // Earliest contact of a particle with its neighbours. `several`: more than one neighbour touches at this time.
-struct Touched {
+struct EarliestContact {
     double time;  // from now [s]; infinity: none
     double next;  // time of the second contact, if `enlarged` and not `several`
     unsigned id;
@@ -42,10 +42,10 @@ struct Touched {
 // Predicts the contacts of particle `self` with n particles of these ids, or with all particles of a block, whose ids
 // are then written. Writes the time until each contact, infinity if never. Both lists need room for sixteen more
 // entries. `particles`: array of Particle, one cache line each.
-using TouchListed = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
-                                double* times, std::size_t n);
-using TouchNear = Touched (*)(const TouchQuery& query, const void* particles, unsigned self, unsigned* ids,
-                              double* times, const CellBlock& block);
+using PredictListed = EarliestContact (*)(const ContactQuery& query, const void* particles, unsigned self,
+                                          unsigned* ids, double* times, std::size_t n);
+using PredictBlock = EarliestContact (*)(const ContactQuery& query, const void* particles, unsigned self,
+                                         unsigned* ids, double* times, const CellBlock& block);
 
 // Kernels of power_series.hpp. `paths` [bodies] and `contacts` [n] are arrays of series::Path and series::Contact;
 // body_order [bodies]: first the `in_contact` bodies in contact, then the others; gravity [4]; chord_deviation [bodies]
@@ -68,8 +68,8 @@ struct TouchKernels {
     const char* name;
     // of[dimension − 2][motion]. near: no periodic images; across: minimum images.
     struct Of {
-        TouchListed listed;
-        TouchNear near, across;
+        PredictListed listed;
+        PredictBlock near, across;
     } of[2][3];
     Of enlarged[2];  // three dimensions, by motion: straight or falling
     SeriesKernels series;

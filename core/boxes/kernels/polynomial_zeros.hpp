@@ -38,7 +38,7 @@ double sum_of_powers(const Four* f, double t) {
 
 // Lower bound on the distance to the next zero of a function with this positive value, this slope and |f''| <= bend:
 // the zero of the parabola with f'' = −bend.
-inline double free_of_zeros(double value, double slope, double bend) {
+inline double zero_free_interval(double value, double slope, double bend) {
     const double root = math::sqrt(slope * slope + 2.0 * bend * value);
     return slope > 0.0 ? (root + slope) / bend : 2.0 * value / (root - slope);
 }
@@ -62,13 +62,13 @@ inline double first_zero(const double* f, double end) {
     double t = 0.0, at = f[0], rate = f[1], last = end;
     for (int i = 0; i < 1000; ++i) {
         if (!(at > 0.0)) return t;
-        const double step = free_of_zeros(at, rate, bend);
+        const double step = zero_free_interval(at, rate, bend);
         if (!(t + step <= last)) return math::infinity;
         if (t + step <= t * (1.0 + 2.0 * math::epsilon)) return t;
         t += step;
         if (i == 0) {
             at = sum_of_powers<5>(value, end);
-            if (at > 0.0) last = end - free_of_zeros(at, -sum_of_powers<4>(slope, end), bend);
+            if (at > 0.0) last = end - zero_free_interval(at, -sum_of_powers<4>(slope, end), bend);
             if (!(t <= last)) return math::infinity;
         }
         at = sum_of_powers<5>(value, t);

@@ -29,7 +29,7 @@ enum class Image { as_it_is, nearest, shifted };
 // `only_group`: there is a single group of lanes. An early return if no lane touches then pays; with several groups
 // that branch is unpredictable, and a misprediction costs more than the square root and the division.
 template <class Real, int d, Motion motion, Image image, bool enlarged>
-HL_FN Real touch_times_of(const hardlimit_abi::TouchQuery& q, const Columns<Real>& p, bool only_group) {
+HL_FN Real touch_times_of(const hardlimit_abi::ContactQuery& q, const Columns<Real>& p, bool only_group) {
     const Real after = q.now - p.of[2 * d];
     Real a{}, b{}, square{};
     HL_UNROLL
@@ -105,11 +105,11 @@ HL_FN double least_lane(const Real& x) {
 
 // Earliest contact, from the smallest and the second smallest time of each lane.
 template <class Real, bool enlarged>
-HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second, const unsigned* ids,
-                                           const double* times, std::size_t n) {
+HL_FN hardlimit_abi::EarliestContact touched_first(const Real& least, const Real& second, const unsigned* ids,
+                                                   const double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double time = least_lane<Real>(least);
-    hardlimit_abi::Touched touched{time, time, boxes::no_particle, 0, n};
+    hardlimit_abi::EarliestContact touched{time, time, boxes::no_particle, 0, n};
     if (!(time < math::infinity)) return touched;
     if constexpr (enlarged) touched.next = least_lane<Real>(select<Real>(least == time, second, least));
     for (std::size_t begin = 0; begin < n; begin += 64) {
@@ -125,8 +125,8 @@ HL_FN hardlimit_abi::Touched touched_first(const Real& least, const Real& second
 }
 
 template <class Real, int d, Motion motion, Image image, bool enlarged>
-hardlimit_abi::Touched touch_listed(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
-                                    unsigned* ids, double* times, std::size_t n) {
+hardlimit_abi::EarliestContact touch_listed(const hardlimit_abi::ContactQuery& q, const void* particles,
+                                            unsigned self, unsigned* ids, double* times, std::size_t n) {
     constexpr std::size_t lanes = Lanes<Real>::count;
     const double* const lines = static_cast<const double*>(particles);
     // Pads the last group of lanes with the particle itself, for which no contact is found.
@@ -201,8 +201,9 @@ std::size_t collect_block(const hardlimit_abi::CellBlock& block, unsigned* ids) 
 }
 
 template <class Real, int d, Motion motion, Image image, bool enlarged>
-hardlimit_abi::Touched touch_near(const hardlimit_abi::TouchQuery& q, const void* particles, unsigned self,
-                                  unsigned* ids, double* times, const hardlimit_abi::CellBlock& block) {
+hardlimit_abi::EarliestContact touch_near(const hardlimit_abi::ContactQuery& q, const void* particles,
+                                          unsigned self, unsigned* ids, double* times,
+                                          const hardlimit_abi::CellBlock& block) {
     return touch_listed<Real, d, motion, image, enlarged>(q, particles, self, ids, times,
                                                           collect_block(block, ids));
 }

@@ -167,17 +167,17 @@ public:
     std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
 
     // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond one of them.
-    struct Surroundings {
+    struct Stencil {
         int from[3] = {-1, -1, d == 3 ? -1 : 0}, to[3] = {1, 1, d == 3 ? 1 : 0};
 
-        static Surroundings beyond(int axis, bool high) {
-            Surroundings s;
+        static Stencil beyond(int axis, bool high) {
+            Stencil s;
             s.from[axis] = s.to[axis] = high ? 2 : -2;
             return s;
         }
     };
     // Prefetches those cells. Periodic images are not handled: it would not pay.
-    void fetch(int level, u32 cell, const Surroundings& s) const {
+    void fetch(int level, u32 cell, const Stencil& s) const {
         for_rows(level, cell, s, [](const Cell* row, int length) {
             prefetch(row);
             if (length == 3) prefetch(row + 2);
@@ -185,7 +185,7 @@ public:
     }
     // Calls f(id) for the particles in those cells, except spilled ones.
     template <class F>
-    void for_inline(int level, u32 cell, const Surroundings& s, const F& f) const {
+    void for_inline(int level, u32 cell, const Stencil& s, const F& f) const {
         for_rows(level, cell, s, [&](const Cell* row, int length) {
             for (int x = 0; x < length; ++x)
                 for (u32 k = 0; k < std::min(row[x].tail, inline_ids); ++k) f(row[x].id[k]);
@@ -205,7 +205,7 @@ public:
             for (int k = 0; k < d; ++k) {
                 while (cell[k] < 0) cell[k] += g.cells[k], shift[k] -= box.image_shift(k, 1);
                 while (cell[k] >= g.cells[k]) cell[k] -= g.cells[k], shift[k] += box.image_shift(k, 1);
-                inside = inside && (box.wraps(k) || shift[k] == 0.0);
+                inside = inside && (box.is_periodic(k) || shift[k] == 0.0);
             }
             if (inside) f(number(level, cell), shift);
             int k = 0;
@@ -216,7 +216,7 @@ public:
     }
     // Calls f(level, from, to) for the block around a cell, in its own grid and in each coarser one.
     template <class F>
-    void for_neighbourhoods(int level, Place<d> at, const F& f) const {
+    void for_stencils(int level, Place<d> at, const F& f) const {
         Place<d> from, to;
         for (; level < levels(); ++level) {
             for (int k = 0; k < d; ++k) from[k] = at[k] - 1, to[k] = at[k] + 1, at[k] >>= 1;
@@ -260,7 +260,7 @@ private:
             for (int z = from[2]; z <= to[2]; ++z)
                 if (along_z[z] != no_particle) add_rows(along_z[z]);
         }
-        cut(block, from[0], to[0], g.cells[0], box.wraps(0));
+        cut(block, from[0], to[0], g.cells[0], box.is_periodic(0));
     }
     // Index offsets of the cells along each axis. Beyond a periodic boundary they are those of the other side, beyond a
     // wall no_particle.
@@ -272,7 +272,8 @@ private:
             for (int at = -steps_beyond; at < n + steps_beyond; ++at) {
                 const bool inside = at >= 0 && at < n;
                 const int wrapped = ((at % n) + n) % n;
-                steps_.push_back(inside || box.wraps(k) ? static_cast<u32>(wrapped) * stride : no_particle);
+                steps_.push_back(inside || box.is_periodic(k) ? static_cast<u32>(wrapped) * stride
+                                                              : no_particle);
             }
             stride *= static_cast<u32>(n);
         }
@@ -291,7 +292,7 @@ private:
 
     // Calls f(first cell, number of cells) for each row. Skips rows outside the array of cells.
     template <class F>
-    void for_rows(int level, u32 cell, const Surroundings& s, const F& f) const {
+    void for_rows(int level, u32 cell, const Stencil& s, const F& f) const {
         const Grid<d>& g = grids_[static_cast<std::size_t>(level)];
         const i64 row = g.cells[0], plane = d == 3 ? row * g.cells[1] : 0;
         const int length = s.to[0] - s.from[0] + 1;
@@ -350,7 +351,7 @@ private:
             g.first = first;
             g.few = false;
             // With four cells, every image but the nearest is more than two cells away.
-            for (int k = 0; k < d; ++k) g.few = g.few || (box.wraps(k) && g.cells[k] < 4);
+            for (int k = 0; k < d; ++k) g.few = g.few || (box.is_periodic(k) && g.cells[k] < 4);
             lay_steps(g, box);
             first += static_cast<u32>(count(g));
             const u32 row = static_cast<u32>(g.cells[0]),

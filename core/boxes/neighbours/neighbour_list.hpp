@@ -109,7 +109,7 @@ private:
         constexpr std::uint32_t unit[3] = {1, 3, 9};
         const int axis = order_[place], n = cells_[axis];
         if (cell >= 0 && cell < n) return true;
-        if (!box_.wraps(axis)) return false;
+        if (!box_.is_periodic(axis)) return false;
         image += cell < 0 ? 0u - unit[axis] : unit[axis];
         cell += cell < 0 ? n : -n;
         return true;
@@ -169,7 +169,7 @@ inline void list_walls(const Box& box, const Records<Double4>& position, std::ui
                        std::uint32_t last, double skin, double time, std::vector<WallNeighbour>& walls) {
     for (std::uint32_t i = first; i < last; ++i)
         for (int axis = 0; axis < box.dimension; ++axis) {
-            if (!box.walled(axis)) continue;
+            if (!box.has_walls(axis)) continue;
             const double near = position[i][3] + 0.5 * skin, x = position[i][axis];
             for (const bool high : {false, true})
                 if (const Wall wall = box.wall(axis, high); wall.distance(x, time) < near)

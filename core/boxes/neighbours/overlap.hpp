@@ -94,7 +94,7 @@ private:
     // Lists the cell that holds x and its neighbours, each once, and returns their number.
     int neighbours(int axis, double x, int* list) const {
         const int cells = cells_[axis], here = cell_along(axis, x);
-        if (cells <= 3 && (cells < 3 || box_.wraps(axis))) {
+        if (cells <= 3 && (cells < 3 || box_.is_periodic(axis))) {
             for (int i = 0; i < cells; ++i) list[i] = i;
             return cells;
         }
@@ -102,7 +102,7 @@ private:
         for (int step = -1; step <= 1; ++step) {
             int cell = here + step;
             if (cell < 0 || cell >= cells) {
-                if (!box_.wraps(axis)) continue;
+                if (!box_.is_periodic(axis)) continue;
                 cell += cell < 0 ? cells : -cells;
             }
             list[count++] = cell;
@@ -117,16 +117,16 @@ HL_FN double distance_squared(const Box& box, const Body& a, const Body& b) {
     for (int axis = 0; axis < box.dimension; ++axis) {
         double d = a.at[axis] - b.at[axis];
         d = d < 0.0 ? -d : d;
-        if (box.wraps(axis) && box.edge[axis] - d < d) d = box.edge[axis] - d;
+        if (box.is_periodic(axis) && box.edge[axis] - d < d) d = box.edge[axis] - d;
         sum += d * d;
     }
     return sum;
 }
 
 // Keeps the deepest overlap relative to the sum of the radii; on a tie, that of the lowest indices.
-class Deepest {
+class DeepestOverlap {
 public:
-    explicit Deepest(const Box& box) : box_(box) {}
+    explicit DeepestOverlap(const Box& box) : box_(box) {}
 
     void consider(const Body& a, const Body& b) {
         const double apart = a.radius + b.radius, squared = distance_squared(box_, a, b);
@@ -176,7 +176,7 @@ inline std::vector<SizeClass> size_classes(const Box& box, const double* positio
 inline Overlap deepest_overlap(const Box& box, const double* position, const double* radius,
                                std::size_t count, Stop& stop) {
     const std::vector<detail::SizeClass> classes = detail::size_classes(box, position, radius, count);
-    detail::Deepest deepest(box);
+    detail::DeepestOverlap deepest(box);
     for (std::size_t small = 0; small < classes.size(); ++small)
         for (const detail::Body& body : classes[small].bodies()) {
             if (stop()) return {};

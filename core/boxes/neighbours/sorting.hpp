@@ -18,7 +18,7 @@ public:
                     std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             for (int axis = 0; axis < box.dimension; ++axis)
-                if (box.wraps(axis)) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
+                if (box.is_periodic(axis)) wrap(bodies.position[i], bodies.tag[i], axis, box.edge[axis]);
             cell_[i] = grid.cell_of(bodies.position[i]);
         }
     }

@@ -52,7 +52,7 @@ template <class Law>
 double NewtonEvents<Law>::smallest_edge() const {
     double least = math::infinity;
     for (int axis = 0; axis < box_.dimension; ++axis)
-        if (box_.wraps(axis)) least = math::min(least, box_.edge[axis]);
+        if (box_.is_periodic(axis)) least = math::min(least, box_.edge[axis]);
     return least;
 }
 
@@ -69,7 +69,7 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
         cell_box_.edge[a] = used ? box_.edge[a] : most;
         cell_box_.boundary[a] = box_.boundary[a];
         query_.edge[a] = box_.edge[a];
-        query_.per_edge[a] = cell_box_.wraps(a) ? 1.0 / box_.edge[a] : 0.0;
+        query_.per_edge[a] = cell_box_.is_periodic(a) ? 1.0 / box_.edge[a] : 0.0;
         query_.gravity[a] = box_.gravity[a];
         query_.half_gravity[a] = 0.5 * box_.gravity[a];
     }
@@ -81,8 +81,8 @@ void NewtonEvents<Law>::make_cells(std::size_t n, const hardlimit_abi::TouchKern
         math::min(0.25 * smallest_radius_, 0.22 * smallest_edge() - 0.9 * largest_radius_);
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];
     for (int a = 0; a < box_.dimension; ++a) {
-        several_images_ = several_images_ || (box_.wraps(a) && g.cells[a] < 4);
-        walled_ = walled_ || box_.walled(a);
+        several_images_ = several_images_ || (box_.is_periodic(a) && g.cells[a] < 4);
+        walled_ = walled_ || box_.has_walls(a);
     }
 }
 
@@ -161,7 +161,7 @@ void NewtonEvents<Law>::for_neighbours(int i, const F& f) const {
 // Moves the body into the next cell and predicts collisions in the cells that become neighbours.
 template <class Law>
 void NewtonEvents<Law>::leave_cell(int i) {
-    Pending& e = pending_[i];
+    PendingEvents& e = pending_[i];
     const SelfEvent own = static_cast<SelfEvent>(e.own);
     const int axis = axis_of(own), step = is_high(own) ? 1 : -1;
     const Grid<3>& g = cells_.grids()[static_cast<std::size_t>(level_)];

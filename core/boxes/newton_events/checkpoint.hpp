@@ -27,7 +27,7 @@ void NewtonEvents<Law>::exchange(Archive& archive) {
 
 template <class Law>
 template <class Archive, class T, std::size_t most_in_place>
-void NewtonEvents<Law>::exchange(Archive& archive, Few<T, most_in_place>& list) {
+void NewtonEvents<Law>::exchange(Archive& archive, SmallVector<T, most_in_place>& list) {
     std::vector<T> held(list.begin(), list.end());
     archive(held);
     list.assign(held);

@@ -31,7 +31,7 @@ void NewtonEvents<Law>::build_cluster(int index, ClusterSeed& set) {
 
 // Whether contacts are persistent: clusters are integrated again and again without a new contact.
 template <class Law>
-bool NewtonEvents<Law>::takes_too_long(const Cluster<Law>& c) {
+bool NewtonEvents<Law>::exceeds_step_budget(const Cluster<Law>& c) {
     const std::size_t members = c.members.size();
     const bool small = members < large_cluster;
     if (small && c.steps() < steps_of_small_cluster) return false;
@@ -102,7 +102,7 @@ void NewtonEvents<Law>::make_pairs(Group& g, std::vector<ActivePair>& active) co
         }
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
-                if (box_.walled(axis) && near_wall(g.body[i], box_.wall(axis, high)))
+                if (box_.has_walls(axis) && near_wall(g.body[i], box_.wall(axis, high)))
                     c.pairs.push_back(wall_pair(g, static_cast<int>(i), box_.wall(axis, high)));
     }
     first[n] = c.pairs.size();
@@ -228,7 +228,7 @@ double NewtonEvents<Law>::time_to_a_wall(const Group& g, double speed) const {
     for (const int i : g.body)
         for (int axis = 0; axis < box_.dimension; ++axis)
             for (const bool high : {false, true})
-                if (const Wall wall = box_.wall(axis, high); box_.walled(axis) && !near_wall(i, wall))
+                if (const Wall wall = box_.wall(axis, high); box_.has_walls(axis) && !near_wall(i, wall))
                     gap = math::min(gap, wall_distance(i, wall) - radius(i));
     if (gap == math::infinity) return gap;
     const Vector3 drift = g.cluster->before.mean_velocity();

@@ -82,10 +82,10 @@ public:
     // Const: groups are integrated in a copy.
     void state(double* position, double* velocity) const override;
     Observation observe() const override { return snapshot().sums; }
-    bool contacts_last() const override { return true; }
+    bool contacts_have_duration() const override { return true; }
     std::vector<ContactRecord> take_log() override { return std::exchange(log_, {}); }
     std::vector<ContactRecord> open_contacts() const override { return snapshot().open; }
-    double safety_used(int instants) const override;
+    double largest_safety_use(int instants) const override;
 
     std::vector<char> save() const override;
     std::size_t bytes() const override;
@@ -110,7 +110,7 @@ private:
     const Box& box_ = setting_.box;
     Box cell_box_;        // one cell deep in two dimensions
     PairLaws<Law> laws_;  // by index in memory
-    SoftContacts<Law, true> soft_;
+    TabulatedContacts<Law, true> soft_;
     // By index in memory. A path is a parabola that starts at `time`, in the frame of the cell; the radius includes the
     // safety radius.
     Records<Particle<3>> particles_;
@@ -124,8 +124,8 @@ private:
     ContactEndQueue contact_ends_;  // of isolated contacts
     hardlimit_abi::TouchKernels::Of touch_{};
     const hardlimit_abi::SeriesKernels* series_ = nullptr;
-    hardlimit_abi::TouchQuery query_{};  // constant parts are set once
-    double kernel_exact_after_ = 0.0;    // from then on the kernel's times for free bodies are exact [s]
+    hardlimit_abi::ContactQuery query_{};  // constant parts are set once
+    double kernel_exact_after_ = 0.0;      // from then on the kernel's times for free bodies are exact [s]
     mutable Scratch<u32> candidates_;
     mutable Scratch<double> times_;  // until touch [s]
     Vector3 gravity_;
@@ -204,7 +204,7 @@ private:
     void predict_events_without(int i, int other);
     void set_query(int i);
     void predict_collisions(int i, const Block& in);
-    void take_candidates(int i, const hardlimit_abi::Touched& touched);
+    void take_candidates(int i, const hardlimit_abi::EarliestContact& touched);
     void take_candidate(int i, u32 id, double enlarged_time);
     double collision_time(int i, int j, double enlarged_time) const;
     RelativeMotion relative_motion(int j) const;
@@ -236,15 +236,15 @@ private:
     int new_group();
     void discard_group(int index);
     void dissolve_group(int index, bool at_end, std::vector<ActivePair>& active);
-    void undo_group(int index);
+    void revert_group(int index);
     void join_group(int i, int index, std::size_t m, double span);
-    void set_free(int i);
+    void release_members(int i);
     void restart_body(const Group& g, std::size_t m, const Member& at);
     Vector3 body_position(const Group& g, std::size_t m, Vector3 x) const;
 
     // cluster_setup.hpp
     void build_cluster(int index, ClusterSeed& set);
-    bool takes_too_long(const Cluster<Law>& c);
+    bool exceeds_step_budget(const Cluster<Law>& c);
     void reset_cluster(Cluster<Law>& c, double base) const;
     void open_group(Group& g, const std::vector<int>& set) const;
     void set_member(Group& g, std::size_t m, Member& member) const;
@@ -264,15 +264,15 @@ private:
     // safety_radius.hpp
     bool set_safety_radii(int index);
     double deviation_from_path(const Group& g, std::size_t m) const;
-    void make_busy(int index, std::size_t m, const Member& before, const Member& after, double span);
+    void assign_path(int index, std::size_t m, const Member& before, const Member& after, double span);
     void set_safety_radii(IsolatedContact& l) const;
     void follow_outgoing_path(int index, std::size_t m, const Member& after);
     void set_radius(int i, double safety_radius);
     double safety_radius_used(const Group& g, std::size_t m, const Vector3& at, double time) const;
 
     // isolated_contact.hpp
-    static SoftContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
-                                                 const hardlimit_abi::TouchKernels& kernels);
+    static TabulatedContacts<Law, true> soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                      const hardlimit_abi::TouchKernels& kernels);
     bool solve_pair(IsolatedContact& l, SeparatedMembers& after);
     void separate_pair(IsolatedContact& l, SeparatedMembers& after, const PlanarContact& end,
                        const Vector3& normal, const Vector3& tangent) const;
@@ -292,7 +292,7 @@ private:
     template <class Archive>
     static void exchange(Archive& archive, Group& g);
     template <class Archive, class T, std::size_t most_in_place>
-    static void exchange(Archive& archive, Few<T, most_in_place>& list);
+    static void exchange(Archive& archive, SmallVector<T, most_in_place>& list);
     template <class Archive>
     static void exchange(Archive& archive, Cluster<Law>& c);
 };
@@ -351,7 +351,7 @@ void NewtonEvents<Law>::prefetch_contact_ends() const {
 
 template <class Law>
 void NewtonEvents<Law>::process_event(int i) {
-    const Pending& e = pending_[i];
+    const PendingEvents& e = pending_[i];
     if (e.pair_time <= e.own_time) {
         if (pending_[e.partner].count != e.partner_count) return reschedule(i);
         const int j = static_cast<int>(e.partner);
@@ -361,7 +361,7 @@ void NewtonEvents<Law>::process_event(int i) {
     if (own == SelfEvent::ends) return end_cluster(i);
     const int axis = axis_of(own);
     const int last = is_high(own) ? cells_.grids()[static_cast<std::size_t>(level_)].cells[axis] - 1 : 0;
-    if (!box_.wraps(axis) && cells_.place(level_, e.cell)[axis] == last)
+    if (!box_.is_periodic(axis) && cells_.place(level_, e.cell)[axis] == last)
         return begin_contact(i, -1, wall_at(own));
     leave_cell(i);
 }

@@ -51,7 +51,7 @@ void NewtonEvents<Law>::reschedule(int i) {
 // Predicts all events of body i.
 template <class Law>
 void NewtonEvents<Law>::predict_events(int i) {
-    Pending& e = pending_[i];
+    PendingEvents& e = pending_[i];
     e.pair_time = math::infinity;
     e.partner = no_particle;
     set_query(i);
@@ -110,8 +110,8 @@ void NewtonEvents<Law>::predict_collisions(int i, const Block& in) {
 // Takes the earliest collision among the candidates. The kernel's times are lower bounds if a body is busy.
 // Simultaneous collisions are ordered by original index.
 template <class Law>
-void NewtonEvents<Law>::take_candidates(int i, const hardlimit_abi::Touched& touched) {
-    const Pending& e = pending_[i];
+void NewtonEvents<Law>::take_candidates(int i, const hardlimit_abi::EarliestContact& touched) {
+    const PendingEvents& e = pending_[i];
     if (now_ + touched.time > e.pair_time || touched.time == math::infinity) return;
     take_candidate(i, touched.id, now_ + touched.time);
     if (!touched.several && (now_ + touched.next > e.pair_time || touched.next == math::infinity)) return;
@@ -126,7 +126,7 @@ void NewtonEvents<Law>::take_candidates(int i, const hardlimit_abi::Touched& tou
 // Makes body `id` the next partner of body i if they collide earlier. `enlarged_time`: see collision_time().
 template <class Law>
 void NewtonEvents<Law>::take_candidate(int i, u32 id, double enlarged_time) {
-    Pending& e = pending_[i];
+    PendingEvents& e = pending_[i];
     const bool known = pending_[id].group < 0 && enlarged_time > kernel_exact_after_;
     const double time = known ? enlarged_time : collision_time(i, static_cast<int>(id), enlarged_time);
     if (time > e.pair_time || time == math::infinity) return;
@@ -234,7 +234,7 @@ void NewtonEvents<Law>::predict_self_event(int i, const Place<3>& at) {
         if (a == box_.dimension) break;
         const double x = query_.position[a], v = query_.velocity[a], pull = box_.gravity[a];
         double low = at[a] * g.edge[a], high = (at[a] + 1) * g.edge[a];
-        if (walled_ && box_.walled(a)) {
+        if (walled_ && box_.has_walls(a)) {
             if (at[a] == 0)
                 low = is_free ? box_.wall(a, false).position(now_) + query_.radius : -math::infinity;
             if (at[a] == g.cells[a] - 1)

@@ -34,7 +34,7 @@ void NewtonEvents<Law>::begin_contacts() {
             overlap(i, j, {}, (radius(i) + radius(j)) - distance, -dot(r, v) / distance);
         });
         for (int axis = 0; axis < box_.dimension; ++axis) {
-            if (!box_.walled(axis)) continue;
+            if (!box_.has_walls(axis)) continue;
             for (const bool high : {false, true}) {
                 const Wall wall = box_.wall(axis, high);
                 overlap(i, -1, wall.id, radius(i) - wall.distance(p.position[axis], now_),
@@ -113,7 +113,7 @@ void NewtonEvents<Law>::end_isolated_contact(int index) {
         f(first);
         if (second >= 0) f(second);
     };
-    for_both([&](int i) { set_free(i); });
+    for_both([&](int i) { release_members(i); });
     discard_group(index);
     if (several_images_) return for_both([&](int i) { reschedule(i); });
     if (!walled_) return;
@@ -202,7 +202,7 @@ bool NewtonEvents<Law>::try_isolated_contact(int i, int j, WallId wall, int& thi
         predict_events_without(k, members == 1 ? k : g.body[k == i ? 1 : 0]);
         if (pending_[k].pair_time > now_) continue;
         third_body = static_cast<int>(pending_[k].partner);
-        undo_group(index);
+        revert_group(index);
         return false;
     }
     for (const int k : g.body) schedule(k);
@@ -217,7 +217,7 @@ void NewtonEvents<Law>::form_group(ClusterSeed& set) {
         const int index = new_group();
         build_cluster(index, set);
         const Cluster<Law>& after = group(index).cluster->after;
-        if (after.unresolved || takes_too_long(after)) end_run(Outcome::unresolved, set.bodies);
+        if (after.unresolved || exceeds_step_budget(after)) end_run(Outcome::unresolved, set.bodies);
         if (after.time == 0.0 && ends_too_deep(index)) return;
         std::vector<int> near;
         if (after.time > 0.0 && outcome_ == Outcome::ok)
@@ -226,7 +226,7 @@ void NewtonEvents<Law>::form_group(ClusterSeed& set) {
                 if (!(pending_[i].pair_time > now_)) find_third_bodies(i, index, near);
             }
         if (near.empty()) return schedule_group(index);
-        undo_group(index);
+        revert_group(index);
         const std::size_t before = set.bodies.size();
         for (const int k : near) absorb(k, set);
         if (set.bodies.size() > largest_renewed_cluster) absorb_touching(before, set);

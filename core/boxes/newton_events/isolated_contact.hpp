@@ -7,8 +7,8 @@ namespace hardlimit::boxes {
 // Table for pairs of the largest bodies. Whether the damping varies between pairs is judged from the smallest and the
 // largest body; a pair that does not fit the table is solved directly.
 template <class Law>
-SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
-                                                         const hardlimit_abi::TouchKernels& kernels) {
+TabulatedContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& laws, std::size_t count,
+                                                              const hardlimit_abi::TouchKernels& kernels) {
     std::size_t least = 0, most = 0;
     for (std::size_t i = 1; i < count; ++i) {
         if (laws.radius(i) < laws.radius(least)) least = i;
@@ -18,7 +18,7 @@ SoftContacts<Law, true> NewtonEvents<Law>::soft_contacts(const PairLaws<Law>& la
     const auto reach = [&](std::size_t i, std::size_t j) { return laws.radius(i) + laws.radius(j); };
     const auto damping = [&](std::size_t i, std::size_t j) {
         const Law law = laws(static_cast<std::int64_t>(i), static_cast<std::int64_t>(j));
-        return SoftContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
+        return TabulatedContacts<Law, true>::damping(law, mass(i, j), reach(i, j));
     };
     const double of_most = damping(most, most);
     const auto differs = [&](double other) { return math::abs(other - of_most) > 1e-13 * of_most; };
@@ -152,7 +152,7 @@ bool NewtonEvents<Law>::far_from_walls(const Group& g, const SeparatedMembers& a
     for (std::size_t m = 0; m < g.body.size(); ++m) {
         const double enlarged = radius(g.body[m]) + l.share[m] * l.deviation;
         for (int axis = 0; axis < box_.dimension; ++axis) {
-            if (!box_.walled(axis)) continue;
+            if (!box_.has_walls(axis)) continue;
             const auto a = static_cast<std::size_t>(axis);
             const double end = g.origin[a] + after[m].position[a], v = after[m].velocity[a];
             const double pull = box_.gravity[axis], back = v / pull;  // time from the vertex to the end

@@ -25,7 +25,7 @@ void NewtonEvents<Law>::join_group(int i, int index, std::size_t m, double span)
 }
 
 template <class Law>
-void NewtonEvents<Law>::set_free(int i) {
+void NewtonEvents<Law>::release_members(int i) {
     BodyEvents& e = pending_[i];
     e.group = -1;
     e.end = math::infinity;
@@ -42,7 +42,7 @@ void NewtonEvents<Law>::restart_body(const Group& g, std::size_t m, const Member
     std::copy_n(x.data(), 3, p.position);
     std::copy_n(at.velocity.data(), 3, p.velocity);
     p.time = now_;
-    set_free(i);
+    release_members(i);
     ++pending_[i].count;
 }
 
@@ -84,13 +84,13 @@ void NewtonEvents<Law>::dissolve_group(int index, bool at_end, std::vector<Activ
 
 // Reverts build_cluster() and try_isolated_contact(): the members are free bodies at their present positions.
 template <class Law>
-void NewtonEvents<Law>::undo_group(int index) {
+void NewtonEvents<Law>::revert_group(int index) {
     Group& g = group(index);
     for (std::size_t m = 0; m < g.body.size(); ++m) {
         const int i = g.body[m];
         const Member& before = g.isolated ? g.isolated_contact.before[m] : g.cluster->before.members[m];
         const Vector3 x = body_position(g, m, before.position);
-        set_free(i);
+        release_members(i);
         std::copy_n(x.data(), 3, particles_[i].position);
         std::copy_n(before.velocity.data(), 3, particles_[i].velocity);
     }

@@ -16,7 +16,7 @@
 namespace hardlimit::boxes {
 
 // Event bookkeeping of one body (64 bytes); its path is in `Particle`. `count`: changes of the path so far.
-struct alignas(64) BodyEvents : Pending {
+struct alignas(64) BodyEvents : PendingEvents {
     double end = math::infinity;       // end of its group [s]
     int group = -1;                    // −1: none
     std::array<int, 3> image_flags{};  // net crossings of the periodic boundary along each axis
@@ -58,8 +58,8 @@ struct ContactGroup {
     bool alive = false, isolated = false;
     double until = 0.0;  // latest end of a large cluster [s]
     Vector3 origin{};
-    Few<int, 2> body;
-    Few<Vector3, 2> image_offset;                 // [members] image flags of the member's position
+    SmallVector<int, 2> body;
+    SmallVector<Vector3, 2> image_offset;         // [members] image flags of the member's position
     std::unique_ptr<ClusterStates<Law>> cluster;  // if not isolated
 };
 

@@ -11,7 +11,7 @@ bool NewtonEvents<Law>::set_safety_radii(int index) {
     const Cluster<Law>&before = g.cluster->before, &after = g.cluster->after;
     bool fits = true;
     for (std::size_t m = 0; m < g.body.size(); ++m) {
-        make_busy(index, m, before.members[m], after.members[m], after.time);
+        assign_path(index, m, before.members[m], after.members[m], after.time);
         if (!(after.time > 0.0)) continue;
         const double safety_radius = deviation_from_path(g, m);
         set_radius(g.body[m], safety_radius);
@@ -56,8 +56,8 @@ double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) con
 
 // Puts a member of a cluster on the parabola through both ends of its path until its group ends.
 template <class Law>
-void NewtonEvents<Law>::make_busy(int index, std::size_t m, const Member& before, const Member& after,
-                                  double span) {
+void NewtonEvents<Law>::assign_path(int index, std::size_t m, const Member& before, const Member& after,
+                                    double span) {
     const int i = group(index).body[m];
     join_group(i, index, m, span);
     set_radius(i, 0.0);
@@ -99,7 +99,7 @@ void NewtonEvents<Law>::set_radius(int i, double safety_radius) {
 }
 
 template <class Law>
-double NewtonEvents<Law>::safety_used(int instants) const {
+double NewtonEvents<Law>::largest_safety_use(int instants) const {
     double most = 0.0;
     Cluster<Law> c;
     for (const Group& g : groups_) {

@@ -109,7 +109,7 @@ public:
                 spin[3 * std::size_t{bodies_.tag[i].original_index} + static_cast<std::size_t>(axis)] =
                     bodies_.spin[i][axis];
     }
-    bool contacts_last() const override { return true; }
+    bool contacts_have_duration() const override { return true; }
 
     // Contacts that ended since the last call, ordered by their ends.
     std::vector<ContactRecord> take_log() override { return log_.take(); }

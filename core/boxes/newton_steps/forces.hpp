@@ -143,7 +143,7 @@ private:
             if (compression > 0.0) apply_friction(slab, c, m);
         if (!(compression > 0.0)) {
             c.index_first = no_body;
-            slab.vacated.push_back(slot);
+            slab.freed_slots.push_back(slot);
             slot = -1;
         }
     }
@@ -173,12 +173,12 @@ private:
     }
 
     static std::int32_t free_slot(Slab<Law>& slab) {
-        if (slab.vacant.empty()) {
+        if (slab.free_slots.empty()) {
             slab.contacts.emplace_back();
             return static_cast<std::int32_t>(slab.contacts.size()) - 1;
         }
-        const std::int32_t slot = slab.vacant.back();
-        slab.vacant.pop_back();
+        const std::int32_t slot = slab.free_slots.back();
+        slab.free_slots.pop_back();
         return slot;
     }
 

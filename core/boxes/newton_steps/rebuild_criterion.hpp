@@ -22,7 +22,7 @@ struct RebuildCriterion {
     double limit = 0.0;                       // on the speeds in a batch [m/s]
     double travelled = 0.0, allowance = 0.0;  // bound on the displacements, and its largest value [m]
     std::uint64_t batch_end = 0;              // number of steps taken at its end
-    bool unproven = false;                    // a step was taken although a body may have moved too far
+    bool list_may_be_stale = false;           // a step was taken although a body may have moved too far
 
     bool holds() const { return travelled <= allowance; }
     void list_built(double skin) { travelled = 0.0, allowance = 0.5 * skin; }
@@ -31,8 +31,8 @@ struct RebuildCriterion {
     bool measured(double farthest, double largest_speed, double h, double skin) {
         fastest = largest_speed, travelled = 0.0;
         allowance = 0.5 * skin - farthest;
-        const bool missed = unproven && !(fastest * h <= allowance);
-        unproven = false;
+        const bool missed = list_may_be_stale && !(fastest * h <= allowance);
+        list_may_be_stale = false;
         return missed;
     }
     // Begins a batch of at most `left` steps h under the gravity `pull` [m/s²]. The limit lets speeds grow by a
@@ -52,12 +52,12 @@ struct RebuildCriterion {
         if (speed > limit) batch_end = std::min(batch_end, taken + 1);
         fastest = math::max(fastest, speed) + pull * h;
         travelled += fastest * h;
-        unproven = unproven || (travelled > allowance && taken < batch_end);
+        list_may_be_stale = list_may_be_stale || (travelled > allowance && taken < batch_end);
     }
     template <class Archive>
     void exchange(Archive& archive) {
         archive(fastest), archive(limit), archive(travelled), archive(allowance), archive(batch_end);
-        archive(unproven);
+        archive(list_may_be_stale);
     }
 };
 

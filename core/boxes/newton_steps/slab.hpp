@@ -22,7 +22,8 @@ struct alignas(64) Slab {
     std::vector<WallNeighbour> walls;
     std::vector<std::int32_t> contact_of_pair, contact_of_wall;  // index in contacts, −1: none
     std::vector<Contact<Law>> contacts;
-    std::vector<std::int32_t> vacant, vacated;  // slots of contacts that are free, and free after this step
+    std::vector<std::int32_t> free_slots,
+        freed_slots;  // slots of contacts that are free, and free after this step
     std::vector<std::uint32_t> accelerated,
         accelerated_next;           // bodies in contact, of this slab and of the next one
     std::vector<Impulse> impulses;  // on bodies of both
@@ -36,7 +37,7 @@ struct alignas(64) Slab {
     void clear_step() { accelerated.clear(), accelerated_next.clear(), impulses.clear(); }
     void clear(std::uint32_t of_bodies, std::uint32_t of_cells) {
         first_body = of_bodies, first_cell = of_cells;
-        contacts.clear(), vacant.clear(), vacated.clear(), events.clear();
+        contacts.clear(), free_slots.clear(), freed_slots.clear(), events.clear();
         clear_step();
         dissipated = virial = farthest = fastest = largest_compression = 0.0;
     }
@@ -44,7 +45,7 @@ struct alignas(64) Slab {
     void exchange(Archive& archive) {
         archive(first_body), archive(last_body), archive(first_cell), archive(last_cell);
         archive(pairs), archive(walls), archive(contact_of_pair), archive(contact_of_wall);
-        archive(contacts), archive(vacant), archive(accelerated), archive(accelerated_next);
+        archive(contacts), archive(free_slots), archive(accelerated), archive(accelerated_next);
         archive(dissipated), archive(virial);
         archive(largest_compression), archive(deepest);
     }

@@ -92,8 +92,8 @@ public:
     // After all forces on the slab: velocities advance by `kick`, then positions by h, unless the advance ends here.
     void move(std::uint32_t k, std::uint32_t step, bool drifts) {
         Slab<Law>& slab = slabs_[k];
-        slab.vacant.insert(slab.vacant.end(), slab.vacated.begin(), slab.vacated.end());
-        slab.vacated.clear();
+        slab.free_slots.insert(slab.free_slots.end(), slab.freed_slots.begin(), slab.freed_slots.end());
+        slab.freed_slots.clear();
         const std::size_t before = (k + slabs_.size() - 1) % slabs_.size();
         steps::kick(slab, slabs_[before], domain_.bodies, box_, now.step + step, kick);
         const double fastest = math::sqrt(slab.fastest);

@@ -45,7 +45,7 @@ public:
         else if (bin < current_ + buckets_.size())
             add(buckets_[bin & mask_], id);
         else
-            make_room(far_), far_.push_back(id);
+            reserve_one(overflow_), overflow_.push_back(id);
     }
 
     // The next event, or nullptr. It stays until pop(). Calls loaded() after loading a bin.
@@ -55,11 +55,11 @@ public:
             if (key(front_.back().id) == front_.back().time) return &front_.back();
             front_.pop_back();  // superseded
         }
-        while (held_ > 0 || !far_.empty()) {
+        while (held_ > 0 || !overflow_.empty()) {
             ++current_;
             if (current_ == year_end_) {
                 start_year(key);
-                if (unfit_) rebuild(n_, key, tie_break);
+                if (needs_resize_) rebuild(n_, key, tie_break);
             }
             load(key, tie_break);
             loaded();
@@ -91,7 +91,7 @@ public:
 
     std::size_t bytes() const {
         return buckets_.capacity() * sizeof(u32) + chunks_.capacity() * sizeof(Chunk) +
-               far_.capacity() * sizeof(u32) + front_.capacity() * sizeof(Due);
+               overflow_.capacity() * sizeof(u32) + front_.capacity() * sizeof(Due);
     }
 
 private:
@@ -108,12 +108,12 @@ private:
     Records<u32> buckets_;
     Records<Chunk> chunks_;
     u32 free_ = no_particle;
-    Records<u32> far_;
+    Records<u32> overflow_;
     std::vector<Due> front_;  // events of the current bin, latest first
     u64 current_ = 0, year_end_ = 0, mask_ = 0, held_ = 0, taken_ = 0;
     u32 n_ = 0;
     double origin_ = 0.0, per_time_ = 1.0;
-    bool unfit_ = false;  // whether bins are far too narrow or too wide for the rate of events
+    bool needs_resize_ = false;  // whether bins are far too narrow or too wide for the rate of events
 
     double per_bin() const { return n_ > most_in_caches ? per_large_bin : per_small_bin; }
     u64 bin_of(double time) const {
@@ -127,12 +127,12 @@ private:
         mask_ = buckets - 1;
         chunks_.clear();
         free_ = no_particle;
-        far_.clear();
+        overflow_.clear();
         front_.clear();
         current_ = held_ = taken_ = 0;
         n_ = n;
         year_end_ = buckets;
-        unfit_ = false;
+        needs_resize_ = false;
     }
 
     // Width of a bin with per_bin() events, estimated from the first quartile of the event times.
@@ -176,7 +176,7 @@ private:
     }
     u32 new_chunk() {
         if (free_ == no_particle) {
-            make_room(chunks_);
+            reserve_one(chunks_);
             chunks_.push_back({});
             return static_cast<u32>(chunks_.size() - 1);
         }
@@ -217,11 +217,11 @@ private:
     template <class Key>
     void start_year(const Key& key) {
         const double mean = static_cast<double>(taken_) / static_cast<double>(buckets_.size());
-        unfit_ = mean > 3.0 * per_bin() || mean < per_bin() / 3.0;
+        needs_resize_ = mean > 3.0 * per_bin() || mean < per_bin() / 3.0;
         taken_ = 0;
         year_end_ += buckets_.size();
         std::size_t kept = 0;
-        for (const u32 id : far_) {
+        for (const u32 id : overflow_) {
             const double time = key(id);
             if (!(time < math::infinity)) continue;
             const u64 bin = bin_of(time);
@@ -229,9 +229,9 @@ private:
             if (bin < year_end_)
                 add(buckets_[bin & mask_], id);
             else
-                far_[kept++] = id;
+                overflow_[kept++] = id;
         }
-        far_.resize(kept);
+        overflow_.resize(kept);
     }
 };
 

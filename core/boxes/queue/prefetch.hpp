@@ -36,14 +36,14 @@ struct Prefetcher {
 
 private:
     // Cells that a body will search at its next event.
-    static typename Cells<d>::Surroundings surroundings(const Pending& e) {
+    static typename Cells<d>::Stencil surroundings(const PendingEvents& e) {
         const SelfEvent own = static_cast<SelfEvent>(e.own);
         if (e.pair_time <= e.own_time || own == SelfEvent::rescan || own == SelfEvent::ends) return {};
-        return Cells<d>::Surroundings::beyond(axis_of(own), is_high(own));
+        return Cells<d>::Stencil::beyond(axis_of(own), is_high(own));
     }
     // Prefetches those cells, the body, and its partner.
     void fetch_cells(u32 i) const {
-        const Pending& e = pending[i];
+        const PendingEvents& e = pending[i];
         prefetch(&bodies[i]);
         more(i);
         if (e.pair_time <= e.own_time) {
@@ -55,7 +55,7 @@ private:
     }
     // Prefetches the bodies in those cells.
     void fetch_neighbours(u32 i) const {
-        const Pending& e = pending[i];
+        const PendingEvents& e = pending[i];
         cells.for_inline(level(i), e.cell, surroundings(e), [this](u32 id) {
             prefetch(&bodies[id]);
             beside(id);

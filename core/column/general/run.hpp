@@ -46,11 +46,11 @@ struct Integration {
     std::vector<double> velocity;   // [N] [m/s]
     long steps = 0;                 // integration steps, rejected ones included, and events
     double energy_error = 0.0;      // largest error of the energy balance relative to the initial energy
-    std::vector<double> compression;  // [N] largest compression over the smaller radius
-    int too_deep = -1;                // pair that ended the run at deepest_compression; −1: none
-    double settling = 0.0;            // [s] if at rest: time in which the oscillations decay
+    std::vector<double> compression;          // [N] largest compression over the smaller radius
+    int too_deep = -1;                        // pair that ended the run at deepest_compression; −1: none
+    double settling = 0.0;                    // [s] if at rest: time in which the oscillations decay
     std::vector<newton::Interval> intervals;  // with `record`; in one of length 0 the state is constant
-    std::vector<double> states;               // [intervals × (2N + 2)] state at the start of each, as in Motion
+    std::vector<double> states;  // [intervals × (2N + 2)] state at the start of each, as in Motion
     std::vector<newton::Modes> modes;
 };
 

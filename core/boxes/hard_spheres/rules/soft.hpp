@@ -51,7 +51,7 @@ private:
         PairGeometry usual_;
         Law law_;
         bool alike_;
-        SoftContacts<Law> contacts_;
+        TabulatedContacts<Law> contacts_;
     };
 };
 
