@@ -360,7 +360,7 @@ def arguments_of_fidelity() -> list[Argument]:
 
 
 def arguments_of_film() -> list[Argument]:
-    def write_first(path: Path, pictures: Iterator[Any], size: tuple[int, int], rate: int) -> None:
+    def write_first(path: Path, pictures: Iterator[Any], rate: int) -> None:
         path.write_bytes(bytes(next(iter(pictures))))  # whole films have tests of their own
 
     def film(path: Any = "film.gif", **options: Any) -> Any:

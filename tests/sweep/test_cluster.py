@@ -322,7 +322,7 @@ AS_A_CALL_BEGINS = """
     import signal
     import threading
     import time
-    from hardlimit import cluster
+    from hardlimit.support import cluster
 
     async def nothing():
         pass
