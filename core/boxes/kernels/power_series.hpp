@@ -245,7 +245,7 @@ inline void expand(void* paths, int bodies, void* contacts, int n, const double*
     expand_from<0>(path, first, n, unit);
 }
 
-// Largest coordinate of the last two terms of the bodies in contact.
+// Largest absolute component of the last two terms of the bodies in contact.
 inline double last_terms(const void* paths, const int* body_order, int in_contact) {
     Four most{};
     for (int i = 0; i < in_contact; ++i) {
