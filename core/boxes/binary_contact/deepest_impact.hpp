@@ -14,7 +14,7 @@ struct DeepestImpact {
     bool too_deep = false;           // beyond deepest_compression: the run ends
 };
 
-// radius: of the smaller body [m].
+// Updates `deepest` with one impact. radius: that of the smaller body [m].
 template <class Law>
 void note_impact(DeepestImpact& deepest, const Law& law, const Approach& a, double radius) {
     constexpr int p = Law::onset_power;

@@ -1,7 +1,8 @@
-// The instantaneous collision that leads to the same path as a contact of finite duration t_c. The free flight after
-// the contact, extrapolated back to the instant of touch, starts at r* = r(t_c) − t_c v(t_c) with the velocity v* =
-// v(t_c). At a wall with gravity along its normal, the extrapolation is the parabola through the end of the contact. A
-// pair that is moved to r* at touch and flies freely is on the path of Newton's equations from t_c on.
+// Equivalent collision: the instantaneous collision that leads to the same path as a contact of finite duration t_c.
+//
+// The free flight after the contact, extrapolated back to the instant of touch, starts at r* = r(t_c) − t_c v(t_c) with
+// v* = v(t_c). At a wall with gravity along its normal, it is the parabola through the end of the contact. A pair that
+// is moved to r* at touch and flies freely is on the path of Newton's equations from t_c on.
 #pragma once
 #include "planar_contact.hpp"
 

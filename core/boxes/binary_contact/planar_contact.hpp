@@ -60,7 +60,7 @@ struct PlanarState {
     double turn;         // [rad]
 };
 
-// From the conservation of angular momentum.
+// Tangential speed at a compression, from the conservation of angular momentum.
 HL_FN double tangential_speed(const Approach& a, double compression) {
     return a.distance == math::infinity ? a.tangential_speed
                                         : a.tangential_speed * (a.distance / (a.distance - compression));
@@ -294,7 +294,7 @@ private:
     }
     double time_unit() const { return motion_.length / motion_.speed; }
 
-    // Near rest under gravity, a body moves so slowly that the longest step is made inversely proportional to its
+    // Longest step. Near rest under gravity a body moves so slowly that the limit is inversely proportional to its
     // motion.
     double longest() const {
         if (!(motion_.gravity > 0.0)) return longest_step;

@@ -10,11 +10,11 @@
 // Variables: ln(v_n/v_l)², ln D, and for the direction y = (1 + κ/b)^{−1/p}, p = Law::onset_power, which runs from 1
 // (head-on) to 0 (grazing: the path leaves before any force acts). Here κ = λ v_t²/v_n² is the centrifugal acceleration
 // in units of that of an elastic impact, and λ ≈ the depth of that impact in units of l. At κ ≈ −ε, where the
-// centrifugal force would pull inwards, a contact would not end. This singularity is the nearest to κ = 0; hence b =
-// ε/2 of the head-on impact. The unit of length is λ l/(1 + κ), the unit of time that length divided by v_n. In these
-// units the four functions are of order 1 in all limits: duration, residual compression, 1 − radial speed/v_n, and the
-// excess of the turn over v_t/l times the duration. An undamped contact has zeros for the second and the third, and
-// loses nothing.
+// centrifugal force would pull inwards, a contact would not end. This singularity is the nearest to κ = 0; hence
+// b = ε/2 of the head-on impact. The unit of length is λ l/(1 + κ), the unit of time that length divided by v_n. Then
+// the four functions are of order 1 in all limits: duration, residual compression, 1 − radial speed/v_n, and the
+// relative excess of the turn over v_t/l times the duration. For an undamped contact the second and the third function
+// are zero, and no energy is lost.
 //
 // A cell is fitted when it is first needed, and compared with the solver between the nodes. A cell that misses the
 // accuracy is not used. With two variables there are several sets of cells of different widths in speed: slow contacts
@@ -251,8 +251,7 @@ private:
     static Place damping_of(const Reduced& reduced) {
         return place_of((math::log(reduced.damping) - lowest_damping) / damping_width, dampings);
     }
-    // Not with a Place as a member: a copy of the whole just after its parts are written would stall (store
-    // forwarding).
+    // Has no Place as a member: copying it just after its parts are written would stall (store forwarding).
     struct DirectionCoordinate {
         int cell;
         double x;

@@ -37,7 +37,7 @@ enum class SelfEvent : u32 {
     high_y,
     low_z,
     high_z,  // leaves its cell, or meets a wall, on that side
-    rescan,  // looks for smaller particles again
+    rescan,  // searches again for smaller particles
     ends,    // its cluster ends
 };
 constexpr SelfEvent self_event(int axis, bool high) {

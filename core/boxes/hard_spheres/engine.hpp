@@ -108,12 +108,12 @@ private:
     hardlimit_abi::TouchKernels::Of touch_{};
     hardlimit_abi::ContactQuery query_{};  // of the particle whose next collision is predicted
     Scratch<u32> candidates_;
-    Scratch<double> times_;    // until contact with each candidate [s]
-    u64 next_sort_ = 0;        // collision count at the next sort
-    i64 until_refresh_ = 0;    // collisions, per particle, before energy and momentum are recomputed
-    Records<double> rescans_;  // time of the next search for smaller particles [s]
-    double fastest_ = 0.0;     // bound on the speeds of all particles [m/s]
-    bool takes_time_ = false;  // whether contacts take time under the rule
+    Scratch<double> times_;               // until contact with each candidate [s]
+    u64 next_sort_ = 0;                   // collision count at the next sort
+    i64 until_refresh_ = 0;               // collisions until totals are recomputed; a pair counts twice
+    Records<double> rescans_;             // time of the next search for smaller particles [s]
+    double fastest_ = 0.0;                // bound on the speeds of all particles [m/s]
+    bool takes_time_ = false;             // whether contacts take time under the rule
     Records<LastContact> last_contacts_;  // if they do
     u64 soft_contacts_ = 0, soft_third_body_ = 0;
     DeepestImpact deepest_;    // if there is a law

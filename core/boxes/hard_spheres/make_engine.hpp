@@ -1,5 +1,4 @@
-// Creates or loads the hard-sphere engine, with template arguments for dimension, gravity, and equal or different
-// particles.
+// Creates or loads the hard-sphere engine for the dimension, gravity, and equal or different particles of a system.
 #pragma once
 #include <memory>
 

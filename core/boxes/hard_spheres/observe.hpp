@@ -4,8 +4,7 @@
 
 namespace hardlimit::boxes {
 
-// Index in memory of each particle, by original index. Sums run in this order, so that they do not depend on the
-// storage.
+// Index in memory of each particle, by original index. Sums in this order do not depend on the storage.
 template <int d, Motion motion, bool mixed>
 std::vector<u32> HardSpheres<d, motion, mixed>::in_original_order() const {
     std::vector<u32> place(size32());

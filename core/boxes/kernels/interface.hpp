@@ -73,7 +73,7 @@ struct TouchKernels {
     } of[2][3];
     Of enlarged[2];  // three dimensions, by motion: straight or falling
     SeriesKernels series;
-    void (*read_cell)(const void* cell, const double* x, double* values);  // of tabulated contacts
+    void (*read_cell)(const void* cell, const double* x, double* values);  // of tabulated_contact.hpp
 };
 
 }  // namespace hardlimit_abi

@@ -1,4 +1,4 @@
-// Table of all vector kernels of boxes for one instruction set.
+// Table of all SIMD kernels of boxes for one instruction set.
 #pragma once
 #include "polynomial_cell.hpp"
 #include "power_series.hpp"

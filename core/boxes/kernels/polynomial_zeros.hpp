@@ -48,7 +48,7 @@ inline double zero_free_interval(double value, double slope, double bend) {
 inline double first_zero(const double* f, double end) {
     static_assert(order == 16);
     constexpr Four index = {1.0, 2.0, 3.0, 4.0};
-    Four value[5], slope[4], bends[4];  // f, f' and a bound of |f''|
+    Four value[5], slope[4], bends[4];  // f, f' and a bound on |f''|
     HL_UNROLL
     for (int g = 0; g < 4; ++g) {
         value[g] = load_four(f + 4 * g);

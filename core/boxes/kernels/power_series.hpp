@@ -58,9 +58,8 @@ inline double largest(const Four& x) {
 inline double sum_of(const Four& x) { return (x[0] + x[1]) + x[2]; }
 
 // Series of the distance and the force of two bodies. The distance is expanded up to order n + 1 before the force of
-// order n. The order is a template parameter, so that each sum becomes straight-line code. The distance is stored as
-// the fourth component of r: one sum of products gives r·r and d², another one w r and w d. The newest terms enter
-// last.
+// order n. The order is a template parameter, so that each sum becomes straight-line code. The distance is the fourth
+// component of r: one sum of products gives r·r and d², another one w r and w d. Their newest terms are added last.
 struct PairSeries {
     Path between;                             // r, d
     Terms distance;                           // d
@@ -92,8 +91,7 @@ struct PairSeries {
         force[n] = spring * (n == 0 ? contact_distance - distance[0] : -distance[n]) - damping;
         return (n == 0 ? spring * contact_distance : 0.0) - damping;
     }
-    // (w − k) r of order n, the force that separates the bodies. Order 0 of w − k is computed as F/d, without
-    // cancellation.
+    // (w − k) r of order n, the separating force. Order 0 of w − k is computed as F/d, without cancellation.
     template <int n>
     Four relative_acceleration() {
         Four along{};
@@ -247,7 +245,7 @@ inline void expand(void* paths, int bodies, void* contacts, int n, const double*
     expand_from<0>(path, first, n, unit);
 }
 
-// Largest coordinate of the last two terms of the bodies in contact.
+// Largest absolute component of the last two terms of the bodies in contact.
 inline double last_terms(const void* paths, const int* body_order, int in_contact) {
     Four most{};
     for (int i = 0; i < in_contact; ++i) {

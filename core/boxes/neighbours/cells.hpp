@@ -166,7 +166,7 @@ public:
     }
     std::size_t room() const { return 27 * inline_ids * (longest_chain_ + 1) + slack; }
 
-    // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond one of them.
+    // Cells that a particle will search, as offsets from its own: the neighbours, or the layer beyond them on one side.
     struct Stencil {
         int from[3] = {-1, -1, d == 3 ? -1 : 0}, to[3] = {1, 1, d == 3 ? 1 : 0};
 

@@ -111,7 +111,7 @@ private:
     }
 };
 
-// Squared distance of the nearest images. A periodic edge is at least twice as long as the sum of two diameters.
+// Squared distance of the nearest images. A periodic edge is at least four times the largest radius.
 HL_FN double distance_squared(const Box& box, const Body& a, const Body& b) {
     double sum = 0.0;
     for (int axis = 0; axis < box.dimension; ++axis) {

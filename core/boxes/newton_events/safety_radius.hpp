@@ -21,7 +21,7 @@ bool NewtonEvents<Law>::set_safety_radii(int index) {
 }
 
 // Largest distance of a member's true path from its parabola. Between steps the chord deviation is added. If that is
-// unknown, the distance is taken as a cubic within a step, which exceeds its values at the ends by at most a quarter of
+// unknown, the distance is close to a cubic within a step: it exceeds its values at the ends by at most a quarter of
 // the step times the larger slope.
 template <class Law>
 double NewtonEvents<Law>::deviation_from_path(const Group& g, std::size_t m) const {

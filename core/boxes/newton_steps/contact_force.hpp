@@ -8,8 +8,8 @@
 // Between two steps velocities change by −h (F + F')/(2m), so the kinetic energy loses exactly
 //   W = ½h (F + F') (v + v')/2.
 // The spring takes ½(F_el + F_el') (ξ' − ξ) of it, and ξ' − ξ = h (v + v')/2 + (F' − F) h²/(4m). During a contact the
-// energy of a leapfrog oscillates by G = F F_el h²/(8m), which is zero again at the end and no loss. The rest is what
-// the contact dissipates,
+// energy of a leapfrog oscillates by G = F F_el h²/(8m), which returns to zero at the end, so it is no loss. The
+// contact dissipates the rest,
 //   W_d = ½h (F_d + F_d') (v + v')/2 + (F F_el' − F' F_el) h²/(8m),   F_d = F − F_el,
 // which is exactly zero without damping. Once the force has ended the spring relaxes freely and F_d = −F_el: the stored
 // energy is dissipated until the gap opens. The sum of kinetic, elastic and dissipated energy is therefore off by G and

@@ -14,7 +14,7 @@ struct Instant {
     double h;             // length of the step before [s]
     double velocity_lag;  // velocities are known this much earlier: h/2, at the start 0 [s]
     double weight;        // of this step in integrals over time: h, at the end of an advance h/2 [s]
-    bool closing;         // the end of an advance: velocities are wanted at this instant
+    bool closing;         // last step of advance(): velocities are needed at this instant
 };
 
 template <class Law>

@@ -12,7 +12,7 @@
 
 namespace hardlimit::boxes::steps {
 
-// The equal steps of one advance.
+// The equal steps of one call of advance().
 struct StepPlan {
     double from = 0.0, until = 0.0, h = 0.0;  // [s]
     std::uint64_t planned = 0, done = 0;      // steps
@@ -146,7 +146,7 @@ private:
             end_after(step_ + 1);
         }
     }
-    // Ends the batch early. The first slabs of the partitions move in the step after, so that one is the last.
+    // Ends the batch early. The first slab of each partition moves in the following step, so that step is the last.
     void end_after(std::uint32_t step) {
         std::uint32_t last = last_step_.load(std::memory_order_relaxed);
         while (last > step && !last_step_.compare_exchange_weak(last, step, std::memory_order_relaxed))

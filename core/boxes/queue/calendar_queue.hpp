@@ -99,8 +99,8 @@ private:
         u32 id[15];
         u32 next;  // next full chunk
     };
-    // Target number of events per bin. Loading a bin fetches the data of its first events; larger bins make this wait
-    // rarer.
+    // Target number of events per bin. Loading a bin waits for the data of its first events, which is rarer with large
+    // bins.
     static constexpr double per_small_bin = 24.0, per_large_bin = 256.0;
     static constexpr u32 none = 0;  // empty bucket; otherwise: chunk index · 16 + number of ids in the chunk
     static constexpr double last_bin = 4e18;

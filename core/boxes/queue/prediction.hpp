@@ -1,4 +1,4 @@
-// Time until a particle meets a wall or leaves its cell.
+// Times until a particle in free flight meets a wall or leaves its cell.
 #pragma once
 #include "../common/box.hpp"
 

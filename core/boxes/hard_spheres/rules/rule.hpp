@@ -1,5 +1,4 @@
-// Interface of the collision rules: a rule gives the restitution of a collision, or the equivalent collision of a
-// contact.
+// Interface of the collision rules. A rule gives the restitution of a collision or its equivalent collision.
 //
 // A rule is a class that derives from Rule, with
 //   record                    name, parameters and meaning, which the bindings and the documentation read

@@ -83,14 +83,14 @@ public:
     // Distance between the surfaces of a pair [m].
     double gap(const ContactPair<Law>& q) const { return -geometry_of_members(q).depth; }
 
-    // Upper bound of a member's speed relative to the others, or to walls if one may be touched [m/s].
+    // Upper bound on a member's speed relative to the others, or to walls if one may be touched [m/s].
     double speed() const { return unit_of_speed(); }
 
     bool near_a_wall() const {
         return std::any_of(pairs.begin(), pairs.end(), [](const auto& q) { return q.second < 0; });
     }
 
-    // Velocity of the centre of mass; zero near a wall, against which the whole velocity counts [m/s].
+    // Velocity of the centre of mass; zero near a wall, where speeds are relative to the wall [m/s].
     Vector3 mean_velocity() const;
 
     // Elastic energy of the pairs in this state, closed or slack [J].

@@ -11,7 +11,7 @@ void Cluster<Law>::rest_until(double until) {
     record_state();
 }
 
-// All members fly to the next event of a pair.
+// Moves all members to the next event of a pair, or to `until`.
 template <class Law>
 void Cluster<Law>::fly(double until) {
     double least = until - y_[time_index()];

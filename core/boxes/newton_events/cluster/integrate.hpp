@@ -108,8 +108,7 @@ void Cluster<Law>::integration_step(double until) {
     if (try_step(length, last)) end_step(until, length, last);
 }
 
-// Computes a step of this length into end_, and sets the length of the next one. Returns whether the error is small
-// enough.
+// Computes a step of this length into end_, and sets the length of the next one. Returns whether the error is accepted.
 template <class Law>
 bool Cluster<Law>::try_step(double length, bool last) {
     advance(length, end_.data());
