@@ -1,11 +1,12 @@
 // Program for test_friction.py: a contact law with friction in the time-stepping engine.
 //
-//   friction frictionless   prints three numbers of differing values: friction coefficient 0 against the linear dashpot;
-//                           with friction, one thread against three threads with pauses; with friction against without
+//   friction frictionless   prints three counts of differing values: friction coefficient 0 against the linear
+//                           dashpot; with friction, one thread against three threads with pauses; with friction
+//                           against without
 //   friction rolling        a sphere slides on the floor until it rolls: prints the ratio of its final to its initial
 //                           speed, and that of the final speed of its surface at the floor
-//   friction oblique        two spheres collide off-centre: prints the relative changes of momentum and angular momentum,
-//                           the sum of the spins, and the largest |F_t|/F_n
+//   friction oblique        two spheres collide off-centre: prints the relative changes of momentum and angular
+//                           momentum, the sum of the spins, and the largest |F_t|/F_n
 #include "boxes/common/random.hpp"
 #include "boxes/newton_steps/engine.hpp"
 #include "contact/linear_dashpot.hpp"

@@ -1,6 +1,7 @@
 // Program for test_thread_team.py: a ThreadTeam works through phases of tasks.
 //
-//   thread_team N PARTITIONS   prints the number of tasks that N threads did, and of those not done exactly once per phase
+//   thread_team N PARTITIONS   prints the number of tasks that N threads did, and of those not done exactly once per
+//                              phase
 #include "boxes/newton_steps/thread_team.hpp"
 
 #include <cstdio>

@@ -2,11 +2,12 @@
 //
 // A difference has one of three explanations.
 //   * Integration error: a tighter tolerance removes at least half of it.
-//   * Conditioning: the general solver's result is that of the exact solver for a column whose parameters differ from the
-//     given ones by a small relative amount, the joint backward error of both solvers. Where a contact barely happens, or
-//     thousands follow each other, such a change alters the number of contacts and all that depends on it (a tie).
-//   * Flat force: only the instants differ at which a force that passes slowly through zero ends. The exact force is zero
-//     to rounding at both.
+//   * Conditioning: the general solver's result is that of the exact solver for a column whose parameters differ from
+//     the given ones by a small relative amount, the joint backward error of both solvers. Where a contact barely
+//     happens, or thousands follow each other, such a change alters the number of contacts and all that depends on it
+//     (a tie).
+//   * Flat force: only the instants differ at which a force that passes slowly through zero ends. The exact force is
+//     zero to rounding at both.
 #pragma once
 #include <algorithm>
 #include <vector>
