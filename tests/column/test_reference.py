@@ -46,7 +46,7 @@ class Misfits:
             self.rows.append(f"row {row}: {what} is {got}, should be {wanted}")
 
     def value(self, row: int, what: str, got: float, wanted: float, tolerance: float) -> None:
-        """A reference value; NaN if the table has none."""
+        """Compares a value with its reference to a tolerance; NaN agrees only with NaN."""
         same = math.isnan(got) and math.isnan(wanted)
         if not same and not abs(got - wanted) <= tolerance:
             self.rows.append(f"row {row}: {what} is {got!r}, should be {wanted!r} to {tolerance:.1e}")
