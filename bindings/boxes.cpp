@@ -337,7 +337,7 @@ nb::dict observe(const Engine& e) {
     return seen;
 }
 
-// Counters, whose names begin with n_, become Python integers.
+// Counters (names that begin with n_, and largest_cluster) become Python integers.
 nb::dict statistics(const Engine& e) {
     nb::dict d;
     for (const box::Statistic& s : e.get().statistics()) {

@@ -47,7 +47,8 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     PyThreadState* state_;
-    Clock::time_point next_{};  // time of the next check; unset before the first call of ask
+    Clock::time_point
+        next_{};  // next check; set by the first call of ask, so that a short solve never reads the clock
 
     static bool ask(void* of) {
         Unlocked& self = *static_cast<Unlocked*>(of);

@@ -1,4 +1,4 @@
-"""Engines of boxes made of plain numbers, for tests."""
+"""Helpers for tests: particle engines from plain numbers."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from hardlimit import _core
 
 
 def box_of(edges: ArrayLike, periodic: ArrayLike, gravity: ArrayLike = 0.0, dimension: int = 0) -> _core.Box:
-    """A box; numbers are spread over the axes."""
+    """A box; scalars are repeated for each axis."""
     d = dimension or len(np.atleast_1d(edges))
     sides = ["periodic" if wraps else "wall" for wraps in np.broadcast_to(periodic, d)]
     return _core.Box(
@@ -36,7 +36,7 @@ def hard_spheres(
     contact_duration: float = math.nan,
     log: bool = True,
 ) -> _core.Engine:
-    """The engine of hard spheres; numbers are spread over particles and axes."""
+    """A hard-sphere engine; scalars are repeated for each particle and axis."""
     position = np.array(position, dtype=float)
     n, d = position.shape
     return _core.make_engine(
@@ -62,5 +62,5 @@ def grow_packing(
 
 
 def logged(engine: _core.Engine) -> tuple[Any, ...]:
-    """The columns of the log."""
+    """The columns of the contact log."""
     return tuple(engine.take_log().values())

@@ -1,4 +1,4 @@
-"""Comparison of the samples of two runs of boxes, bit by bit."""
+"""Bit-for-bit comparison of the samples of two runs."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def same_samples(one: Any, other: Any) -> bool:
-    """Whether records and observed values of two results have the same bits."""
+    """Whether records and observed values of two results are bit-identical."""
     return all(
         mine.keys() == theirs.keys()
         and all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)

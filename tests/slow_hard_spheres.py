@@ -1,6 +1,6 @@
-"""A slow, obvious event-driven engine: a binary heap, all pairs, all images, everything moved at every event.
+"""A slow, simple event-driven engine: a binary heap, all pairs, all images, all particles moved at every event.
 
-The definitions of the rules are written out here once more, so that the fast engine has something to be compared with.
+It implements the collision rules independently, as a reference for the fast engine.
 """
 
 import heapq
@@ -16,7 +16,7 @@ from hardlimit import _core
 
 @dataclass(frozen=True)
 class Rule:
-    """How a collision changes velocities. ``law`` is for the rules law and soft; tc takes ε or a law."""
+    """A collision rule. ``law`` is for the rules law and soft; tc takes ε or a law."""
 
     name: str = "constant"
     restitution: float = 1.0
@@ -26,7 +26,7 @@ class Rule:
 
 @dataclass
 class SlowHardSpheres:
-    """N particles in d dimensions on continuous paths. ``boundary``: "periodic" or "wall" per axis."""
+    """N particles in d dimensions, with unwrapped positions. ``boundary``: "periodic" or "wall" per axis."""
 
     position: np.ndarray
     velocity: np.ndarray
@@ -54,7 +54,7 @@ class SlowHardSpheres:
     # ---- prediction ----------------------------------------------------------------------------------------
 
     def look_again(self) -> None:
-        """Predict everything, up to when a pair has moved half a box: then there may be another nearest image."""
+        """Predict all events until a pair may have moved half a box, after which its nearest image may change."""
         self.fastest = self.speeds().max()
         crossing = 0.25 * self.box.min() / self.fastest if self.fastest > 0.0 else math.inf
         self.horizon = self.time + crossing
@@ -71,7 +71,7 @@ class SlowHardSpheres:
             heapq.heappush(self.heap, (max(time, self.time), i, j, int(self.met[i]), other, image))
 
     def predict(self, i: int, others: np.ndarray) -> None:
-        """With each of the others and with the walls. Common gravity drops out of the relative path of a pair."""
+        """Predict events of a particle with others and the walls. Gravity cancels in the relative motion of a pair."""
         r, v = self.position[i] - self.position[others], self.velocity[i] - self.velocity[others]
         nearest = np.where(self.periodic, -np.round(r / self.box), 0.0).astype(int)
         images = nearest[:, None, :] + self.images
@@ -92,7 +92,7 @@ class SlowHardSpheres:
             self.push(time, i, j, tuple(int(k) for k in image))
 
     def is_soft_contact(self, i: int, j: int, image: tuple[int, ...]) -> bool:
-        """Whether the two are in, or just out of, a contact of theirs and neither has met anything since."""
+        """Whether the two are in, or have just left, a contact with each other, and neither has collided since."""
         begun = self.soft.get((i, j))
         other = int(self.met[j]) if j >= 0 else 0
         return begun is not None and begun[1:] == (int(self.met[i]), other, tuple(int(k) for k in image))
@@ -113,7 +113,7 @@ class SlowHardSpheres:
     # ---- events --------------------------------------------------------------------------------------------
 
     def advance(self, until: float, most_rows: int = 0) -> None:
-        """To ``until``, or to the instant of row number ``most_rows`` of the log."""
+        """Advance to ``until``, or to row number ``most_rows`` of the log."""
         while not most_rows or len(self.log) < most_rows:
             if not self.heap or self.heap[0][0] > min(self.horizon, until):
                 if self.horizon >= until:
@@ -171,7 +171,7 @@ class SlowHardSpheres:
     def outcome(
         self, i: int, j: int, n: np.ndarray, v: np.ndarray, speed: float
     ) -> tuple[np.ndarray, np.ndarray, float]:
-        """Change of the relative velocity, shift of the relative position and duration of the contact."""
+        """Change of the relative velocity, displacement of the relative position and duration of the contact."""
         rule = self.rule
         if rule.name == "soft":
             return self.soft_outcome(i, j, n, v, speed)
@@ -203,7 +203,7 @@ class SlowHardSpheres:
 
 
 def times_to_touch(r: np.ndarray, v: np.ndarray, touch: np.ndarray) -> np.ndarray:
-    """When |r + v t| falls to ``touch``; 0 for a pair that overlaps and approaches, infinity where none meet."""
+    """Time when |r + v t| falls to ``touch``; 0 for a pair that overlaps and approaches, infinity if there is none."""
     approach, square, distance = (r * v).sum(-1), (v * v).sum(-1), np.linalg.norm(r, axis=-1)
     gap = (distance - touch) * (distance + touch)
     reach = approach * approach - square * gap
@@ -214,9 +214,9 @@ def times_to_touch(r: np.ndarray, v: np.ndarray, touch: np.ndarray) -> np.ndarra
 
 
 def time_to_fall(gap: float, speed: float, acceleration: float) -> float:
-    """When gap + speed t + acceleration t²/2 falls to zero; a body at or in the wall that moves in meets it now.
+    """Time when gap + speed t + acceleration t²/2 falls to zero; 0 for a body at or in the wall that moves inwards.
 
-    One that moves out of the wall falls back, or turns round in it.
+    A body that moves out of the wall may fall back, or reverse within it.
     """
     if gap <= 0.0 and (speed < 0.0 or (speed == 0.0 and acceleration < 0.0)):
         return 0.0

@@ -1,4 +1,4 @@
-"""Oblique soft impact: the force of a contact, integrated in the plane by SciPy, turns the contact normal as known."""
+"""Oblique soft impact: the contact force, integrated in the plane by SciPy, rotates the contact normal as predicted."""
 
 import csv
 from itertools import pairwise
@@ -137,7 +137,7 @@ def test_small_offsets_follow_the_linear_response() -> None:
 
 
 def test_collisions_far_apart_give_the_estimate_in_closed_form() -> None:
-    """A wide gap: (1 + ε)² V/(1 + m2/m1) along the line of centres, up to the square of the tilt."""
+    """For a wide gap: (1 + ε)² V/(1 + m2/m1) along the line of centres, to second order in the tilt."""
     column = hl.Column.paper(restitution=0.9, gap=5e-3, stiffness=1e10, gravity=1e-9, height=0.11).replace(
         velocities=-3.0
     )

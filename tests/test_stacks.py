@@ -24,7 +24,7 @@ def top_speed(masses: list[float], law: object, gaps: float = 0.0, model: object
 
 @pytest.mark.parametrize("seed", range(6))
 def test_collisions_want_a_geometric_progression(seed: int) -> None:
-    """The top speed is the closed form, and no other masses between the same ends are better."""
+    """The top speed is that of the closed form, and no other masses between the same ends are better."""
     rng = np.random.default_rng(seed)
     n, e, ratio = int(rng.integers(2, 21)), rng.uniform(0.7, 1.0), rng.uniform(0.05, 0.6)
     law = hl.LinearDashpot(stiffness=1e7, restitution=e)
@@ -134,7 +134,7 @@ def test_no_neighbour_is_better(seed: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [12, 20])
 def test_many_balls(n: int) -> None:
-    """No two steps between masses can be changed against each other, within the limits, to make the top faster."""
+    """No exchange between two mass ratios, within the limits, makes the top ball faster."""
     found = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01)
     collisions = hl.stack(n, ELASTIC, bottom_mass=1.0, top_mass=0.01, model="independent")
     assert found.masses.size == n and found.speed > collisions.speed_under("newton") + 0.2

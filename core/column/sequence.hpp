@@ -49,7 +49,7 @@ struct Sequence {
         if (math::is_nan(t_floor_end)) t_floor_end = t;
         if (one_ball && !met_again) t_end = t;
     }
-    // The floor gap reaches zero from below: the floor contact is over for good.
+    // The floor gap reaches zero from below: the overlap ends, and with it the floor contact.
     HL_FN void floor_opens() { floor_opened = true; }
 
     // Returns whether the contact belongs to the sequence; if so, its end must be reported by pair_ends().

@@ -1,4 +1,4 @@
-// Program for test_threads.py: checks that computations stop when their Stop says so: one point of a two-ball map, and
+// Program for test_threads.py: checks that computations obey their Stop: one point of a two-ball map, and
 // the energy dissipated up to each node of a long run. Each line: the name of the case, and passed or failed.
 #include <cstdio>
 

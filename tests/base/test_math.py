@@ -1,4 +1,4 @@
-"""The core's own elementary functions against 40-digit arithmetic: the bounds stated in core/base/math.hpp."""
+"""Elementary functions of the core against 40-digit arithmetic: the error bounds stated in core/base/math.hpp."""
 
 import math
 
@@ -13,7 +13,7 @@ signs = rng.choice([-1.0, 1.0], 2000)
 
 
 def error(got, x, exact) -> tuple[float, float]:
-    """Largest error in units in the last place of the exact value, and where it is."""
+    """Largest error in units in the last place of the exact value, and its argument."""
     worst = (0.0, math.nan)
     with mpmath.workdps(40):
         for value, at in zip(got, x, strict=True):
@@ -25,7 +25,7 @@ def error(got, x, exact) -> tuple[float, float]:
 
 
 def multiples_of_half_pi() -> np.ndarray:
-    """The doubles next to kπ/2, where the reduction of the argument cancels all it can."""
+    """The doubles nearest to kπ/2, where cancellation in the argument reduction is largest."""
     k = np.concatenate([np.arange(1, 200), rng.integers(200, 2**20, 1000)])
     with mpmath.workdps(40):
         return np.array([float(int(i) * mpmath.pi / 2) for i in k])
@@ -103,7 +103,7 @@ def test_outside_the_domain():
 
 
 def test_monotone_where_it_is_used():
-    """No step back between neighbours where the power of two in exp changes."""
+    """exp does not decrease between neighbouring doubles where its power of two changes."""
     edges = (np.arange(-1000, 1000) + 0.5) * math.log(2.0)
     x = np.unique(np.concatenate([edges, np.nextafter(edges, np.inf), np.nextafter(edges, -np.inf)]))
     assert (np.diff(_core.math("exp", np.sort(x))) >= 0.0).all()

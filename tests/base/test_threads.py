@@ -1,4 +1,4 @@
-"""Threads: those that cannot be started, those that fail, Ctrl-C, and the end of the interpreter."""
+"""Threads: failure to start, Ctrl-C during a computation, and interpreter shutdown."""
 
 import subprocess
 import sys
@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def run(program: str) -> subprocess.CompletedProcess[str]:
-    """The program in an interpreter of its own, so that nothing it does to the process matters here."""
+    """Runs a program in a separate interpreter, so that it cannot affect this process."""
     return subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False
     )
@@ -34,7 +34,7 @@ ds = hl.sweep(column, restitution=restitution, threads=1)
 
 @pytest.mark.parametrize("spare", [2, slow(60)])
 def test_threads_that_cannot_be_started_are_done_without(spare: int) -> None:
-    """A thread needs 8 MB of addresses for its stack: with 2 MB left none can be started, with 60 MB a few."""
+    """A thread needs 8 MB of address space for its stack: with 2 MB left none can start, with 60 MB a few."""
     done = run(
         SWEEP
         + f"""
@@ -61,7 +61,7 @@ SOLVES = {
 
 @pytest.mark.parametrize("which", [which if which == "exact" else slow(which) for which in SOLVES])
 def test_signals_are_handled_while_a_solver_works(which: str) -> None:
-    """A timer rings every 10 ms: were it only heard once the solver returns, its handler would run once."""
+    """A timer signal every 10 ms: if signals were handled only when the solver returns, the handler would run once."""
     done = run(
         f"""
 import signal
@@ -128,7 +128,7 @@ print("end")
 
 
 def test_threads_may_share_a_fresh_result() -> None:
-    """The dissipated energy is summed when it is first asked for, here by four threads at once."""
+    """The dissipated energy is computed on first use, here by four threads at once."""
     column = hl.Column.paper(restitution=0.5)
     times = np.linspace(-0.1, 0.0008, 40)
     expected = hl.newton(column).trajectory(times).dissipated_energy.values
@@ -149,7 +149,7 @@ def test_threads_may_share_a_fresh_result() -> None:
 
 @pytest.mark.slow
 def test_a_point_of_a_map_and_the_first_sum_of_energies_can_be_given_up(tmp_path: Path) -> None:
-    """Counted in questions rather than in time: told to give up at the third, each asks no fourth."""
+    """Each computation stops at the third check of its Stop and makes no fourth one."""
     program, source = tmp_path / "stop", ROOT / "tests" / "base" / "stop.cpp"
     flags = ["-std=c++20", "-ffp-contract=off", f"-I{ROOT / 'core'}"]
     subprocess.run(["g++", *flags, str(source), "-o", str(program)], check=True)

@@ -1,4 +1,4 @@
-"""Boxes of grains in files: the same bits back, other programs read them, nothing damaged is believed."""
+"""Particle systems in files: bit-identical round trip, exchange with other programs, rejection of damaged files."""
 
 import math
 import os
@@ -23,7 +23,7 @@ EXACT = (".xyz", ".gsd")
 
 @st.composite
 def systems(draw):
-    """Random boxes of both dimensions and any sides, with values over many decades."""
+    """Random 2D and 3D systems with any boundaries and values over many decades."""
     d = draw(st.integers(2, 3))
     scale = 10.0 ** draw(st.integers(-6, 3))
     small = lattice(draw(st.integers(1, 20)), d, draw(st.integers(0, 2**32)), draw(st.floats(1.0, 10.0)))
@@ -57,7 +57,7 @@ def test_masses_of_any_origin_come_back(tmp_path, suffix):
 
 
 def test_lammps_keeps_masses_to_rounding(tmp_path):
-    """The format holds densities: not every mass has one from which it comes back."""
+    """The format stores densities, from which a mass is recovered only to rounding."""
     system = lattice(200).replace(mass=np.random.default_rng(1).uniform(1e-6, 1e-5, 200))
     back = hl.ParticleSystem.read(system.write(tmp_path / "box.data"))
     assert np.max(np.abs(back.mass / system.mass - 1.0)) < 3e-16
@@ -121,7 +121,7 @@ def test_gsd_is_the_schema_of_hoomd(tmp_path, dimension):
 
 
 def test_what_another_program_writes_as_gsd(tmp_path):
-    """Single precision, and touching particles that overlap by its rounding."""
+    """A file in single precision, whose touching particles overlap by its rounding error."""
     at = np.array([[0.1, 0.5, 0.5], [0.1 + 2e-3, 0.5, 0.5]]) - 0.5
     frame = gsd.hoomd.Frame()
     frame.configuration.box = [1, 1, 1, 0, 0, 0]
@@ -193,11 +193,11 @@ def test_lammps_data_of_another_program(tmp_path):
     assert system.boundary == ("periodic",) * 3 and system.box.tolist() == [0.02] * 3
 
 
-# --- what is refused ----------------------------------------------------------------------------------------
+# --- invalid files ------------------------------------------------------------------------------------------
 
 
 def refused(path, **options):
-    """The message with which the file is refused; one line that names it."""
+    """The error message for a file; one line that names the file."""
     with pytest.raises(ValueError) as refusal:
         hl.ParticleSystem.read(path, **options)
     text = str(refusal.value)
@@ -206,7 +206,7 @@ def refused(path, **options):
 
 
 def edited(tmp_path, suffix, old, new):
-    """A file with one thing changed."""
+    """A file with one item changed."""
     path = lattice(8).write(tmp_path / f"bad{suffix}")
     content = path.read_text()
     assert old in content
@@ -279,7 +279,7 @@ def test_bad_lammps_data(tmp_path, which):
 @draws(200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data(), st.sampled_from([".xyz", ".gsd", ".data"]))
 def test_damaged_files_are_read_right_or_refused(tmp_path, data, suffix):
-    """Cut short, or bytes replaced: a system that passes every check, or one line that names the file."""
+    """A truncated file, or one with replaced bytes, gives a valid system or a one-line error that names the file."""
     path = lattice(4).write(tmp_path / f"spoiled{suffix}")
     content = bytearray(path.read_bytes())
     if data.draw(st.booleans()):

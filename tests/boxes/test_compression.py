@@ -1,4 +1,4 @@
-"""Contacts deeper than their law: where runs of boxes end, what they say, the largest compression of all others."""
+"""Compressions in particle simulations: their largest value, and runs that end beyond the range of the law."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def stiffer(law: hl.Law, factor: float) -> hl.Law:
 def pair(
     radii: tuple[float, float] = (0.1, 0.1), speed: float = 1.0, dimension: int = 2
 ) -> hl.ParticleSystem:
-    """Two balls of 1 kg for each 0.1 m of radius that approach head-on with this relative speed."""
+    """Two balls, with 1 kg per 0.1 m of radius, that approach head-on at this relative speed."""
     middle = [0.5] * (dimension - 1)
     still = [0.0] * (dimension - 1)
     gap = 0.05
@@ -50,7 +50,7 @@ def ball_at_wall(radius: float = 0.1, speed: float = 1.0) -> hl.ParticleSystem:
 
 
 def law_for(law: hl.Law, contact_of: Any, part: float, radius: float, speed: float = 1.0) -> hl.Law:
-    """As stiff as an impact of this speed reaches this part of the radius, by bisection in the logarithm."""
+    """The law whose stiffness gives this compression, relative to the radius, at this impact speed; by bisection."""
     low, high = -20.0, 60.0
     for _ in range(100):
         middle = 0.5 * (low + high)
@@ -61,7 +61,7 @@ def law_for(law: hl.Law, contact_of: Any, part: float, radius: float, speed: flo
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_compression_of_an_isolated_contact(law: hl.Law) -> None:
-    """Beside the force itself, integrated in small steps, and closed forms without damping."""
+    """The largest compression agrees with a numerical integration of the force and with undamped closed forms."""
     contact = stiffer(law, 1e6).between(hl.Ball(0.1, mass=1.0))
     h, x, v, deepest = contact.duration(1.0) / 40_000, 0.0, 1.0, 0.0
     while v > 0.0:
@@ -90,7 +90,7 @@ def test_closed_forms_of_the_compression() -> None:
 def test_the_largest_compression_is_that_of_the_isolated_contact(
     law: hl.Law, sizes: tuple[float, float], part: float, wall: bool, dimension: int
 ) -> None:
-    """Every engine and every rule with a law."""
+    """The largest compression is that of the isolated contact, in every engine and rule with a law."""
     system = ball_at_wall(sizes[0]) if wall else pair(sizes, dimension=dimension)
     small = sizes[0] if wall else min(sizes)
     balls = [hl.Ball(r, mass=10.0 * r) for r in sizes]
@@ -113,7 +113,7 @@ def test_the_largest_compression_is_that_of_the_isolated_contact(
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("wall", [False, True])
 def test_the_limit_is_sharp(law: hl.Law, wall: bool) -> None:
-    """Just below it a run goes on, just above it ends: events with the contact at the limit, rules with its begin."""
+    """Just below the limit a run continues, just above it ends: at the limit (events) or at the begin (rules)."""
     system, ball = ball_at_wall() if wall else pair(), hl.Ball(0.1, mass=1.0)
 
     def contact_of(law: hl.Law) -> hl.Contact:
@@ -153,7 +153,7 @@ def test_balls_do_not_pass_through_each_other(engine: str) -> None:
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_a_ball_between_two_others_is_pressed_too_deep(law: hl.Law, engine: str) -> None:
-    """Contacts that overlap in time: each alone would stay below the limit."""
+    """Two contacts overlap in time; each alone would stay below the limit."""
     system = hl.ParticleSystem(
         [[0.29, 0.5], [0.5, 0.5], [0.71, 0.5]], [[0.5, 0.0], [0.0, 0.0], [-0.5, 0.0]], 0.1, mass=1.0, box=1.0
     )
@@ -169,7 +169,7 @@ def test_a_ball_between_two_others_is_pressed_too_deep(law: hl.Law, engine: str)
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_weight_alone_presses_too_deep(engine: str) -> None:
-    """A body let go where it touches the floor sinks by twice its compression at rest."""
+    """A body released in touch with the floor sinks by twice its static compression."""
     system = hl.ParticleSystem(
         [[0.5, 0.1]], [[0.0, 0.0]], 0.1, mass=1.0, box=1.0, boundary="wall", gravity=9.81
     )
@@ -224,7 +224,7 @@ def test_what_must_be_too_deep_is_refused() -> None:
     ):
         with pytest.raises(ValueError, match=said):
             run()
-    drifting = pair().replace(velocities=[[5.0, 0.0], [5.0, 0.0]])  # together: nobody is hit
+    drifting = pair().replace(velocities=[[5.0, 0.0], [5.0, 0.0]])  # equal velocities: no collision
     assert hl.molecular_dynamics(drifting, engine="events", law=law, until=1.0).outcome == "ok"
 
 
@@ -246,7 +246,7 @@ def test_deep_contacts_come_with_a_warning() -> None:
 
 
 def test_fidelity_says_how_deep_contacts_were() -> None:
-    """Of every model with a law; where Newton's equations end too deep, the sentence says so."""
+    """Largest compression in every model with a law; if Newton's equations end too deep, the sentence says so."""
     gas = hl.ParticleSystem.random(30, 0.3, radius=1e-3, density=2500.0, rms_speed=1.0)
     law = hl.LinearDashpot(stiffness=2e3, restitution=0.8)
     with pytest.warns(hl.CompressionWarning, match="contacts were compressed by more than"):

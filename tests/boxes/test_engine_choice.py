@@ -1,4 +1,4 @@
-"""``engine="auto"``: which of the two engines for Newton's equations a box gets, and that it says so."""
+"""``engine="auto"``: choice between the two engines for Newton's equations, and its report to the user."""
 
 import math
 from typing import Any
@@ -25,22 +25,22 @@ def gas(n: int = 300, phi: float = 0.3, **given: Any) -> hl.ParticleSystem:
 
 
 def bed(**given: Any) -> hl.ParticleSystem:
-    """Disks that settle: the first box of the issue."""
+    """A bed of settling disks: the first system of the issue."""
     return gas(dimension=2, rms_speed=0.1, boundary=["periodic", "wall"], gravity=9.81, **given)
 
 
 def softened(system: hl.ParticleSystem, tc_nu: float, restitution: float = 0.9) -> hl.LinearDashpot:
-    """The law with this t_c ν at the start."""
+    """The law softened to this initial t_c ν."""
     rate = float(theory.gas(system).collision_rate(system.granular_temperature))
     unit = hl.LinearDashpot(stiffness=1.0, restitution=restitution)
     return unit.replace(stiffness=(unit.between(GRAIN, GRAIN).duration() * rate / tc_nu) ** 2)
 
 
-# --- what is chosen -----------------------------------------------------------------------------------------
+# --- choices ------------------------------------------------------------------------------------------------
 
 
 def test_settling_disks_take_steps() -> None:
-    """They took 405 s by events, in silence."""
+    """Regression: the event-driven engine took 405 s without a message."""
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.7)
     engine, reason = engine_choice.estimated(bed(), law, 0.5)
     assert engine == "steps" and reason == (
@@ -62,7 +62,7 @@ def test_settling_disks_come_to_rest() -> None:
 
 
 def test_contacts_softer_than_a_gas_take_steps() -> None:
-    """``gas --n 300 --law linear --stiffness 1e-3`` took over 100 s by events."""
+    """Regression: ``gas --n 300 --law linear --stiffness 1e-3`` took over 100 s with the event-driven engine."""
     law = hl.LinearDashpot(stiffness=1e-3, restitution=0.9)
     assert engine_choice.estimated(gas(), law, 0.02).engine == "steps"
 
@@ -72,14 +72,14 @@ def test_contacts_softer_than_a_gas_take_steps() -> None:
 def test_a_gas_takes_events_up_to_where_both_cost_the_same(
     dimension: int, phi: float, restitution: float
 ) -> None:
-    """Measured: between t_c ν = 0.1 and 0.2 (docs/grains.md)."""
+    """Both engines cost the same at t_c ν between 0.1 and 0.2, by measurement (docs/grains.md)."""
     system = gas(phi=phi, dimension=dimension)
     found = {}
     for tc_nu in (1e-4, 0.01, 0.1, 0.3, 3.0):
         law = softened(system, tc_nu, restitution)
         engine, reason = engine_choice.estimated(system, law, 1.0)
         found[tc_nu] = engine
-        # All but one are there to be met.
+        # Each particle has n − 1 possible partners.
         said = float(reason.split("t_c ν = ")[1].split()[0])
         assert said == pytest.approx(tc_nu * 299 / 300, rel=0.06) and "at the start a contact costs" in reason
     assert found == {1e-4: "events", 0.01: "events", 0.1: "events", 0.3: "steps", 3.0: "steps"}
@@ -98,13 +98,13 @@ def test_the_costs_that_are_said_are_those_of_the_formula() -> None:
         in engine_choice.estimated(system, law, 1.0).reason
     )
     assert "more than 9 µs by steps" in engine_choice.estimated(system, softened(system, 0.1), 1.0).reason
-    # Steps for a smaller error are more.
+    # A smaller error needs more steps.
     finer = engine_choice.estimated(system, law, 1.0, 1e-6).reason
     assert float(finer.split("events, ")[1].split()[0]) > steps
 
 
 def test_contacts_of_the_start_count_as_those_of_a_gas() -> None:
-    """In a gas as many last for each particle as t_c ν says: from a run, not from the estimate."""
+    """In a gas, t_c ν is the mean number of contacts of a particle at any instant; counted in a run."""
     start = gas(n=1000)
     law = softened(start, 0.2, 0.99)
     run = hl.molecular_dynamics(start, law=law, until=0.002, samples=1, engine="steps")
@@ -128,7 +128,7 @@ def test_overlaps_at_the_start_take_steps() -> None:
 @pytest.mark.parametrize("restitution", [0.3, 0.9])
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_ball_bounces_as_long_as_is_said(restitution: float, dimension: int) -> None:
-    """One that falls on a wide floor is at rest after √(2h/g) (1 + ε)/(1 − ε); said is 2 more, for the start."""
+    """A ball dropped on a floor comes to rest after √(2h/g) (1 + ε)/(1 − ε); the estimate adds 2 for the start."""
     height, g = 0.05, 9.81
     box = [1e3] * (dimension - 1) + [1.0]
     at = [5e2] * (dimension - 1) + [1e-3 + height]
@@ -147,7 +147,7 @@ def test_a_ball_bounces_as_long_as_is_said(restitution: float, dimension: int) -
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_a_bed_is_the_same_along_any_axis(axis: int, sign: float) -> None:
-    """Mirrored and turned boxes get the same estimate but for rounding."""
+    """Mirrored and rotated systems get the same estimate except for rounding."""
     down = bed(n=50)
     places, speeds = down.positions.copy(), down.velocities.copy()
     if sign > 0.0:
@@ -211,7 +211,7 @@ LAWS = st.one_of(
 
 @st.composite
 def boxes(draw: st.DrawFn, fastest: float, weakest: float) -> hl.ParticleSystem:
-    """Grains on a lattice, apart, touching or overlapping, at rest, slow, fast or very fast, with walls and gravity."""
+    """Particles on a lattice, separate, touching or overlapping, at any speed, with walls and gravity."""
     d = draw(st.sampled_from([2, 3]))
     n = draw(st.integers(1, 12))
     boundary = draw(st.lists(st.sampled_from(["periodic", "wall"]), min_size=d, max_size=d))
@@ -243,7 +243,7 @@ def outcome(system: hl.ParticleSystem, **options: Any) -> Any:
 @draws(400)
 @given(boxes(1e90, 1e-300), LAWS, st.sampled_from([0.0, 1e-3, 1e3]))
 def test_an_engine_is_chosen_for_any_box(system: hl.ParticleSystem, law: hl.Law, until: float) -> None:
-    """Whatever the box, the choice is one of two, for a reason of one line, and the same again."""
+    """For any system the choice is one of the two engines, with a one-line reason, and reproducible."""
     engine, reason = engine_choice.estimated(system, law, until)
     assert engine in ("events", "steps") and reason and "\n" not in reason and "nan" not in reason
     assert engine_choice.estimated(system.replace(), law, until) == (engine, reason)
@@ -252,8 +252,8 @@ def test_an_engine_is_chosen_for_any_box(system: hl.ParticleSystem, law: hl.Law,
 @draws(100)
 @given(boxes(1e3, 1e-6), LAWS)
 def test_auto_runs_as_the_engine_that_it_says(system: hl.ParticleSystem, law: hl.Law) -> None:
-    """It runs wherever one of the two does, and gives the bits of the one it names."""
-    # Contacts that hardly part again take steps that are long to find, and few steps are enough here.
+    """auto runs whenever one of the two engines does, with results bit-identical to those of the engine it names."""
+    # For contacts with tiny restitution the step takes long to compute; few steps are enough here.
     assume(engine_choice.typical_contact(system, law)[1] > 1e-6)
     speed = time_step.largest_speed(system)
     until = min(1e-4, 1e-3 / speed if speed > 0.0 else 1.0, 20.0 * time_step.chosen(system, law, None, None))
@@ -270,7 +270,7 @@ def test_auto_runs_as_the_engine_that_it_says(system: hl.ParticleSystem, law: hl
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(found.log, same.log, strict=True))
 
 
-# --- where it is said ---------------------------------------------------------------------------------------
+# --- reporting ----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("stiffness", "engine"), [(1e6, "events"), (150.0, "steps")])
@@ -287,7 +287,7 @@ def test_the_result_says_which_and_why(stiffness: float, engine: str, tmp_path: 
 
 
 def test_a_checkpoint_goes_on_with_the_same_engine(tmp_path: Any) -> None:
-    """Even where the present state would choose the other one; also after Ctrl-C."""
+    """A resumed run keeps its engine even if its current state would choose the other one; also after Ctrl-C."""
     start, law, path = bed(n=100), hl.LinearDashpot(stiffness=1e4, restitution=0.7), tmp_path / "run"
     whole = hl.molecular_dynamics(start, law=law, until=0.1, samples=10)
     told = []
@@ -322,7 +322,7 @@ def test_the_command_line_says_it(tmp_path: Any) -> None:
 
 
 def test_fidelity_chooses_once_for_all_replicas(tmp_path: Any) -> None:
-    """By the start of the first, for steps as fine as it takes them; a store does not tell auto from the engine."""
+    """The first initial state determines the engine, at the study's step; a store treats auto as that engine."""
     system = gas(n=30)
     for tc_nu, engine in ((0.01, "events"), (1.0, "steps")):
         law = softened(system, tc_nu)

@@ -1,4 +1,4 @@
-"""Gravity along periodic axes moves all particles alike: engines work in a frame that falls with them."""
+"""Gravity along periodic axes accelerates all particles alike: engines use a frame that falls with them."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def run(name, system, until, **options):
 @pytest.mark.parametrize("boundary", ["periodic", ("wall", "periodic", "periodic")], ids=["free", "a wall"])
 @every_run
 def test_a_fall_changes_nothing_but_the_common_motion(name, boundary):
-    """Beside walls gravity acts as before; along the other axes paths are those without it, and g t²/2."""
+    """Gravity towards walls acts as usual; along periodic axes paths are those without gravity plus g t²/2."""
     still = G * [boundary != "periodic", 0.0, 0.0]
     system, free = grains(2, boundary, G), grains(2, boundary, still)
     fell, flew = (run(name, s, 0.5, samples=8, log=True) for s in (system, free))
@@ -64,7 +64,7 @@ def test_a_fall_changes_nothing_but_the_common_motion(name, boundary):
 
 @every_run
 def test_energy_is_balanced_while_all_fall(name):
-    """In the laboratory, where kinetic energy comes from the potential one, to rounding of the largest of them."""
+    """Energy is conserved in the laboratory frame, to the rounding error of its largest part."""
     system = grains(3, gravity=G)
     series = run(name, system, 20.0 if name != "steps" else 5.0, samples=20).series
     contact = series.get("contact_energy", 0.0)
@@ -75,7 +75,7 @@ def test_energy_is_balanced_while_all_fall(name):
 
 
 def events_of(name, until):
-    """What a run takes: events of its engine, or by steps lists of neighbours."""
+    """Cost of a run: number of events, or of neighbour lists for the time-stepping engine."""
     system = grains(4, gravity=[0.0, 0.0, -9.81])
     if name in ("events", "steps"):
         step = RUNS[name][1].get("time_step")
@@ -90,7 +90,7 @@ def events_of(name, until):
 
 @pytest.mark.parametrize("name", ["elastic", "soft", "events", "steps"])
 def test_the_cost_grows_as_the_time(name):
-    """Not as its square: no more cells are crossed late than early; where energy is lost, fewer."""
+    """The cost is linear in time: the rate of cell crossings does not increase, and decreases if energy is lost."""
     short = 0.5 if name == "steps" else 20.0
     first, whole = (events_of(name, until) for until in (short, 8.0 * short))
     assert first > 5 and whole < 9.0 * first

@@ -1,4 +1,4 @@
-"""A law with friction and a state for each contact (tests/boxes/friction.cpp) in the engine that takes small steps."""
+"""A law with friction and a history for each contact (tests/boxes/friction.cpp) in the time-stepping engine."""
 
 import subprocess
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""What is known of gases of hard spheres must come out of the event-driven engine.
+"""Known properties of hard-sphere gases, reproduced by the event-driven engine.
 
-Every statistical check compares with the error found by blocking, for a fixed seed.
+Statistical checks use the error from blocking, for a fixed seed.
 """
 
 import itertools
@@ -17,7 +17,7 @@ from hardlimit import _core
 
 pytestmark = pytest.mark.slow
 
-#: Z at φ: Kolafa, Labík & Malijevský, Phys. Chem. Chem. Phys. 6, 2335 (2004), as good as 1e-3 here.
+#: Z at φ: Kolafa, Labík & Malijevský, Phys. Chem. Chem. Phys. 6, 2335 (2004), accurate to 1e-3 here.
 COMPRESSIBILITY = {0.1: 1.5217, 0.2: 2.4094, 0.3: 3.9838, 0.4: 6.9429, 0.45: 9.3993}
 KNOWN_TO = 1e-3
 
@@ -32,13 +32,13 @@ FOURTH_CUMULANT = {0.7: 0.0013, 0.8: -0.0126, 0.9: -0.0146}
 
 
 def box_edge(n: int, packing_fraction: float, dimension: int) -> float:
-    """Of a cubic box for n particles of radius 1."""
+    """Edge of a cubic box for n particles of radius 1."""
     volume = math.pi if dimension == 2 else 4.0 / 3.0 * math.pi
     return (n * volume / packing_fraction) ** (1.0 / dimension)
 
 
 def maxwell(rng: np.random.Generator, n: int, dimension: int) -> np.ndarray:
-    """Velocities of total momentum zero with T = Σ v²/(d (n − 1)) = 1."""
+    """Velocities with zero total momentum and T = Σ v²/(d (n − 1)) = 1."""
     v = rng.standard_normal((n, dimension))
     v -= v.mean(axis=0)
     return v * math.sqrt(dimension * (n - 1) / np.sum(v * v))
@@ -47,14 +47,14 @@ def maxwell(rng: np.random.Generator, n: int, dimension: int) -> np.ndarray:
 def engine(
     position: np.ndarray, velocity: np.ndarray, edge: np.ndarray | float, **options: Any
 ) -> _core.Engine:
-    """Particles of radius and mass 1."""
+    """Engine with particles of radius 1 and mass 1."""
     return hard_spheres(position, velocity, box=edge, radius=1.0, **({"log": False} | options))
 
 
 def gas(
     n: int, packing_fraction: float, dimension: int = 3, seed: int = 1, **options: object
 ) -> _core.Engine:
-    """A random start in a periodic box."""
+    """A random initial state in a periodic box."""
     edge = box_edge(n, packing_fraction, dimension)
     periodic = [True] * dimension
     position = grow_packing(np.ones(n), [edge] * dimension, periodic, seed)
@@ -67,7 +67,7 @@ def run_rows(run: _core.Engine, rows: int) -> None:
 
 
 def blocks(run: _core.Engine, rows: int, count: int = 20) -> Iterator[tuple[float, float, int]]:
-    """Duration, virial and pair collisions of each of `count` blocks of as many rows."""
+    """Duration, virial and number of pair collisions of each of `count` blocks with equal numbers of log rows."""
     for _ in range(count):
         time, virial, pairs = run.time, run.observe()["virial"], run.statistics()["n_pairs"]
         run_rows(run, rows)
@@ -96,7 +96,7 @@ def test_pressure_of_spheres(packing_fraction: float) -> None:
 
 
 def disk_lattice() -> np.ndarray:
-    """29 × 30 places in the unit square, every other row shifted by half a spacing."""
+    """29 × 30 lattice sites in the unit square, every other row shifted by half a spacing."""
     row, column = np.divmod(np.arange(DISKS), 29)
     return np.stack([(column + 0.5 * (row % 2) + 0.25) / 29.0, (row + 0.5) / 30.0], axis=1)
 
@@ -115,7 +115,7 @@ def test_pressure_of_dense_disks(packing_fraction: float) -> None:
 
 @pytest.mark.parametrize("packing_fraction", [0.1, 0.3])
 def test_collision_rate(packing_fraction: float) -> None:
-    """Enskog's rate with the pair correlation at contact that the pressure gives, χ = (Z − 1)/(4φ)."""
+    """Enskog's rate with the pair correlation at contact from the pressure, χ = (Z − 1)/(4φ)."""
     n = 4000
     run = gas(n, packing_fraction, seed=3)
     run_rows(run, 20 * n)
@@ -149,7 +149,7 @@ def test_mean_free_path_and_self_diffusion() -> None:
     rates, diffusion = [], []
     for _ in range(20):
         begin, time, pairs = run.state()[0], run.time, run.statistics()["n_pairs"]
-        # From 12 to 24 collisions of each particle on, far above the decay of the velocity correlation.
+        # At 12 to 24 collisions per particle, long after the velocity correlation has decayed.
         run_rows(run, 6 * n)
         middle, early = run.state()[0] - begin, run.time
         run_rows(run, 6 * n)
@@ -164,7 +164,7 @@ def test_mean_free_path_and_self_diffusion() -> None:
 
 
 def test_maxwell_distribution_comes_about_and_stays() -> None:
-    """From equal speeds, tested with Kolmogorov and Smirnov at times between which nothing is remembered."""
+    """Starting from equal speeds; Kolmogorov–Smirnov test at uncorrelated times."""
     n = 4000
     edge = box_edge(n, 0.2, 3)
     position = grow_packing(np.ones(n), [edge] * 3, [True] * 3, 6)
@@ -194,7 +194,7 @@ def test_energy_and_momentum_are_kept() -> None:
 def test_cooling_gas(restitution: float) -> None:
     """Haff's law, dT/dt = −(1 − ε²) ν T/d, counted in collisions, and the fourth cumulant of the velocities.
 
-    Seen from 4 to 14 collisions of each particle on: later, vortices make the gas cool more slowly.
+    Measured at 4 to 14 collisions per particle: later, vortices slow the cooling.
     """
     n = 20_000
     run = gas(n, 0.05, seed=8, restitution=restitution)
@@ -208,7 +208,7 @@ def test_cooling_gas(restitution: float) -> None:
         cumulants.append(0.6 * np.mean(square**2) / np.mean(square) ** 2 - 1.0)
         run_rows(run, n // 2)
     slope = np.polyfit(counts, np.log(energies), 1)[0]
-    # To first order the fourth cumulant a changes the loss of a collision by the factor 1 + a/4.
+    # To first order the fourth cumulant a changes the energy loss per collision by the factor 1 + a/4.
     expected = -(1.0 - restitution**2) / 3.0
     assert slope == pytest.approx(expected, rel=0.015)
     if restitution in FOURTH_CUMULANT:
@@ -217,7 +217,9 @@ def test_cooling_gas(restitution: float) -> None:
 
 
 def test_cooling_with_a_contact_duration() -> None:
-    """What a collision loses, less the share that the tc rule makes elastic, which falls as the gas cools."""
+    """The energy loss per collision is reduced by the fraction that the TC rule makes elastic, which falls as the gas
+    cools.
+    """
     n, restitution = 20_000, 0.8
     rate = 4.0 * math.sqrt(math.pi) * 0.05 / (4.0 / 3.0 * math.pi) * 4.0 * (1.0 - 0.025) / 0.95**3
     shares = []
@@ -240,13 +242,13 @@ def test_cooling_with_a_contact_duration() -> None:
         per_count = math.log(end[0] / begin[0]) / (2.0 * pairs / n)
         expected = -(1.0 - restitution**2) / 3.0 * (1.0 - shares[-1])
         assert per_count == pytest.approx(expected, rel=0.03)
-    # Neither of two partners has met anything for t_c: exp(−2 ν t_c).
+    # Probability that neither partner has collided within t_c: exp(−2 ν t_c).
     assert shares[0] == pytest.approx(1.0 - math.exp(-2.0 * 0.2), rel=0.35)
     assert all(later < earlier for earlier, later in itertools.pairwise(shares))
 
 
 def test_barometric_profile() -> None:
-    """Between walls under gravity: n(z) ~ e^{−g z/T} in a gas so thin that the spheres' own volume does not count."""
+    """Between walls under gravity: n(z) ~ e^{−g z/T} in a gas so dilute that excluded volume is negligible."""
     n, gravity = 1500, 0.02
     edge = np.array([200.0, 200.0, 150.0])
     rng = np.random.default_rng(10)
@@ -281,5 +283,5 @@ def test_barometric_profile() -> None:
     scale = float(np.mean(temperatures)) / gravity
     cut = -math.expm1(-room / scale)
     found = kstest(np.concatenate(heights), lambda z: -np.expm1(-z / scale) / cut)
-    # 18,000 heights would resolve 0.01; the spheres' own volume makes up to 4φ = 0.01 at the floor.
+    # 18,000 heights would resolve 0.01; the excluded volume has an effect of up to 4φ = 0.01 at the floor.
     assert found.statistic < 0.02

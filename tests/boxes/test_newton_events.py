@@ -1,4 +1,4 @@
-"""Newton's equations by events: reference boxes, columns, balances, saved states, clusters."""
+"""The event-driven engine for Newton's equations: reference systems, columns, balances, saved states, clusters."""
 
 import json
 import math
@@ -46,7 +46,7 @@ def by_events(*system: hl.ParticleSystem, **options: Any) -> hl.ContactResult:
 
 
 def rows(run: Any) -> list[tuple[Any, ...]]:
-    """Contacts in the order of their begins."""
+    """Contacts sorted by begin."""
     names = ("begin", "end", "first", "second")
     return list(zip(*(run.contacts[name].values.tolist() for name in names), strict=True))
 
@@ -123,7 +123,7 @@ def test_a_column_in_a_box_is_that_of_the_column_solver(law: hl.Law, count: int)
 def test_balances_of_random_boxes(
     seed: int, law: hl.Law, d: int, mixed: bool, boundary: str, phi: float
 ) -> None:
-    """Energy always, momentum where all is periodic; nobody leaves the box or sinks into another one at rest."""
+    """Energy is balanced, and momentum in periodic systems; no body leaves the box or stays inside another one."""
     system = random_system(seed, n=40, phi=phi, d=d, boundary=boundary, mixed=mixed)
     run = by_events(system, law=law, until=5e-3, samples=5, log=True)
     assert run.outcome == "ok" and run.n_contacts > 5
@@ -134,7 +134,7 @@ def test_balances_of_random_boxes(
     begins = run.contacts.begin.values
     ends = run.contacts.end.values
     assert np.all(np.diff(begins) >= 0.0) and np.all(ends[~np.isnan(ends)] > begins[~np.isnan(ends)])
-    # Only a pair that still overlaps, pressed by others, comes in contact again while it separates.
+    # Only an overlapping pair that others press together can re-engage while it separates.
     again = run.contacts.impact_speed.values <= 0.0
     assert np.all(run.contacts.overlapped.values[again])
     seen: set[tuple[int, int]] = set()
@@ -148,7 +148,7 @@ def test_balances_of_random_boxes(
 
 
 def _overlapped(run: Any) -> list[bool]:
-    """From the rows alone: who shares a particle with another contact while both last."""
+    """Contacts that share a particle with another contact at the same time, from the log rows."""
     known = rows(run)
     until = run.time
     found = []
@@ -183,13 +183,13 @@ def test_small_steps_find_the_same_contacts(seed: int) -> None:
         )
         errors.append(np.abs(near.system.velocities - exact.system.velocities).max())
     assert [row[2:] for row in rows(near)] == [row[2:] for row in rows(exact)]
-    # An error has its chance by where between two steps contacts begin.
+    # The error depends on where between two steps a contact begins, which is random.
     assert max(errors) < 1e-3 and errors[2] * errors[3] < errors[0] * errors[1] / 25.0**2
 
 
 def frequent(seed: int) -> tuple[hl.ParticleSystem, hl.Law, float, float]:
-    """A random box, its law, the time between two contacts of a body, and how long one lasts: 0.01 to 0.3 of that, and
-    not so long that a fast impact would be deeper than a law describes."""
+    """A random system, its law, the time between contacts of a body, and the contact duration: 0.01 to 0.3 of that
+    time, limited so that fast impacts stay within the range of the law."""
     random = np.random.default_rng(seed)
     d, wall, mixed, linear = int(random.integers(2, 4)), *random.integers(2, size=3).astype(bool)
     system = hl.ParticleSystem.random(
@@ -233,7 +233,7 @@ def test_no_contact_is_missed(seed: int) -> None:
         )
     )  # fmt: skip
     assert {pair: len(times) for pair, times in exact.items()} == {pair: len(t) for pair, t in near.items()}
-    # Errors grow from contact to contact.
+    # Errors grow with each contact.
     worst = max(
         (abs(a - b) for pair in exact for a, b in zip(exact[pair], near[pair], strict=True)), default=0.0
     )
@@ -251,7 +251,7 @@ def test_no_path_leaves_its_safety_radius(law: hl.Law, boundary: str) -> None:
         run = _core.make_engine("newton_events", *engine_arguments(system), law=law_arguments(law))
         for k in range(1, 40):
             run.advance(4e-5 * k)
-            used.append(run.safety_used(29))
+            used.append(run.largest_safety_use(29))
     assert 0.9 < max(used) <= 1.0
 
 
@@ -315,7 +315,7 @@ def test_no_wall_is_missed(seed: int) -> None:
     fast = gap / duration * 10.0 ** rng.uniform(-0.5, 0.5)
     while (
         float(law.between(ball).compression(fast)) > 0.25 * radius
-    ):  # less than a law describes, for two behind it
+    ):  # within the range of the law, with two balls behind
         gap, fast = 0.8 * gap, 0.8 * fast
     gravity = np.zeros(dimension)
     if seed % 3 == 0:
@@ -739,7 +739,7 @@ def test_a_body_that_fits_between_two_walls_swings(radius: float, fall: float) -
         run.advance(angle / frequency)
         place = (run.state()[0][0, 1] - radius) * frequency / speed
         assert place == pytest.approx(math.sin(angle) + fall * (1.0 - math.cos(angle)), abs=1e-8), k
-        assert run.safety_used(20) <= 1.0, k
+        assert run.largest_safety_use(20) <= 1.0, k
 
 
 @pytest.mark.parametrize("radius", [1.0e-4, 3.0e-3])

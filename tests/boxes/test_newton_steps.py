@@ -1,4 +1,4 @@
-"""Newton's equations for a box by steps: of second order in the step, no contact missed, the same bits in any way."""
+"""The time-stepping engine for Newton's equations: second order, no missed contact, bit-identical with any threads."""
 
 import functools
 import itertools
@@ -27,7 +27,7 @@ ENERGIES = ("kinetic_energy", "potential_energy", "contact_energy", "dissipated_
 
 
 def system_of(case):
-    """The start of a reference case."""
+    """The initial state of a reference case."""
     names = ("positions", "velocities", "radius", "mass", "box", "boundary", "gravity")
     return hl.ParticleSystem(**{name: case[name] for name in names})
 
@@ -44,19 +44,19 @@ def shortest_contact(system, law, speed):
 
 
 def by_steps(system, law, until, per_contact, samples=1, **options):
-    """A run with so many steps for the shortest contact at the largest speed to expect."""
+    """A run with this number of steps per contact, for the shortest contact at the largest expected speed."""
     step = shortest_contact(system, law, time_step.largest_speed(system)) / per_contact
     return molecular_dynamics(
         system, law=law, until=until, time_step=step, log=True, samples=samples, **options
     )
 
 
-#: Steps for each contact. An error has its chance by where between two steps contacts begin.
+#: Steps per contact. The error depends on where between two steps a contact begins, which is random.
 STEPS = (50, 58, 66, 76, 87, 100, 500, 580, 660, 760, 870, 1000)
 
 
 def order_of(errors):
-    """The power of the step with which errors [step, quantity] at STEPS fall, the mean over the quantities."""
+    """Order of convergence of the errors [step, quantity] at STEPS, averaged over the quantities."""
     return -np.polyfit(np.log(STEPS), np.log(errors).mean(axis=1), 1)[0]
 
 
@@ -67,7 +67,7 @@ def engine_of(system, law, step, log=True):
 
 
 def everything(engine):
-    """All that an engine says of its state, as bytes."""
+    """The complete observable state of an engine, as bytes."""
     arrays = [*engine.state(), *engine.take_log().values(), *engine.open_contacts().values()]
     seen = engine.observe()
     numbers = [seen[name] for name in sorted(seen) if name not in ("momentum", "kinetic_integral")]
@@ -76,7 +76,7 @@ def everything(engine):
 
 
 def displacement(end, start, system):
-    """Of particles inside the box, through the nearest sides."""
+    """Minimum-image displacement of particles inside the box."""
     d = end - start
     for axis, side in enumerate(system.boundary):
         if side == "periodic":
@@ -113,7 +113,7 @@ def test_the_longest_step_keeps_to_the_error(law, speed, error):
 
 @st.composite
 def impacts(draw, law):
-    """A pair, or a particle and a wall, about to touch: system, law, speed, gap, who is second, and their contact."""
+    """A pair, or a particle and a wall, just before touch: system, law, speed, gap, second body, and their contact."""
     chosen, speed, wall = draw(law), draw(log_floats(0.1, 3.0)), draw(st.booleans())
     first, second = (draw(log_floats(5e-4, 2e-3)) for _ in range(2))
     gap = 1e-4 * (1.0 + draw(st.floats(0.1, 0.9)))
@@ -145,14 +145,14 @@ def test_a_contact_in_the_box_keeps_to_the_error_of_the_restitution(impact):
     assert float(found.end - found.begin) == pytest.approx(contact.duration(speed), rel=0.1)
 
 
-#: Down to contacts that leave nearly nothing.
+#: Down to nearly perfectly inelastic contacts.
 strong = st.one_of(log_floats(0.01, 1.0), st.sampled_from([0.01, math.exp(-2.0), 0.999, 1.0]))
 
 
 @draws(60)
 @given(impact=impacts(laws(strong)))
 def test_the_energy_of_a_contact_is_balanced_at_every_instant(impact):
-    """By the default step to 1e-3 of the energy of the impact, wherever in the contact, also when it is over."""
+    """With the default step, to 1e-3 of the impact energy at any instant during and after the contact."""
     system, law, speed, gap, _, contact = impact
     until = gap / speed + 3.0 * contact.duration(speed)
     series = molecular_dynamics(system, law=law, until=until, samples=80).series
@@ -194,7 +194,7 @@ def test_every_error_of_a_contact_is_of_second_order(name, restitution):
 
 
 def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
-    """Twelve neighbours each, by the longest step that is allowed: damping couples them within a step."""
+    """Twelve neighbours each, with the longest allowed step: damping couples them within a step."""
     cell = 2e-3 * math.sqrt(2.0) * 0.9999
     corners = np.array([[0, 0, 0], [1, 1, 0], [1, 0, 1], [0, 1, 1]]) / 2.0
     at = np.concatenate([corners + shift for shift in np.ndindex(3, 3, 3)]) * cell + 0.25 * cell
@@ -206,7 +206,7 @@ def test_strongly_damped_contacts_of_a_dense_packing_are_stable():
         run = molecular_dynamics(system, law=law, until=300 * step, time_step=step, samples=10)
         assert run.outcome == "ok" and run.energy_error < 0.03
         kinetic = run.series.kinetic_energy.values
-        assert kinetic[-1] < 0.01 * kinetic[0]  # but for the motion of all
+        assert kinetic[-1] < 0.01 * kinetic[0]  # except for the motion of the centre of mass
 
 
 # --- against independent solutions --------------------------------------------------------------------------
@@ -243,7 +243,7 @@ def test_reference_cases(case):
 
 
 def column_in_a_box(column, top):
-    """Balls of a column as disks between a floor and a distant ceiling, without sideways motion."""
+    """A column of balls as disks between a floor and a distant ceiling, without lateral motion."""
     radii = np.array([ball.radius for ball in column.balls])
     heights = column.height + np.concatenate(
         [[0.0], np.cumsum(radii[:-1] + np.array(column.gaps) + radii[1:])]
@@ -273,7 +273,7 @@ def test_a_column_of_balls_in_a_box_is_that_of_newton(name, gravity):
     for per_contact in STEPS:
         run = by_steps(column_in_a_box(column, 0.2), law, until, per_contact)
         found = run.contacts.isel(contact=slice(m))
-        pair = np.where(found["second"] < 0, 0, found["second"])  # that of the balls j − 1 and j is j
+        pair = np.where(found["second"] < 0, 0, found["second"])  # pair j consists of balls j − 1 and j
         assert pair.tolist() == wanted["pair"].values.tolist()
         late = [found[name].values - touch - wanted[name].values for name in ("begin", "end")]
         errors.append([np.linalg.norm(late[0][1:]), np.linalg.norm(late[1])])
@@ -284,7 +284,7 @@ def test_a_column_of_balls_in_a_box_is_that_of_newton(name, gravity):
 
 
 def crowded(seed, dimension):
-    """Some particles that meet several others within a while, between periodic sides and walls, one of them a floor."""
+    """Particles that collide with several others, with periodic axes and walls, one of them a floor."""
     rng = np.random.default_rng(seed)
     points = np.stack(np.meshgrid(*[np.arange(3)] * dimension, indexing="ij"), -1).reshape(-1, dimension)
     at = (rng.permutation(points)[:9] + 0.5) * 2.15e-3
@@ -303,7 +303,7 @@ def crowded(seed, dimension):
 @pytest.mark.parametrize("restitution", [math.exp(-2.0), *map(slow, (0.01, 0.03, 0.3, 0.6, 0.9))])
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_states_and_energies_agree_with_those_by_events(name, restitution):
-    """By the default step to a few times its error, energies at every sample, and better by a finer one."""
+    """With the default step to a few times its error, energies at every sample; with a finer step more accurately."""
     law = law_of(name, restitution, 0.3)
     errors = []
     for seed in range(4):
@@ -321,17 +321,17 @@ def test_states_and_energies_agree_with_those_by_events(name, restitution):
             velocity = np.abs(run.system.velocities - exact.system.velocities).max()
             errors.append([moved / system.radius.min(), velocity / rms, energy, run.energy_error])
     default, fine = np.array(errors[::2]), np.array(errors[1::2])
-    # A contact that has just begun changes velocities and energies by much in little time; the balance holds then, too.
+    # At the start of a contact velocities and energies change quickly; the balance holds there as well.
     assert (np.median(default, axis=0) < 1e-3).all() and default[:, [0, 3]].max() < 1.5e-3
     assert (np.exp(np.log(default / fine).mean(axis=0)) > 5.0).all()
 
 
-# --- what holds for every system ----------------------------------------------------------------------------
+# --- properties of any system -------------------------------------------------------------------------------
 
 
 @st.composite
 def boxes(draw, most=40):
-    """Random boxes: flat and long ones, walls, gravity, mixed sizes, crowded and not."""
+    """Random systems: flat and long boxes, walls, gravity, mixed sizes, dense and dilute."""
     dimension, seed = draw(st.sampled_from([2, 3])), draw(st.integers(0, 2**31))
     cells = [draw(st.integers(1, 4)) for _ in range(dimension)]
     rng = np.random.default_rng(seed)
@@ -356,7 +356,7 @@ def boxes(draw, most=40):
 
 
 def overlaps(system):
-    """All pairs that overlap, walls as negative numbers, found without any list."""
+    """All overlapping pairs, walls as negative numbers, found without neighbour lists."""
     found = set()
     shifts = [(-1, 0, 1) if side == "periodic" else (0,) for side in system.boundary]
     for i, j in itertools.combinations(range(system.n), 2):
@@ -376,7 +376,7 @@ def overlaps(system):
 @draws(25)
 @given(system=boxes(), name=st.sampled_from(sorted(hl.LAWS)), stiff=st.sampled_from([1.0, 30.0]))
 def test_no_contact_is_missed(system, name, stiff):
-    """Without damping two grains push each other exactly while they overlap."""
+    """Without damping a force acts between two particles if and only if they overlap."""
     elastic = damped(name, 0.0)
     law = elastic.replace(**{next(iter(elastic.parameters)): stiff * 1e4 * (1 if name == "linear" else 1e3)})
     step = time_step.chosen(system, law, 1e-2, None)
@@ -439,7 +439,7 @@ def test_the_same_bits_with_any_number_of_threads(dimension, boundary):
 @pytest.mark.parametrize("stiffness", [1e5, 1e9])
 @pytest.mark.parametrize("seed", range(4))
 def test_who_becomes_fast_between_two_meetings_of_the_threads_changes_no_bit(seed, stiffness):
-    """At rest or nearly so, some grains overlap and are let go: speeds grow manifold within a few steps."""
+    """Overlapping particles released nearly at rest: speeds grow by a large factor within a few steps."""
     rng = np.random.default_rng(seed)
     dimension = 2 + seed % 2
     sides = {"boundary": ("periodic", "wall")[seed // 2], "gravity": 9.81 * (seed % 3)}
@@ -500,7 +500,7 @@ def test_a_heap_comes_to_rest_and_carries_its_weight():
     law = hl.LinearDashpot(stiffness=5e3, restitution=0.3)
     system = lattice(20, 2, seed=1, boundary=("wall", "wall"), gravity=9.81)
     run = molecular_dynamics(system, law=law, until=1.0, samples=10)
-    # Compressed by their weight alone, the contacts stay: those of the floor carry all of it.
+    # The static contacts remain; those at the floor carry the total weight.
     assert run.series.kinetic_energy[-1] < 1e-12 * run.series.kinetic_energy[0]
     now = run.system
     floor = law.between(hl.Ball(1e-3, density=2500.0)).stiffness
@@ -630,7 +630,7 @@ def test_bad_input_is_refused_in_one_line(given, message):
 
 
 def test_a_run_that_is_not_stable_ends_with_an_outcome():
-    """The engine itself takes any step; who moves too far in one ends the run."""
+    """The engine accepts any step; a particle that moves too far in one step ends the run."""
     system = lattice(125, seed=1)
     engine = engine_of(system, GLASS, 3e-4)
     assert engine.early_end is None
@@ -639,7 +639,9 @@ def test_a_run_that_is_not_stable_ends_with_an_outcome():
     time, (fastest,), wall = engine.early_end
     speeds = np.linalg.norm(engine.state()[1], axis=1)
     assert time == engine.time and wall is None
-    assert speeds[fastest] * 3e-4 > 0.25 * 2.0 * system.radius.min()  # the most that a step may be
+    assert (
+        speeds[fastest] * 3e-4 > 0.25 * 2.0 * system.radius.min()
+    )  # the largest allowed displacement in a step
     again = _core.load_engine("newton_steps", engine.save())
     assert again.early_end == engine.early_end
 
@@ -647,7 +649,9 @@ def test_a_run_that_is_not_stable_ends_with_an_outcome():
 @pytest.mark.parametrize("threads", [1, 2, 3])
 @pytest.mark.parametrize("curvature", [300.0, 1000.0])
 def test_a_leap_beyond_the_list_of_neighbours_ends_a_run_that_is_not_stable(threads, curvature):
-    """A slow body pushed hard in one step, while threads are under way without meeting: perhaps past a neighbour."""
+    """A slow body is accelerated strongly in one step between two synchronizations of the threads, and might pass a
+    neighbour unnoticed.
+    """
     calm, step = lattice(125, seed=1), 1e-4
     system = calm.replace(velocities=1e-3 * calm.velocities)
     law = hl.LinearDashpot(stiffness=curvature * calm.mass[0] / step**2, damping=0.0)
@@ -662,6 +666,4 @@ def test_a_leap_beyond_the_list_of_neighbours_ends_a_run_that_is_not_stable(thre
     assert whole.early_end == broken.early_end
     speeds = np.linalg.norm(whole.state()[1], axis=1)
     assert whole.early_end[1] == [np.argmax(speeds)]
-    assert (
-        speeds.max() * step < 0.25 * 2.0 * system.radius.min()
-    )  # no further than in a step that is in order
+    assert speeds.max() * step < 0.25 * 2.0 * system.radius.min()  # no further than in a valid step

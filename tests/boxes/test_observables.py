@@ -1,4 +1,4 @@
-"""The registry of observables: every record holds for every engine, in two and three dimensions."""
+"""The registry of observables: every record is valid for every engine, in two and three dimensions."""
 
 import itertools
 import re
@@ -12,7 +12,7 @@ from hardlimit.boxes.engines import ENGINES
 from hardlimit.boxes.observables import OBSERVABLES, RESERVED, Samples, components, provided
 
 LAW = hl.LinearDashpot(stiffness=1e4, restitution=0.8)
-ROUNDING = 1e-12  #: of a sum that must not fall
+ROUNDING = 1e-12  #: tolerance for sums that must not decrease
 
 
 def result_of(engine, dimension):
@@ -69,7 +69,7 @@ def test_values_are_as_the_record_says(at, name):
 
 @every_result
 def test_values_of_the_last_sample_are_those_of_the_system(at):
-    """By steps to the error of the step: the state of the last step holds velocities of the same instant."""
+    """With the time-stepping engine to the error of a step; positions and velocities refer to the same instant."""
     run = RESULTS[at]
     for name in ("kinetic_energy", "momentum", "granular_temperature"):
         found, scale = run.series[name].values[-1], abs(run.series[name].values).max()
@@ -82,7 +82,7 @@ def test_components_are_in_the_order_of_lammps():
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_trace_of_the_pressure_tensor_is_the_pressure(dimension):
-    """With synthetic records: a scalar sum for the pressure, components for the tensor."""
+    """With synthetic records: a scalar sum for the pressure, components for the pressure tensor."""
     rng, n = np.random.default_rng(dimension), len(components(dimension))
     run = RESULTS["hard_spheres", dimension]
     system, time = run.system, run.samples["time"]

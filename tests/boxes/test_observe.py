@@ -1,4 +1,4 @@
-"""observe=: a user's function at each sample of a run, its values in the series, in checkpoints and after resume."""
+"""observe=: a user function called at each sample; its values in the series, in checkpoints and after resume."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def run(name, system, until=0.2, **options):
 
 
 def look(time, system):
-    """A number, a vector, a tensor and a whole number."""
+    """Returns a float, a vector, a tensor and an integer."""
     velocities = system.velocities
     return {
         "at": time,
@@ -55,7 +55,7 @@ def test_values_are_those_of_the_samples(name, seed, dimension, boundary, gravit
     system = grains(seed, dimension, boundary, gravity)
     plain = run(name, system, samples=samples)
     found = run(name, system, samples=samples, observe=look)
-    assert found.system == plain.system  # observing changes no bit
+    assert found.system == plain.system  # observing does not change the run
     series = found.series
     assert np.array_equal(series["at"], series.time) and series.at.dims == ("time",)
     assert series.speed.dims == ("time", "speed_0") and series.stress.dims == ("time", "stress_0", "stress_1")
@@ -102,7 +102,7 @@ def test_a_run_without_an_end_in_time_keeps_the_values_of_its_samples(tmp_path):
 
 
 def changing(first, then):
-    """A function whose second call returns something else."""
+    """A function whose second call returns values of a different kind."""
     returned = iter([first, then])
     return lambda time, system: next(returned)
 

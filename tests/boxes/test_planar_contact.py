@@ -1,4 +1,4 @@
-"""The isolated contact in the plane of approach, of every law: its end, its path, and the free path drawn back."""
+"""The isolated contact in the plane of approach, for every law: its end, its path, and the equivalent collision."""
 
 import csv
 import math
@@ -29,7 +29,7 @@ def linear(stiffness: float, restitution: float = 1.0, mass: float = 1.0) -> _co
 
 
 def softened(law: hl.Law, speed: float, depth: float) -> tuple[_core.Contact, float]:
-    """A contact of the law, and the distance at which an elastic impact at this speed is ``depth`` of it deep."""
+    """A contact of the law, and the distance of centres such that an elastic impact reaches ``depth`` times it."""
     contact = core_contact(law)
     low, high = 1e-30, 1e30
     for _ in range(300):
@@ -70,7 +70,7 @@ def test_head_on_it_is_the_collision_of_the_law(law: hl.Law, speed: float, dista
 
 
 def cartesian(contact: _core.Contact, distance: float, normal: float, tangential: float) -> np.ndarray:
-    """Time, place and velocity at the end of the contact: SciPy on the relative motion in Cartesian coordinates."""
+    """Time, position and velocity at the end of the contact, by SciPy in Cartesian coordinates."""
 
     def motion(_: float, y: np.ndarray) -> list[float]:
         r = math.hypot(y[0], y[1])
@@ -96,7 +96,7 @@ def cartesian(contact: _core.Contact, distance: float, normal: float, tangential
     st.floats(0.0, 1.5),
 )
 def test_end_of_an_oblique_contact(name: str, restitution: float, depth: float, angle: float) -> None:
-    """The state at the end is that of an independent integration in Cartesian coordinates, and no force acts there."""
+    """The final state is that of an independent integration in Cartesian coordinates, and the force is zero there."""
     normal, tangential = math.cos(angle), math.sin(angle)
     contact, distance = softened(law_of(name, restitution), normal, depth)
     end = _core.planar_contact(contact, distance, normal, tangential)
@@ -107,14 +107,14 @@ def test_end_of_an_oblique_contact(name: str, restitution: float, depth: float, 
     assert (distance - r) / distance == pytest.approx(end["compression"] / distance, abs=1e-9 * depth)
     assert np.dot(y[:2], y[2:]) / r == pytest.approx(end["radial_speed"], abs=1e-9)
     assert end["tangential_speed"] * (distance - end["compression"]) == pytest.approx(distance * tangential)
-    # The force falls through zero there: still positive shortly before the end.
+    # The force falls through zero there: it is still positive just before the end.
     before, after = _core.planar_path(
         contact, distance, normal, tangential, end["duration"] * np.array([1.0 - 1e-4, 1.0])
     )
     force = contact.force(np.array([before[0], after[0]]), np.array([before[1], after[1]]))
     largest = contact.effective_mass * normal / end["duration"]
     assert force[0] > 0.0 and abs(force[1]) < 1e-10 * largest
-    # The path drawn back, followed forward, passes through the end of the contact.
+    # The free path after the equivalent collision passes through the end of the contact.
     x = distance + end["normal_shift"] + end["duration"] * end["normal_velocity"]
     z = end["tangential_shift"] + end["duration"] * end["tangential_velocity"]
     assert math.hypot(x, z) == pytest.approx(distance - end["compression"], rel=1e-14)
@@ -136,7 +136,7 @@ def test_linear_law_in_high_precision(
         h, v = mpmath.mpf(tangential), mpmath.mpf(normal)
         unit = 1 / mpmath.sqrt(k)
 
-        def motion(_, y):  # compression in v·unit, its rate in v, turn; time in units of 1/ω
+        def motion(_, y):  # compression in v·unit, its rate in v, rotation angle; time in units of 1/ω
             xi, rate, _ = y
             r = 1 - unit * v * xi
             pull = unit * gamma * rate
@@ -155,7 +155,7 @@ def test_linear_law_in_high_precision(
         assert abs(end["turn"] / turn - 1) < 1e-13
         assert abs(end["compression"] / (xi * unit * v) - 1) < 1e-12
         assert abs(end["radial_speed"] / (-rate * v) - 1) < 1e-13
-        # The shift is formed from differences of lengths that are 1e8 times as large.
+        # The displacement is a difference of lengths that are 1e8 times as large.
         r = 1 - unit * v * xi
         sine, cosine = mpmath.sin(turn), mpmath.cos(turn)
         radial, across = -rate * v, h / r
@@ -168,7 +168,7 @@ def test_linear_law_in_high_precision(
 
 @given(st.sampled_from(sorted(hl.LAWS)), log_floats(1e-9, 0.4), st.floats(0.0, 1.57))
 def test_undamped_contact_loses_nothing(name: str, depth: float, angle: float) -> None:
-    """Energy on the whole path, and the symmetry of way in and way out."""
+    """Energy is conserved along the path, and approach and separation are symmetric."""
     normal, tangential = math.cos(angle), math.sin(angle)
     contact, distance = softened(law_of(name, 1.0), normal, depth)
     end = _core.planar_contact(contact, distance, normal, tangential)
@@ -190,12 +190,12 @@ def test_undamped_contact_loses_nothing(name: str, depth: float, angle: float) -
 
 @given(laws(), log_floats(1e-6, 0.3), st.floats(0.0, 1.5707))
 def test_energy_lost_is_the_work_of_the_damping(law: hl.Law, depth: float, angle: float) -> None:
-    """Work of the force by quadrature along the path; what the contact still stores when its force ends is lost."""
+    """Work of the force by quadrature along the path; energy still stored when the force ends is lost."""
     normal, tangential = math.cos(angle), math.sin(angle)
     contact, distance = softened(law, normal, depth)
     end = _core.planar_contact(contact, distance, normal, tangential)
     assert end["outcome"] == "ok"
-    # Time as x²(3 − 2x), which takes the roots out of both ends of the path.
+    # Time as x²(3 − 2x), which removes the square-root singularities at both ends of the path.
     nodes, weights = np.polynomial.legendre.leggauss(60)
     x = 0.5 * (nodes + 1.0)
     path = _core.planar_path(contact, distance, normal, tangential, end["duration"] * x * x * (3.0 - 2.0 * x))
@@ -261,7 +261,7 @@ def test_wall_across_gravity(speed: float, gravity: float) -> None:
         assert end["compression"] == pytest.approx(float(compression(t)), rel=1e-12)
         assert end["radial_speed"] == pytest.approx(float(-rate(t)), rel=1e-13)
     assert end["turn"] == 0.0 and end["tangential_velocity"] == 0.4 and end["tangential_shift"] == 0.0
-    # The parabola that starts at the drawn-back place passes through the end with its velocity.
+    # The parabola of the equivalent collision passes through the end of the contact with its velocity.
     t = end["duration"]
     assert end["normal_velocity"] - gravity * t == pytest.approx(end["radial_speed"], rel=1e-13)
     place = end["normal_shift"] + t * end["normal_velocity"] - 0.5 * gravity * t * t
@@ -270,7 +270,7 @@ def test_wall_across_gravity(speed: float, gravity: float) -> None:
 
 @pytest.mark.parametrize("damping", [3.0, 10.0, 30.0, 100.0])
 def test_a_strongly_damped_body_creeps_to_rest(damping: float) -> None:
-    """Its force and its weight balance up to their rounding, which is no error of a step."""
+    """Force and weight balance to rounding, which must not count as an error of a step."""
     contact = core_contact(hl.LinearDashpot(stiffness=1e3, damping=damping), mass=1e-3)
     end = _core.planar_contact(contact, math.inf, 0.1, 0.0, 9.81)
     assert end["outcome"] == "at_rest" and end["duration"] == math.inf
@@ -278,7 +278,7 @@ def test_a_strongly_damped_body_creeps_to_rest(damping: float) -> None:
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_gravity_holds_a_slow_body_on_the_wall(name: str) -> None:
-    """Down to some speed the contact ends, below it never does; without damping it ends at every speed."""
+    """Above some speed the contact ends, below it never does; without damping it ends at any speed."""
     contact = core_contact(law_of(name, 0.5))
     speeds = np.logspace(1, -9, 81)
     outcomes = [_core.planar_contact(contact, math.inf, v, 0.0, 9.81)["outcome"] for v in speeds]
@@ -292,7 +292,7 @@ def test_gravity_holds_a_slow_body_on_the_wall(name: str) -> None:
 
 
 def test_what_is_refused() -> None:
-    """No approach, no numbers, and an impact that would bring the centres nearer than half their distance."""
+    """Invalid: no approach, NaN, and an impact that would bring the centres closer than half their distance."""
     contact = linear(16.0)
     for normal, tangential in [(0.0, 1.0), (-1.0, 0.0), (math.nan, 1.0), (1.0, math.nan), (math.inf, 0.0)]:
         end = _core.planar_contact(contact, 1.0, normal, tangential)
@@ -304,7 +304,7 @@ def test_what_is_refused() -> None:
         _core.planar_path(contact, 1.0, 1.0, 0.0, np.array([0.2, 0.1]))
 
 
-# ---- the fast way ------------------------------------------------------------------------------------------
+# ---- polynomials -------------------------------------------------------------------------------------------
 
 COLUMNS = ["duration", "turn", "compression", "radial_speed", "tangential_speed"]
 
@@ -317,7 +317,7 @@ def read_and_solved(
     distance: float,
     speeds: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What an event-driven run reads from its polynomials, and what the solver finds."""
+    """Contacts from the polynomials of an event-driven run, and from the solver."""
     normal, tangential = np.ascontiguousarray(speeds.T)
     read = _core.soft_contacts(own, own_distance, varies, contact, distance, normal, tangential)
     ends = (_core.planar_contact(contact, distance, *pair) for pair in speeds)
@@ -335,7 +335,7 @@ def assert_as_accurate_as_stated(read: np.ndarray, solved: np.ndarray, normal: n
 
 
 def thermal_speeds(rng: np.random.Generator, n: int, scale: float) -> np.ndarray:
-    """Normal and tangential speeds of collisions in a gas, and grazing ones."""
+    """Normal and tangential speeds of collisions in a gas, and of grazing collisions."""
     speeds = scale * np.sqrt(-2.0 * np.log(rng.random((n, 2))))
     speeds[::10, 0] *= 10.0 ** -rng.uniform(0.0, 6.0, len(speeds[::10]))
     speeds[3::10, 1] *= 10.0 ** -rng.uniform(0.0, 6.0, len(speeds[3::10]))
@@ -352,12 +352,12 @@ def test_polynomials_are_as_accurate_as_stated(name: str, restitution: float, de
     speeds = thermal_speeds(rng, 200, 1.0)
     read, solved = read_and_solved(contact, distance, False, contact, distance, speeds)
     assert_as_accurate_as_stated(read, solved, speeds[:, 0])
-    # Nearly all of the thermal ones are read, not solved.
+    # Nearly all thermal collisions use the polynomials instead of the solver.
     assert np.mean(np.any(read != solved, axis=1)[speeds[:, 0] > 0.1]) > 0.5 or restitution == 1.0
     if restitution == 1.0:
-        assert np.array_equal(read[:, 3], speeds[:, 0])  # nothing is lost, to the last bit
+        assert np.array_equal(read[:, 3], speeds[:, 0])  # no loss, bit for bit
         assert np.array_equal(read[:, 4], speeds[:, 1])
-    # A body at a wall: its effective mass and radius are others, and there is no distance.
+    # A body at a wall: other effective mass and radius, and infinite distance.
     ball = hl.Ball(0.5, mass=2.0)
     wall = law_of(name, restitution).between(ball, hl.FLOOR).core
     read, solved = read_and_solved(contact, distance, False, wall, math.inf, speeds[:50])
@@ -366,7 +366,7 @@ def test_polynomials_are_as_accurate_as_stated(name: str, restitution: float, de
 
 @pytest.mark.parametrize("name", sorted(hl.LAWS))
 def test_one_set_of_polynomials_serves_all_pairs(name: str) -> None:
-    """Bodies of other sizes, masses and softness under a law of one restitution or of one material constant."""
+    """Bodies of different sizes, masses and stiffness under a law with one restitution or one material constant."""
     rng = np.random.default_rng(2)
     own, distance = softened(law_of(name, 0.8), 1.0, 0.02)
     for varies in (False, True):
@@ -389,7 +389,7 @@ def test_what_is_read_does_not_depend_on_the_calls_before() -> None:
 @pytest.mark.parametrize("gravity", [-9.81, -1e-300, 0.0, 1e-300, 9.81])
 @pytest.mark.parametrize("name", ["linear", "tsuji", "viscoelastic"])
 def test_a_touch_however_slow_has_an_end(name: str, gravity: float) -> None:
-    """Down to speeds whose squares are no numbers; at rest only where a weight presses."""
+    """Down to speeds whose squares underflow; at rest only if a weight presses."""
     law = {
         "linear": hl.LinearDashpot(stiffness=1e6, restitution=0.5),
         "tsuji": hl.Tsuji(elastic_prefactor=1e6, restitution=0.5),

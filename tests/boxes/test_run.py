@@ -1,4 +1,4 @@
-"""Runs of boxes of grains: series, logs, ends, checkpoints that survive whatever kills them, theory."""
+"""Runs of particle systems: series, logs, ends, checkpoints that survive a killed process, theory."""
 
 import json
 import math
@@ -39,7 +39,7 @@ BOXES = {
 
 
 def same(one, other):
-    """Whether two runs have the same bits, series and log included."""
+    """Whether two runs are bit-identical, including series and log."""
     assert one.system == other.system and one.time == other.time and one.outcome == other.outcome
     assert same_samples(one, other)
     assert (one.log is None) == (other.log is None)
@@ -50,7 +50,7 @@ def same(one, other):
     return True
 
 
-# --- what comes out -----------------------------------------------------------------------------------------
+# --- results ------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("box", BOXES)
@@ -80,7 +80,7 @@ def test_series_and_log_belong_together(box, rule):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_pressure_from_the_log(dimension):
-    """Σ r·Δp of the collisions as the log has them, and the kinetic part of constant energy."""
+    """Σ r·Δp over the logged collisions, plus the kinetic part, which is constant."""
     system = lattice(36, dimension, spread=2.0)
     run = hl.event_driven(system, restitution=1.0, until=0.05, samples=5, log=True)
     _, first, second, speed, _ = run.log
@@ -116,7 +116,7 @@ def test_a_result_is_a_value():
         _ = hl.event_driven(lattice(8), restitution=0.9, until=0.01).collisions
 
 
-# --- where a run ends, and its samples ----------------------------------------------------------------------
+# --- end of a run, and its samples --------------------------------------------------------------------------
 
 
 def test_samples_change_nothing():
@@ -175,11 +175,11 @@ def test_an_inelastic_collapse_is_an_outcome():
     assert "inelastic collapse: particle" in run.outcome and "\n" not in run.outcome
     second = end.particles[1] if end.wall is None else end.wall
     last = np.flatnonzero((run.log[1] == end.particles[0]) & (run.log[2] == second))
-    assert len(last) > 5  # they did meet again and again
+    assert len(last) > 5  # they collide repeatedly
 
 
 def test_what_is_thrown_falls_back():
-    """Disks that bounce alone, each above its own place: through many cells, up and down again."""
+    """Disks that bounce separately, through many cells up and down."""
     n, g = 16, 9.81
     speed = np.linspace(0.1, 1.0, n)
     at = np.stack([0.01 * np.arange(n) + 0.005, np.full(n, 0.02)], axis=1)
@@ -275,7 +275,7 @@ def test_a_resumed_run_has_the_bits_of_one_that_was_not_stopped(tmp_path, box, r
     part = hl.event_driven(system, until=0.01, samples=10, log=True, checkpoint=path, **RULES[rule])
     assert part.time == 0.01
     assert same(hl.resume(path, until=0.02), whole)
-    assert same(hl.resume(path), whole)  # it has arrived, and goes no further
+    assert same(hl.resume(path), whole)  # it has reached its end time
     assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
 
 
@@ -292,7 +292,7 @@ def test_soft_contacts_are_counted_and_resumed(tmp_path):
 @pytest.mark.parametrize("speed", [1e-3, 0.0045, 0.02, 0.1])
 @pytest.mark.parametrize("away", [0, 1])
 def test_a_body_that_just_reaches_a_ceiling(speed, away):
-    """Drawn back, its parabola lies in the wall and leads on into it: the wall is not met again before t_c."""
+    """The equivalent collision puts it on a parabola inside the wall; it must not hit the wall again before t_c."""
     radius, law = 1e-4, hl.LinearDashpot(stiffness=1e8, damping=100.0)
     height, down = 8e-4, 3.5 * (1 if away else -1)
     start = radius if away else height - radius  # gravity leads away from the wall that it touches
@@ -321,7 +321,7 @@ def test_a_body_that_just_reaches_a_ceiling(speed, away):
 
 
 def test_what_the_soft_rule_cannot_describe_ends_the_run():
-    """A contact deeper than any law describes."""
+    """A contact beyond the range of any law ends the run."""
     radius, law = 1e-3, hl.LinearDashpot(stiffness=1.4e11, damping=10.0)
     heavy = hl.ParticleSystem(
         positions=[[0.005, 0.01], [0.01, 0.01]],
@@ -353,7 +353,7 @@ def test_what_the_soft_rule_cannot_describe_ends_the_run():
     ids=["lies", "creeps to rest", "too many steps"],
 )
 def test_every_early_end_says_when_where_and_with_whom(tmp_path, height, damping, name, said):
-    """A body that lies, and two that come to lie; the checkpoint knows it too."""
+    """A body at rest, and two that come to rest; also stored in the checkpoint."""
     path, law = tmp_path / "run.checkpoint", hl.LinearDashpot(stiffness=1e3, damping=damping)
     system = hl.ParticleSystem(
         positions=[[0.005, 0.015], [0.01, height]], velocities=np.zeros((2, 2)), radius=1e-3, mass=1e-3,
@@ -368,7 +368,7 @@ def test_every_early_end_says_when_where_and_with_whom(tmp_path, height, damping
     assert (again.outcome, again.early_end) == (run.outcome, run.early_end)
 
 
-#: Rules of a body that has nowhere to go, with the contact law under which Newton's equations go on.
+#: Rules for a body without free space, with the contact law for Newton's equations.
 NOWHERE = {
     "elastic": {"restitution": 1.0},
     "constant": {"restitution": 0.5},
@@ -393,7 +393,7 @@ MOST_AT_ONCE = 13_000
     [(1, 1.0, 0.0), (1, 1e-165, 9.81), (2, 0.0, 9.81), (2, 1e-165, 0.0), (3, 1e-320, 9.81), (3, 1.0, 0.0)],
 )
 def test_bodies_that_fit_exactly_between_walls_end_or_go_on(rule, fitting, speed, gravity):
-    """A chain from wall to wall without any room; the first moves. Whatever comes out is bounded and has a name."""
+    """A chain without gaps between two walls, whose first ball moves: a named outcome and bounded values."""
     radius, settings = 0.25, NOWHERE[rule]
     system = hl.ParticleSystem(
         [[3.0, radius * (2 * k + 1)] for k in range(fitting)], [[0.5, speed]] + [[0.5, 0.0]] * (fitting - 1),
@@ -413,7 +413,7 @@ def test_bodies_that_fit_exactly_between_walls_end_or_go_on(rule, fitting, speed
 @pytest.mark.parametrize("engine", ["events", "steps"])
 @pytest.mark.parametrize("speed", [0.0, 1e-320, 1e-165, 1.0])
 def test_newton_goes_on_where_there_is_no_room(engine, speed):
-    """What the message says; here crashed the table of contacts, whose index was not a number."""
+    """The advice of the error message works. Regression: the contact table crashed with a NaN index."""
     system = hl.ParticleSystem(
         [[1.0, 3.0]], [[speed, 1.0]], 1.0, mass=1.0, box=[2.0, 6.0], boundary="wall", gravity=[0.0, -0.1]
     )
@@ -426,7 +426,7 @@ def test_newton_goes_on_where_there_is_no_room(engine, speed):
 @pytest.mark.parametrize("rule", [name for name in NOWHERE if name.startswith("soft")])
 @pytest.mark.parametrize(("speed", "gravity"), [(0.0, -4e-313), (1e-165, 0.0), (1e-320, 1e-313)])
 def test_a_cluster_whose_energy_is_no_number(rule, speed, gravity):
-    """Its unit of speed was zero, and everything that was divided by it not a number, with the outcome ok."""
+    """Regression: its unit of speed was zero, which gave NaN with the outcome ok."""
     system = hl.ParticleSystem(
         [[1.0, 1.0]], [[speed, 0.0]], 1.0, mass=1.0, box=[2.0, 2.0], boundary="wall", gravity=[gravity, 0.0]
     )
@@ -436,7 +436,7 @@ def test_a_cluster_whose_energy_is_no_number(rule, speed, gravity):
 
 
 def test_a_ceiling_reached_without_speed_holds_nobody():
-    """Gravity leads away from it: no contact, whose speed would be zero, and no rest."""
+    """Gravity points away from the ceiling: the collision at zero speed does not bring the ball to rest."""
     system = hl.ParticleSystem(
         [[1.0, 1.0]], [[0.0, 1.0]], 0.5, mass=1.0, box=[2.0, 2.0], boundary="wall", gravity=1.0
     )
@@ -456,7 +456,7 @@ def test_who_ends_early_in_words():
 
 
 def test_a_run_may_be_resumed_anywhere(tmp_path):
-    """At ends that fall between two samples, and by collisions: samples stay where they are."""
+    """At end times between two samples, or after a number of collisions; the sample times do not change."""
     system, path = lattice(64), tmp_path / "run.checkpoint"
     whole = hl.event_driven(system, restitution=0.9, until=0.02, samples=8, log=True)
     hl.event_driven(
@@ -519,7 +519,7 @@ def test_what_is_no_checkpoint_is_refused(tmp_path):
         except ValueError as error:
             assert "\n" not in str(error) and path.name in str(error)
         else:
-            assert run.time == 0.01  # a byte that says nothing, such as a date
+            assert run.time == 0.01  # a byte without meaning, such as a date
         path.write_bytes(content)
     for name in ("none", "folder"):
         (tmp_path / "folder").mkdir(exist_ok=True)
@@ -556,7 +556,7 @@ hl.event_driven(lattice(125), restitution=0.95, until={until}, samples=50, log=T
 
 
 def started(path, every, until=2.0):
-    """The run of ``RUN`` in another process."""
+    """Starts ``RUN`` in another process."""
     source = RUN.format(tests=str(Path(__file__).parents[1]), path=str(path), every=every, until=until)
     return subprocess.Popen([sys.executable, "-c", source], stderr=subprocess.PIPE, text=True)
 
@@ -569,7 +569,7 @@ def uninterrupted():
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 @pytest.mark.parametrize("trial", [0, *map(slow, range(1, 8))])
 def test_killed_at_any_moment(tmp_path, uninterrupted, trial):
-    """kill -9 after some checkpoint or while one is written: what is there goes on to the same bits."""
+    """kill -9 after or during the writing of a checkpoint: the resumed run is bit-identical."""
     path = tmp_path / "run.checkpoint"
     chance = random.Random(trial)
     for _ in range(3):
@@ -597,7 +597,7 @@ def resumed(path):
 
 def test_control_c_leaves_a_last_checkpoint(tmp_path):
     path = tmp_path / "run.checkpoint"
-    with started(path, 1e9, until=1e9) as process:  # no checkpoint but the first and the last
+    with started(path, 1e9, until=1e9) as process:  # only the first and the last checkpoint
         try:
             wait_until(path.exists)
             first = path.stat().st_mtime_ns
@@ -613,7 +613,7 @@ def test_control_c_leaves_a_last_checkpoint(tmp_path):
 
 
 def reached(path):
-    """A time a little later than that of a checkpoint: of the last collision in its log, and a tenth more."""
+    """A time slightly after a checkpoint: 1.1 times that of the last collision in its log."""
     with np.load(path) as content:
         times = content["log_0"]
     return 1.1 * float(times[-1]) if len(times) else 0.01
@@ -640,7 +640,7 @@ def test_runs_in_threads_are_those_of_one():
 
 
 def gas(packing_fraction, dimension=3, n=1000):
-    """A gas of unit spheres or disks at that packing fraction."""
+    """A gas of unit spheres or disks at this packing fraction."""
     ball = math.pi * 0.25 if dimension == 2 else math.pi / 6.0
     return theory.Gas(n, 0.5, 1.0, n * ball / packing_fraction, dimension)
 
@@ -676,7 +676,7 @@ def test_cooling_obeys_its_equation(dimension):
 
 @pytest.mark.parametrize("dimension, packing", [(2, 3.5e-3), (3, 3.2e-3)])
 def test_a_gas_does_what_theory_says(dimension, packing):
-    """Some 1000 particles: rate and pressure to about a per cent, cooling to a few."""
+    """About 1000 particles: collision rate and pressure to about 1 %, cooling to a few per cent."""
     dense = lattice(1000, dimension)
     box = np.asarray(dense.box) * packing / 3e-3
     system = dense.replace(positions=dense.positions * (packing / 3e-3), box=box)
@@ -713,7 +713,7 @@ def test_theory_says_where_it_does_not_hold():
 
 @pytest.mark.parametrize("newton", [False, True])
 def test_a_run_that_goes_on_for_too_many_samples_is_refused(newton: bool, tmp_path) -> None:
-    """Their spacing stays: a time far beyond it would take samples without end."""
+    """The sample spacing is fixed, so a much later end time would need too many samples."""
     system = hl.ParticleSystem([[0.02, 0.05]], [[1.0, 0.0]], 0.01, density=2500.0, box=0.1, boundary="wall")
     path, law = tmp_path / "run", hl.LinearDashpot(stiffness=1e7, restitution=0.9)
     if newton:

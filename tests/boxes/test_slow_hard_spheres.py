@@ -1,4 +1,4 @@
-"""The slow engine of the tests against reference logs and, with the soft rule, against Newton's equations."""
+"""The slow reference engine: comparison with reference logs and, for the soft rule, with Newton's equations."""
 
 import json
 import math
@@ -62,7 +62,7 @@ def test_soft_rule_is_newtons_equations_where_contacts_are_isolated(case: dict) 
 
 
 def test_soft_rule_becomes_that_of_hard_spheres_with_order_one_in_the_duration() -> None:
-    """Four times the stiffness halves the duration of a contact, and the distance from the hard-sphere path."""
+    """Four times the stiffness halves the contact duration and the deviation from the hard-sphere path."""
     case = CASES["dilute"][0]
     hard = slow(case, Rule("constant", case["restitution"]))
     hard.advance(math.inf, 5)

@@ -1,4 +1,4 @@
-"""Boxes of grains: values that never change, checked where they enter; random starts."""
+"""Particle systems: immutable values, input checks, and random initial states."""
 
 import copy
 import itertools
@@ -23,7 +23,7 @@ def pair(gap=1e-3, **changed):
     return hl.ParticleSystem(**(values | changed))
 
 
-# --- a value ------------------------------------------------------------------------------------------------
+# --- values -------------------------------------------------------------------------------------------------
 
 
 def test_it_never_changes():
@@ -180,7 +180,7 @@ def test_an_overlap_names_the_particles():
 
 
 def test_a_system_that_overlaps_can_still_be_changed():
-    """What a soft run leaves: a pair in contact, a particle in a wall."""
+    """The final state of a soft run may have a pair in contact and a particle in a wall."""
     at = [[0.9e-3, 0.01, 0.01], [2.8e-3, 0.01, 0.01]]
     soft = pair(positions=at, boundary="wall", allowed_overlap=0.2)
     faster = soft.replace(velocities=np.ones((2, 3)), gravity=1.0)
@@ -190,7 +190,7 @@ def test_a_system_that_overlaps_can_still_be_changed():
 
 
 def slowest(at, radius, box, periodic):
-    """The deepest overlap by all pairs and all images."""
+    """The deepest overlap, by a search over all pairs and all images."""
     best = (-1, -1, 0.0, 0.0)
     for i, j in itertools.combinations(range(len(at)), 2):
         d = at[i] - at[j]
@@ -205,7 +205,7 @@ def slowest(at, radius, box, periodic):
 @draws(150)
 @given(st.data())
 def test_overlaps_are_those_of_all_pairs(data):
-    """Random boxes of any size ratio, dense and dilute, cells of one and of many."""
+    """Random systems of any size ratio, dense and dilute, with one or many particles per cell."""
     rng = np.random.default_rng(data.draw(st.integers(0, 2**32)))
     d, n = data.draw(st.integers(2, 3)), data.draw(st.integers(1, 40))
     ratio = 10.0 ** data.draw(st.floats(0.0, 3.0))
@@ -232,7 +232,7 @@ def test_the_core_refuses_what_no_system_says():
     assert _core.deepest_overlap(box_of(np.full(3, 5.0), False), outside, radius)[0] == -1
 
 
-# --- random starts ------------------------------------------------------------------------------------------
+# --- random initial states --------------------------------------------------------------------------------------
 
 USUAL = {"n": 200, "packing_fraction": 0.3, "radius": 1e-3, "density": 2500.0, "rms_speed": 0.5}
 
@@ -253,7 +253,7 @@ def test_random_systems_are_what_was_asked_for(changed):
     assert system.n == asked["n"] and system.dimension == asked.get("dimension", 3)
     assert system.packing_fraction == pytest.approx(asked["packing_fraction"], rel=1e-12)
     assert rms(system) == pytest.approx(asked["rms_speed"], rel=1e-12)
-    again = system.replace(positions=system.positions)  # through every check
+    again = system.replace(positions=system.positions)  # passes every check
     assert again == system
     scale = float(system.mass.sum()) * (asked["rms_speed"] or 1.0)
     for axis, side in enumerate(system.boundary):

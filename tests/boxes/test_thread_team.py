@@ -1,4 +1,4 @@
-"""Threads of the stepping engine: every task once in its phase, though threads come late or not at all."""
+"""ThreadTeam of the time-stepping engine: every task is done once per phase, even if threads are late or absent."""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Appendix A: the upper ball does not act on the lower one. Exact for m2 ≪ m1, with a first-order error."""
+"""Adiabatic model (Appendix A): the upper ball does not act on the lower one. The error is of first order in m2/m1."""
 
 import itertools
 import math
@@ -13,7 +13,7 @@ G = 9.81
 
 
 def column_of_mass_ratio(mu: float, restitution: float = 0.7, stiffer: float = 20.0) -> hl.Column:
-    """m2 = μ m1, with both contact times kept: the floor's 0.7 ms, the pair's shorter."""
+    """m2 = μ m1 at fixed contact times: 0.7 ms at the floor, shorter for the pair."""
     m2 = 0.01
     m1 = m2 / mu
     floor = hl.LinearDashpot(stiffness=2e7 * m1, restitution=restitution)
@@ -33,11 +33,11 @@ def test_error_is_of_first_order_in_the_mass_ratio(restitution, stiffer):
         errors.append(abs(approximate.relative_velocity - full.relative_velocity) / column.impact_speed)
     order = np.polyfit(np.log(ratios), np.log(errors), 1)[0]
     assert order == pytest.approx(1.0, abs=0.02)
-    assert errors[0] > 1e-5  # they do differ
+    assert errors[0] > 1e-5  # the models do differ
 
 
 def test_error_falls_with_the_radius_ratio():
-    """At one density the mass ratio is (R2/R1)³, so a tenfold radius gives a thousandth of the error."""
+    """At equal density the mass ratio is (R2/R1)³: ten times the radius gives a thousandth of the error."""
     errors = []
     for ratio in (2.0, 20.0):
         column = hl.Column.paper(0.8, gap=0.02, radius_ratio=ratio)
@@ -49,7 +49,7 @@ def test_error_falls_with_the_radius_ratio():
 def test_sequences_agree_at_the_ratio_of_figure_3():
     """R1/R2 = 10: the same number of contacts at nearly every ε, at nearly the same times.
 
-    A last contact that hardly comes about may come late: those past the floor contact are not compared.
+    A barely occurring last contact may be late: contacts after the floor contact are not compared.
     """
     same = 0
     restitutions = np.arange(0.5, 1.0, 0.005)
@@ -66,7 +66,7 @@ def test_sequences_agree_at_the_ratio_of_figure_3():
 
 
 def test_lower_ball_moves_as_if_alone():
-    """t01 does not depend on the upper ball, nor does anything else of the lower one."""
+    """t01 and the motion of the lower ball do not depend on the upper ball."""
     histories = []
     for radius in (0.001, 0.01, 0.05):
         column = hl.Column.paper(0.7, radius_1=0.1, radius_2=radius)
@@ -80,7 +80,7 @@ def test_lower_ball_moves_as_if_alone():
 
 @pytest.mark.parametrize("restitution", [1.0, 0.7, 0.3])
 def test_four_motions_by_an_independent_integration(restitution):
-    """m1 z̈1 = −m1 g + F01 and m2 z̈2 = −m2 g + F12 between all the switches found, by SciPy."""
+    """m1 z̈1 = −m1 g + F01 and m2 z̈2 = −m2 g + F12, integrated by SciPy between all events found."""
     column = hl.Column.paper(restitution, gap=5e-5)
     result = hl.adiabatic(column)
     floor, pair = column.contacts
@@ -104,7 +104,7 @@ def test_four_motions_by_an_independent_integration(restitution):
             return [du, a1, dw, f12 / m2 - G - a1]
 
         y = solve_ivp(right, (start, stop), y, "DOP853", rtol=1e-12, atol=1e-15).y[:, -1]
-        # A force that ends has fallen to zero, a contact that begins in flight starts at a closed gap.
+        # At the end of a contact the force is zero; at the beginning of one after flight the gap is zero.
         for j, gap, rate, contact in ((0, y[0], y[1], floor), (1, y[2], y[3], pair)):
             if (contacts.end.values[contacts.pair.values == j] == stop).any():
                 force = -contact.stiffness * gap - contact.damping * rate
@@ -115,7 +115,7 @@ def test_four_motions_by_an_independent_integration(restitution):
 
 
 def test_start_at_the_equilibrium_of_the_floor_contact():
-    """A4's phase is 0/0 at z = z_inh, which without gravity is where every floor contact begins."""
+    """The phase in Eq. A4 is 0/0 at z = z_inh; without gravity every floor contact begins there."""
     law = hl.LinearDashpot(stiffness=5e7, restitution=0.6)
     balls = [hl.Ball(0.1, density=840.0), hl.Ball(0.01, density=840.0)]
     column = hl.Column(balls, [1e-4], 0.1, law, velocities=-3.0, gravity=0.0)

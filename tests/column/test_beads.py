@@ -1,4 +1,4 @@
-"""The figure of docs/beads.md: what it says holds, on few points."""
+"""The statements of the figure in docs/beads.md, checked at a few points."""
 
 import runpy
 from pathlib import Path
@@ -22,7 +22,7 @@ def test_collisions_collapse_where_theory_says(n):
 
 
 def test_beads_detach_where_collisions_collapse():
-    """A third of the speed comes back at gaps of V t_c, and the column grows."""
+    """At gaps of V t_c a third of the speed is returned, and the column expands."""
     for n in (5, 10):
         speed, expansion = BEADS["bounce"](hl.newton(BEADS["column"](n, 1.0 - 3.0 / n, 1.0), until=1e4))
         assert 0.25 < speed < 0.4 and expansion > 0.1

@@ -1,4 +1,4 @@
-"""How deep contacts go: the greatest compression, and runs that end where a contact is deeper than its law."""
+"""Largest compressions of columns, and runs that end at a compression beyond the range of the law."""
 
 import json
 import math
@@ -20,7 +20,7 @@ TOO_DEEP = hl.OUTCOMES.index("too_deep")
 
 
 def solvers(column: hl.Column) -> list:
-    """Every way to solve the column under Newton's equations, and the adiabatic one."""
+    """All solvers of Newton's equations that apply to the column, and the adiabatic one."""
     ways = [lambda until=None: hl.newton(column, until, method="general")]
     if column.solvable_exactly:
         ways += [lambda until=None: hl.newton(column, until), lambda until=None: hl.adiabatic(column, until)]
@@ -33,7 +33,7 @@ def smaller_radii(column: hl.Column) -> np.ndarray:
 
 
 def sampled_compression(result: hl.Result) -> float:
-    """Greatest compression over the smaller radius in a dense sample of what was solved."""
+    """Largest compression over the smaller radius in a dense sample of the solution."""
     _, begin, end = result._core.contacts()
     first, last = result._core.t_first, result._core.t_last
     end = np.where(np.isnan(end), last, np.minimum(end, last))
@@ -48,7 +48,7 @@ def sampled_compression(result: hl.Result) -> float:
 
 @st.composite
 def soft_columns(draw, least=1) -> hl.Column:
-    """Columns whose contacts are compressed by anything from little to far too much."""
+    """Columns whose compressions range from small to far beyond the limit."""
     column = draw(columns(least=least, most=4))
     name = next(iter(column.laws[0].parameters))
     softer = column.laws[0].replace(**{name: column.laws[0].parameters[name] * draw(log_floats(1e-8, 1e-1))})
@@ -71,7 +71,7 @@ def test_it_is_the_greatest_of_a_dense_trajectory(column: hl.Column) -> None:
 @draws(200)
 @given(soft_columns(), st.floats(0.3, 1.0))
 def test_bounds_never_hide_a_compression(column: hl.Column, share: float) -> None:
-    """What the energies are said to exclude does not happen, whatever is asked."""
+    """A compression that the energy bounds exclude never occurs."""
     for solve in solvers(column):
         core = solve()._core
         deepest = core.largest_compression()
@@ -80,7 +80,7 @@ def test_bounds_never_hide_a_compression(column: hl.Column, share: float) -> Non
 
 
 def at_limit(column: hl.Column, solve) -> tuple[hl.Column, hl.Column]:
-    """The column a little stiffer than what goes too deep, and a little softer."""
+    """The column slightly stiffer and slightly softer than the one that reaches the limit."""
     name = next(iter(column.laws[0].parameters))
     given = column.laws[0].parameters[name]
 
@@ -125,7 +125,7 @@ def test_both_solvers_end_at_the_limit(column: hl.Column) -> None:
 
 
 def check_cut(result: hl.Result) -> None:
-    """Nothing is said of what comes after the instant at which a contact is too deep."""
+    """No result refers to times after the instant at which a contact is too deep."""
     last = result._core.t_last
     _, begin, end = result.contact_times
     assert result.outcome.startswith("too deep: ") and f"{last:.6g} s after" in result.outcome
@@ -153,19 +153,19 @@ def paper(stiffness: float, **given) -> hl.Column:
 
 
 def test_a_column_that_is_too_soft() -> None:
-    """Once it rebounded to −34 m and rested."""
+    """Regression: it rebounded to −34 m and came to rest."""
     result = hl.newton(paper(1.0))
     check_cut(result)
     assert result._core.too_deep == 0 and result.contact_times[0].tolist() == [0]
     v, limit = result.column.impact_speed, LIMIT * 0.1
-    assert result._core.t_last == pytest.approx(limit / v, rel=0.1)  # hardly braked
+    assert result._core.t_last == pytest.approx(limit / v, rel=0.1)  # hardly slowed down
     assert "the floor and ball 1" in result.outcome
 
 
 @pytest.mark.parametrize("restitution", [1.0, 0.7, 0.05, 1e-4])
 @pytest.mark.parametrize("stiffness", [1.0, 300.0, 3e3])
 def test_a_ball_alone(restitution: float, stiffness: float) -> None:
-    """Against the closed form of a damped oscillator under gravity."""
+    """The compression is that of a damped oscillator under gravity in closed form."""
     ball = hl.Ball(0.05, mass=1.0)
     law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
     column = hl.Column([ball], [], 0.3, law)
@@ -191,7 +191,7 @@ def test_a_ball_alone(restitution: float, stiffness: float) -> None:
 @pytest.mark.parametrize("method", ["exact", "general"])
 @pytest.mark.parametrize("restitution", [1e-3, 0.02])
 def test_a_column_that_sinks_under_its_weight(method: str, restitution: float) -> None:
-    """Set down without a fall, and held: at rest above the limit, too deep below it, however slowly it creeps."""
+    """Released at rest in contact: at rest if stiff enough, otherwise too deep, however slowly it creeps."""
     balls = [hl.Ball(0.05, mass=1.0), hl.Ball(0.04, mass=0.5)]
     for static, deep in ((0.4, False), (0.6, True)):
         stiffness = 1.5 * 9.81 / (static * 0.05)
@@ -206,7 +206,7 @@ def test_a_time_before_the_limit_is_known() -> None:
     column = paper(1.0)
     end = hl.newton(column)._core.t_last
     early = hl.newton(column, 0.5 * end)
-    assert early.outcome_code == TOO_DEEP  # what the sequence comes to, as its t_end would be
+    assert early.outcome_code == TOO_DEEP  # the outcome is that of the whole sequence, like t_end
     assert np.isfinite(early.positions).all()
     late = hl.newton(column, 2.0 * end)
     assert late._core.t_last == pytest.approx(end, rel=1e-14) and np.isnan(late.positions).all()
@@ -313,7 +313,7 @@ def test_a_map_of_three_balls() -> None:
     assert np.isnan(grid.rebound_height.values[0]).all() and np.isnan(grid.final_velocity.values[0]).all()
 
 
-# ---- what is made of it --------------------------------------------------------------------------------------
+# ---- uses of the result ---------------------------------------------------------------------------------------
 
 
 def run(*arguments: str) -> tuple[int, str]:
@@ -406,7 +406,7 @@ def test_an_oblique_drop_that_is_too_soft() -> None:
     ),
 ), most=3))  # fmt: skip
 def test_energies_are_functions_of_the_state(column: hl.Column) -> None:
-    """Contact energy is that of every overlap; nothing jumps where a force ends before the gap opens."""
+    """The contact energy is that of all overlaps, and is continuous where a force ends before the gap opens."""
     results = [hl.newton(column, method="general")]
     if column.solvable_exactly:
         results.append(hl.newton(column))

@@ -1,4 +1,4 @@
-"""Columns as TOML: what is written is read back to the bit, and everything else is refused in one line."""
+"""Columns as TOML: written columns are read back bit for bit; invalid input is refused in one line."""
 
 import math
 from pathlib import Path

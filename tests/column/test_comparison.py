@@ -1,4 +1,4 @@
-"""The verdict on event-driven for any column: its sentence says what the numbers say."""
+"""The comparison of the event-driven model with Newton's equations: the verdict agrees with the numbers."""
 
 import itertools
 import math
@@ -14,7 +14,7 @@ from conftest import columns, draws, falling, free_columns, law_of, laws, log_fl
 
 BALL = hl.Ball(0.02, mass=0.1)
 
-#: From balls that stay where they land to balls that lose nothing.
+#: From perfectly inelastic to elastic.
 restitutions = st.one_of(st.floats(0.05, 1.0), st.sampled_from([1e-3, 0.01, 0.1, 0.99, 1.0]))
 
 scenarios = st.one_of(
@@ -26,7 +26,7 @@ scenarios = st.one_of(
 
 @st.composite
 def any_column(draw: st.DrawFn) -> hl.Column:
-    """Two to five balls from light to heavy, from touching to far apart, from soft to hard, some of them equal."""
+    """Two to five balls of any masses, gaps and stiffness, some of them equal."""
     n = draw(st.integers(2, 5))
     alike = draw(st.booleans())
 
@@ -50,15 +50,15 @@ def value(text: str) -> float:
 
 
 def last_contacts(result: hl.Result) -> tuple[np.ndarray, float, int]:
-    """End of the last contact of each ball before the floor is met again (NaN: none), the time of that (infinity:
-    not met again), and how many contacts there are up to then."""
+    """End of each ball's last contact before the second floor contact (NaN: none), the time of the latter (infinity:
+    none), and the number of contacts up to then."""
     pair, begin, end = result.contact_times
     floor = np.flatnonzero(pair == 0)
     again, radius = math.inf, result.column.balls[0].radius
     for first, then in itertools.pairwise(floor):
         middle = 0.5 * (
             end[first] + begin[then]
-        )  # a force that sets in again within a contact is no second one
+        )  # a force that sets in again within a contact is not a second contact
         opened = result.model == "independent" or result.trajectory(middle).position.values[0, 0] > radius
         if opened and math.isinf(again):
             again, floor_again = begin[then], then
@@ -73,8 +73,8 @@ def last_contacts(result: hl.Result) -> tuple[np.ndarray, float, int]:
 
 
 def at_one_instant(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Velocities of the balls under both models at one instant after the sequence, read from runs up to there, and how
-    much later the last contact of each ball ended event-driven. None if there is no such instant."""
+    """Velocities of the balls in both models at a common instant after the sequence, and by how much later each ball's
+    last contact ended in the event-driven model. None if there is no such instant."""
     column, both = found.newton.column, (found.newton, found.independent)
     (ends, again, n), (hard_ends, hard_again, hard_n) = map(last_contacts, both)
     if np.isnan(ends).all() or np.isnan(hard_ends).all():
@@ -88,7 +88,7 @@ def at_one_instant(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.nda
     instant = 0.5 * (over + next_one)
     runs = [solve(column, until=instant) for solve in solvers]
     if [np.count_nonzero(run.contact_times[2] <= instant) for run in runs] != [n, hard_n]:
-        return None  # several at one instant, or one goes on
+        return None  # several contacts at one instant, or one that has not ended
     if any(np.isnan(run.contact_times[2]).any() for run in runs):
         return None
     true, hard = (run.trajectory(instant).velocity.values[0] for run in runs)
@@ -96,7 +96,7 @@ def at_one_instant(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def compared(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """What the verdict compares, from :func:`at_one_instant`: under Newton, event-driven; and the scale of errors."""
+    """Velocities that the verdict compares (Newton, event-driven), from :func:`at_one_instant`, and the error scale."""
     column = found.newton.column
     if column.floor and len(column.balls) == 2:
         true, hard = (np.array([r.separation_velocity]) for r in (found.newton, found.independent))
@@ -110,7 +110,7 @@ def compared(found: hl.Comparison) -> tuple[np.ndarray, np.ndarray, float] | Non
 
 
 def overlapping(result: hl.Result) -> int:
-    """Ball–ball contacts that share an instant with another contact, from a list of all beginnings and ends."""
+    """Number of ball–ball contacts that overlap another contact in time, from all begins and ends."""
     end = result.contacts.end.fillna(math.inf).values
     spans = list(zip(result.contacts.pair.values, result.contacts.begin.values, end, strict=True))
     of_balls = sorted((span for span in spans if span[0] > 0), key=lambda span: span[1])[: result.n_contacts]
@@ -139,7 +139,7 @@ def check(found: hl.Comparison) -> None:
     n = found.newton.n_contacts
     overlap = overlapping(found.newton)
     if answer in ("yes", "by luck"):
-        # A single contact of the upper balls may be on either side of the second one with the floor.
+        # A single contact of the upper balls may be before or after the second floor contact.
         met = {"ok", "no_contact"} if one_ball or "follows the second floor contact" in sentence else {"ok"}
         assert set(outcomes) <= met
         assert (overlap > 0) == (answer == "by luck")
@@ -185,7 +185,7 @@ def check_numbers(found: hl.Comparison) -> None:
 
 
 def check_course(sentence: str, overlap: int, n: int) -> None:
-    """Number of contacts that overlap another one."""
+    """The number of contacts that overlap another one agrees."""
     if "another contact in time" in sentence:
         said = re.search(r": (the|both|all (\d+)|(\d+) of (\d+)) ball–ball contacts? overlaps? ", sentence)
         counts = {"the": (1, 1), "both": (2, 2)}.get(said[1])
@@ -207,8 +207,8 @@ def test_the_sentence_agrees_with_the_numbers(column):
 @draws(400)
 @given(any_column())
 def test_a_verdict_survives_a_second_definition(column):
-    """At one instant the two models say the same as at the same stage, but for what falling makes of a delay; and balls
-    that all leave upwards and rise equally high are no reason for a No."""
+    """A comparison at one instant gives the same verdict as one at the same stage of the sequence, except for the
+    effect of gravity during a delay. If all balls leave upwards and rise equally high, the verdict is not No."""
     found = hl.compare(column)
     answer, sentence = found.verdict
     event(answer)
@@ -235,7 +235,7 @@ def three_balls_far_apart() -> hl.Column:
 
 
 def test_the_second_floor_contact_is_on_neither_side():
-    """A table tennis ball between the floor and tennis balls: hard contacts one after the other, and rebound heights
+    """A table tennis ball between the floor and tennis balls: stiff contacts that do not overlap, and rebound heights
     that agree to 0.02 %."""
     found = hl.compare(three_balls_far_apart())
     assert found.verdict.answer == "yes" and "right to 0.005 %" in found.verdict.sentence
@@ -253,8 +253,8 @@ def test_the_second_floor_contact_is_on_neither_side():
 def test_a_contact_of_the_upper_balls_may_come_after_the_floor(
     radii, density, gaps, stiffness, restitution, height
 ):
-    """The second ball meets the third one just before the lowest one meets the floor again, or just after: both go on
-    alike, and so says the verdict."""
+    """The second ball hits the third just before or just after the second floor contact. The later motion is the same,
+    and so is the verdict."""
     law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
     column = hl.Column([hl.Ball(r, density=density) for r in radii], gaps, height, law)
     found = hl.compare(column)
@@ -293,7 +293,7 @@ def test_known_answers(name):
 
 
 def test_a_collapse_is_no():
-    """Below ε = 7 − 4√3 one ball between two that close in collides for ever."""
+    """Below ε = 7 − 4√3 a ball between two approaching balls collides infinitely often."""
     found = hl.compare(hl.Column.cradle([BALL] * 3, [1.0, 0.0, -1.0], law_of("linear", 0.05), 1e-3))
     assert found.independent.outcome.startswith("inelastic collapse")
     assert found.verdict == (
@@ -311,7 +311,7 @@ def test_balls_that_stay_where_they_land():
 
 
 def test_a_common_velocity_changes_no_verdict_of_a_cradle():
-    """One inertial frame is as good as another."""
+    """The verdict does not depend on the inertial frame."""
     law = law_of("linear", 0.9)
     sentences = set()
     for shift in (0.0, 100.0):

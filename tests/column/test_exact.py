@@ -1,4 +1,4 @@
-"""Two balls under the linear law in closed form: anchors of the paper, definitions and corner cases."""
+"""Exact solver for two balls under the linear law: reference values of the paper, definitions and corner cases."""
 
 import itertools
 import math
@@ -24,7 +24,7 @@ def ball_contacts(result: hl.Result) -> np.ndarray:
     return np.stack([c.begin.values[pairs], c.end.values[pairs]], axis=1)
 
 
-# ---- anchors of the paper ----------------------------------------------------------------------------------
+# ---- reference values of the paper -------------------------------------------------------------------------
 
 
 def test_figure_2():
@@ -33,7 +33,7 @@ def test_figure_2():
     wanted = [[194.415, 220.195], [387.902, 414.417], [539.693, 566.545], [695.097, 721.035]]
     assert np.abs(micro - wanted).max() < 5e-4
     assert abs(1e6 * result.t_floor_end - 775.172) < 5e-4
-    # From matrix exponentials with 40 digits and bisected switches.
+    # From 40-digit matrix exponentials and bisection for the events.
     assert abs(result.relative_velocity - 0.1717108979777039) < 1e-14
     assert abs(result.separation_velocity - 0.1254649281164159) < 1e-14
     assert result.n_contacts == 4
@@ -47,13 +47,13 @@ def test_velocity_at_the_end_jumps_where_the_count_changes():
     assert before.n_contacts == after.n_contacts + 1
     assert before.relative_velocity < 3e-4
     assert after.relative_velocity == pytest.approx(0.602, abs=1e-3)
-    # The separation velocity does not.
+    # The separation velocity is continuous.
     assert after.separation_velocity == pytest.approx(before.separation_velocity, abs=3e-5)
 
 
 @pytest.mark.parametrize(("density", "spikes"), [(840.0, (0.782, 0.667)), (1140.0, (0.853, 0.718))])
 def test_density_is_seen_in_where_the_balls_meet_once_more(density, spikes):
-    """Going up in ε, the last contact moves past the end of the floor contact and is lost at the spike."""
+    """As ε increases, the last contact moves beyond the end of the floor contact and vanishes at the spike."""
     for count, at in zip((3, 4), spikes, strict=True):
         above = hl.newton(hl.Column.paper(at + 1.1e-3, density=density))
         below = hl.newton(hl.Column.paper(at - 1.1e-3, density=density))
@@ -71,7 +71,7 @@ def test_one_contact_does_not_mean_independent_collisions():
 
 
 def test_figure_5_levels_off_where_the_floor_contact_is_over_first():
-    """Δh > V (t_c − 2βε/ω0²) = 2.504 mm; then ε_eff/ε = 1.0009, for gravity acts during the contact."""
+    """Δh > V (t_c − 2βε/ω0²) = 2.504 mm; then ε_eff/ε = 1.0009, because gravity acts during the contact."""
     column = hl.Column.paper(0.9)
     floor = column.contacts[0]
     beta = 0.5 * floor.damping / floor.effective_mass
@@ -100,7 +100,7 @@ def test_figure_6_exceeds_one_up_to_a_ratio_of_1_51():
 
 
 def test_number_of_contacts():
-    """It has one maximum over ε, grows as Δh falls up to a maximum, and grows with R1/R2."""
+    """It has one maximum as a function of ε, increases to a maximum as Δh decreases, and increases with R1/R2."""
 
     def count(*values, **options):
         return hl.newton(hl.Column.paper(*values, **options)).n_contacts
@@ -141,14 +141,14 @@ def test_times_count_from_the_first_floor_touch():
 
 
 def both_closed(result: hl.Result) -> tuple[float, float]:
-    """Two times inside one piece of motion C (both contacts push)."""
+    """Two times within one interval of motion C (both contacts closed)."""
     begin, end = ball_contacts(result)[0]
     assert 0.0 < begin < end < result.t_floor_end
     return begin + 0.01 * (end - begin), end - 0.01 * (end - begin)
 
 
 def motion_c(column: hl.Column) -> mpmath.matrix:
-    """Rates of (u, u̇, w, ẇ, 1) while both contacts push."""
+    """Matrix M of motion C for the state (u, u̇, w, ẇ, 1)."""
     floor, pair = column.contacts
     m1, m2 = (b.mass for b in column.balls)
     k1, g1, k2, g2 = floor.stiffness, floor.damping, pair.stiffness, pair.damping
@@ -184,12 +184,12 @@ def test_motion_with_both_contacts_is_the_matrix_exponential(restitution, ratio)
         start = mpmath.matrix([*map(float, gaps[0]), 1])
         exact = mpmath.expm(motion_c(column) * mpmath.mpf(times[1] - times[0])) * start
         for i, scale in ((1, column.impact_speed), (3, column.impact_speed)):
-            # The gaps taken from positions are known to 1e-16 m only: 1e-12 m/s after ω = 1e5/s.
+            # Gaps computed from positions have an error of 1e-16 m, which ω = 1e5/s turns into 1e-12 m/s.
             assert abs(float(exact[i]) - gaps[1, i]) < 2e-11 * scale
 
 
 def test_lower_ball_alone_bounces_with_the_given_restitution():
-    """With the upper ball far above, gravity off: ε of one isolated collision, at t_c."""
+    """With the upper ball far above and no gravity: ε and t_c of one isolated collision."""
     for restitution in (1.0, 0.9, 0.5, math.exp(-2.0), 0.05):
         law = hl.LinearDashpot(stiffness=5e7, restitution=restitution)
         balls = [hl.Ball(0.1, density=840.0), hl.Ball(0.01, density=840.0)]
@@ -206,7 +206,7 @@ def test_exact_and_general_solver_agree(column):
     exact = hl.newton(column, method="exact")
     general = hl.newton(column, method="general")
     assert exact.outcome == general.outcome
-    if exact.n_contacts != general.n_contacts:  # a last contact of no force may be a matter of rounding
+    if exact.n_contacts != general.n_contacts:  # a last contact without force may depend on rounding
         shortest = min(np.nanmin(np.diff(ball_contacts(r))) for r in (exact, general))
         assert shortest < 1e-6 * column.contacts[1].duration()
         return
@@ -225,7 +225,7 @@ DEFINED = ["relative_velocity", "t_end", "effective_restitution", "restitution_r
 
 
 def check_outcome(result: hl.Result) -> None:
-    """What each outcome says about the numbers: nothing is NaN in silence."""
+    """Each outcome determines which numbers are NaN."""
     values = {name: getattr(result, name) for name in DEFINED}
     if result.outcome == "ok":
         assert all(math.isfinite(v) for v in values.values()), values
@@ -254,7 +254,7 @@ def test_any_gap_ratio_and_stiffness_has_an_answer_or_says_why_not(restitution):
     gaps, ratios, stiffnesses = [0.0, 1e-15, 1e-6, 1.0], [0.3, 1.0, 7.0, 30.0, 300.0], [1e3, 1e7, 1e11, 1e15]
     for gap, ratio, stiffness in itertools.product(gaps, ratios, stiffnesses):
         if restitution == 1e-3 and ratio > 10.0:
-            continue  # above 100 a crawl of 1e5 relaxation times, given up after a second each
+            continue  # above 100 the motion creeps for 1e5 relaxation times; the solver stops after a second
         column = hl.Column.paper(restitution, gap, ratio, stiffness=stiffness, height=4.0)
         result = hl.newton(column)
         check_outcome(result)
@@ -274,7 +274,7 @@ def test_touching_is_the_limit_of_a_vanishing_gap(restitution, ratio):
 
 
 def test_continuity_at_elastic_and_critical_damping():
-    """Next to ε = 1 and ε = e^{−2}, where formulas change their form, the answer hardly changes."""
+    """The result is continuous at ε = 1 and ε = e^{−2}, where the formulas change form."""
     for restitution in (1.0 - 1e-12, math.exp(-2.0)):
         values = [
             hl.newton(hl.Column.paper(e, 1e-4)).relative_velocity
@@ -287,13 +287,13 @@ def test_continuity_at_elastic_and_critical_damping():
 
 
 def test_at_rest():
-    """ε V ω0 is too small against g: the floor and the pair stay closed for good."""
+    """ε V ω0 is too small compared with g: floor and pair stay closed forever."""
     result = hl.newton(hl.Column.paper(1e-3))
     assert result.outcome_code == hl.OUTCOMES.index("at_rest")
     assert result.relative_velocity == result.separation_velocity == 0.0
     assert math.isnan(result.t_end) and math.isnan(result.t_floor_end)
     assert np.isnan(result.contacts.end.values[-2:]).all()
-    # It does lie there: the weights are carried.
+    # At rest the contact forces carry the weights.
     late = result.trajectory([0.1])
     m1, m2 = (b.mass for b in result.column.balls)
     assert late.force.values[0] == pytest.approx([(m1 + m2) * G, m2 * G], rel=1e-6)
@@ -312,7 +312,7 @@ def test_no_contact_before_the_floor_is_met_again():
 
 
 def test_reengagement_is_a_contact_of_its_own():
-    """The clipped force switches on again while the balls still overlap."""
+    """The clipped force sets in again while the balls still overlap."""
     found = 0
     for restitution in np.arange(0.3, 0.9, 0.02):
         for gap in np.logspace(-6, -4, 15):
@@ -326,13 +326,13 @@ def test_reengagement_is_a_contact_of_its_own():
             if not closed.any():
                 continue
             found += 1
-            # There the force starts from zero, as at the end, instead of jumping to γ ξ̇.
+            # The force then starts from zero, as it ended, instead of jumping to γ ξ̇.
             assert state.force.values[closed, 1].max() < 1e-6 * result.trajectory().force.values[:, 1].max()
     assert 5 < found < 200
 
 
 def test_pair_meets_before_the_floor():
-    """The upper ball is thrown down: the first contact is in flight, at a negative time."""
+    """The upper ball is thrown down: the first contact occurs in flight, at a negative time."""
     law = hl.LinearDashpot(stiffness=5e7, restitution=0.8)
     balls = [hl.Ball(0.05, density=840.0), hl.Ball(0.03, density=840.0)]
     column = hl.Column(balls, [1e-3], 0.6, law, velocities=[0.0, -1.0])
@@ -347,7 +347,7 @@ def test_pair_meets_before_the_floor():
     assert int(first.pair) == 1
     duration = column.contacts[1].duration()
     assert float(first.end - first.begin) == pytest.approx(duration, rel=1e-9)
-    # The first floor touch is time zero, and is earlier than without the push.
+    # Time zero is the first floor touch, which is earlier than without the collision.
     floor = exact.contacts.begin.values[exact.contacts.pair.values == 0]
     assert floor[0] == 0.0
     assert -exact.trajectory().time.values[0] < math.sqrt(2.0 * 0.55 / G)
@@ -369,9 +369,9 @@ def test_released_with_velocities(velocities):
 @pytest.mark.parametrize("gap", [1e-15, slow(1e-13), 1e-11])
 @pytest.mark.parametrize("speed", [1e-5, slow(2e-4), slow(1e-2)])
 def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
-    """Both balls fall alike, and the pair closes only as the floor stops the lower one; its weight presses it in deep.
+    """Both balls fall together, and the pair closes only because the floor stops the lower ball.
 
-    Closed form with 40 digits: the lower ball swings on the floor, the upper one falls freely.
+    Closed form with 40 digits: the lower ball oscillates on the floor, the upper one falls freely.
     """
     column = falling(
         [0.3, 2e-3], [gap], hl.LinearDashpot(stiffness=3e4, restitution=1.0), speed=speed, gravity=9.81
@@ -393,7 +393,7 @@ def test_a_gap_that_closes_as_the_third_power_of_time(gap, speed):
 @pytest.mark.parametrize("gap", [1e-15, 1e-12, 1e-9])
 @pytest.mark.parametrize("mass_ratio", [10.0, 1e5])
 def test_a_ball_thrown_up_from_close_to_the_floor_falls_back_in_time(gap, mass_ratio):
-    """The upper ball pushes it down meanwhile: energy tells whether the floor is met when it is."""
+    """The upper ball pushes it down meanwhile; the energy balance checks the time of the floor contact."""
     column = hl.Column(
         [hl.Ball(1e-3, mass=0.7 * mass_ratio), hl.Ball(1e-4, mass=0.7)],
         gaps=0.0,
@@ -426,7 +426,7 @@ def test_until_goes_on_and_changes_nothing_before(method):
         sample = longer.trajectory([until])
         assert longer.positions == pytest.approx(sample.position.values[0], rel=1e-14)
         assert longer.velocities == pytest.approx(sample.velocity.values[0], rel=1e-12)
-    # The balls bounce on: more and more floor contacts, all of them in order.
+    # The balls continue to bounce: more floor contacts, all in order of time.
     begins = hl.newton(column, until=3.0, method=method).contacts.begin.values
     assert len(begins) > 20
     assert (np.diff(begins) >= 0.0).all()
@@ -460,7 +460,7 @@ def test_energy_balance(method, restitution):
 
 
 def test_one_damping_constant_for_all_contacts():
-    """Appendix C: γ is the material's; then ε01 ≠ ε12 and there is no ε to compare with."""
+    """Appendix C: γ is a material constant; then ε01 ≠ ε12, and no single ε exists to compare with."""
     law = hl.LinearDashpot(stiffness=5e7, damping=2000.0)
     column = hl.Column.paper(law=law)
     floor, pair = column.contacts
@@ -478,13 +478,13 @@ def test_one_damping_constant_for_all_contacts():
     )
 
 
-# ---- light lower balls, creep, long flights and contacts without measure ---------------------------------------
+# ---- light lower balls, creep, long flights and very long contacts ---------------------------------------------
 
 
 def relative_velocity_to_40_digits(column: hl.Column) -> float:
-    """v'_r of a touching elastic pair, both contacts closed from the first touch on: a power of exp(M t).
+    """v'_r of a touching elastic pair whose contacts are both closed from the first touch on, from exp(M t).
 
-    The pair parts at the first zero of w after the floor touch, bracketed on the double-precision solution.
+    The pair separates at the first zero of w after the floor touch, bracketed with the double-precision solution.
     """
     floor, pair = column.contacts
     end = float(ball_contacts(hl.newton(column))[0, 1])
@@ -524,12 +524,12 @@ def relative_velocity_to_40_digits(column: hl.Column) -> float:
 
 @pytest.mark.parametrize("ratio", [0.2, 0.05, 0.03, 0.01, 0.005])
 def test_a_light_lower_ball_keeps_the_digits(ratio):
-    """1 − a2 = m1/(m1 + m2) by subtraction cost 1e-7 V at R1/R2 = 0.01. The problem itself turns a rounding of its
-    parameters into an error that grows with the number of swings of the light ball, (R2/R1)^{3/2}."""
+    """Computing 1 − a2 = m1/(m1 + m2) by subtraction caused an error of 1e-7 V at R1/R2 = 0.01. The condition number of
+    the problem grows with the number of oscillations of the light ball, (R2/R1)^{3/2}."""
     column = hl.Column.paper(1.0, gap=0.0, radius_ratio=ratio)
     exact = hl.newton(column)
     assert float(exact.contacts.begin[1]) == 0.0
-    assert exact.t_floor_end > float(ball_contacts(exact)[0, 1])  # motion C all the way
+    assert exact.t_floor_end > float(ball_contacts(exact)[0, 1])  # motion C throughout
     within = (5e-12 + 2e-17 / ratio**3) * column.impact_speed
     expected = relative_velocity_to_40_digits(column)
     assert abs(exact.relative_velocity - expected) < within
@@ -544,7 +544,7 @@ CREEPS = [(10.0, 1e-5), (10.0, 1e-8), (10.0, 1e-12), (10.0, 1e-30), (100.0, 1e-3
 @pytest.mark.parametrize(("ratio", "restitution"), CREEPS)
 @pytest.mark.parametrize("gap", [0.0, 1e-4])
 def test_creep_ends_at_rest(ratio, restitution, gap, model):
-    """A relaxation of up to 1e60 pieces: known to end at rest as soon as no ball can fall freely any more."""
+    """A relaxation of up to 1e60 pieces ends at rest as soon as no ball can accelerate as in free fall."""
     column = hl.Column.paper(restitution, gap, ratio, height=max(0.6, 0.02 * ratio))
     result = getattr(hl, model)(column)
     assert result.outcome_code == hl.OUTCOMES.index("at_rest")
@@ -568,7 +568,7 @@ def test_strongly_damped_random_columns_are_resolved(n):
 
 @pytest.mark.parametrize("until", [0.035, 0.05, 0.07])
 def test_velocities_of_a_relaxation_keep_their_digits(until):
-    """Overdamped balls on the floor, from 0.1 m/s down to 1e-16 m/s: what decays is not a difference of what stays."""
+    """Overdamped balls on the floor, 0.1 to 1e-16 m/s: small velocities are not differences of large numbers."""
     column = hl.Column.paper(0.05)
     result = hl.newton(column, until=until)
     begin = float(result.contacts.begin.values[-1]) + 1e-6
@@ -594,7 +594,7 @@ def test_dissipated_energy_of_a_relaxation_is_the_work_of_the_dashpots(model):
     if model == "adiabatic":
         rates[1, 2:] = 0.0
         rates[3, 2:] = -pair.stiffness / column.balls[1].mass, -pair.damping / column.balls[1].mass
-    # Lengths in units of 1e-5 s times a velocity: the equation is then well scaled.
+    # Lengths in units of 1e-5 s times a velocity make the equation well scaled.
     omega = np.diag([1e5, 1.0, 1e5, 1.0])
     scaled = omega @ rates @ np.linalg.inv(omega)
     work = solve_continuous_lyapunov(scaled.T, -np.diag([0.0, floor.damping, 0.0, pair.damping]))
@@ -609,7 +609,7 @@ def test_dissipated_energy_of_a_relaxation_is_the_work_of_the_dashpots(model):
 
 
 def random_column(rng: np.random.Generator) -> hl.Column:
-    """Whatever the explorer can be set to, elastic balls included."""
+    """Any setting of the explorer, including elastic balls."""
     radii = np.exp(rng.uniform(math.log(1e-3), math.log(0.5), 2))
     stiffness = 5e7 if rng.random() < 0.5 else 10.0 ** rng.uniform(3, 9)
     restitution = 1.0 if rng.random() < 0.1 else rng.uniform(0.02, 1.0)
@@ -620,7 +620,7 @@ def random_column(rng: np.random.Generator) -> hl.Column:
 
 @pytest.mark.parametrize("model", ["newton", "adiabatic"])
 def test_a_long_run_has_pieces_for_its_contacts_not_for_its_length(model):
-    """A ball that lies or rings on another passes through up to 1e6 of its own periods in a second."""
+    """A ball that rests or oscillates on another one has up to 1e6 periods in a second."""
     rng = np.random.default_rng(8)
     law = hl.LinearDashpot(stiffness=5e7, restitution=0.7)
     cases = [
@@ -648,7 +648,7 @@ def test_strong_damping_agrees_with_the_general_solver(restitution, ratio):
 
 
 def test_times_after_a_long_flight_keep_their_digits():
-    """10 µm grains, the lower one thrown up at 20 m/s to meet the upper one: 4 s pass before contacts of 10 ns."""
+    """10 µm grains, the lower one thrown up at 20 m/s towards the upper: a flight of 4 s before contacts of 10 ns."""
     law = hl.LinearDashpot(stiffness=1e4, restitution=0.9)
     balls = [hl.Ball(1e-5, density=2500.0), hl.Ball(1e-5, density=2500.0)]
     column = hl.Column(balls, [1e-6], 2e-5, law, velocities=[20.0, 10.0])
@@ -668,7 +668,7 @@ def test_contacts_without_measure_end(stiffness):
 
 
 def ringing_column(rng: np.random.Generator, restitution: float) -> hl.Column:
-    """A light ball on the floor and a heavy one that touches it, each spring of its own."""
+    """A light ball on the floor and a heavy ball that touches it, with separate spring constants."""
     ratio = 10.0 ** rng.uniform(5.0, 12.0)
     stiffness = 10.0 ** rng.uniform(4.0, 8.0, 2)
     laws = [hl.LinearDashpot(stiffness=float(k), restitution=restitution) for k in stiffness]
@@ -677,7 +677,7 @@ def ringing_column(rng: np.random.Generator, restitution: float) -> hl.Column:
 
 
 def undamped_gap(column: hl.Column, t: float) -> tuple[float, float]:
-    """Gap of the pair and its largest value so far, both contacts being closed since t = 0, in 30 digits."""
+    """Gap of the pair and its largest value so far, with both contacts closed since t = 0, to 30 digits."""
     m1, m2 = (mpmath.mpf(ball.mass) for ball in column.balls)
     k1, k2 = (mpmath.mpf(contact.stiffness) for contact in column.contacts)
     g, v = mpmath.mpf(column.gravity), mpmath.mpf(column.impact_speed)
@@ -701,7 +701,7 @@ def undamped_gap(column: hl.Column, t: float) -> tuple[float, float]:
 
 
 def test_a_light_ball_that_rings_for_ever_is_glided_over():
-    """Up to 1e6 oscillations: few pieces, and the pair's force ends where the closed form has its zero."""
+    """Up to 1e6 oscillations need few pieces, and the pair contact ends at the zero of the closed form."""
     rng = np.random.default_rng(5)
     compared = 0
     for _ in range(60):
@@ -709,7 +709,7 @@ def test_a_light_ball_that_rings_for_ever_is_glided_over():
         result = hl.newton(column)
         assert result.outcome == "ok" and result._core.steps < 100_000
         if result.n_contacts > 1 or result.t_floor_end < result.t_end:
-            continue  # not both contacts all the time
+            continue  # the contacts were not both closed all the time
         with mpmath.workdps(30):
             gap, scale = undamped_gap(column, result.t_end)
         assert abs(gap) <= 1e-10 * scale
@@ -719,7 +719,7 @@ def test_a_light_ball_that_rings_for_ever_is_glided_over():
 
 @pytest.mark.parametrize("loss", [1e-9, 1e-6, 1e-4])
 def test_a_light_ball_that_rings_long_is_glided_over(loss):
-    """With a little damping, which couples the modes: the energy balance holds, which knows nothing of modes."""
+    """With weak damping, which couples the modes, energy is conserved; the balance does not use the modes."""
     rng = np.random.default_rng(6)
     for _ in range(12):
         column = ringing_column(rng, 1.0 - loss)

@@ -1,4 +1,4 @@
-"""The integrating solver: measured order, energy balance, agreement with closed forms, any law and number."""
+"""General column solver: measured order, energy balance, agreement with closed forms, any law and number of balls."""
 
 import math
 
@@ -20,8 +20,8 @@ every_law = pytest.mark.parametrize("name", sorted(hl.LAWS))
 def measured_order(column: hl.Column, until: float) -> float:
     """−d ln(error)/d ln(steps) over four decades of the tolerance, down to rounding.
 
-    Above 1e-10 the first steps of a contact under Tsuji's law, where s = ξ^{1/4} grows from zero, have the length
-    with which they are begun and not one that the tolerance decides.
+    Above 1e-10, the tolerance does not determine the length of the first steps of a contact under Tsuji's law, where
+    s = ξ^{1/4} grows from zero; it is the initial step length.
     """
     reference = hl.newton(column, until=until, tolerance=1e-15, method="general")
     steps, errors = [], []
@@ -38,11 +38,10 @@ def measured_order(column: hl.Column, until: float) -> float:
 @every_law
 @pytest.mark.parametrize("restitution", [0.98, 0.9])
 def test_order_is_eight(name, restitution):
-    """Three balls that swing on the floor for long: many steps and switches.
+    """Three balls that oscillate on the floor for a long time: many steps and events.
 
-    A switch that is not located would show as an order of 1. What the start of a Hertz contact costs is seen
-    in the next test, for steps that grow from zero hide it here. Orders above 8 come from the steps that
-    switches cost whatever the tolerance.
+    An event that is not located would reduce the order to 1. The next test covers the start of a Hertz contact; here
+    the short first steps hide it. Orders above 8 result from the steps that events need at any tolerance.
     """
     law = law_of(name, restitution, speed=0.01)
     balls = [hl.Ball(r, density=2000.0) for r in (0.03, 0.02, 0.012)]
@@ -54,10 +53,10 @@ def test_order_is_eight(name, restitution):
 @every_law
 @pytest.mark.parametrize("restitution", [1.0, 0.7, 0.3, 0.05])
 def test_one_collision_is_that_of_the_law(name, restitution):
-    """Two balls meet once: restitution and duration of the contact itself.
+    """Two balls collide once, with the restitution and duration of the contact law.
 
-    In few steps: with ξ instead of its root as the coordinate of a Hertz contact there are twice as many as with
-    the root (60), and the sharpest tolerance does not reach rounding.
+    The number of steps is limited: with ξ instead of its root as the coordinate of a Hertz contact it would be twice
+    that with the root (60), and the tightest tolerance would not reach rounding error.
     """
     law = law_of(name, restitution, speed=1.5)
     balls = [hl.Ball(0.02, mass=0.1), hl.Ball(0.01, mass=0.03)]
@@ -126,7 +125,7 @@ def test_corner_cases_end_with_an_outcome(name, restitution, gap):
 
 
 def not_clipped(column: hl.Column, depth: float, speed: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Compression, its rate and the force of a ball that goes into a linear floor, in closed form over six periods."""
+    """Compression, its rate and the unclipped force of a ball on a linear floor, in closed form over six periods."""
     mass, k, damping = column.balls[0].mass, column.laws[0].stiffness, column.contacts[0].damping
     decay, weight = damping / (2.0 * mass), mass * column.gravity
     omega = math.sqrt(k / mass - decay**2)
@@ -168,7 +167,7 @@ def test_a_ball_that_falls_little_rests_or_leaves_the_floor(
 ) -> None:
     """It leaves if, where the force first ends, its speed carries it to ξ = 0: v² > 2gξ.
 
-    ``share`` is the energy of the fall over that of the ball on the floor that is not compressed.
+    ``share``: energy of the fall over (mg)²/(2k), the energy above the equilibrium at zero compression.
     """
     law = hl.LinearDashpot(stiffness=stiffness, restitution=restitution)
     height = 1e3 + share * mass * 9.81 / (2.0 * stiffness)
@@ -177,7 +176,7 @@ def test_a_ball_that_falls_little_rests_or_leaves_the_floor(
     compression, rate, force = not_clipped(column, 0.0, speed)
     end = int(np.argmax(force < 0.0))
     leaves = bool(force[end] < 0.0 and rate[end] ** 2 > 2.0 * 9.81 * compression[end])
-    assume(abs(force.min()) > 1e-3 * mass * 9.81)  # beside a border the instants of the grid decide
+    assume(abs(force.min()) > 1e-3 * mass * 9.81)  # near the limit the result depends on the time grid
     assume(force[end] > 0.0 or abs(rate[end] ** 2 / (2.0 * 9.81) / compression[end] - 1.0) > 0.05)
     outcome = hl.newton(column).outcome
     assert outcome == ("ok" if leaves else "at rest: a contact never ends because gravity holds it closed")
@@ -223,7 +222,7 @@ def test_released_on_the_floor_with_the_upper_ball_rising(name, upper):
 
 @every_law
 def test_a_touching_pair_is_dated_to_when_it_begins_to_close(name):
-    """The floor pushes ball 1 first; the upper pair is pushed when balls 1 and 2 meet, and from that instant on."""
+    """The floor force acts on ball 1 first; the upper pair closes from the instant at which balls 1 and 2 collide."""
     balls = [hl.Ball(0.02, mass=0.1)] * 3
     result = hl.newton(hl.Column(balls, [1e-4, 0.0], 0.3, law_of(name, 0.9)))
     begin, pair = result.contacts.begin.values, result.contacts.pair.values
@@ -243,8 +242,8 @@ def approaching(velocities: list[float]) -> list[float]:
 
 @st.composite
 def ties(draw):
-    """A function from the width of its closed gaps to a column full of ties: equal velocities, touching pairs,
-    a release on the floor."""
+    """A function from the width of the closed gaps to a column with many ties: equal velocities, touching pairs,
+    release on the floor."""
     n = draw(st.integers(2, 4))
     radius = st.sampled_from([0.02, 0.02, 0.007, 0.035])
     balls = [hl.Ball(draw(radius), density=2000.0) for _ in range(n)]
@@ -273,7 +272,7 @@ def ties(draw):
 @draws(200)
 @given(ties())
 def test_any_tie_is_the_limit_of_vanishing_gaps(column):
-    """Counts of every pair and velocities, where the limit itself has been reached."""
+    """Contact counts and velocities of touching pairs are the limits for small gaps, where these have converged."""
     until = 6.0 * max(contact.duration(1.0) for contact in column(0.0).contacts)
     tie, near, nearer = (hl.newton(column(gap), until=until, method="general") for gap in (0.0, 1e-14, 1e-16))
     assert np.isfinite(tie.velocities).all() and tie.energy_error < 1e-10
@@ -345,7 +344,7 @@ def test_one_ball_bounces_once(name, restitution):
 
 @every_law
 def test_one_ball_until_it_rests(name):
-    """It bounces ever lower, energy is accounted for, and in the end the floor carries its weight."""
+    """It bounces with decreasing height, energy is conserved, and finally the floor carries its weight."""
     column, _ = one_ball(law_of(name, 0.5), 0.1)
     result = _core.newton(column, 5.0, False, 1e-14)
     pair, begin, end = result.contacts()
@@ -359,7 +358,7 @@ def test_one_ball_until_it_rests(name):
 @every_law
 @pytest.mark.parametrize("ratio", [1.0, 1e4, 1e6])
 def test_a_stack_that_creeps_takes_few_steps(name, ratio):
-    """What decays at a rate of 1e6/s and more is long over while the rest of the motion takes seconds."""
+    """Modes of 1e6/s and more have decayed while the remaining motion takes seconds."""
     balls = [hl.Ball(0.02, mass=m) for m in (0.1, 0.1 * ratio, 0.1)]
     column = hl.Column(balls, [0.0, 0.05], 0.12, law_of(name, 1e-4, speed=1.4))
     result = hl.newton(column, until=0.5)
@@ -368,7 +367,7 @@ def test_a_stack_that_creeps_takes_few_steps(name, ratio):
     assert result.energy_error < 1e-11
 
 
-# Two balls of which the general solver finds at any time what the exact one does.
+# For two balls the general solver agrees with the exact one at any time.
 @given(
     restitution=log_floats(1e-5, 1e-3),
     masses=st.tuples(log_floats(1e-3, 10.0), log_floats(1e-3, 1e3)),
@@ -390,7 +389,7 @@ def test_two_balls_creep_as_the_exact_solver_says(restitution, masses, stiffness
 
 @pytest.mark.parametrize("ratio", [1.0, 1e3, 1e6])
 def test_closed_contacts_creep_as_the_matrix_exponential_says(ratio):
-    """From one state of the solver to a later one, with 60 digits."""
+    """From one state of the solver to a later one, by a 60-digit matrix exponential."""
     balls = [hl.Ball(20.0, mass=m) for m in (0.1, 0.1 * ratio, 0.1)]
     column = hl.Column(balls, [0.0, 0.001], 20.1, hl.LinearDashpot(stiffness=1e6, restitution=1e-5))
     result = hl.newton(column, until=0.6)
@@ -429,7 +428,7 @@ def test_closed_contacts_creep_as_the_matrix_exponential_says(ratio):
 
 @every_law
 def test_what_has_come_to_rest_is_not_integrated_for_ever(name):
-    """The column damped away holds its state however long it lies there, and carries its weight."""
+    """A column at rest keeps its state for any time, and its contacts carry the weight."""
     balls = [hl.Ball(0.03, density=2000.0), hl.Ball(0.02, density=2000.0)]
     column = hl.Column(balls, [1e-4], 0.04, law_of(name, 0.3))
     short, long = (hl.newton(column, until=u, method="general") for u in (10.0, 1e6))
@@ -455,7 +454,7 @@ def test_constants_beyond_the_range_of_doubles_end_with_an_outcome(stiffness):
 @pytest.mark.parametrize("gap", [0.0, 1e-9])
 @pytest.mark.parametrize("radius", [1e-4, 1e-5])
 def test_a_ball_far_lighter_than_its_neighbour(radius, gap):
-    """Squeezed against the floor, it feels the difference of two forces whose rounding alone moves it."""
+    """The net force on it is the difference of two large forces; their rounding error alone accelerates it."""
     column = roomy(hl.Column.paper(restitution=0.9, radius_1=radius, gap=gap))
     general, exact = hl.newton(column, method="general"), hl.newton(column)
     assert general.outcome == exact.outcome == "ok"
@@ -478,7 +477,7 @@ def test_one_ball_laid_on_the_floor(name):
 
 
 def test_one_ball_laid_on_a_soft_floor():
-    """Its weight does far more work than the impact has energy: in a few hundred steps, not in millions."""
+    """Gravity does far more work than the impact energy; the solver needs a few hundred steps, not millions."""
     law = hl.Tsuji(elastic_prefactor=1e5, restitution=0.02)
     column, _ = one_ball(law, 0.0, -1e-6)
     result = _core.newton(column, math.nan, False, 1e-14)
@@ -488,7 +487,7 @@ def test_one_ball_laid_on_a_soft_floor():
 
 @every_law
 def test_at_rest(name):
-    """Everything damped away: the column lies on the floor and carries its weight."""
+    """The column comes to rest on the floor, and its contacts carry the weight."""
     balls = [hl.Ball(r, density=2000.0) for r in (0.03, 0.02)]
     column = hl.Column(balls, [0.0], 0.031, law_of(name, 0.02))
     result = hl.newton(column, method="general")
@@ -501,7 +500,7 @@ def test_at_rest(name):
 
 @every_law
 def test_no_contact(name):
-    """The lower ball is back on the floor before the upper one has come down."""
+    """The lower ball returns to the floor before the upper one arrives."""
     balls = [hl.Ball(0.03, density=2000.0), hl.Ball(0.02, density=2000.0)]
     result = hl.newton(hl.Column(balls, [1.0], 0.05, law_of(name, 0.3)), method="general")
     assert result.outcome_code == hl.OUTCOMES.index("no_contact")
@@ -545,7 +544,7 @@ def test_column_on_a_floor_stops_when_the_floor_is_met_again():
 
 
 def test_contacts_count_that_begin_before_the_floor_is_met_again():
-    """Elastic balls, soft pairs on a stiff floor: later contacts do not count, even while an earlier one is open."""
+    """Elastic balls, soft pairs, stiff floor: contacts that begin later do not count, even during an earlier one."""
     late = 0
     for seed in range(40):
         r = np.random.default_rng(seed)

@@ -87,7 +87,7 @@ def test_lower_ball_stops_at_a_third():
 
 
 def column_in_line(masses, law, gap=1e-9) -> hl.Column:
-    """Falling together at unit speed, the lowest one at the floor, all but touching."""
+    """A column that falls at unit speed, with the lowest ball at the floor and almost closed gaps."""
     balls = [hl.Ball(0.01, mass=m) for m in masses]
     return hl.Column(balls, gap, 0.01, law, velocities=-1.0, gravity=0.0)
 
@@ -95,7 +95,7 @@ def column_in_line(masses, law, gap=1e-9) -> hl.Column:
 @pytest.mark.parametrize("restitution", [1.0, 0.9, 0.6])
 @pytest.mark.parametrize("ratios", [[0.1, 0.1, 0.1], [0.5, 0.2, 0.9, 0.3]])
 def test_upward_cascade(restitution, ratios):
-    """v_{k+1} + V = (v_k + V)(1 + ε)/(1 + μ_k), each ball being hit once from below."""
+    """v_{k+1} + V = (v_k + V)(1 + ε)/(1 + μ_k); each ball is hit once from below."""
     masses = [1.0]
     for mu in ratios:
         masses.append(masses[-1] * mu)
@@ -135,7 +135,7 @@ def test_sequence_goes_on_after_the_cascade():
     result = hl.independent(column, until=10.0)
     assert result.contacts.pair.values.tolist() == [0, 1, 0, 2, 1, 0]
     assert result.velocities == pytest.approx([1.0, 1.0, 1.0], rel=1e-12)
-    # Without `until` the run is over when the floor is met again.
+    # Without `until` the run ends at the second floor contact.
     assert hl.independent(column).contacts.pair.values.tolist() == [0, 1, 0]
 
 
@@ -154,7 +154,7 @@ def test_viscoelastic_collisions_take_the_restitution_at_their_speed():
 
 
 def test_inverse_of_equation_4():
-    """ε_eff = (√(1 + 4 v'_r/V) − 1)/2, also where this form would lose its digits."""
+    """ε_eff = (√(1 + 4 v'_r/V) − 1)/2, also where this form suffers from cancellation."""
     for e in (1e-12, 1e-6, 0.1, 0.5, 0.9, 1.0, 1.2):
         assert _core.effective_restitution(e * (1.0 + e) * 3.0, 3.0) == pytest.approx(e, rel=1e-14)
     assert math.isnan(_core.effective_restitution(math.nan, 3.0))
@@ -178,7 +178,7 @@ def test_floor_is_met_again_after_each_bounce():
 
 @pytest.mark.parametrize("model", [hl.independent, hl.newton, hl.adiabatic])
 def test_thrown_up_from_the_floor(model):
-    """A release from the floor upwards is no impact: the first touch comes after the flight, 2v/g."""
+    """A ball released upwards from the floor has its first floor touch after the flight, at 2v/g."""
     law = hl.LinearDashpot(stiffness=5e7, restitution=0.8)
     balls = [hl.Ball(0.05, density=840.0), hl.Ball(0.03, density=840.0)]
     result = model(hl.Column(balls, [5.0], 0.05, law, velocities=[1.0, 1.0]))
@@ -191,7 +191,7 @@ COLLAPSE = hl.OUTCOMES.index("collapse")
 
 @pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9])
 def test_a_bouncing_ball_comes_to_rest(restitution):
-    """Its bounces take 2 ε^k V/g each, 2 ε V/(g (1 − ε)) together; then it lies on the floor for good."""
+    """Its bounces take 2 ε^k V/g each, 2 ε V/(g (1 − ε)) in total; then it rests on the floor."""
     column = two_balls(0.1, restitution, gap=1e5)
     rest = 2.0 * restitution * column.impact_speed / (G * (1.0 - restitution))
     result = hl.independent(column, until=rest + 1.0)
@@ -243,7 +243,7 @@ def test_balls_that_collapse_in_flight_go_on_together(restitution):
 
 
 def test_of_simultaneous_collisions_the_upper_one_comes_first():
-    """By hand, for three equal balls and ε = 1/2; the upper gap a little smaller gives the same."""
+    """Three equal balls with ε = 1/2, by hand calculation; a slightly smaller upper gap gives the same."""
     balls, law = [hl.Ball(0.01, mass=1.0)] * 3, law_of("linear", 0.5)
     tie = hl.independent(hl.Column.cradle(balls, [1.0, 0.0, -1.0], law, gaps=[0.125, 0.125]))
     nearly = hl.independent(hl.Column.cradle(balls, [1.0, 0.0, -1.0], law, gaps=[0.125, 0.125 - 1e-9]))
@@ -261,14 +261,14 @@ def test_balls_above_the_threshold_part(restitution):
 
 
 def test_elastic_balls_do_not_collapse():
-    """At μ = 1/3 the lower ball stops to rounding: what is left of its motion is no collapse."""
+    """At μ = 1/3 the lower ball stops except for rounding; its residual motion is not a collapse."""
     result = hl.independent(two_balls(1.0 / 3.0, 1.0, 0.0), until=0.5)
     assert result.outcome == "ok"
     assert result.positions[0] == pytest.approx(0.1, abs=1e-14)
 
 
 def test_beyond_the_limit_of_collisions_nothing_is_known():
-    """An elastic ball bounces for ever: what was not computed is refused, no fall through the floor."""
+    """An elastic ball bounces forever: times beyond the computed ones are refused."""
     column = two_balls(0.1, 1.0, gap=1e-3, fall=1e-3)
     result = hl.independent(column, until=1e6)
     assert result.outcome_code == hl.OUTCOMES.index("unresolved")
@@ -282,7 +282,7 @@ def test_beyond_the_limit_of_collisions_nothing_is_known():
 
 
 def test_three_hundred_collapsing_balls_need_little_memory():
-    """Kept is what is needed to compute the states again, not each of them."""
+    """Only some states are stored; the others are recomputed."""
     code = """if True:
         import resource, hardlimit as hl
         column = hl.Column([hl.Ball(0.01, density=1000.0)] * 300, 1e-3, 0.5,
@@ -312,7 +312,7 @@ def test_states_are_the_same_in_any_order(column, random):
 
 @st.composite
 def piles(draw) -> hl.Column:
-    """Columns that collapse: gaps and speeds of zero, release from the floor, restitutions of all sizes."""
+    """Columns that collapse: zero gaps and speeds, release from the floor, any restitution."""
     n = draw(st.integers(2, 4))
     balls = [hl.Ball(draw(st.sampled_from([0.01, 0.02, 0.03])), density=2000.0) for _ in range(n)]
     gaps = [draw(st.sampled_from([0.0, 1e-6, 1e-3, 0.05])) for _ in range(n - 1)]
@@ -339,7 +339,7 @@ def test_no_ball_is_ever_inside_another_and_energy_never_rises(column, until):
     assert (np.diff(position, axis=1) - (radii[1:] + radii[:-1])).min() >= -1e-9
     energy = (t.kinetic_energy + t.potential_energy).values
     assert np.diff(energy).max() <= 1e-12 * max(1e-3, np.abs(energy).max())
-    if result.outcome_code == COLLAPSE:  # and whatever happens later
+    if result.outcome_code == COLLAPSE:  # whatever happens later
         late = result.trajectory([last, 2.0 * last, 10.0])
         assert late.position.values[:, 0].min() >= radii[0] - 1e-12
 
@@ -379,6 +379,6 @@ def test_collisions_keep_momentum_and_never_gain_energy(column):
     floor = set(result.contacts.begin.values[result.contacts.pair.values == 0])
     kept = np.array([at not in floor for at in t.time.values[1:]], dtype=bool)
     scale = masses.sum() * np.abs(column.velocities).max()
-    # Onto balls that rest on the floor the last of ever slower collisions joins a ball: the floor takes its momentum.
+    # The last of ever slower collisions joins a ball to balls at rest on the floor, which takes up its momentum.
     slow = np.where(t.velocity.values[1:, 0] == 0.0, 1e-7, 1e-12)
     assert (np.abs(np.diff(momentum)) < slow * scale)[kept].all()

@@ -1,4 +1,4 @@
-"""A model is described once; everyone reads that description, and it says what the core does."""
+"""The table of models is the only description of the models, and it agrees with the core."""
 
 import html
 import re
@@ -74,7 +74,7 @@ def test_what_is_solvable_exactly(column):
 
 @every_model
 def test_sweeps_know_the_model(model):
-    """The number handed to the core is that of the model: the map holds what the model's solver gives."""
+    """A sweep uses the right model number: the map contains the results of the model's solver."""
     column = hl.Column.paper(0.6, 1e-4, 3.0)
     found = hl.sweep(column, model=model.name, gap=[1e-4, 2e-3])
     wanted = [solve(model, column.replace(gaps=gap)).relative_velocity for gap in (1e-4, 2e-3)]

@@ -1,4 +1,4 @@
-"""What holds for every law and any column: forces, energy, momentum, mirror, time reversal, scaling."""
+"""Properties of every law and column: forces, energy, momentum, mirror symmetry, time reversal, scaling."""
 
 import itertools
 import math
@@ -15,7 +15,7 @@ elastic = laws(restitution=st.just(1.0))
 
 
 def until_of(column: hl.Column) -> float:
-    """Long enough for the contacts of one fall: some durations of the slowest contact at a slow impact."""
+    """A time long enough for the contacts of one fall: several durations of the slowest contact."""
     speed = max(column.impact_speed, 0.1)
     return 4.0 * sum(c.duration(speed) for c in column.contacts) + sum(column.gaps) / speed
 
@@ -53,12 +53,12 @@ def test_never_attractive_and_energy_never_rises(column):
 @draws(25)
 @given(columns())
 def test_momentum_changes_by_the_impulse_of_the_floor_and_the_weight(column):
-    """Of each ball: m dv = ∫ (F below − F above − m g) dt, by Gauss' rule between switches."""
+    """For each ball m dv = ∫ (F below − F above − m g) dt, by Gauss quadrature between events."""
     until = until_of(column)
     result = hl.newton(column, until=until)
     marks = np.concatenate([[0.0, until], result.contacts.begin.values, result.contacts.end.values])
     marks = np.unique(marks[(marks >= 0.0) & (marks <= until)])
-    # Between switches t = a + (b − a) x² (3 − 2x): a force may start and end like a root.
+    # Between events t = a + (b − a) x² (3 − 2x): a force may start and end like a square root.
     points, gauss = np.polynomial.legendre.leggauss(12)
     x = ((np.arange(32)[:, None] + 0.5 * (1.0 + points)) / 32).ravel()
     length = np.diff(marks)[:, None]
@@ -87,7 +87,7 @@ def test_free_column_keeps_momentum(column):
 @draws(80)
 @given(free_columns())
 def test_mirror_image_of_a_free_column(column):
-    """Order and signs reversed: the mirrored motion, contact by contact."""
+    """Reversing the order of the balls and the signs gives the mirrored motion, contact by contact."""
     until = until_of(column)
     mirrored = hl.Column.cradle(
         column.balls[::-1], [-v for v in column.velocities[::-1]], column.laws[::-1], column.gaps[::-1]
@@ -106,13 +106,13 @@ def test_mirror_image_of_a_free_column(column):
 @draws(80)
 @given(free_columns(law=elastic))
 def test_time_reversal_when_elastic(column):
-    """Run, turn all velocities round, run as long again: back at the start."""
+    """Run, reverse all velocities and run for the same time: the initial state is reached again."""
     until = until_of(column)
     result = hl.newton(column, until=until)
     z, v = result.positions, result.velocities
     radii = np.array([b.radius for b in column.balls])
     gaps = np.diff(z) - radii[1:] - radii[:-1]
-    # A run that stops within a contact cannot be set up again: gaps are not below zero.
+    # A state within a contact cannot start a column, because gaps must not be negative.
     assume((gaps > 1e-9).all() and any(b > a for a, b in itertools.pairwise(v)))
     back = hl.newton(hl.Column.cradle(column.balls, -v, column.laws, gaps), until=until)
     scale = np.abs(column.velocities).max()
@@ -146,7 +146,7 @@ def in_other_units(column: hl.Column, mass: float, length: float, time: float) -
 @draws(60)
 @given(columns(), log_floats(0.01, 100.0), log_floats(0.1, 10.0), log_floats(0.1, 10.0))
 def test_scaling(column, mass, length, time):
-    """The same dimensionless groups give the same dimensionless result."""
+    """Equal dimensionless groups give equal dimensionless results."""
     scaled = in_other_units(column, mass, length, time)
     until = until_of(column)
     a, b = hl.newton(column, until=until), hl.newton(scaled, until=until * time)
@@ -173,7 +173,7 @@ def test_scaling(column, mass, length, time):
 def test_independent_collisions_where_they_should_hold(name, restitution, ratio, room, speed):
     """ε_eff = ε without gravity if the floor contact is over before the balls meet, with ε at both speeds.
 
-    R1/R2 >= 3: the lower ball then goes on upwards and does not meet the floor during the second contact.
+    For R1/R2 >= 3 the lower ball continues upwards and does not touch the floor during the second contact.
     """
     balls = [hl.Ball(0.01 * ratio, density=1000.0), hl.Ball(0.01, density=1000.0)]
     contacts = [law_of(name, restitution, at) for at in (speed, (1.0 + restitution) * speed)]
@@ -189,7 +189,7 @@ def test_independent_collisions_where_they_should_hold(name, restitution, ratio,
 @settings(max_examples=60)
 @given(columns(most=2, law=laws(restitution=st.floats(0.3, 1.0))))
 def test_separation_velocity_within_what_the_energy_allows(column):
-    """Not closing, and the relative motion has no more than the energy at the floor."""
+    """The pair does not approach, and the relative motion has at most the energy of the impact."""
     result = hl.newton(column)
     assume(result.outcome == "ok" and not math.isnan(result.separation_velocity))
     m1, m2 = masses_of(column)

@@ -1,4 +1,4 @@
-"""Rebound heights against closed forms, against trajectories, and where there is none."""
+"""Rebound heights: agreement with closed forms and trajectories, and cases without a rebound."""
 
 import math
 from collections.abc import Callable
@@ -40,7 +40,7 @@ def soft(restitution: float) -> hl.Viscoelastic:
     gap=st.floats(1e-9, 1e-2),
 )
 def test_two_instantaneous_collisions(restitution: float, mass: float, height: float, gap: float) -> None:
-    """Floor, then ball on ball at the gap over the speed of approach; from there both fly freely."""
+    """A floor collision, then a ball–ball collision at gap/approach speed; after it both balls fly freely."""
     balls = [hl.Ball(0.05, mass=1.0), hl.Ball(0.01, mass=mass)]
     column = hl.Column(balls, [gap], height + 0.05, linear(restitution))
     speed = math.sqrt(2.0 * G * height)
@@ -60,7 +60,7 @@ def test_two_instantaneous_collisions(restitution: float, mass: float, height: f
 
 @pytest.mark.parametrize("model", MODELS)
 def test_nine_times_the_height(model: str) -> None:
-    """A light ball on a heavy one, elastic, in the limit of stiff balls and no gap (Eq. 6)."""
+    """A light ball on a heavy one, elastic, in the limit of stiff balls and zero gap (Eq. 6)."""
     balls = [hl.Ball(0.1, mass=1.0), hl.Ball(0.01, mass=1e-9)]
     law = [
         hl.LinearDashpot(stiffness=1e12, restitution=1.0),
@@ -88,7 +88,7 @@ def model_of(column: hl.Column, model: str) -> Callable[..., hl.Result]:
 
 
 def bounces(result: hl.Result) -> NDArray[np.float64]:
-    """End of the first contact of each ball with what lies below it, infinity where there is none."""
+    """End of each ball's first contact with the ball or floor below; infinity if there is none."""
     n = len(result.column.balls)
     pair, _, end = result._core.contacts()
     first = [end[pair == j][:1] for j in range(n)]
@@ -108,7 +108,7 @@ def test_up_to_a_time_it_is_the_highest_point_of_the_trajectory(column: hl.Colum
         if not seen.size:
             assert math.isnan(found) or since <= until
             continue
-        # Between two samples a ball at 5 m/s and under 9.81 m/s² hides no more than this, but in a collision.
+        # Between two samples a ball at 5 m/s and under 9.81 m/s² rises by at most this, except in a collision.
         assert seen.max() - 1e-12 <= found <= seen.max() + 6.0 * (times[1] - times[0])
 
 
@@ -137,13 +137,13 @@ def test_the_lowest_ball_until_it_meets_the_floor_again(model: str) -> None:
 
 @pytest.mark.parametrize("model", ["newton", "independent"])
 def test_collisions_of_the_upper_balls_after_the_second_floor_contact_count(model: str) -> None:
-    """The lowest ball stops (mass ratio 1/3) and is back on the floor at once; the second meets the third later."""
+    """The lowest ball stops (mass ratio 1/3) and returns to the floor at once; the second ball hits the third later."""
     balls = [hl.Ball(0.01, mass=3.0), hl.Ball(0.01, mass=1.0), hl.Ball(0.01, mass=1e-6)]
     law = hl.LinearDashpot(stiffness=1e11, restitution=1.0)
     column = hl.Column(balls, [2e-4, 0.4], 0.51, law)
     result = MODELS[model](column)
     speed = math.sqrt(2.0 * G * 0.5)
-    # The second ball leaves with 2V; the third, still falling with V, turns round with 2·2V + V − 2gt.
+    # The second ball leaves with 2V; the third, still falling with V, is reflected with 2·2V + V − 2gt.
     meeting = 0.4 / (3.0 * speed)
     z2, v2, v3 = (
         0.03 + meeting * (2.0 * speed - 0.5 * G * meeting),
@@ -151,7 +151,7 @@ def test_collisions_of_the_upper_balls_after_the_second_floor_contact_count(mode
         -speed - G * meeting,
     )
     top = z2 + 0.02 + (2.0 * v2 - v3) ** 2 / (2.0 * G)
-    assert bounces(result)[2] == math.inf  # the sequence ends before
+    assert bounces(result)[2] == math.inf  # the sequence ends earlier
     found = heights(result)
     assert found[1] == pytest.approx(z2 + v2**2 / (2.0 * G), rel=1e-3)
     assert found[2] == pytest.approx(top, rel=1e-3)
@@ -171,7 +171,7 @@ def test_no_bounce_no_height() -> None:
     cradle = hl.Column.cradle([hl.Ball(0.02, mass=0.1)] * 3, [1.0, 0.0, 0.0], linear(0.9))
     assert np.isnan(heights(hl.newton(cradle))).all()
     assert np.isnan(heights(hl.independent(cradle))).all()
-    # The upper ball is far away when the lower one comes back to the floor.
+    # The upper ball is far away when the lower one returns to the floor.
     far = hl.Column([hl.Ball(0.02, mass=0.1)] * 2, [5.0], 0.1, linear(0.5))
     for model in MODELS.values():
         lower, upper = heights(model(far))
@@ -188,7 +188,7 @@ def test_no_bounce_no_height() -> None:
 )
 @example(masses=[1e-3, 0.1, 0.1], gaps=[0.0, 0.05, 0.0, 0.0], restitution=0.7)
 def test_no_ball_bounces_below_the_floor(masses: list[float], gaps: list[float], restitution: float) -> None:
-    """Heavy balls whose first collision would come when the light one below them is long on the floor again."""
+    """Heavy balls whose first collision occurs long after the light ball below them has returned to the floor."""
     balls = [hl.Ball(0.1, mass=mass) for mass in masses]
     column = hl.Column(balls, gaps[: len(balls) - 1], 0.7, linear(restitution))
     for solve in (hl.newton, hl.independent):

@@ -1,6 +1,6 @@
-"""Every row of tests/data: numbers not computed with this package, to the tolerance they are known to.
+"""Comparison with every row of tests/data: values computed without this package, to their known accuracy.
 
-With ``--rows N`` only so many of each table, drawn at random with a fixed seed: for builds that run slowly.
+With ``--rows N`` only N rows of each table, drawn at random with a fixed seed, for slow builds.
 """
 
 import math
@@ -15,7 +15,7 @@ import hardlimit as hl
 from conftest import TWO_BALL_TABLES, columns_json, falling, long_after, number, table, two_ball_column
 
 T = TypeVar("T")
-#: Rows of a table to be looked at, each with its number.
+#: Selected rows of a table, each with its row number.
 Choose = Callable[[Sequence[T]], list[tuple[int, T]]]
 
 
@@ -36,7 +36,7 @@ SIZES = {"two_ball_paper": 1500, "two_ball_ratio": 800, "two_ball_wide": 968}
 
 
 class Misfits:
-    """Collects the rows that disagree, so that a failure shows all of them and not the first."""
+    """Collects all rows that disagree, so that a failure shows every one."""
 
     def __init__(self) -> None:
         self.rows: list[str] = []
@@ -46,7 +46,7 @@ class Misfits:
             self.rows.append(f"row {row}: {what} is {got}, should be {wanted}")
 
     def value(self, row: int, what: str, got: float, wanted: float, tolerance: float) -> None:
-        """NaN where, and only where, the reference has none."""
+        """Compares a value with its reference to a tolerance; NaN agrees only with NaN."""
         same = math.isnan(got) and math.isnan(wanted)
         if not same and not abs(got - wanted) <= tolerance:
             self.rows.append(f"row {row}: {what} is {got!r}, should be {wanted!r} to {tolerance:.1e}")
@@ -75,11 +75,11 @@ def floor_met_before_the_gap_opens(result: hl.Result) -> bool:
 
 
 def is_undecided(row: dict[str, str], result: hl.Result) -> bool:
-    """Rows whose separation velocity the reference leaves out although the definition gives one.
+    """Rows for which the reference omits the separation velocity although it is defined.
 
     At t_f both forces are zero and the pair moves apart, so the velocity there is the separation velocity.
-    But the gap is still below zero (a dashpot's force ends before its overlap does), and the floor is met
-    again before it opens: the method behind the table waits for the gap and finds the floor contact first.
+    But the gap is still negative (a dashpot's force ends before its overlap), and the second floor contact begins
+    before it opens. The method behind the table waits for the gap to open and finds the floor contact first.
     """
     return (
         not row["relative_velocity_separation_m_s"]
@@ -92,7 +92,9 @@ def is_undecided(row: dict[str, str], result: hl.Result) -> bool:
 def compare_two_balls(
     name: str, method: str, tolerance: float, time_tolerance: float, choose: Choose
 ) -> tuple[int, bool]:
-    """Every chosen row of a linear two-ball table: the number of undecided rows, and whether all were chosen."""
+    """Compares the selected rows of a linear two-ball table. Returns the number of undecided rows and whether all rows
+    were selected.
+    """
     misfits, undecided, rows = Misfits(), 0, table(name)
     assert len(rows) == SIZES[name]
     for i, row in (some := choose(rows)):
@@ -108,7 +110,7 @@ def compare_two_balls(
             undecided += 1
             separation = end
         misfits.value(i, "separation velocity", result.separation_velocity, separation, tolerance * v)
-        # A pair that hardly moves when its force fades tells the time of the end less well than the velocity.
+        # If a pair hardly moves when its force ends, the end time is less accurate than the velocity.
         t_end, t_floor = number(row["t_end_s"]), number(row["t_floor_end_s"])
         misfits.value(i, "t_f", result.t_end, t_end, time_tolerance * t_end)
         misfits.value(i, "end of the floor contact", result.t_floor_end, t_floor, 1e-11 * t_floor)
@@ -129,7 +131,7 @@ def test_two_balls_general(name, choose):
 
 
 def test_two_rows_decide_the_undecided_ones(choose):
-    """The wide table holds the same situation twice, there with the velocity at t_f as the answer."""
+    """The wide table contains the same situation twice, with the velocity at t_f as the separation velocity."""
     same = 0
     for _, row in (some := choose(rows := table("two_ball_wide"))):
         if row["relative_velocity_separation_m_s"] != row["relative_velocity_end_m_s"]:
@@ -172,7 +174,7 @@ def test_two_viscoelastic_balls(choose):
 
 
 def column_of(entry: dict) -> hl.Column:
-    """All balls start at −V, the lowest one touching the floor."""
+    """All balls start at velocity −V, the lowest one at the floor."""
     if entry["law"] == "linear":
         law = hl.LinearDashpot(stiffness=entry["stiffness_N_m"], restitution=entry["restitution"])
     else:
@@ -205,7 +207,7 @@ def test_columns(method, choose):
 
 
 def test_cradle(choose):
-    """Eight digits are printed: half of the last one is as near as the linear rows can be told."""
+    """The linear rows agree to half a unit of the eighth and last printed digit."""
     misfits, rows = Misfits(), table("cradle")
     assert len(rows) == 34
     laws = {
@@ -226,7 +228,7 @@ def test_cradle(choose):
 def stack_laws(kind: str, ratio: float, n: int) -> list[hl.Law]:
     """Elastic laws with k_pair/k_floor = ratio; for Hertz the ratio of the prefactors ρ of the contacts.
 
-    With equal radii R_eff is R against the floor and R/2 in a pair, which a factor √2 in Y makes up for.
+    With equal radii R_eff is R at the floor and R/2 in a pair; a factor √2 in Y compensates for that.
     """
     if kind == "linear":
         floor = hl.LinearDashpot(stiffness=1e9, restitution=1.0)
@@ -247,7 +249,7 @@ def test_touching_stacks(choose):
             velocities = long_after(column, method).velocities
             misfits.value(i, f"v1 ({method})", velocities[0], float(row["v1_over_V"]), 1e-6)
             misfits.value(i, f"v2 ({method})", velocities[1], float(row["v2_over_V"]), 1e-6)
-        # What two colliding hard spheres do, and what no law can exceed.
+        # The result of two hard-sphere collisions, an upper limit for any law.
         misfits.value(i, "ICM", (3.0 - mu) / (1.0 + mu), float(row["ICM_v2"]), 1e-6)
         misfits.value(i, "bound", math.sqrt((1.0 + mu) / mu), float(row["energy_bound"]), 1e-6)
     misfits.check()
@@ -262,7 +264,7 @@ def test_full_stop_stacks(choose):
         laws = stack_laws(row["law"], 1.0, n)
         duration = laws[0].between(hl.Ball(0.02, mass=masses[0])).duration(1.0)
         gap = float(row["gap_over_V_tcfloor"]) * duration
-        # Not later: of one row (Hertz, n = 5, gap 0.5) the table has the state before a last, slow contact.
+        # Not later: for one row (Hertz, n = 5, gap 0.5) the table gives the state before a last, slow contact.
         result = long_after(falling(masses, [gap] * (n - 1), laws))
         misfits.count(i, "contacts", int((result.contacts.pair > 0).sum()), int(row["contacts"]))
         for j, v in enumerate(row["velocities(bottom..top)/V"].split()):

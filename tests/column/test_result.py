@@ -91,7 +91,7 @@ def test_trajectory(kind):
 
 @every_result
 def test_default_times(kind):
-    """Even over the sequence, with every begin and end, so that no contact is missed by a plot."""
+    """Equally spaced over the sequence, plus every begin and end, so that a plot shows each contact."""
     result = RESULTS[kind]
     times = result.default_times()
     assert (np.diff(times) > 0.0).all()
@@ -106,13 +106,13 @@ def test_default_times(kind):
 
 @every_result
 def test_positions_velocities_and_energies_belong_together(kind):
-    """dz/dt is the velocity, kinetic energy is that of the velocities."""
+    """dz/dt is the velocity, and the kinetic energy follows from the velocities."""
     result = RESULTS[kind]
     t = result.trajectory()
     masses = np.array([b.mass for b in result.column.balls])
     assert t.kinetic_energy.values == pytest.approx(0.5 * t.velocity.values**2 @ masses, rel=1e-12)
     if kind in ("independent", "cradle, until"):
-        return  # velocities jump, or the times are too far apart to tell
+        return  # velocities jump, or the times are too far apart for finite differences
     time, z, v = t.time.values, t.position.values, t.velocity.values
     slope = np.diff(z, axis=0) / np.diff(time)[:, None]
     mean = 0.5 * (v[1:] + v[:-1])
@@ -123,7 +123,7 @@ def test_positions_velocities_and_energies_belong_together(kind):
 
 @pytest.mark.parametrize("kind", [kind for kind in RESULTS if kind != "adiabatic"])
 def test_energy_is_accounted_for(kind):
-    """But for the model in which the upper ball does not push back."""
+    """Energy is conserved in every model except the adiabatic one, which neglects the reaction."""
     t = RESULTS[kind].trajectory()
     mechanical = t.kinetic_energy + t.potential_energy
     total = (mechanical + t.contact_energy + t.dissipated_energy).values
@@ -146,7 +146,7 @@ def test_trajectory_takes_any_times_in_any_order(kind):
 
 @pytest.mark.parametrize("kind", ["exact", "general", "three balls"])
 def test_continuity_at_the_switches(kind):
-    """Positions and velocities are continuous everywhere; a force starts with its jump and ends at zero."""
+    """Positions and velocities are continuous; a force jumps at the start of a contact and is zero at its end."""
     result = RESULTS[kind]
     contacts = result.contacts
     assert contacts.pair.size > 1
@@ -253,7 +253,7 @@ def test_models_and_methods_name_themselves():
 
 @every_result
 def test_datasets_say_what_they_are(kind):
-    """Enough to compute them again: a file that lies around for years still tells."""
+    """A dataset contains all that is needed to compute it again."""
     result = RESULTS[kind]
     for data in (result.contacts, result.trajectory([0.0])):
         about = data.attrs
@@ -277,7 +277,7 @@ def test_attributes_survive_a_file(tmp_path):
 
 
 class Page(HTMLParser):
-    """Rows of text of the tables in a piece of HTML, and what is open at its end."""
+    """HTML parser: rows of text of the tables, and the tags left open at the end."""
 
     def __init__(self, text):
         super().__init__()
@@ -302,7 +302,7 @@ class Page(HTMLParser):
 
 @every_result
 def test_html_of_a_result(kind):
-    """A well-formed table without colours of its own, readable in light and dark notebooks."""
+    """A well-formed table that sets no colours, readable in light and dark notebooks."""
     result = RESULTS[kind]
     page = Page(result._repr_html_())
     assert not page.open and page.names <= {"style"} and "color" not in result._repr_html_()
@@ -346,7 +346,7 @@ def same_bits(a, b):
 
 @every_result
 def test_results_pickle_and_copy(kind):
-    """A copy is solved again, to the same bits, and only when it is asked."""
+    """A copy is solved again on first use, with bit-identical results."""
     result = RESULTS[kind]
     for other in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
         assert other is not result and "_core" not in vars(other)
@@ -396,7 +396,7 @@ def bouncing(law=None, height=0.6, velocity=0.0):
 
 @pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5])
 def test_bounces_of_one_ball(restitution):
-    """After n bounces the height is ε^{2n} H, and the flights before last 2 ε^n V/g."""
+    """After n bounces the height is ε^{2n} H, and the flight that follows lasts 2 ε^n V/g."""
     column = bouncing(law_of("linear", restitution))
     v, h = column.impact_speed, column.drop_height
     touches = np.concatenate([[0.0], np.cumsum(2.0 * restitution ** np.arange(1, BOUNCES) * v / 9.81)])
@@ -411,7 +411,7 @@ def test_bounces_of_one_ball(restitution):
 
 
 def test_the_stiffer_the_floor_the_nearer_is_newton_to_instantaneous_collisions():
-    """The error is the gravity during the contact, g t_c ~ k^{-1/2}."""
+    """The error comes from gravity during the contact, g t_c ~ k^{-1/2}."""
     errors = []
     for stiffness in (1e7, 1e9, 1e11):
         column = bouncing(hl.LinearDashpot(stiffness=stiffness, restitution=0.8))
@@ -491,13 +491,13 @@ def test_paper_preset():
 
 
 def highest(result, begin, end, ball):
-    """Greatest height of a ball on a fine grid of times."""
+    """Largest height of a ball on a fine grid of times."""
     return float(result.trajectory(np.linspace(begin, end, 20001)).position.values[:, ball].max())
 
 
 @pytest.mark.parametrize("solve", [hl.newton, hl.independent])
 def test_rebound_of_the_textbook(solve):
-    """A light ball on a heavy one, nothing lost: nine times as high; under Newton in the limit of stiff contacts."""
+    """A light elastic ball on a heavy one: nine times the height; under Newton in the limit of stiff contacts."""
     law = hl.LinearDashpot(stiffness=1e13, restitution=1.0)
     balls = [hl.Ball(0.1, mass=1.0), hl.Ball(0.01, mass=1e-9)]
     column = hl.Column(balls, 1e-3, 0.6, law)
@@ -509,7 +509,7 @@ def test_rebound_of_the_textbook(solve):
 
 @pytest.mark.parametrize("kind", ["exact", "general", "adiabatic", "independent"])
 def test_rebound_of_two_balls_that_part(kind):
-    """The top of the free flight after the sequence."""
+    """The rebound height is the top of the free flight after the sequence."""
     result = RESULTS[kind]
     z = result.trajectory([result.t_end + 2e-3])
     z, v = z.position.values[0], z.velocity.values[0]
@@ -519,7 +519,7 @@ def test_rebound_of_two_balls_that_part(kind):
 @draws(25)
 @given(columns(law=laws(st.floats(0.3, 1.0)), least=1, most=4))
 def test_rebound_until_is_the_greatest_height(column):
-    """With `until`, what a fine grid of times shows, from the end of the first bounce on."""
+    """With `until`, it agrees with a fine grid of times from the end of the first bounce on."""
     until = 0.7 * column.impact_speed / column.gravity
     result = hl.newton(column, until)
     for ball, height in enumerate(result.rebound_heights):
@@ -545,7 +545,7 @@ def test_final_velocities_are_those_after_the_last_contact(kind):
 
 
 def test_a_floor_contact_that_was_not_followed_leaves_final_velocities():
-    """The run of three balls stops when the floor is met again; that contact has no end, and is none of rest."""
+    """A run of three balls stops at the second floor contact, which then has no end; the column is not at rest."""
     balls = [hl.Ball(1e-3, mass=1e-5), hl.Ball(0.05, mass=1.0), hl.Ball(4e-3, mass=1e-4)]
     result = hl.newton(
         hl.Column(
@@ -554,7 +554,7 @@ def test_a_floor_contact_that_was_not_followed_leaves_final_velocities():
     )
     end = result.contacts.end.values
     assert result.outcome == "ok" and math.isnan(end[-1]) and result.contacts.pair.values[-1] == 0
-    # The lowest ball flies until then; a contact above it lasts longer.
+    # The lowest ball is in flight until then; a contact above it lasts longer.
     again = result.contacts.begin.values[-1]
     last, met = result.trajectory([np.nanmax(end), again]).velocity.values
     assert np.nanmax(end) > again and (result.final_velocities == [met[0], *last[1:]]).all()
@@ -648,10 +648,10 @@ def test_bad_input_is_refused_in_one_line(case):
 def test_a_file_that_cannot_be_written_frees_its_content(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """While the error is kept, too: Python 3.14 complains of a buffer that is looked into when it is freed."""
-    monkeypatch.setattr(saving, "open", lambda *_, **__: io.FileIO(__file__), raising=False)  # only to read
+    """Also while the exception is kept: Python 3.14 reports an error if an exported buffer is freed."""
+    monkeypatch.setattr(saving, "open", lambda *_, **__: io.FileIO(__file__), raising=False)  # read-only
     content = bytearray(b"0123")
     with pytest.raises(OSError, match=r"out\.bin: cannot be written: File not open for writing$") as caught:
         saving.write(tmp_path / "out.bin", content)
-    content.append(0)  # refused while something looks into it
+    content.append(0)  # refused while the buffer is exported
     assert caught.value.__cause__ is not None

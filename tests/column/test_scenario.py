@@ -1,4 +1,4 @@
-"""Scenarios are values: nothing changes them, replace makes others, equal ones hash and solve the same."""
+"""Columns are immutable values: replace makes new ones, and equal ones have equal hashes and solutions."""
 
 import copy
 import math
@@ -18,12 +18,12 @@ LINEAR = law_of("linear", 0.5)
 BALL = hl.Ball(0.05, density=840.0)
 
 
-# ---- nothing changes them ----------------------------------------------------------------------------------
+# ---- immutability ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(hl.Column)])
 def test_a_column_does_not_change(name):
-    """Its contacts are remembered: with another gravity they would belong to another column."""
+    """Its contacts are cached, so its attributes must not change."""
     with pytest.raises(FrozenInstanceError):
         setattr(PAPER, name, getattr(PAPER, name))
     with pytest.raises(FrozenInstanceError):
@@ -109,7 +109,7 @@ def test_columns_that_differ_in_one_value_are_not_equal(column, data):
 
 
 def test_equality_is_that_of_the_numbers():
-    """−0.0 and 0.0 print differently and 1 is written without a point; neither makes another column."""
+    """0.0 and −0.0, or 1 and 1.0, make equal columns although they print differently."""
     still = hl.Column([BALL] * 2, [0.0], 1, LINEAR, velocities=[0, 0.0])
     for other in (
         hl.Column([BALL] * 2, [-0.0], 1.0, LINEAR, velocities=-0.0),
@@ -128,7 +128,7 @@ def test_equality_is_that_of_the_numbers():
 
 
 def test_another_gravity_is_another_column():
-    """The physics follows the label: on the moon the impact is slower."""
+    """Replacing gravity changes the physics: on the moon the impact is slower."""
     hl.newton(PAPER)
     moon = PAPER.replace(gravity=1.62)
     assert moon.gravity == 1.62 and PAPER.gravity == 9.81
@@ -179,7 +179,7 @@ def test_cradles_are_replaced_by_cradles():
 @settings(max_examples=50)
 @given(st.floats(1e-3, 1.0), st.floats(1.0, 2e4))
 def test_a_ball_weighs_what_it_weighs_in_a_sweep(radius, density):
-    """To the last bit: a map over the density is that over the masses."""
+    """A map over the density is bit-identical to the map over the masses."""
     ball = hl.Ball(radius, density=density)
     column = hl.Column([ball, ball], 1e-4, radius + 0.5, LINEAR)
     by_density = hl.sweep(column, density=[density])

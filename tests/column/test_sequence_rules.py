@@ -1,4 +1,4 @@
-"""The rules of the sequence stand twice, for a drop and for many side by side: both give the same for any events."""
+"""The scalar and the vector implementation of the sequence rules give the same results for any events."""
 
 import subprocess
 from pathlib import Path
@@ -15,6 +15,6 @@ def test_both_sets_of_rules_agree_on_random_events(tmp_path: Path) -> None:
     done = subprocess.run([str(program)], capture_output=True, text=True, check=True)
     compared, finished, followed, separated, different = map(int, done.stdout.split())
     assert different == 0
-    # What the rules are about has come up often, and so has a sequence that is not over yet.
+    # The relevant cases, and unfinished sequences, are frequent.
     assert compared == 100_000
     assert min(finished, compared - finished, followed, separated) > compared // 20

@@ -1,4 +1,4 @@
-"""One contact: each law against independent arithmetic, and what every registered law must keep."""
+"""Contact laws: each law against independent calculations, and properties of every registered law."""
 
 import functools
 import math
@@ -19,7 +19,7 @@ from hardlimit import _core
 BALL = hl.Ball(0.1, density=840.0)
 SMALL = hl.Ball(0.01, density=840.0)
 
-#: From a crash to the last double below 1, with critical damping, ω0/√2 and both sides of them.
+#: From nearly 0 to the last double below 1, with critical damping, β = ω0/√2 and values on both sides of them.
 RESTITUTIONS = [
     1e-12, 1e-9, 1e-6, 1e-3, 0.02, 0.1, 0.135, math.exp(-2.0), 0.1354, 0.2, math.exp(-math.pi / 2.0), 0.21,
     0.3, 0.499999, 0.5, 0.500001, 0.7, 0.9, 0.99, 0.999999, 1.0 - 1e-9, 1.0 - 1e-12, 1.0 - 1e-15, 1.0 - 1e-16,
@@ -33,7 +33,7 @@ SPEEDS = [1e-6, 1e-3, 0.3, 3.0, 100.0]
 
 
 def linear_collision(b) -> tuple[mpmath.mpf, mpmath.mpf]:
-    """ω0 t_c and ε at β/ω0 = b, from the solution ξ(t) of the equation itself: the first zero of ξ + 2b ξ̇.
+    """ω0 t_c and ε at β/ω0 = b, from the solution ξ(t) of the equation of motion: the first zero of ξ + 2b ξ̇.
 
     ξ = e^{−bt} sin(wt)/w, so the force vanishes where (1 − 2b²) sin(wt)/w + 2b cos(wt) = 0.
     """
@@ -86,7 +86,7 @@ def test_linear_collision_in_high_precision():
 
 @pytest.mark.parametrize("restitution", RESTITUTIONS)
 def test_linear_inverse_in_high_precision(restitution):
-    """The damping given for ε, put into 120-digit arithmetic, returns ε — and 1 − ε — to 1e-13."""
+    """The damping computed for ε gives ε and 1 − ε to 1e-13 in 120-digit arithmetic."""
     contact = hl.LinearDashpot(stiffness=5e7, restitution=restitution).between(BALL)
     with mpmath.workdps(120):
         m, k = mpmath.mpf(contact.effective_mass), mpmath.mpf(5e7)
@@ -111,13 +111,13 @@ def test_linear_round_trip(restitution, partner, stiffness):
 @given(st.floats(-300.0, 0.0).map(lambda e: 10.0**e))
 def test_linear_round_trip_anywhere(restitution):
     contact = hl.LinearDashpot(stiffness=5e7, restitution=restitution).between(BALL)
-    # Beyond 1e-30 an error of one rounding in the exponent −ln ε is what is left.
+    # Below 1e-30 the error is that of one rounding in the exponent −ln ε.
     tolerance = max(1e-13, -4e-16 * math.log(restitution))
     assert contact.restitution() == pytest.approx(restitution, rel=tolerance, abs=0.0)
 
 
 def test_linear_named_values():
-    """β = ω0/√2 gives e^{−π/2}, β = ω0 gives e^{−2}; far above, (ω0/2β)²; the elastic duration is π/ω0."""
+    """β = ω0/√2 gives e^{−π/2}, β = ω0 gives e^{−2}, β ≫ ω0 gives (ω0/2β)²; the elastic duration is π/ω0."""
     frequency = math.sqrt(5e7 / BALL.mass)
 
     def at(ratio):
@@ -135,7 +135,7 @@ def test_linear_named_values():
     ("asked", "obtained"), [(0.9, 0.9020), (0.7, 0.7182), (0.5, 0.5503), (0.3, 0.3971), (0.1, 0.2527)]
 )
 def test_the_usual_formula_does_not_give_the_restitution_it_is_asked_for(asked, obtained):
-    """ζ = −ln ε/√(π² + ln² ε) assumes that the contact ends at ξ = 0 with an attractive tail."""
+    """ζ = −ln ε/√(π² + ln² ε) assumes that the contact ends at ξ = 0, after an attractive force."""
     log = math.log(asked)
     ratio = -log / math.hypot(math.pi, log)
     found = float(_core.linear_restitution(np.array([ratio]))[0])
@@ -192,7 +192,7 @@ def test_viscoelastic_limits():
     assert _core.viscoelastic_restitution(np.zeros(1))[0] == 1.0
     x = np.array([1e2, 1e3, 1e4, 1e5, 1e6, 1e7])
     deviation = 1.0 - _core.viscoelastic_restitution(x) / (1.5 ** (2.0 / 3.0) * x ** (-5.0 / 3.0))
-    # The next term is of relative order x^{−5/3} ln x.
+    # The next term has the relative order x^{−5/3} ln x.
     assert (deviation > 0.0).all()
     assert (deviation < 3.0 * x ** (-5.0 / 3.0) * np.log(x) ** 1.0).all()
     far = np.array([1e10, 1e30, 1e100])
@@ -210,7 +210,7 @@ SERIES = {2: -1.153448858095289, 4: 0.798266560944795, 5: 4.0 / 15.0, 6: -0.5228
     [(2, 1e-7), (3, 1e-7), (4, 1e-7), (5, 1e-7), (6, 1e-6), (7, 1e-5), (8, 1e-4), (9, 1e-3)],
 )
 def test_coefficients_of_the_series_follow_from_small_arguments(k, tolerance):
-    """h_k of ε = Σ h_k x^{k/2} (B3) is what is left of ε near x = 0 after the terms before it."""
+    """h_k of ε = Σ h_k x^{k/2} (B3) follows from ε near x = 0 minus the lower-order terms."""
     y = 0.10 + 0.25 * (1.0 - np.cos(np.pi * (np.arange(12) + 0.5) / 12)) / 2.0
     rest = _core.viscoelastic_restitution(y * y) - 1.0
     for j, h in SERIES.items():
@@ -221,7 +221,7 @@ def test_coefficients_of_the_series_follow_from_small_arguments(k, tolerance):
 
 
 def test_series_beside_the_exact_function():
-    """Good below x = 0.1, useless beyond 0.6: there more terms make it worse, and ε leaves (0, 1]."""
+    """Accurate below x = 0.1, useless above 0.6: there more terms increase the error, and ε leaves (0, 1]."""
     x = np.array([0.01, 0.1, 1.0, 2.0])
     exact = _core.viscoelastic_restitution(x)
     deviation = np.abs(_core.viscoelastic_series(x) - exact)
@@ -245,7 +245,7 @@ def test_pade_forms_err_as_published(orders, least, most):
     x = np.logspace(-3, 3, 2000)
     deviation = np.abs(_core.viscoelastic_pade(x, *orders) - _core.viscoelastic_restitution(x))
     assert least < deviation.max() < most
-    small = np.array([1e-3])  # p + q + 1 terms of the series are met
+    small = np.array([1e-3])  # p + q + 1 terms of the series are reproduced
     assert _core.viscoelastic_pade(small, *orders) == pytest.approx(
         _core.viscoelastic_series(small), abs=1e-8
     )
@@ -265,7 +265,7 @@ def test_viscoelastic_round_trip(restitution, partner, speed):
 
 @pytest.mark.parametrize("loss", [1e-15, 1e-12, 1e-8, 1e-4, 0.1])
 def test_viscoelastic_inverse_keeps_the_digits_of_a_small_loss(loss):
-    """1 − ε = −h_2 x − h_4 x² − …, so A of a nearly elastic contact is known to all digits."""
+    """1 − ε = −h_2 x − h_4 x² − …, so A of a nearly elastic contact is accurate to all digits."""
     restitution = 1.0 - loss
     law = hl.Viscoelastic(youngs_modulus=1e9, poisson_ratio=0.3, restitution=restitution, impact_speed=2.0)
     contact = law.between(BALL)
@@ -286,7 +286,7 @@ def test_viscoelastic_depends_on_speed_through_one_number():
 
 
 def test_viscoelastic_prefactor():
-    """ρ = 2Y√R_eff/(3(1 − ν²)), R_eff = R_i R_j/(R_i + R_j), or R_i against the floor."""
+    """ρ = 2Y√R_eff/(3(1 − ν²)), R_eff = R_i R_j/(R_i + R_j), or R_i at the floor."""
     law = hl.Viscoelastic(youngs_modulus=2e9, poisson_ratio=0.25, dissipative_time=0.0)
     floor, pair = law.between(BALL), law.between(BALL, SMALL)
     assert floor.effective_radius == 0.1
@@ -305,7 +305,7 @@ def tsuji_collision(alpha: float, digits: int = 30) -> tuple[mpmath.mpf, mpmath.
     """ε and duration for k = m = V = 1, from the equation of motion by Taylor series in 30-digit arithmetic.
 
     With ξ = s⁴ and dt = 4 s³ dσ it is polynomial: ds/dσ = v, dv/dσ = −4 s⁴ (s⁵ + α v); the force ends at s⁵ + α v = 0.
-    Nothing of the map to the linear dashpot is used.
+    The mapping to the linear dashpot is not used.
     """
     order = 40
 
@@ -334,7 +334,7 @@ def tsuji_collision(alpha: float, digits: int = 30) -> tuple[mpmath.mpf, mpmath.
             a, b, c = expand(s, v)
 
             def end(x, a=a, b=b):
-                # As a simple zero: s itself where nothing dissipates.
+                # Written to have a simple zero: s itself without damping.
                 return at(a, x) ** 5 + alpha * at(b, x) if alpha > 0 else at(a, x)
 
             if end(step) <= 0 and at(b, step) < 0:
@@ -358,7 +358,7 @@ def test_tsuji_collision_in_high_precision(alpha):
 
 @pytest.mark.slow
 def test_tsuji_duration_over_all_damping():
-    """From nearly elastic to so strong that the bodies creep apart, by adaptive quadrature of the linear solution."""
+    """From nearly elastic to overdamped, by adaptive quadrature of the linear solution."""
     for ratio in (1e-12, 1e-8, 1e-4, 0.3, 0.999, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.001, 4.0, 1e3, 1e6):
         contact = hl.Tsuji(elastic_prefactor=1.0, damping_coefficient=math.sqrt(5.0) * ratio).between(
             hl.Ball(1.0, mass=1.0)
@@ -383,7 +383,7 @@ def test_tsuji_duration_over_all_damping():
 @pytest.mark.parametrize("restitution", [*RESTITUTIONS, 1e-30, 1e-100])
 @pytest.mark.parametrize("partner", [hl.FLOOR, SMALL, hl.Ball(1e-6, density=1e3), hl.Ball(50.0, density=1e4)])
 def test_tsuji_round_trip(restitution, partner):
-    """ε whatever the bodies and the speed, and α = √5 β/ω0 that of the linear dashpot of the same ε."""
+    """The given ε results for any bodies and speed, and α = √5 β/ω0 of the linear dashpot with the same ε."""
     linear = hl.LinearDashpot(stiffness=1e6, restitution=restitution).between(BALL)
     ratio = linear.damping / (2.0 * math.sqrt(1e6 * linear.effective_mass))
     for law in (
@@ -425,7 +425,7 @@ def test_tsuji_force():
 
 
 def test_approximations_are_public():
-    """The numbers of the tests above, by the functions that users call."""
+    """The public functions return the values of the tests above."""
     x = np.array([[0.01, 0.1, 1.0]])
     assert (hl.restitution_series(x) == _core.viscoelastic_series(x.ravel()).reshape(1, 3)).all()
     assert hl.restitution_series(0.49, 5) == pytest.approx(1.0 + SERIES[2] * 0.49 + SERIES[4] * 0.49**2)
@@ -468,7 +468,7 @@ def contacts_of(name: str) -> list[hl.Contact]:
 
 
 def impact_depth(contact: hl.Contact, speed: float = 1.0) -> float:
-    """About the compression that an impact reaches."""
+    """Estimate of the largest compression in an impact."""
     return speed * contact.duration(speed) / 3.0
 
 
@@ -482,7 +482,7 @@ def test_force_is_the_derivative_of_the_energy_when_undamped(name):
 
     extrapolated = (16 * (4 * slope(1e-3) - slope(2e-3)) - (4 * slope(2e-3) - slope(4e-3))) / 45
     assert contact.force(depth) == pytest.approx(extrapolated, rel=1e-10)
-    # Whatever the rate: there is nothing that dissipates.
+    # At any rate: the law has no damping.
     assert (contact.force(depth, -1.0) == contact.force(depth, 1.0)).all()
     assert contact.energy(0.0) == 0.0 == contact.energy(-1.0)
 
@@ -499,7 +499,7 @@ def test_never_attractive_and_nothing_without_compression(name):
 
 @every_law
 def test_passive(name):
-    """What exceeds the elastic force works against the motion: the law dissipates, never drives."""
+    """The force minus its elastic part does negative work: the law dissipates energy and never supplies it."""
     for contact in contacts_of(name):
         xi = impact_depth(contact) * np.array([1e-6, 1e-2, 0.3, 1.0])[:, None]
         rate = np.linspace(-5.0, 5.0, 41)
@@ -537,7 +537,7 @@ def test_given_restitution_is_obtained_by_every_pair(name):
 
 @every_law
 def test_isolated_collision_by_an_independent_integration(name):
-    """Duration and restitution are those of the force itself: m ξ̈ = −F(ξ, ξ̇), up to F = 0."""
+    """Duration and restitution are those of m ξ̈ = −F(ξ, ξ̇), integrated to F = 0."""
     for restitution in (1.0, 0.8, 0.4, 0.1):
         contact = law_of(name, restitution).between(BALL, SMALL)
         m, t_c = contact.effective_mass, contact.duration(1.0)
@@ -545,7 +545,7 @@ def test_isolated_collision_by_an_independent_integration(name):
         def right(_, y, contact=contact, m=m):
             return [y[1], -contact.force(y[0], y[1]) / m]
 
-        # Up to just before the end the force is smooth; a millionth of t_c is missing then.
+        # The force is smooth until just before the end; the integration stops a millionth of t_c earlier.
         found = solve_ivp(
             right,
             (0.0, t_c * (1.0 - 1e-6)),
@@ -563,7 +563,7 @@ def test_isolated_collision_by_an_independent_integration(name):
 
 @every_law
 def test_scaling_with_the_units(name):
-    """Other units of mass, length and time: the same restitution, durations and forces in the new units."""
+    """In other units of mass, length and time, restitution, durations and forces are the same."""
     mass, length, time = 3.7, 0.021, 190.0
     record = hl.LAWS[name].record
 
@@ -597,7 +597,7 @@ def test_scaling_with_the_units(name):
 
 
 def refused(call, *words: str) -> None:
-    """One line that names the parameter, the value and what is accepted."""
+    """The message is one line that names the parameter, the value and the accepted range."""
     with pytest.raises(ValueError) as caught:
         call()
     message = str(caught.value)
@@ -648,7 +648,7 @@ def test_exactly_one_alternative(name):
 
 @every_law
 def test_replace_goes_to_the_alternative_that_is_meant(name):
-    """One parameter of another alternative drops what that one does not know, and keeps what they share."""
+    """A parameter of another alternative selects it: parameters not part of it are dropped, common ones kept."""
     record = hl.LAWS[name].record
     known = law_of(name, 0.5).replace(restitution=0.25)
     assert known.restitution == 0.25 and known.replace(restitution=0.5) == law_of(name, 0.5)
@@ -710,12 +710,12 @@ def test_shapes_follow_the_input():
     assert contact.force(np.zeros((3, 1)), np.zeros(4)).shape == (3, 4)
 
 
-# ---- laws that say that they are linear --------------------------------------------------------------------
+# ---- laws declared linear --------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
 def test_laws_that_say_linear_are(tmp_path):
-    """Of the registry; and a law that only says so is found out."""
+    """The registered linear laws are linear; a nonlinear law declared linear is detected."""
     root, program = Path(__file__).resolve().parents[2], tmp_path / "linear_laws"
     flags = ["-std=c++20", "-O2", "-ffp-contract=off", "-Wno-psabi", f"-I{root / 'core'}"]
     subprocess.run(

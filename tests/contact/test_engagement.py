@@ -1,4 +1,4 @@
-"""A slack pair in free flight: the search for any law agrees with the closed form."""
+"""Engagement of a slack pair in free flight: the search for any law agrees with the closed form."""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A new law is one header and its entry in the registry: the steps of CONTRIBUTING.md, taken in a copy of the tree."""
+"""Adding a contact law takes one header and one registry entry: the steps of CONTRIBUTING.md, in a copy of the tree."""
 
 import json
 import os
@@ -36,7 +36,7 @@ print(json.dumps({
 
 
 def steps() -> list[str]:
-    """The commands of the section "Add a law", in their order."""
+    """The commands of the section "Add a law", in order."""
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     section = text.split("## Add a law\n")[1].split("\n## ")[0]
     blocks = re.findall(r"```\w*\n(.*?)```", section, flags=re.S)
@@ -51,14 +51,14 @@ def copy_of_the_tree(to: Path) -> None:
 
 
 def environment(packages: Path) -> dict[str, str]:
-    """The interpreter of this test, with what pip installs going to ``packages`` and found there first."""
+    """Environment in which pip installs to ``packages``, and Python imports from there first."""
     changed = {
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]),
         "PYTHONPATH": str(packages),
         "PIP_TARGET": str(packages),
         "PIP_NO_DEPS": "1",
         "PIP_NO_BUILD_ISOLATION": "0",  # pip reads a false value as "without isolation"
-        # Compiled in half the time; what is tested does not depend on it.
+        # Halves the compile time and does not affect the test.
         "SKBUILD_CMAKE_BUILD_TYPE": "None",
         "CXXFLAGS": "-O1",
     }

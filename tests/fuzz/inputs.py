@@ -1,4 +1,4 @@
-"""Random inputs for a fuzz target, the same each time: inputs.py NUMBER FOLDER."""
+"""Writes reproducible random inputs for a fuzz target: inputs.py NUMBER FOLDER."""
 
 import random
 import sys

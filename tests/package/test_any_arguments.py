@@ -1,6 +1,6 @@
-"""Any object for any argument of any public function: it is taken, or refused with a ValueError of one line.
+"""Fuzz test of the public functions: any object as any argument is accepted, or refused with a one-line ValueError.
 
-Nothing else comes out: no other exception, no warning (they are errors here), no crash and no hang.
+No other exception, no warning (an error here), no crash and no hang may occur.
 """
 
 import math
@@ -46,7 +46,7 @@ def check(argument: Argument, value: object) -> None:
         argument(value)
     except ValueError as error:
         assert "\n" not in str(error) and len(str(error)) < 300
-        # Of the parameter, or of one that it makes impossible, such as the height for a ball's radius.
+        # The message names the parameter, or one that it makes invalid, such as the height for a ball's radius.
         assert re.match(r"[^:\n]+: \S", str(error)), (argument, str(error))
 
 

@@ -1,6 +1,6 @@
-"""The tree points in one direction: C++ headers by their includes, Python modules by their imports.
+"""Dependencies have one direction: includes of C++ headers and imports of Python modules.
 
-The order of the Python modules among each other is a contract of import-linter (pyproject.toml).
+The layers of the Python modules are checked by import-linter (pyproject.toml).
 """
 
 import ast
@@ -32,24 +32,24 @@ RANK = {
     "boxes/newton_steps": 6,
 }
 
-# Neither Python, nor input and output, nor libm: math.hpp has the elementary functions, same bits everywhere.
+# No Python, no input or output, no libm: math.hpp has elementary functions that are bit-identical everywhere.
 FORBIDDEN_INCLUDE = re.compile(
     r"Python\.h|nanobind|pybind11|c?math(\.h)?|c?stdio(\.h)?|iostream|fstream|sstream"
 )
 
-# Names of compilers, devices and platforms. Two builtins, infinity and NaN, are exempt: they are constants
-# and every compiler in use knows them.
+# Names of compilers, devices and platforms. The builtins for infinity and NaN are exempt: they are constants that
+# every supported compiler has.
 PLATFORM = re.compile(
     r"__CUDA\w*|__NVCC__|__GNUC__|__clang__|_MSC_VER|__wasm\w*|__EMSCRIPTEN__|__AVX\w*|__SSE\w*|__x86_64__|__aarch64__"
     r"|__attribute__|__device__|__host__|__global__|#\s*pragma\s+(?:GCC|clang)\b"
     r"|__builtin_(?!huge_val\b|nan\b)\w+"
 )
 
-# May import the package as a user does; everything below imports modules.
+# These may import the package as a user does; all other modules import modules.
 USERS_OF_THE_PACKAGE = {"__main__", "cli", "explorer", "paper"}
 
 
-# The headers that choose among the solvers, each in a folder of its own.
+# The headers that choose among the solvers; each solver has its own folder.
 RANK_OF_FILE = {"column/solve.hpp": 4, "column/rebound.hpp": 4}
 
 
@@ -69,7 +69,7 @@ def without_comments(text: str) -> str:
 
 
 def included(path: PurePosixPath, name: str) -> PurePosixPath:
-    """The file meant by #include "name" in the header at path, relative to core/."""
+    """Path relative to core/ of the file that #include "name" in the header at ``path`` refers to."""
     parts: list[str] = []
     for part in (path.parent / name).parts:
         if part == "..":
@@ -105,7 +105,7 @@ def platform_faults(files: dict[PurePosixPath, str]) -> list[str]:
 
 
 def package_import_faults(module: str, source: str) -> list[str]:
-    """Imports of hardlimit itself, rather than of one of its modules, in the module a.b below hardlimit."""
+    """Imports of the package hardlimit, instead of one of its modules, in the module hardlimit.a.b."""
     if module.split(".")[0] in USERS_OF_THE_PACKAGE:
         return []
     faults = []
@@ -174,7 +174,7 @@ def test_the_checks_see_faults() -> None:
 
 
 def test_no_line_of_cpp_is_too_long() -> None:
-    """clang-format breaks code at 110 columns and leaves comments alone; marks above letters take no column."""
+    """clang-format breaks code at 110 columns but not comments; combining characters take no column."""
     folders = ["core", "bindings", "tests", "benchmarks", "web"]
     sources = [path for folder in folders for path in (ROOT / folder).rglob("*.?pp")] + [
         *ROOT.glob("core/**/*.cu")

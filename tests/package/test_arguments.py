@@ -1,6 +1,6 @@
-"""Every argument of every public function against one table of things that are not what it wants.
+"""Every argument of every public function against one table of invalid values.
 
-Each call either is refused with one line that names the parameter, or is a documented acceptance.
+Each value is refused with one line that names the parameter, or its acceptance is documented.
 """
 
 import math
@@ -28,7 +28,7 @@ from hardlimit.support import validation
 
 
 class Refuses:
-    """Whatever Python asks of it, it raises."""
+    """An object whose methods all raise."""
 
     def __float__(self):
         raise RuntimeError("no")
@@ -41,7 +41,7 @@ class Refuses:
 
 
 class Quantity:
-    """What the libraries of units have: numbers beside a unit."""
+    """A number with a unit, as in unit libraries."""
 
     units = "mm"
 
@@ -54,7 +54,7 @@ ITSELF.append(ITSELF)
 
 BALL, LAW = hl.Ball(0.05, density=840.0), law_of("linear", 0.7)
 
-#: Label → value. Values are made anew for each call: a generator can be used up.
+#: Label → function that makes the value; a new one for each call, because a generator can be exhausted.
 BAD: dict[str, Callable[[], Any]] = {
     "None": lambda: None,
     "True": lambda: True,
@@ -146,7 +146,7 @@ BAD: dict[str, Callable[[], Any]] = {
 EMPTY = {"empty list", "empty tuple", "empty array", "empty range"}
 SIGNED = {"-1", "0"}
 
-#: What an argument may take besides its good value, as its documentation says.
+#: Labels that an argument accepts in addition to its valid value, according to its documentation.
 ACCEPTED = {
     "number": SIGNED,
     "optional number": SIGNED | {"None"},
@@ -193,7 +193,7 @@ ACCEPTED = {
 
 @dataclass(frozen=True)
 class Argument:
-    """One argument of one function: how to call it, what it takes, a good value."""
+    """One argument of one function: how to call it, what it accepts, a valid value."""
 
     function: str
     name: str
@@ -201,7 +201,7 @@ class Argument:
     call: Callable[..., Any]
     good: Any
     others: dict[str, Any] = field(default_factory=dict)
-    told: str = ""  #: what a message calls it, where not by its name
+    told: str = ""  #: name in messages, if different
 
     def __str__(self) -> str:
         return f"{self.function}({self.name})"
@@ -309,7 +309,7 @@ def arguments_of_sweep() -> list[Argument]:
 
 
 def sweep(store: Any = None, **others: Any) -> Any:
-    """A sweep without the time it took, in a folder where nothing lies at any relative path."""
+    """A sweep without its computing time, in an empty working directory."""
     with TemporaryDirectory() as folder, chdir(folder):
         found = hl.sweep(store=store, **others).load()
     del found.attrs["wall_time_s"]
@@ -540,7 +540,7 @@ def read_rows(path: Any = "rows.csv", **options: Any) -> Any:
         Path("rows.csv").write_text("speed,restitution,restitution_error\n1.0,0.7,0.01\n2.0,0.69,0.01\n")
         try:
             return hl.read_measurements(path, **options)
-        except ValueError as error:  # a file is named by itself
+        except ValueError as error:  # a message may name the file instead
             raise ValueError(re.sub("^.*: cannot be read", "path: cannot be read", str(error))) from None
 
 
@@ -603,7 +603,7 @@ def arguments_of_practice() -> list[Argument]:
 
 
 def arguments_of_law(kind: str) -> list[Argument]:
-    """Every parameter of a law in every way of giving it, and in ``replace``."""
+    """Every parameter of a law in each of its alternatives, and in ``replace``."""
     law, found = hl.LAWS[kind], []
     for choice in law.record["alternatives"]:
         given = {p["name"]: typical(p) for p in [*law.record["common"], *choice]}
@@ -616,7 +616,7 @@ def arguments_of_law(kind: str) -> list[Argument]:
 
 ARGUMENTS = arguments()
 every_argument = pytest.mark.parametrize(
-    # What is accepted for a film makes one.
+    # An accepted value makes a film.
     "argument",
     [slow(a) if a.function == "Result.animate" else a for a in ARGUMENTS],
     ids=str,
@@ -660,7 +660,7 @@ def plainly(place: int) -> str:
 
 @pytest.mark.parametrize("spelling", [s if s in ("NumPy scalar", "Decimal") else slow(s) for s in SPELLINGS])
 def test_one_number_in_every_spelling(spelling):
-    """However a number is written, it is that number."""
+    """All numeric types that represent the same number give the same result."""
     for place, argument in enumerate(NUMERIC):
         spelled = argument(SPELLINGS[spelling](argument.good))
         assert repr(spelled) == plainly(place), (argument, spelling)
@@ -698,7 +698,7 @@ def test_arrays_of_every_kind(kind):
 
 @pytest.mark.parametrize("label", BAD)
 def test_bad_arrays(label):
-    """What is refused as an array, and what comes back otherwise."""
+    """Arrays that are refused, and the conversion of the others."""
     taken = {"-1": (), "0": ()}
     try:
         found = validation.array("x", BAD[label]())

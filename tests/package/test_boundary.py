@@ -135,7 +135,7 @@ def test_a_solution_is_sampled_where_it_is_known(method: Any, time: float) -> No
     assert all((a == b).all() for a, b in zip(once, again, strict=True))
 
 
-LONG = pytest.mark.slow  # elastic balls bounce some thousand times
+LONG = pytest.mark.slow  # elastic balls bounce several thousand times
 
 
 @pytest.mark.parametrize(
@@ -148,7 +148,7 @@ LONG = pytest.mark.slow  # elastic balls bounce some thousand times
     ],
 )
 def test_a_trajectory_far_from_now_ends(model: Any, restitution: float) -> None:
-    """At rest, or refused in one line that says how far the solution goes."""
+    """The column is at rest, or the time is refused in one line that gives the end of the solution."""
     result = model(hl.Column.paper(restitution=restitution))
     for time in (1e3, 1e12, 1e308):
         try:

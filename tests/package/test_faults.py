@@ -1,4 +1,4 @@
-"""The deliberate faults of tools/faults.py are still about the headers and tests that there are."""
+"""The deliberate faults of tools/faults.py refer to existing headers and tests."""
 
 import sys
 from pathlib import Path
@@ -15,7 +15,7 @@ FAULTS = faults.read_faults()
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda f: f.name)
 def test_a_fault_changes_what_is_there(fault: faults.Fault, tmp_path: Path) -> None:
-    """Its old text occurs once, and the named tests and translation units exist."""
+    """The old text of each fault occurs once, and its tests and translation units exist."""
     there = tmp_path / fault.file
     there.parent.mkdir(parents=True, exist_ok=True)
     before = (ROOT / "core" / fault.file).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""What ``import hardlimit`` offers: the public names, and nothing that leaked in."""
+"""The namespace of ``import hardlimit``: the public names and nothing else."""
 
 import subprocess
 import sys
@@ -16,7 +16,7 @@ PUBLIC = {
 
 
 def test_nothing_leaks():
-    """Every name is public, a dunder, or a module of the package."""
+    """Every name is public, a dunder name, or a module of the package."""
     listing = "import hardlimit; print(*dir(hardlimit))"
     names = set(
         subprocess.run(
@@ -42,7 +42,7 @@ def test_public_names():
 
 
 def test_import_is_light():
-    """No drawing, no tables, no maps on disk, no processes before they are asked for."""
+    """Plotting, tables, maps on disk and processes are imported only on first use."""
     listing = "import hardlimit, sys; print(*sys.modules)"
     loaded = subprocess.run(
         [sys.executable, "-c", listing], capture_output=True, text=True, check=True
@@ -59,7 +59,7 @@ def test_import_is_light():
 
 
 def test_help_is_light():
-    """The list of commands imports none of them."""
+    """Listing the commands imports none of them."""
     listing = "import sys; from hardlimit.cli import main; main(['--help'], standalone_mode=False); print(*sys.modules)"
     loaded = subprocess.run(
         [sys.executable, "-c", listing], capture_output=True, text=True, check=True

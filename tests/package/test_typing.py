@@ -1,4 +1,4 @@
-"""What a type checker of a user of the package sees: every public name, and arrays told apart from numbers."""
+"""Type checking of user code: every public name is typed, and arrays are distinguished from numbers."""
 
 import subprocess
 import sys
@@ -53,7 +53,7 @@ hl.LinearDashpot(stiffness="hard", restitution=0.5)
 hl.Column.paper().contacts[0].force("deep")
 """
 
-# Checking these would take most of the time, and no type that is asserted comes from them.
+# Checking these would take most of the time, and no asserted type comes from them.
 SETTINGS = """
 [mypy]
 [mypy-xarray.*,pandas.*,matplotlib.*]
@@ -63,7 +63,7 @@ follow_imports = skip
 
 @pytest.mark.slow
 def test_a_type_checker_accepts_what_is_right_and_sees_what_is_wrong(tmp_path):
-    """mypy --strict on files of a user, away from this repository."""
+    """mypy --strict on user files outside this repository."""
     laws = ", ".join(law.__name__ for law in hl.LAWS.values())
     (tmp_path / "right.py").write_text(USER.format(laws=laws), encoding="utf-8")
     (tmp_path / "wrong.py").write_text(WRONG, encoding="utf-8")

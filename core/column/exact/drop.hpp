@@ -165,7 +165,7 @@ inline DropBound bound_of(const CompressionBound& bound, const Start& s, double 
     return DropBound::of(bound, gap, s.units.speed);
 }
 
-// End of the last contact of a run: infinity at rest, unless `until` is given.
+// Time up to which contacts may last: infinity at rest unless `until` is given, otherwise `last`.
 inline double lasts(const Sequence& q, double last, double span) {
     return q.outcome == Outcome::at_rest && span == -math::infinity ? math::infinity : last;
 }

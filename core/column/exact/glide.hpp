@@ -215,7 +215,7 @@ private:
     double damping_slow, damping_fast, coupling;  // elements C_ss, C_ff and |C_fs|
 };
 
-// Powers 2^n of the propagator of one piece, computed on demand.
+// Propagators of 2^n pieces, computed on demand by squaring.
 class Powers {
     static constexpr int most = 64;
     Propagator power[most];
