@@ -21,7 +21,7 @@ CONTACTS_AT_ONE = 3
 SPIKES = (0.78, 0.67)
 HALF_DIGIT = 0.005
 
-#: Densities scanned, their distance, and the distance around the best of them [kg/m³].
+#: Range of the scan, its step, and the finer step around the best density [kg/m³].
 RANGE = (300.0, 3000.0)
 COARSE = 20.0
 FINE = 1.0
@@ -43,7 +43,7 @@ def spike_tips(paper: Paper, lowest: float = 0.62) -> list[float]:
 
 
 def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset:
-    """Scan the density, finely where the facts hold; the data are contacts at ε = 1, spike tips, and whether all hold."""
+    """Scan the density, finely where the facts hold. Data: contacts at ε = 1, spike tips, and whether all facts hold."""
     found: dict[float, tuple[int, list[float]]] = {}
 
     def add(densities: Array, start: float, share: float) -> None:
