@@ -43,7 +43,7 @@ def spike_tips(paper: Paper, lowest: float = 0.62) -> list[float]:
 
 
 def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset:
-    """Scan the density, finely where the facts hold. Data: contacts at ε = 1, spike tips, and whether all facts hold."""
+    """Scan the density, finely where the facts hold. Data: contacts at ε = 1, spike tips, whether all facts hold."""
     found: dict[float, tuple[int, list[float]]] = {}
 
     def add(densities: Array, start: float, share: float) -> None:
