@@ -1,4 +1,4 @@
-"""Three viscoelastic balls, energy and all, to 20 ms after the first touch of the floor."""
+"""Drop three viscoelastic balls and compute their energies until 20 ms after the first floor touch."""
 
 import hardlimit as hl
 

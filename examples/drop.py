@@ -1,4 +1,4 @@
-"""One drop, solved as instantaneous collisions and under Newton's equations."""
+"""Solve one drop with instantaneous collisions and under Newton's equations."""
 
 import hardlimit as hl
 

@@ -1,4 +1,4 @@
-"""A map of the number of contacts over restitution and gap, and how far the event-driven model is off."""
+"""Map the number of contacts, and the error of the event-driven model, over restitution and gap."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The damping that gives the restitution one asks for, and what the formula in common use gives."""
+"""Compute the damping for a given restitution, and the restitution that the formula in common use gives."""
 
 import hardlimit as hl
 

@@ -56,7 +56,7 @@ def molecular_dynamics(
     engine : {"auto", "events", "steps", "lammps"}
         ``"auto"``: ``"events"`` or ``"steps"``, whichever is estimated to cost less per contact. ``engine`` and
         ``engine_reason`` of the result give the choice and the reason. The same arguments give the same engine on every
-        machine. An option that only steps accept selects steps.
+        machine. An option that only steps accepts selects steps.
         ``"events"``: exact flights, exact isolated contacts, and integration of high order for contacts that share a
         particle while they last. Solves Newton's equations to 1e-9 on one thread. For short contacts.
         ``"steps"``: small equal steps. Positions, velocities, energies and ε are of second order in the step. For dense

@@ -385,15 +385,11 @@ class ContactResult(_Result):
     n_pairs: int | None  #: number of these between two particles
     n_ended: int | None  #: number of contacts that ended
     n_overlapped: int | None  #: number of ended contacts that overlapped another contact in time
-    largest_compression: float | None = (
-        None  #: largest of all contacts, over the smaller radius; None with LAMMPS
-    )
-    time_step: float | None = None  #: longest step [s], with engines steps and lammps
-    n_steps: int | None = None  #: number of steps, with engines steps and lammps
-    largest_cluster: int | None = None  #: largest number of particles integrated together, with engine events
-    cluster_share: float | None = (
-        None  #: fraction of time that particles spent in clusters, with engine events
-    )
+    largest_compression: float | None = None  #: of all contacts, over the smaller radius; None with LAMMPS
+    time_step: float | None = None  #: longest step [s] (steps, lammps)
+    n_steps: int | None = None  #: number of steps (steps, lammps)
+    largest_cluster: int | None = None  #: largest number of particles integrated together (events)
+    cluster_share: float | None = None  #: fraction of time that particles spent in clusters (events)
     engine_reason: str = ""  #: why ``"auto"`` chose this engine; empty if the user chose it
 
     def _outcome_key(self) -> str:

@@ -32,7 +32,7 @@ def resume(
         New end of the run. Without ``until`` and ``max_collisions``, the end is that of the checkpoint. The interval
         between samples is unchanged.
     max_collisions : int, optional
-        New number of collisions, counted from the start of the run. For hard spheres only.
+        New limit on the number of collisions, counted from the start of the run. For hard spheres only.
     observe : callable(time, system), optional
         Required if the run was started with one: a checkpoint has the values of the function, not the function.
     progress : bool or callable(done, total), optional

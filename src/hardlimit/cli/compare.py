@@ -138,11 +138,11 @@ def contact_law(job: GasJob) -> hl.Law:
     return files.changed_law(job.law, name, parameters)
 
 
-# --- what is printed ----------------------------------------------------------------------------------------
+# --- output -------------------------------------------------------------------------------------------------
 
 
 def print_report(start: hl.ParticleSystem, law: hl.Law, found: hl.Fidelity, written: list[Path]) -> None:
-    """The system, the differences and when they exceeded the error bars, the contacts, a summary."""
+    """Print the system, the differences, the first significant differences, the contacts, and a summary."""
     out = console()
     rows = [
         *described(start),

@@ -113,7 +113,7 @@ def make_ball(
     default_radius: float,
     default_density: float,
 ) -> Ball:
-    """A ball with defaults for what is not given; ``which`` is the prefix of its options."""
+    """A ball with default values for options that are not given; ``which`` is the prefix of its options."""
     size = default_radius if radius is None else radius
     if density is None and mass is None:
         density = default_density
@@ -179,7 +179,7 @@ def constants(made: Contact) -> dict[str, float]:
 def print_report(
     made: Contact, ball: Ball, partner: Any, speeds: Any, depth: Any, usual: dict[str, float] | None
 ) -> None:
-    """The contact, a table over the speed, and the usual formula."""
+    """Print the contact, a table over the impact speed, and the result of the usual formula."""
     out = console()
     bodies = f"ball of radius {length(ball.radius)}, {quantity(ball.mass * 1e3, 'g')}, and "
     if isinstance(partner, Ball):
@@ -209,7 +209,7 @@ def print_report(
 
 
 def print_usual(out: Any, made: Contact, usual: dict[str, float]) -> None:
-    """The damping of this package and that of the usual formula."""
+    """Print the damping of this package and that of the usual formula."""
     formula = "ζ = −ln ε/√(π² + ln² ε), the usual formula"
     rows = [
         ["hardlimit, for a force that never attracts", digits(made.damping), digits(made.restitution())],

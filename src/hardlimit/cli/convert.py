@@ -213,7 +213,7 @@ def back(text: str, balls: list[Ball], wall: bool | None, given: dict[str, Any])
     return convert_back(text, balls[0], other, speed=speed, **options)
 
 
-# --- what is printed ----------------------------------------------------------------------------------------
+# --- output -------------------------------------------------------------------------------------------------
 
 
 def print_conversion(found: Conversion, balls: list[Ball], one_code: bool) -> None:

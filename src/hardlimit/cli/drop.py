@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 BALL_OPTIONS = ("radii", "radius_1", "radius_2", "radius_ratio", "densities", "masses")
 MOTION_OPTIONS = ("gaps", "velocities", "height", "gravity")
-#: The most factors of 10 by which a stiffness is raised in search of one that is stiff enough.
+#: Largest number of factors of 10 by which the search for a sufficient stiffness raises it.
 MOST_DECADES = 30
 
 
@@ -158,7 +158,7 @@ def drop(file: str | None, until: float | None, dpi: float | None, as_json: bool
 def write_outputs(
     found: Comparison, shown: Result, outputs: dict[str, Path | None], dpi: float | None
 ) -> None:
-    """Write the files that were asked for; ``shown`` is Newton's result up to ``--until``."""
+    """Write the requested files; ``shown`` is the result of Newton's equations up to ``--until``."""
     if outputs["toml"]:
         files.write(shown.column, outputs["toml"])
     if outputs["plot"]:
@@ -178,7 +178,7 @@ def write_outputs(
 
 
 def print_report(found: Comparison, shown: Result) -> None:
-    """Column, contacts, comparison and verdict."""
+    """Print column, contacts, comparison and verdict."""
     out = console()
     column = found.newton.column
     since = "the first floor touch" if column.floor else "release"
@@ -241,7 +241,7 @@ def column_table(column: Column) -> Table:
 
 
 def column_line(column: Column) -> str:
-    """What is the same for all balls, in a line."""
+    """A line with the values that are common to all balls."""
     parts = []
     if len(set(column.laws)) == 1:
         parts.append(law_text(column.laws[0]))
@@ -274,7 +274,7 @@ def contact_table(result: Result, most: int = 40) -> Table:
 
 
 def comparison_table(found: Comparison) -> Table:
-    """The numbers of all models side by side; those that no model has are left out."""
+    """A table of the results of all models; quantities that no model has are omitted."""
     results = found.results
     rows = []
     for row in zip(*map(quantities, results), strict=True):

@@ -140,7 +140,7 @@ def example_file() -> str:
 
 
 def print_report(found: Fit) -> None:
-    """Parameters, the other laws and the verdict."""
+    """Print the parameters, the other laws and the verdict."""
     out = console()
     percent = f"{100.0 * found.confidence:g} %"
     rows = [

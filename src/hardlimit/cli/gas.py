@@ -182,7 +182,7 @@ def run_hard_spheres(job: GasJob) -> tuple[hl.ParticleSystem, Any]:
 
 
 def resumed(file: str | None, checkpoint: str, given: dict[str, Any]) -> tuple[Any, dict[str, Path | None]]:
-    """The result of a run that goes on from its checkpoint, perhaps to a new end, and the files to write."""
+    """Continue a run from its checkpoint, to a new end if one is given; returns the result and the files to write."""
     outputs = checked_outputs({entry.name: given.pop(entry.name) for entry in OUTPUT})
     end = {name: given.pop(name) for name in ("until", "max_collisions")}
     refuse({"FILE": file, **given}, "with --resume: the checkpoint holds it")
@@ -259,11 +259,11 @@ def refuse(given: dict[str, Any], why: str) -> None:
             raise ValueError(f"{name if name == 'FILE' else spelled(name)}: must be left out {why}")
 
 
-# --- what is printed and saved ------------------------------------------------------------------------------
+# --- output -------------------------------------------------------------------------------------------------
 
 
 def print_report(start: hl.ParticleSystem | None, result: Any, files: list[Path]) -> None:
-    """The system at the start, or of a resumed run at the end, the results with theory, the outcome."""
+    """Print the system at the start (for a resumed run, at the end), the results with theory, and the outcome."""
     out = console()
     shown = result.system if start is None else start
     title = f"{shown.n} {'spheres' if shown.dimension == 3 else 'disks'}"

@@ -237,7 +237,7 @@ def checked_outputs(given: Mapping[str, Any]) -> dict[str, Path | None]:
 
 
 def single(value: Any) -> Any:
-    """The member of a list of one, and everything else as it is: an option that may be repeated makes a list."""
+    """The member of a list of length one, any other value unchanged. (Options that may be repeated give lists.)"""
     return value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
 
 

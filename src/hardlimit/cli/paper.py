@@ -75,7 +75,7 @@ def paper(
 
 @contextmanager
 def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
-    """A progress bar on stderr; it is told the completed fraction and the current step."""
+    """A progress bar on stderr; the function that it yields takes the completed fraction and the current step."""
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     out = console(stderr=True)
@@ -91,7 +91,7 @@ def fraction_progress(title: str) -> Iterator[Callable[[float, str], None]]:
 
 
 def print_report(found: Report, everything: bool = False) -> None:
-    """Statements that do not agree, with ``everything`` also those that agree, and a summary."""
+    """Print the statements that do not agree (with ``everything`` all statements), and a summary."""
     from rich.text import Text
 
     out = console()

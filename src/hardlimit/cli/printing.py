@@ -39,7 +39,7 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], left: int = 1) 
 
 
 def show(out: Console, title: str, content: Table, below: str = "") -> None:
-    """A table with a title above it, a line below it if given, and an empty line at the end."""
+    """Print a table with a title above it, a line below it if given, and an empty line at the end."""
     from rich.text import Text
 
     out.print(Text(title, style="bold"))
@@ -55,25 +55,25 @@ def sentence(text: str) -> str:
 
 
 def print_outcome(out: Console, outcome: str, files: Iterable[Path] = ()) -> None:
-    """How a run ended, and the files that were written."""
+    """Print the outcome of a run and the files that were written."""
     out.print(f"outcome: {outcome}", style="default" if outcome == "ok" else "yellow", markup=False)
     print_files(out, files)
 
 
 def print_files(out: Console, files: Iterable[Path | str]) -> None:
-    """The files that were written, one line each."""
+    """Print the files that were written, one line each."""
     for path in files:
         out.print(f"written to {path}", markup=False)
 
 
 def print_warnings(command: str, warnings: Iterable[Any]) -> None:
-    """Recorded warnings on stderr, one line each."""
+    """Print recorded warnings on stderr, one line each."""
     for warning in warnings:
         console(stderr=True).print(f"hardlimit {command}: {warning.message}", markup=False, soft_wrap=True)
 
 
 def print_json(content: Any) -> None:
-    """JSON on stdout; NaN and infinity become null."""
+    """Print JSON on stdout; NaN and infinity become null."""
     click.echo(json.dumps(plain(content), ensure_ascii=False, indent=2, allow_nan=False))
 
 

@@ -93,7 +93,7 @@ def computed(law: Law, n: int, given: dict[str, Any]) -> dict[str, Stack]:
 
 
 def print_report(found: dict[str, Stack], law: Law) -> None:
-    """The masses, and the top speed over the gap."""
+    """Print the masses, and the top speed for several gaps."""
     out = console()
     n = found["newton"].masses.size
     rows = [
@@ -117,7 +117,7 @@ def print_report(found: dict[str, Stack], law: Law) -> None:
 
 
 def as_mapping(found: dict[str, Stack], law: Law) -> dict[str, Any]:
-    """The same as the tables, in SI units; speeds are relative to the impact speed."""
+    """The contents of the tables in SI units; speeds are relative to the impact speed."""
     content: dict[str, Any] = {"law": {"name": law.record["name"], **law.parameters}}
     for model, one in found.items():
         gaps = np.array(GAPS) * one.contact_way

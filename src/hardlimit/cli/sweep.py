@@ -136,7 +136,7 @@ def _range(name: str, text: str, unit: str) -> NDArray[np.float64]:
 
 
 def units_of(balls: int) -> dict[str, str]:
-    """The unit of each parameter that can be swept in a column with so many balls."""
+    """The unit of each parameter that can be swept in a column with this number of balls."""
     contacts = ["", *(f"_{contact_name(i)}" for i in range(balls))]
     of_laws = {f"{name}{c}": record["unit"] for name, (record, _) in LAW_PARAMETERS.items() for c in contacts}
     return {name: p.unit for name, p in geometry(balls).items()} | of_laws
@@ -194,7 +194,7 @@ def sweep(file: str | None, resume: bool, dpi: float | None, as_json: bool, **gi
 
 @dataclass(frozen=True)
 class Job:
-    """One sweep: what is computed and where it goes."""
+    """A sweep and its output files."""
 
     column: Column
     axes: dict[str, Any]  #: a number or an array for each swept parameter
@@ -270,7 +270,7 @@ def checked_output(out: str | None, resume: bool) -> Path | None:
 
 
 def draw(ds: xr.Dataset, job: Job, dpi: float | None) -> None:
-    """Draw the pictures that were asked for; the difference needs a second model."""
+    """Draw the requested pictures; the difference requires a second sweep with the other model."""
     if not any(job.pictures.values()):
         return
     from .. import plots
@@ -333,7 +333,7 @@ def summarise(ds: xr.Dataset, out: Path | None) -> dict[str, Any]:
 
 
 def print_summary(ds: xr.Dataset, summary: dict[str, Any]) -> None:
-    """The summary as a table."""
+    """Print the summary as a table."""
     out = console()
     sizes = " × ".join(f"{size} {name}" for name, size in summary["sizes"].items())
     seconds = summary["seconds"] or math.nan

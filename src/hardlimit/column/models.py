@@ -29,7 +29,7 @@ class Model:
     name: str  #: as in ``hardlimit.sweep(model=…)``
     label: str  #: for legends
     short: str  #: for table headers
-    limits: str  #: what it neglects or where it fails
+    limits: str  #: effects that it neglects, or conditions under which it fails
     solve: Callable[..., _core.Solution]  #: (core column, ``until`` or NaN, …) → solution
     applies: Callable[[Scenario], bool] = lambda column: True
     needs: str = "any column"  #: describes ``applies``

@@ -50,7 +50,7 @@ class Result:
     array([0.      , 0.000194, 0.000388, 0.00054 , 0.000695])
     """
 
-    column: Column  #: what was solved
+    column: Column  #: the column that was solved
     model: str  #: ``"newton"``, ``"adiabatic"`` or ``"independent"``
     method: str  #: describes the solver
     until: float | None  #: the requested end time [s], if any
@@ -161,7 +161,7 @@ class Result:
 
     @property
     def outcome(self) -> str:
-        """``"ok"``, or a sentence that says how the run ended instead."""
+        """``"ok"``, or a sentence that says why the run ended early."""
         message = str(_core.outcome_messages[self._core.outcome])
         pair = self._core.too_deep
         if pair < 0:

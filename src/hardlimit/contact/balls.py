@@ -36,7 +36,7 @@ class Ball:
     radius: float  #: [m]
     mass: float  #: [kg]
     density: float  #: [kg/m³]
-    given: str  #: what :meth:`resized` keeps, ``"density"`` or ``"mass"``
+    given: str  #: the value that :meth:`resized` keeps, ``"density"`` or ``"mass"``
 
     def __init__(self, radius: float, density: float | None = None, mass: float | None = None) -> None:
         given = validation.exactly_one(density=density, mass=mass)

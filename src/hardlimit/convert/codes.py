@@ -27,7 +27,7 @@ ELASTIC: Final = {"hooke": 4, "hertz": 6}
 
 @dataclass(frozen=True)
 class Spring:
-    """K = factor · X · R^radius, where ``given`` (a key of ``SPRINGS``) says how X follows from the numbers."""
+    """K = factor · X · R^radius; ``given`` is the key in ``SPRINGS`` of the formula for X."""
 
     given: str
     factor: float = 1.0
@@ -84,7 +84,7 @@ class Input:
     head: str = ""
     foot: str = ""
     shared: bool = False  #: whether the lines hold for all contacts, not for one pair of types
-    once: list[str] = field(default_factory=list)  #: numbers that hold for all contacts, if others do not
+    once: list[str] = field(default_factory=list)  #: numbers common to all contacts, if others are not
     apart: bool = False  #: whether walls have their own numbers
     extra: list[Extra] = field(default_factory=list)  #: lines for extreme numbers
     least: dict[str, float] = field(default_factory=dict)  #: lowest numbers that the code accepts

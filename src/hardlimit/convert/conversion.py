@@ -70,7 +70,7 @@ class ModelConversion:
 class Conversion:
     """A restitution in the numbers of particle codes; returned by :func:`hardlimit.convert`."""
 
-    wanted: Wanted  #: what was asked for
+    wanted: Wanted  #: the wanted restitution and stiffness
     contacts: tuple[ContactNumbers, ...]  #: each pair of sizes, and each size with a wall
     models: tuple[ModelConversion, ...]  #: of the named code, or of all
 

@@ -33,7 +33,7 @@ class Contact:
 
     bodies: tuple[str, ...]
     settings: Settings
-    wall: bool | None = None  #: None if it holds for both
+    wall: bool | None = None  #: whether it is a contact with a wall; None if the settings hold for both
 
     @property
     def name(self) -> str:

@@ -48,7 +48,7 @@ def page_files() -> dict[str, bytes]:
 
 
 class PageServer(ThreadingHTTPServer):
-    """A server that holds the files in memory, so that no request can reach any other file.
+    """A server with the files of the page in memory, so that no request can reach any other file.
 
     Parameters
     ----------

@@ -113,7 +113,7 @@ class Impacts(Measured):
     what: ClassVar[str] = "ε over the speed of impact"  #: what was measured
 
     blocks: tuple[Block, ...]  #: impacts with correlated errors
-    origin: str  #: what the instruments read
+    origin: str  #: the quantity that the instruments measured
 
     @classmethod
     def of_restitution(

@@ -1,7 +1,7 @@
-"""Müller and Pöschel, Phys. Rev. E 83, 041304 (2011): all figures and the statements of the text.
+"""The figures of Müller and Pöschel, Phys. Rev. E 83, 041304 (2011), and checks of the statements in its text.
 
 ``setup`` has the paper's columns. ``figure2`` … ``figure8`` each have the data, the drawing and the statements
-of a figure; ``collisions``, ``density`` and ``misprints`` check what the text states without a figure.
+of a figure. ``collisions``, ``density`` and ``misprints`` check the statements that belong to no figure.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ def run(
     figures : list of int, or text such as "2,3,4", optional
         All by default. Statements that need an omitted figure are omitted as well.
     density : float [kg/m³]
-        Of both balls; the paper prints none.
+        Density of both balls; the paper gives none.
     format : {"png", "pdf", "svg"}
     infer_density : bool
-        Scan the density for the facts that the paper states; also writes ``density.png`` and ``density.nc``.
+        Infer the density from the facts that the paper states, by a scan; writes ``density.png`` and ``density.nc``.
     progress : callable(part, text), optional
         ``part`` runs from 0 to 1.
     dpi : float, optional
@@ -147,7 +147,7 @@ def _writable(out: str | Path) -> Path:
 
 
 class _Track:
-    """Progress of the whole from the progress of single steps, which take times in proportion to ``weights``."""
+    """Overall progress, from the progress of single steps, whose durations are proportional to ``weights``."""
 
     def __init__(self, weights: dict[str, float], progress: Callable[[float, str], object] | None) -> None:
         self._weights = weights
@@ -162,7 +162,7 @@ class _Track:
         self.within(0.0)
 
     def within(self, part: float) -> None:
-        """Report the finished part of the present step."""
+        """Report the finished fraction of the current step."""
         done = self._before + part * self._weights[self._step]
         self._progress(done / sum(self._weights.values()), self._step)
 

@@ -1,4 +1,4 @@
-"""The caption of a figure: its parameters, and what it means for event-driven simulations."""
+"""Captions of figures: the parameters, and the meaning for event-driven simulations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 FONT_SIZE: Final = 8.5  #: [points]
 LINE: Final = 0.155  #: [inch] from one line of the caption to the next
-LETTERS: Final = 17.3  #: per inch
+LETTERS: Final = 17.3  #: average number of characters per inch
 
 #: Symbol and unit of the entries of ``attrs["parameters"]``, in the order of the caption.
 SYMBOLS: Final = {

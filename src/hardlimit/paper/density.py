@@ -1,4 +1,4 @@
-"""The density that the paper does not print, inferred from the facts that it states."""
+"""Inference of the density, which the paper does not give, from the facts that it states."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CONTACTS_AT_ONE = 3
 SPIKES = (0.78, 0.67)
 HALF_DIGIT = 0.005
 
-#: Densities scanned, their distance, and the distance around the best of them [kg/m³].
+#: Range of the scan, its step, and the finer step around the best density [kg/m³].
 RANGE = (300.0, 3000.0)
 COARSE = 20.0
 FINE = 1.0
@@ -43,7 +43,7 @@ def spike_tips(paper: Paper, lowest: float = 0.62) -> list[float]:
 
 
 def infer(progress: Callable[[float], object] = lambda part: None) -> xr.Dataset:
-    """Scan the density, finely where the facts hold: contacts at ε = 1, spike tips, and whether all hold."""
+    """Scan the density, finely where the facts hold. Data: contacts at ε = 1, spike tips, whether all facts hold."""
     found: dict[float, tuple[int, list[float]]] = {}
 
     def add(densities: Array, start: float, share: float) -> None:
@@ -107,7 +107,7 @@ def draw(scan: xr.Dataset) -> Figure:
 
 
 def rows(paper: Paper, scan: xr.Dataset | None) -> list[Row]:
-    """The density row of the table, and with a scan where the facts hold."""
+    """The row of the table on the density, and after a scan a row with the range in which the facts hold."""
     tips = spike_tips(paper)
     n = newton(paper.linear(1.0)).n_contacts
     good = n == CONTACTS_AT_ONE and all(abs(a - b) <= HALF_DIGIT for a, b in zip(tips, SPIKES, strict=True))

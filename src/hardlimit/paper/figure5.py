@@ -35,7 +35,7 @@ def parameters(paper: Paper) -> dict[str, str | float]:
 
 
 def compute(paper: Paper) -> xr.Dataset:
-    """One curve from 0.3 µm to 4 mm with points that crowd at every jump; both panels are cut from it."""
+    """One curve from 0.3 µm to 4 mm with dense points at every jump; both panels show parts of it."""
     column = paper.linear(RESTITUTION)
     grid = np.concatenate([np.geomspace(*SMALL, 2400), np.linspace(*LARGE, 600)])
     gap = refine(counts_of(column, "gap"), grid, logarithmic=True)

@@ -34,7 +34,7 @@ def parameters(paper: Paper) -> dict[str, str | float]:
 
 
 def compute(paper: Paper) -> xr.Dataset:
-    """One curve with points that crowd at every jump, fine where the inset magnifies it."""
+    """One curve with dense points at every jump and in the range of the inset."""
     column = paper.linear(RESTITUTION)
     grid = np.concatenate([np.linspace(*RATIOS, 2000), np.linspace(1.0, 1.7, 701)])
     ratio = refine(counts_of(column, "radius_ratio"), grid)

@@ -1,4 +1,4 @@
-"""Misprints of the paper: each is evaluated as printed and compared with the numbers."""
+"""Misprints of the paper: each equation is evaluated as printed and as corrected."""
 
 from __future__ import annotations
 

@@ -13,14 +13,14 @@ from .statement import Statements
 
 
 class Figure(Protocol):
-    """What the module of a figure provides: data, drawing and statements."""
+    """Interface of the module of a figure: data, drawing and statements."""
 
     @property
     def TITLE(self) -> str: ...
 
     @property
     def CHOICES(self) -> str:
-        """What the paper leaves open and is chosen here."""
+        """The choices that the paper leaves open, in one sentence."""
 
     @property
     def WEIGHT(self) -> float:
@@ -36,7 +36,7 @@ class Figure(Protocol):
         """The data of the figure; ``attrs["choices"]`` replaces ``CHOICES``."""
 
     def meaning(self, data: xr.Dataset) -> str:
-        """What the figure means for an event-driven simulation, in one sentence."""
+        """The meaning of the figure for event-driven simulations, in one sentence."""
 
     def draw(self, data: xr.Dataset) -> Picture:
         """The picture, without its caption."""

@@ -1,4 +1,4 @@
-"""Result of `hardlimit paper`: files, the table of statements, a sentence for each figure."""
+"""Report of ``hardlimit paper``: files, the table of statements, and a sentence for each figure."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ VERDICTS: Final[dict[Agreement, str]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """One statement of the paper and what comes out here."""
+    """A row of the table: one statement of the paper, and the result obtained here."""
 
     statement: str  #: in our words
-    where: str  #: in the paper
-    result: str  #: what comes out here
+    where: str  #: place in the paper
+    result: str  #: result obtained here
     agrees: Agreement
     kind: Kind = "statement"
 
@@ -36,15 +36,15 @@ class Report:
     out: Path
     density: float
     files: list[Path] = field(default_factory=list)
-    #: Figure → what it means for event-driven simulations.
+    #: Meaning of each figure for event-driven simulations.
     meanings: dict[int, str] = field(default_factory=dict)
-    #: Figure → what the paper leaves open and is chosen here.
+    #: Choices that the paper leaves open, for each figure.
     choices: dict[int, str] = field(default_factory=dict)
     rows: list[Row] = field(default_factory=list)
     wall_time: float = 0.0  #: [s]
 
     def to_dict(self) -> dict[str, Any]:
-        """As lists and strings for JSON."""
+        """The report as lists and strings for JSON."""
         return {
             "out": str(self.out),
             "density": self.density,
@@ -60,7 +60,7 @@ class Report:
         return [row for row in self.rows if row.kind == kind and (not agrees or row.agrees in agrees)]
 
     def summary(self) -> str:
-        """How many statements agree, in one sentence."""
+        """One sentence: the number of statements that agree."""
         stated = self.chosen("statement")
         count = {verdict: len(self.chosen("statement", verdict)) for verdict in VERDICTS}
         misprints = len(self.chosen("misprint", "misprint"))

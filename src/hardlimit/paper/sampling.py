@@ -31,7 +31,7 @@ def refine(
 ) -> Array:
     """Halve every interval over which the count changes until it is narrower than ``tolerance`` (relative).
 
-    Returns all sampled values, ascending: each jump is bracketed to ``tolerance``, with points that crowd
+    Returns all sampled values in ascending order. Each jump is bracketed to ``tolerance``, and the points become denser
     towards it.
     """
     x = np.unique(np.asarray(values, dtype=np.float64))
@@ -120,10 +120,10 @@ Axis = tuple[Array, bool]
 
 
 def share(holds: NDArray[np.bool_], *axes: Axis) -> float:
-    """Part of an axis, or of the area of a map, on which a condition holds.
+    """Fraction of an axis, or of the area of a map, on which a condition holds.
 
-    Each point stands for the part of the axis that is nearest to it, so that the share does not depend on
-    where the points crowd.
+    Each point is weighted by the part of the axis that is nearest to it, so that the fraction does not depend on the
+    density of points.
     """
     weights = np.ones(())
     for points, logarithmic in axes:
@@ -134,7 +134,7 @@ def share(holds: NDArray[np.bool_], *axes: Axis) -> float:
 
 
 def middles(low: float, high: float, number: int, logarithmic: bool = False) -> Array:
-    """The middles of ``number`` equal parts of an axis: the mean over them is a mean over the axis."""
+    """The middles of ``number`` equal parts of an axis. A mean over them is a mean over the axis."""
     if logarithmic:
         return np.exp(middles(math.log(low), math.log(high), number))
     return low + (high - low) * (np.arange(number) + 0.5) / number

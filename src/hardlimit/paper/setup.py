@@ -33,7 +33,7 @@ RADIUS_2_APPENDIX: Final = 0.0025
 class Paper:
     """The paper's columns at one density [kg/m³], and the Dataset of each figure.
 
-    ``progress(part)`` is called with the finished part of the present step, 0 to 1.
+    ``progress(part)`` is called with the finished fraction of the current step, 0 to 1.
     """
 
     def __init__(

@@ -51,7 +51,7 @@ class Statements(list[Statement]):
         figures: Iterable[int] = (),
         progress: Callable[[float], object] = lambda part: None,
     ) -> list[Row]:
-        """The rows of the statements that need no other than these figures."""
+        """The rows of the statements that need at most these figures."""
         chosen = [s for s in self if set(s.figures) <= set(figures)]
         table = []
         for i, statement in enumerate(chosen):

@@ -151,7 +151,7 @@ def root_mean_square(system: ParticleSystem) -> float:
 
 
 def caption(system: ParticleSystem) -> str:
-    """Number of particles, and what is drawn."""
+    """The caption of the film: the number of particles, and for spheres the plane of the cross section."""
     what = f"{system.n} disks" if system.dimension == 2 else f"{system.n} spheres, cut by the plane y = L/2"
     return f"{what}\ndashed sides are periodic" if "periodic" in system.boundary else what
 

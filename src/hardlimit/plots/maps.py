@@ -82,7 +82,7 @@ def difference_map(
 
 
 def _plane(ds: xr.Dataset, variable: str) -> xr.DataArray:
-    """The variable of a map, thinned out to what a picture can show."""
+    """The variable of a map, thinned to the resolution of a picture."""
     if variable not in ds:
         raise ValueError(f"variable: got {variable!r}, must be one of {', '.join(map(str, ds.data_vars))}")
     if ds[variable].ndim != 2:

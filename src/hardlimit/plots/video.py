@@ -34,7 +34,7 @@ class Canvas:
         self.canvas = cast(Any, FigureCanvasAgg(self.figure))
 
     def pixels(self) -> Frame:
-        """A copy of what is drawn."""
+        """A copy of the pixels of the figure."""
         return np.asarray(self.canvas.buffer_rgba())[:, :, :3].copy()
 
 

@@ -155,7 +155,7 @@ class Plan:
             out,
             progress,
         )
-        if large:  # more contacts than a byte holds
+        if large:  # more than 255 contacts somewhere
             out["n_contacts"] = out["n_contacts"].astype(np.uint32)
             for point, n in large:
                 out["n_contacts"][point] = n

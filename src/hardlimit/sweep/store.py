@@ -98,7 +98,7 @@ class Store:
     # --- opening --------------------------------------------------------------------------------------------
 
     def _begin_writing(self) -> None:
-        """Lock the store, and remove what a killed process left half-written."""
+        """Lock the store, and remove files that a killed process left incomplete."""
         if self._writing:
             return
         with _one_line(self.path):

@@ -43,7 +43,7 @@ POINTS: Final = 1 << 22
 
 
 def check(plan: Any) -> None:
-    """Refuse what the kernel does not compute.
+    """Refuse sweeps that the kernel does not support.
 
     Raises
     ------
