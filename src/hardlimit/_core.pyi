@@ -289,7 +289,7 @@ class Engine:
         The same for open contacts, whose end is NaN, and for contacts whose cluster has not yet separated.
         """
 
-    def safety_used(self, instants: int) -> float:
+    def largest_safety_use(self, instants: int) -> float:
         """
         Largest fraction of its safety radius that a body in contact currently uses; at most 1.
         """
