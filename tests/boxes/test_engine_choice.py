@@ -185,7 +185,9 @@ def test_what_one_engine_alone_can_do_decides() -> None:
     )
     for name, value in {"time_step": 1e-7, "restitution_error": 1e-2, "threads": 2}.items():
         run = hl.molecular_dynamics(lattice(27), law=LAW, until=1e-4, **{name: value})
-        assert run.engine == "steps" and run.engine_reason == f"{name} is given, which steps alone take"
+        assert (
+            run.engine == "steps" and run.engine_reason == f"{name} is given, which only engine steps takes"
+        )
     with pytest.raises(ValueError, match="ranks: got 2, must be left out: only engine 'lammps' takes ranks"):
         hl.molecular_dynamics(lattice(27), law=LAW, until=1e-4, ranks=2)
 

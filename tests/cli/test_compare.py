@@ -43,7 +43,7 @@ def test_tables_pictures_and_files(tmp_path: Path) -> None:
     text = run("gas", "compare", *options, "--out", out, "--plot", plot).stdout
     words = " ".join(text.split())
     assert "40 spheres" in text and "Difference from Newton’s equations at the end" in text
-    assert " 3 replicas" in words and "share that overlap another" in text
+    assert " 3 replicas" in words and "fraction that overlap another" in text
     assert max(map(len, text.splitlines())) <= 100
     means = xr.open_dataset(out, group="means")
     assert means.model.values.tolist() == ["newton", "soft", "tc"] and coloured(plot) > 0.01

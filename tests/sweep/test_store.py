@@ -594,7 +594,7 @@ def test_a_write_that_fails_is_one_error(
         patch.setattr(Path, "replace", fail)
         with pytest.raises(OSError) as failed:
             hl.sweep(PAPER, store=path, **GRID)
-    assert str(failed.value) == f"store: cannot write {path}: {os.strerror(code)}; what is finished is kept"
+    assert str(failed.value) == f"store: cannot write {path}: {os.strerror(code)}; finished chunks are kept"
     assert failed.value.errno == code
     with Store(path, *plan_and_chunks(GRID)) as store:
         assert store.missing() == [3, 4]
@@ -663,7 +663,7 @@ def test_a_full_disk(tmp_path: Path) -> None:
     disk.mkdir()
     mount = f"mount -t tmpfs -o size={{}} tmpfs {disk}"
     said = in_namespace(disk / "map.zarr", mount.format("1m"), f"cp -r {disk} {kept}")
-    assert said == f"store: cannot write {disk}/map.zarr: No space left on device; what is finished is kept"
+    assert said == f"store: cannot write {disk}/map.zarr: No space left on device; finished chunks are kept"
     swept = {"gap": np.geomspace(1e-6, 1e-2, 45_000)}
     expected = hl.sweep(PAPER, model="independent", **swept)
     begun = xr.open_zarr(kept / "map.zarr").load()
@@ -682,7 +682,7 @@ def test_a_full_disk(tmp_path: Path) -> None:
 def test_a_read_only_folder(tmp_path: Path) -> None:
     path = tmp_path / "map.zarr"
     read_only = f"mount --bind {tmp_path} {tmp_path}; mount -o remount,ro,bind {tmp_path}"
-    refused = f"store: cannot write {path}: Read-only file system; what is finished is kept"
+    refused = f"store: cannot write {path}: Read-only file system; finished chunks are kept"
     assert in_namespace(path, read_only) == refused
     assert in_namespace(path, "true") == "done"
     assert in_namespace(path, read_only) == "done"  # a complete store is only read

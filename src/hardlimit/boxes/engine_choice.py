@@ -45,7 +45,7 @@ def chosen(system: ParticleSystem, law: Law, until: float, of_steps: Mapping[str
     :func:`estimated` to be cheaper."""
     for name, value in of_steps.items():
         if value is not None:
-            return Choice("steps", f"{name} is given, which steps alone take")
+            return Choice("steps", f"{name} is given, which only engine steps takes")
     return estimated(system, law, until)
 
 
@@ -71,7 +71,7 @@ def estimated(
     ]
     most = max(touches)
     if most.tc_nu == 0.0:
-        return Choice("events", "no contacts are to be expected")
+        return Choice("events", "no contacts are expected")
     if not most.tc_nu < 2.0 * system.dimension:  # contacts per particle of an isostatic packing
         return Choice("steps", f"contacts last, t_c ν = {most.tc_nu:.2g} {most.when}")
     at = f"at t_c ν = {most.tc_nu:.2g} {most.when} a contact costs about"

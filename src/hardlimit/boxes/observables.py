@@ -19,7 +19,7 @@ Kind = Literal["value", "sum", "rate"]
 KINDS: Final[Mapping[Kind, str]] = {
     "value": "",
     "sum": ", since the start",
-    "rate": ", mean since the sample before",
+    "rate": ", mean since the previous sample",
 }
 
 

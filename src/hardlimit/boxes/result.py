@@ -91,12 +91,12 @@ class EarlyEnd(NamedTuple):
 #: Sentence of each outcome.
 HARD_SPHERES_OUTCOMES: Final = {
     "ok": "ok",
-    "no_contact": "nothing collides any more",
-    "collapse": "inelastic collapse: {who} collide without end {where}; molecular_dynamics goes on, and the rule "
+    "no_contact": "no further collisions",
+    "collapse": "inelastic collapse: {who} collide infinitely often {where}; use molecular_dynamics, or the rule "
     "tc where there is room between them",
-    "no_room": "collapse: {who} collide without end {where}; molecular_dynamics goes on",
-    "at_rest": "at rest: gravity holds {who} together {where}; molecular_dynamics goes on",
-    "invalid": "invalid: a contact of {who} {where} whose numbers are beyond all range",
+    "no_room": "collapse: {who} collide infinitely often {where}; use molecular_dynamics",
+    "at_rest": "at rest: gravity holds {who} together {where}; use molecular_dynamics",
+    "invalid": "invalid: a contact of {who} {where} with values outside the floating-point range",
     "too_deep": "too deep: the contact of {who} {where} would reach half of the smaller radius, beyond the range "
     "of contact laws",
     "unresolved": "not resolved: a contact takes too many steps, {who} {where}",
@@ -105,7 +105,7 @@ NEWTON_OUTCOMES: Final = {
     "ok": "ok",
     "too_deep": "too deep: the contact of {who} reached half of the smaller radius, beyond the range of contact laws, "
     "{where}",
-    "steps": "not resolved: {who} became so fast that it moves too far in one step, {where}",
+    "steps": "not resolved: {who} moves too far in one step, {where}",
     "events": "not resolved: the contacts of {who} last too long to be integrated together, {where}; "
     "engine='steps' is made for that",
 }
@@ -127,11 +127,11 @@ COLLISIONS: Final = (
     Column("separation_speed", "m/s", "speed of separation"),
 )
 CONTACTS: Final = (
-    Column("begin", "s", "first touch, or when the force sets in again"),
+    Column("begin", "s", "first touch, or when the force switches on again"),
     Column("end", "s", "when the force falls to zero; NaN: still open"),
     Column("first", "1", "particle"),
     Column("second", "1", f"particle; {WALL_NUMBERS}"),
-    Column("impact_speed", "m/s", "speed of approach at the begin"),
+    Column("impact_speed", "m/s", "approach speed at the beginning"),
     Column("separation_speed", "m/s", "speed of separation at the end"),
     Column("overlapped", "1", "shared a particle with another contact while it lasted"),
 )
@@ -325,7 +325,7 @@ class ParticleResult(_Result):
         found: list[tuple[str, float]] = [
             ("time [s]", self.time),
             ("collisions", self.n_collisions),
-            ("of them with walls", self.n_walls),
+            ("collisions with walls", self.n_walls),
             ("collisions per particle", (2.0 * self.n_pairs + self.n_walls) / self.system.n),
             ("granular temperature at the start [m²/s²]", started),
             ("granular temperature at the end [m²/s²]", ended),
@@ -339,7 +339,7 @@ class ParticleResult(_Result):
         found.append(("dissipated energy [J]", self._change("dissipated_energy")[1]))
         found += compression.rows(self.largest_compression)
         if self.settings.rule == "tc":
-            found.append(("share that tc made elastic", self.elastic_share))
+            found.append(("fraction made elastic by tc", self.elastic_share))
         if self.settings.rule == "soft":
             found.append(("share with a third body in reach", self.third_body_share))
         return found
@@ -479,7 +479,7 @@ class ContactResult(_Result):
             ("time [s]", self.time),
             *((label, float(value)) for label, value in own.items() if value is not None),
             *self._counted(),
-            ("share that overlapped another in time", self.overlapped_share),
+            ("fraction that overlapped another contact in time", self.overlapped_share),
             ("granular temperature at the start [m²/s²]", started),
             ("granular temperature at the end [m²/s²]", ended),
             ("dissipated energy [J]", self._change("dissipated_energy")[1]),
@@ -490,7 +490,7 @@ class ContactResult(_Result):
     def _counted(self) -> Iterator[tuple[str, float]]:
         if self.n_contacts is not None and self.n_pairs is not None:
             yield "contacts", self.n_contacts
-            yield "of them with walls", self.n_contacts - self.n_pairs
+            yield "collisions with walls", self.n_contacts - self.n_pairs
             yield "contacts per particle", (self.n_contacts + self.n_pairs) / self.system.n
 
 

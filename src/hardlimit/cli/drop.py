@@ -189,7 +189,7 @@ def print_report(found: Comparison, shown: Result) -> None:
         out.print(depth, style="yellow")
     answer, verdict = found.verdict
     colour = {"yes": "green", "no": "red", "by luck": "yellow"}.get(answer, "default")
-    out.print("[bold]May you use event-driven here?[/bold]")
+    out.print("[bold]Is an event-driven simulation good enough here?[/bold]")
     out.print(verdict, style=colour)
 
 

@@ -31,7 +31,7 @@ MEASURES: Final = {
 }
 #: Rows of the table of contacts.
 CONTACTS: Final = {
-    "share that overlap another in time": "overlapped_share",
+    "fraction that overlap another contact in time": "overlapped_share",
     "median restitution": "median_restitution",
     "largest compression [radii]": "largest_compression",
     "contacts of a replica": "n_contacts",

@@ -65,7 +65,7 @@ def compute(paper: Paper) -> xr.Dataset:
 def meaning(data: xr.Dataset) -> str:
     n = data.sizes["contact"]
     return (
-        f"An event-driven simulation makes one ball–ball collision of this drop and parts the balls at "
+        f"An event-driven simulation makes one ball–ball collision of this drop and separates the balls at "
         f"{float(data.relative_velocity_independent):.2f} m/s; Newton’s equations have {n} contacts, and a "
         f"relative velocity of {float(data.relative_velocity):.2f} m/s after the last."
     )

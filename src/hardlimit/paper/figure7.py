@@ -63,7 +63,7 @@ def compute(paper: Paper) -> xr.Dataset:
 def meaning(data: xr.Dataset) -> str:
     n = int(data["outline_n_contacts"].max())
     return (
-        f"A more realistic contact force does not rescue the event-driven picture: viscoelastic spheres "
+        f"A more realistic contact force does not make event-driven simulation valid: viscoelastic spheres "
         f"have up to {n} contacts in one drop, where it has one."
     )
 

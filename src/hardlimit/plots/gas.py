@@ -25,7 +25,7 @@ PANELS = (
 )
 #: Values that change by more than this factor are drawn on a logarithmic axis.
 WIDE = 5.0
-TRANSIENT = f"the start’s transient: {theory.RELAXED} collisions per particle"
+TRANSIENT = f"initial transient: {theory.RELAXED} collisions per particle"
 
 
 def gas(run: ParticleResult) -> Figure:

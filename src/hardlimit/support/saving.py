@@ -45,7 +45,7 @@ def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
 
 def store_failure(path: Path, error: OSError, what: str = "write") -> OSError:
     """The same error with a message for the user, such as for a full disk or a read-only folder."""
-    told = OSError(f"store: cannot {what} {path}: {error.strerror or error}; what is finished is kept")
+    told = OSError(f"store: cannot {what} {path}: {error.strerror or error}; finished chunks are kept")
     told.errno = error.errno
     return told
 

@@ -95,7 +95,7 @@ def _text(line: bytes) -> str:
     try:
         return line.decode()
     except UnicodeDecodeError:
-        raise ValueError("not a text in UTF-8") from None
+        raise ValueError("not UTF-8 text") from None
 
 
 def _entries(comment: str) -> dict[str, str]:

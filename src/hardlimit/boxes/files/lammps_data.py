@@ -113,7 +113,7 @@ def read(path: Path, frame: int) -> Found:
     try:
         lines = path.read_bytes().decode().splitlines()
     except UnicodeDecodeError:
-        raise ValueError("not a text in UTF-8") from None
+        raise ValueError("not UTF-8 text") from None
     header, sections = _parts(lines)
     mark = _MARK.match(lines[0]) if lines else None
     d = int(mark[1]) if mark else 3

@@ -27,7 +27,7 @@ def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
     source = iter(lines)
     for line in source:
         if not line.startswith("ITEM: TIMESTEP"):
-            raise ValueError(f"a dump that breaks off: {line.strip()!r}")
+            raise ValueError(f"an incomplete dump: {line.strip()!r}")
         try:
             step = int(next(source))
             next(source)
@@ -37,7 +37,7 @@ def snapshots(lines: Iterable[str]) -> Iterator[Snapshot]:
             next(source)
             rows = [next(source) for _ in range(n)]
         except (StopIteration, ValueError):
-            raise ValueError("a dump that breaks off") from None
+            raise ValueError("an incomplete dump") from None
         yield Snapshot(step, rows)
 
 
@@ -45,7 +45,7 @@ def table(rows: list[str], width: int) -> Floats:
     """Convert rows of numbers to an array."""
     numbers = np.array(" ".join(rows).split(), dtype=np.float64)
     if numbers.size != len(rows) * width:
-        raise ValueError("a dump that breaks off")
+        raise ValueError("an incomplete dump")
     return numbers.reshape(len(rows), width)
 
 

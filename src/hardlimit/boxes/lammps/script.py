@@ -115,7 +115,7 @@ def _motion(system: ParticleSystem, plan: Plan) -> Iterator[str]:
 
 def _what_comes_out(system: ParticleSystem, plan: Plan) -> Iterator[str]:
     every = 1 if plan.log else plan.per_sample
-    yield "# at each sample: energies, momentum, the virial of pairs as a mean over the steps since the sample before"
+    yield "# at each sample: energies, momentum, the virial of pairs as a mean over the steps since the previous sample"
     yield "compute kinetic all ke"
     yield "compute virial all pressure NULL pair"
     yield f"fix virial all ave/time 1 {plan.per_sample} {plan.per_sample} c_virial"
