@@ -67,7 +67,7 @@ def event_driven(
         Number of intervals between samples of the series. With ``max_collisions`` alone, half to twice as many.
     log : bool
         Keep every collision; 28 bytes each.
-    observe : callable(time, system), optional
+    observe : callable, optional
         Called at each sample, including the start, with the time [s] and the current :class:`ParticleSystem`. It
         returns a mapping of names to numbers or arrays, which become variables of ``series``. Names and shapes must be
         the same at all samples. An exception in it ends the run after the checkpoint is written.

@@ -81,7 +81,7 @@ def molecular_dynamics(
     log : bool
         Keep every contact; 41 bytes each. LAMMPS counts contacts only with a log, and then writes all overlaps as text
         at every step, which takes time.
-    observe : callable(time, system), optional
+    observe : callable, optional
         As for :func:`event_driven`. Not available with LAMMPS, which runs in another process.
     checkpoint : path, optional
         File from which :func:`resume` continues. It is written at the start, every ``checkpoint_every`` seconds, at

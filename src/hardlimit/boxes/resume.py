@@ -33,7 +33,7 @@ def resume(
         between samples is unchanged.
     max_collisions : int, optional
         New limit on the number of collisions, counted from the start of the run. For hard spheres only.
-    observe : callable(time, system), optional
+    observe : callable, optional
         Required if the run was started with one: a checkpoint has the values of the function, not the function.
     progress : bool or callable(done, total), optional
         As for the function that started the run.

@@ -8,7 +8,9 @@ T = TypeVar("T")  #: float, or array of floats
 
 
 class Estimate(NamedTuple, Generic[T]):
-    """A value with its standard error and confidence interval; returned by :func:`fit` and :meth:`Fidelity.difference`.
+    """A value with its standard error and confidence interval.
+
+    Returned by :func:`hardlimit.fit` and :meth:`hardlimit.Fidelity.difference`.
 
     Examples
     --------
