@@ -34,7 +34,10 @@ autodoc_typehints_description_target = "documented_params"
 autodoc_type_aliases = {name: name for name in ("NDArray", "Floats", "Values", "Vector", "ArrayLike")}
 # Every role such as :func: must resolve. Only our own classes must: types of parameters are written in words.
 nitpicky = True
-nitpick_ignore_regex = [("py:class", r"(?!hardlimit\.).*|hardlimit\.support\.estimate\.T"), (r"(?!py:).*", ".*")]
+nitpick_ignore_regex = [
+    ("py:class", r"(?!hardlimit\.).*|hardlimit\.support\.estimate\.T"),
+    (r"(?!py:).*", ".*"),
+]
 html_theme = "furo"
 html_title = f"hardlimit {release}"
 html_static_path = ["_static"]
