@@ -63,13 +63,15 @@ def test_what_is_not_resolved_is_said_to_be(start: Path) -> None:
     """Long bars are no agreement; with the resolution they have, they are."""
     options = [start, "--stiffness", 1e5, "--replicas", 3, "--models", "soft", *FAST]
     text = " ".join(run("gas", "compare", *options).stdout.split())
-    assert "the rule soft is not resolved by cooling: ± " in text and "not told apart" not in text
+    assert (
+        "the rule soft is not resolved by cooling: ± " in text and "not significantly different" not in text
+    )
     assert re.search(
         r"% with 3 replicas \(99 % confidence\); for ± 1 % about \d+ replicas would be needed\.", text
     )
     assert "? not resolved: bars over 1 %" in text and not re.search(r"\de[+-]?\d+ ?%", text)
     found = printed("gas", "compare", *options, "--resolution", 1)
-    assert found["resolution"] == 1.0 and "is not told apart" in found["summary"]
+    assert found["resolution"] == 1.0 and "is not significantly different" in found["summary"]
     needed = found["variables"]["replicas_needed"]
     assert needed["dims"] == ["quantity", "model"]
     at = found["coordinates"]["quantity"].index("cooling"), found["models"].index("soft")

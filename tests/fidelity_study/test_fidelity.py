@@ -363,7 +363,7 @@ def test_the_sentence_says_what_the_dataset_holds(seed: int) -> None:
             assert f" {rule} {clause}" in said or f" the rule {rule} {verb} {clause}" in said
         elif stats.t.ppf(0.995, f.n_replicas - 1) * error <= f.resolution:
             assert f"{rule} ({percent_with_error(value, error)})" in said
-            assert "not told apart from Newton’s equations by" in said
+            assert "not significantly different from Newton’s equations in" in said
         else:
             assert re.search(rf"the rules? [^;%]*\b{rule}\b[^;%]* (is|are) not resolved by", said)
             assert f"{rule} (" not in said
@@ -386,7 +386,7 @@ def test_what_is_not_resolved_is_no_agreement(resolution: float) -> None:
                      r"about (\d+) replicas would be needed\.$", str(f))  # fmt: skip
     assert float(said[1]) == pytest.approx(100.0 * bar, rel=0.06) and float(said[2]) == 100.0 * resolution
     assert needed <= float(said[3]) <= 1.11 * needed
-    assert "not told apart" not in str(f)
+    assert "not significantly different" not in str(f)
 
 
 def test_a_rule_that_ended_before_the_first_sample_has_no_number() -> None:

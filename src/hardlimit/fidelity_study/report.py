@@ -74,7 +74,9 @@ def sentence(f: Fidelity) -> str:
             unresolved.append(rule)
     parts = [", ".join(differing)] if differing else []
     if agreeing:
-        parts.append(f"{_subject(agreeing)} not told apart from Newton’s equations by {NAMES[measure]}")
+        parts.append(
+            f"{_subject(agreeing)} not significantly different from Newton’s equations in {NAMES[measure]}"
+        )
     if parts:
         parts[-1] += f" (± standard error of {f.n_replicas} replicas)"
     if unresolved:
@@ -166,7 +168,7 @@ def _bare(text: str) -> str:
 def legend(f: Fidelity) -> str:
     """Meaning of the marks in the table."""
     return (
-        f"± standard error. Bars: {f.bars}. * told apart: outside its bars. "
+        f"± standard error. Bars: {f.bars}. * significant: outside its bars. "
         f"? not resolved: bars over {percent(f.resolution)}."
     )
 
