@@ -214,8 +214,8 @@ def test_a_verdict_survives_a_second_definition(column):
     event(answer)
     check(found)
     by_numbers = "right to" in sentence or "instead of" in sentence
-    read = at_one_instant(found)
-    if by_numbers and read is not None and len(column.balls) > 2 and "second floor contact" not in sentence:
+    read = at_one_instant(found) if by_numbers else None
+    if read is not None and len(column.balls) > 2 and "second floor contact" not in sentence:
         true, hard, delay = read
         falls = column.gravity * np.abs(delay).max() / column.impact_speed
         error = np.abs(hard - true).max() / column.impact_speed
