@@ -114,10 +114,6 @@ def oblique_drop(column: Column, offset: float) -> ObliqueDrop:
     offset : float [m]
         Horizontal distance of the centres, less than the sum of the radii.
 
-    Returns
-    -------
-    ObliqueDrop
-
     Raises
     ------
     ValueError

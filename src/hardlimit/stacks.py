@@ -150,12 +150,7 @@ class Stack:
         return xr.Dataset(found, coords={"gap": gap}, attrs=attrs)
 
     def plot(self) -> Figure:
-        """Plot the masses, and the speed of the top ball as a function of the gap.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Plot the masses, and the speed of the top ball as a function of the gap."""
         from . import plots
 
         return plots.stack(self)
@@ -203,10 +198,6 @@ def stack(
     progress : bool or callable(done, total), optional
         True shows a bar. A function is called with the number of finished minimizations and their total. Ten balls take
         a second or two, twenty about ten seconds under the linear law and several times that under Hertzian laws.
-
-    Returns
-    -------
-    Stack
 
     Raises
     ------

@@ -51,10 +51,7 @@ def test_two_instantaneous_collisions(restitution: float, mass: float, height: f
     lower, upper = lower - impulse, upper + impulse / mass
     result = hl.independent(column)
     assume(result.n_contacts == 1)
-    expected = [
-        met_at + max(lower, 0.0) ** 2 / (2.0 * G),
-        met_at + 0.06 + max(upper, 0.0) ** 2 / (2.0 * G),
-    ]
+    expected = [met_at + max(lower, 0.0) ** 2 / (2.0 * G), met_at + 0.06 + max(upper, 0.0) ** 2 / (2.0 * G)]
     assert heights(result) == pytest.approx(expected, rel=1e-11)
 
 

@@ -572,16 +572,10 @@ BAD_COLUMNS = {
     "NaN gap": (lambda: hl.Column(BALLS, [math.nan], 1.0, LINEAR), ("gaps[0]", "nan", ">= 0")),
     "too many gaps": (lambda: hl.Column(BALLS, [0.0, 0.0], 1.0, LINEAR), ("gaps", "2 values", "must be 1")),
     "text for gaps": (lambda: hl.Column(BALLS, "no", 1.0, LINEAR), ("gaps", "'no'")),
-    "below the floor": (
-        lambda: hl.Column(BALLS, [0.0], 0.049, LINEAR),
-        ("height", "0.049", "radius"),
-    ),
+    "below the floor": (lambda: hl.Column(BALLS, [0.0], 0.049, LINEAR), ("height", "0.049", "radius")),
     "NaN height": (lambda: hl.Column(BALLS, [0.0], math.nan, LINEAR), ("height", "nan", "finite")),
     "nothing moves": (lambda: hl.Column(BALLS, [0.0], 0.05, LINEAR), ("height", "0.05", "nothing mov")),
-    "negative gravity": (
-        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, gravity=-1.0),
-        ("gravity", ">= 0"),
-    ),
+    "negative gravity": (lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, gravity=-1.0), ("gravity", ">= 0")),
     "never lands": (
         lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, velocities=1.0, gravity=0.0),
         ("velocities[0]", "1", "< 0"),
@@ -593,10 +587,7 @@ BAD_COLUMNS = {
     "no law": (lambda: hl.Column(BALLS, [0.0], 1.0, 0.5), ("law", "0.5", "contact law")),
     "too few laws": (lambda: hl.Column(BALLS, [0.0], 1.0, [LINEAR]), ("law", "1 laws", "one or 2")),
     "two kinds": (lambda: hl.Column(BALLS, [0.0], 1.0, [LINEAR, SOFT]), ("law", "one kind")),
-    "ratio and radius": (
-        lambda: hl.Column.paper(radius_1=0.1, radius_ratio=2.0),
-        ("radius_ratio", "both"),
-    ),
+    "ratio and radius": (lambda: hl.Column.paper(radius_1=0.1, radius_ratio=2.0), ("radius_ratio", "both")),
     "zero ratio": (lambda: hl.Column.paper(radius_ratio=0.0), ("radius_ratio", "0", "> 0")),
     "law and restitution": (lambda: hl.Column.paper(0.5, law=SOFT), ("law | restitution", "both")),
     "restitution of 0": (lambda: hl.Column.paper(0.0), ("restitution", "0", "in (0, 1]")),
@@ -608,10 +599,7 @@ BAD_COLUMNS = {
         ("law", "2 laws", "one or 1"),
     ),
     "no column": (lambda: hl.newton("drop"), ("column", "'drop'", "Column")),
-    "unknown method": (
-        lambda: hl.newton(PAPER, method="magic"),
-        ("method", "'magic'"),
-    ),
+    "unknown method": (lambda: hl.newton(PAPER, method="magic"), ("method", "'magic'")),
     "exact for Hertz": (lambda: hl.newton(three_balls(), method="exact"), ("method", "exact")),
     "endless height": (lambda: hl.Column(BALLS, [0.0], 1e101, LINEAR), ("height", "1e+101", "1e+100]")),
     "endless gap": (lambda: hl.Column(BALLS, [2e100], 1.0, LINEAR), ("gaps[0]", "2e+100", "1e+100]")),

@@ -686,10 +686,7 @@ BAD_BALLS = {
     "mass beyond numbers": (lambda: hl.Ball(1e80, density=1e3), ("radius", "1e+80", "must be")),
     "no body": (lambda: law_of("linear", 0.5).between(3.0), ("ball: got 3.0", "must be a Ball")),
     "zero speed": (lambda: contact().restitution(0.0), ("speed", "0", "> 0")),
-    "one negative speed": (
-        lambda: contact().duration([1.0, -2.0]),
-        ("speed", "-2"),
-    ),
+    "one negative speed": (lambda: contact().duration([1.0, -2.0]), ("speed", "-2")),
     "NaN speed": (lambda: contact().duration(math.nan), ("speed", "nan", "finite")),
     "NaN compression": (lambda: contact().force(math.nan), ("compression", "nan")),
     "infinite rate": (lambda: contact().force(0.1, math.inf), ("rate", "inf")),

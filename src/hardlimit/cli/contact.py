@@ -71,11 +71,7 @@ def body_options(radius: str, density: str) -> Callable[[F], F]:
 @dpi_option
 @json_option()
 def contact(
-    speeds: tuple[float, ...],
-    plot: str | None,
-    dpi: float | None,
-    as_json: bool,
-    **given: Any,
+    speeds: tuple[float, ...], plot: str | None, dpi: float | None, as_json: bool, **given: Any
 ) -> None:
     """Compute duration, restitution and damping of one contact.
 

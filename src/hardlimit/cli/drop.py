@@ -120,8 +120,7 @@ output_options = options(
 
 
 @click.command(
-    cls=Command,
-    epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png",
+    cls=Command, epilog="\b\nExample:\n  hardlimit drop --restitution 0.9 --gap 1mm --plot drop.png"
 )
 @click.argument("file", required=False, metavar="[FILE.toml]")
 @column_options

@@ -21,15 +21,7 @@ from ..fitting.result import Fit, as_mapping
 from ..support.estimate import Estimate
 from ..support.formatting import digits
 from .contact import body_options, make_ball, other_ball
-from .options import (
-    dpi_option,
-    json_option,
-    law_options,
-    output_option,
-    picture,
-    quantity_option,
-    take_law,
-)
+from .options import dpi_option, json_option, law_options, output_option, picture, quantity_option, take_law
 from .printing import console, print_json, print_warnings, sentence, show, table
 from .program import Command
 

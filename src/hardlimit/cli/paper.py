@@ -16,12 +16,7 @@ from .program import Command
 if TYPE_CHECKING:
     from ..paper import Report, Row
 
-MARKS = {
-    "yes": ("✓", "green"),
-    "partly": ("~", "yellow"),
-    "no": ("✗", "red"),
-    "misprint": ("≠", "magenta"),
-}
+MARKS = {"yes": ("✓", "green"), "partly": ("~", "yellow"), "no": ("✗", "red"), "misprint": ("≠", "magenta")}
 
 
 @click.command(cls=Command, epilog="\b\nExample:\n  hardlimit paper --figures 2,3 --out figures --format pdf")

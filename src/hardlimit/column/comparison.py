@@ -65,10 +65,6 @@ def compare(column: Column) -> Comparison:
     ----------
     column : Column
 
-    Returns
-    -------
-    Comparison
-
     Raises
     ------
     ValueError

@@ -291,12 +291,7 @@ class Result:
         return core.sample(times)
 
     def default_times(self) -> NDArray[np.float64]:
-        """Times that resolve the contacts: evenly spaced over the sequence, and every begin and end.
-
-        Returns
-        -------
-        N numbers [s]
-        """
+        """Times that resolve the contacts: evenly spaced over the sequence, and every begin and end."""
         _, begin, end = self._core.contacts()
         marks = np.concatenate([begin, end])
         marks = marks[np.isfinite(marks)]
@@ -378,12 +373,7 @@ class Result:
         return at
 
     def plot(self) -> Figure:
-        """Contact forces over time, as in Fig. 2 of the paper.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Contact forces over time, as in Fig. 2 of the paper."""
         from .. import plots
 
         return plots.forces(self)
@@ -398,10 +388,6 @@ class Result:
         **options
             ``ghost``: a second Result of the same column to show; independent collisions by default. ``width`` in
             pixels, 160 to 3840. ``frames_per_second``, 1 to 120. ``progress``: callable(done, total).
-
-        Returns
-        -------
-        Path
 
         Raises
         ------

@@ -34,10 +34,6 @@ def newton(
     tolerance : float
         Local error of the general solver, relative to the impact, 1e-15 to 1e-2.
 
-    Returns
-    -------
-    Result
-
     Raises
     ------
     ValueError
@@ -73,10 +69,6 @@ def adiabatic(column: Column, until: float | None = None) -> Result:
 
     Exact for R1 ≫ R2; the error is proportional to the mass ratio m2/m1. Parameters as for :func:`newton`.
 
-    Returns
-    -------
-    Result
-
     Raises
     ------
     ValueError
@@ -91,10 +83,6 @@ def independent(column: Column, until: float | None = None) -> Result:
 
     Each collision has the restitution of the law at its impact speed. ``begin`` and ``end`` of a contact coincide.
     Parameters and errors as for :func:`newton`.
-
-    Returns
-    -------
-    Result
     """
     end = _checked(INDEPENDENT, column, until)
     return Result._solved(column, INDEPENDENT, "event-driven", end)

@@ -154,10 +154,6 @@ class Contact:
         rate : number or array [m/s]
             dξ/dt, positive on approach.
 
-        Returns
-        -------
-        float or array [N]
-
         Raises
         ------
         ValueError
@@ -322,10 +318,6 @@ class Law:
         ----------
         ball : Ball
         other : Ball or FLOOR
-
-        Returns
-        -------
-        Contact
 
         Raises
         ------

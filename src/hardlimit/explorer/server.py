@@ -142,10 +142,7 @@ class PageHandler(BaseHTTPRequestHandler):
 def serve(port: int, open_browser: bool) -> None:
     """Serve the page until interrupted. Port 0 takes a free port.
 
-    Raises
-    ------
-    ValueError
-        If the port is taken or may not be used.
+    Raises a ValueError if the port is taken or may not be used.
     """
     try:
         server = PageServer(port)

@@ -59,10 +59,6 @@ def fit(
     progress : bool or callable(done, total), optional
         True shows a bar. A function is called with the number of fitted laws and their total.
 
-    Returns
-    -------
-    Fit
-
     Raises
     ------
     ValueError

@@ -118,10 +118,7 @@ def candidate(
     Of the sets with all given names, one with ``restitution`` is preferred, because impacts measure ε. The remaining
     parameters are free for rebounds, one of them for impacts.
 
-    Raises
-    ------
-    ValueError
-        If no set of parameters of the law has all the names, or none is left free.
+    Raises a ValueError if no set of parameters of the law has all the names, or none is left free.
     """
     chosen = _law(law)
     known = law_parameters(chosen)

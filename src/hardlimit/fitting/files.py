@@ -98,10 +98,6 @@ def read_measurements(
     gravity : float [m/s²]
         Gravity, for measurements of heights and times.
 
-    Returns
-    -------
-    Impacts or Rebounds
-
     Raises
     ------
     ValueError

@@ -70,10 +70,7 @@ class Likelihood:
     def check_identifiable(self, variables: Any) -> None:
         """Refuse parameters, or combinations of them, on which the data do not depend.
 
-        Raises
-        ------
-        ValueError
-            If there are any; names them and says what to do.
+        Raises a ValueError if there are any; names them and says what to do.
         """
         free = self.candidate.free
         at = np.array(variables, dtype=float)
@@ -106,10 +103,7 @@ class Likelihood:
 def minimum(data: Measured, candidate: Candidate, scatter: bool, confidence: float) -> Minimum:
     """The most likely parameters and their intervals.
 
-    Raises
-    ------
-    ValueError
-        If the data do not determine them.
+    Raises a ValueError if the data do not determine them.
     """
     from iminuit import Minuit
 

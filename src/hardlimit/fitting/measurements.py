@@ -133,10 +133,6 @@ class Impacts(Measured):
         restitution_error, speed_error : number or N numbers
             Standard errors. Without errors of ε its scatter must be fitted (``fit(…, scatter=True)``).
 
-        Returns
-        -------
-        Impacts
-
         Raises
         ------
         ValueError
@@ -181,10 +177,6 @@ class Impacts(Measured):
             Standard errors.
         gravity : float [m/s²]
 
-        Returns
-        -------
-        Impacts
-
         Raises
         ------
         ValueError
@@ -225,10 +217,6 @@ class Impacts(Measured):
         height_error : number, or sequence of the shape of ``heights`` [m]
         gravity : float [m/s²]
 
-        Returns
-        -------
-        Impacts
-
         Raises
         ------
         ValueError
@@ -264,10 +252,6 @@ class Impacts(Measured):
             than five errors.
         time_error : number, or sequence of the shape of ``times`` [s]
         gravity : float [m/s²]
-
-        Returns
-        -------
-        Impacts
 
         Raises
         ------
@@ -386,10 +370,6 @@ class Rebounds(Measured):
             Standard errors.
         gap, height : N numbers [m], optional
             For each drop, if different from the column; the gap between all neighbours.
-
-        Returns
-        -------
-        Rebounds
 
         Raises
         ------

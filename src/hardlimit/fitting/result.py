@@ -196,12 +196,7 @@ class Fit:
         return verdict(self.chosen, self.others, self.data.n)
 
     def plot(self) -> Figure:
-        """Plot data and laws, and the deviations in standard errors.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
+        """Plot data and laws, and the deviations in standard errors."""
         from .. import plots
 
         return plots.fit(self)

@@ -80,11 +80,7 @@ def outline() -> Patch:
 
 def sequence_legend() -> list[Any]:
     """Entries of the legend of Figs. 7 and 8."""
-    return [
-        line("ball–ball contacts", color=ROW, lw=1.6),
-        outline(),
-        line(FLOOR_END, color=BLACK, lw=1.0),
-    ]
+    return [line("ball–ball contacts", color=ROW, lw=1.6), outline(), line(FLOOR_END, color=BLACK, lw=1.0)]
 
 
 # --- effective restitution with the number of contacts ------------------------------------------------------

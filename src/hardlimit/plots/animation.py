@@ -87,11 +87,7 @@ def animate(
 
 
 def frames(
-    result: Result,
-    ghost: Result,
-    width: int,
-    rate: int,
-    progress: Callable[[int, int], object] | None = None,
+    result: Result, ghost: Result, width: int, rate: int, progress: Callable[[int, int], object] | None = None
 ) -> Iterator[Frame]:
     """The frames in order."""
     scenes = storyboard(result, ghost, rate)

@@ -33,10 +33,7 @@ def count_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
     Contact counts have the colours of :func:`count_colours` and are written into their regions; the colours of
     ratios are centred at 1.
 
-    Raises
-    ------
-    ValueError
-        If the variable is missing or does not have two dimensions.
+    Raises a ValueError if the variable is missing or does not have two dimensions.
     """
     array = _plane(ds, variable)
     if variable == "n_contacts":
@@ -63,10 +60,7 @@ def difference_map(
 ) -> Figure:
     """Map of newton − independent for a variable of two sweeps over the same axes; white is agreement.
 
-    Raises
-    ------
-    ValueError
-        If the variable is missing in one, or the axes differ.
+    Raises a ValueError if the variable is missing in one, or the axes differ.
     """
     first, second = _plane(newton, variable), _plane(independent, variable)
     if first.dims != second.dims or any(not np.array_equal(first[d], second[d]) for d in first.dims):
@@ -247,10 +241,7 @@ def _deepest(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
 def sweep_map(ds: xr.Dataset, variable: str = "n_contacts") -> Figure:
     """A variable of a sweep over one or two parameters as a line or a map.
 
-    Raises
-    ------
-    ValueError
-        If the variable is missing or has more than two dimensions.
+    Raises a ValueError if the variable is missing or has more than two dimensions.
     """
     if variable not in ds or ds[variable].ndim != 1:
         return count_map(ds, variable)

@@ -21,14 +21,8 @@ PATIENCE = "10s"
 def connection(scheduler: Any, asked: str) -> Iterator[Client]:
     """Connect to the scheduler at an address; use an open client; or start a cluster on this machine.
 
-    Raises
-    ------
-    ImportError
-        If dask.distributed is not installed; the message begins with ``asked``, such as ``engine: got 'dask'``.
-    ValueError
-        If no scheduler answers.
-    RuntimeError
-        If the connection to the scheduler is lost.
+    Raises an ImportError if dask.distributed is not installed; the message begins with ``asked``, such as ``engine: got
+    'dask'``. Raises a RuntimeError if the connection to the scheduler is lost.
     """
     try:
         from distributed import CancelledError

@@ -22,10 +22,7 @@ Report = Callable[[int, int], object]  #: called with (done, total)
 def reporter(progress: bool | Report | None, title: str, rate: str) -> AbstractContextManager[Report]:
     """The function that takes reports, for the argument ``progress``: a bar for True, none for False and None.
 
-    Raises
-    ------
-    ValueError
-        If ``progress`` is neither of these nor callable.
+    Raises a ValueError if ``progress`` is neither of these nor callable.
     """
     if progress is None or progress is False:
         return nullcontext(lambda done, total: None)

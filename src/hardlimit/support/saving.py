@@ -21,12 +21,7 @@ PATIENCE: Final = 2.0
 def locked(path: Path, patience: float = PATIENCE) -> Iterator[None]:
     """Keep other processes from writing the store ``path``; the lock is the file ``.NAME.lock`` beside it.
 
-    Raises
-    ------
-    ValueError
-        If another process holds the lock for longer than ``patience`` [s].
-    OSError
-        If the lock cannot be created; names the store.
+    Raises a ValueError if another process holds the lock for longer than ``patience`` [s].
     """
     from filelock import FileLock, Timeout
 
@@ -57,10 +52,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     If the block fails, the temporary file is removed and ``path`` stays as it was. Devices and pipes are written
     directly.
 
-    Raises
-    ------
-    OSError
-        If it cannot be written; names ``path``.
+    Raises an OSError if it cannot be written; names ``path``.
     """
     target = Path(os.path.realpath(path))
     special = target.exists() and not target.is_file()
@@ -81,10 +73,7 @@ def whole(path: str | Path) -> Iterator[Path]:
 def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
     """Write a file.
 
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it.
+    Raises an OSError if it cannot be written; names it.
     """
     with memoryview(content) as view, whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
         done = 0
@@ -109,10 +98,7 @@ def dataset(
 
     The file is built in memory: HDF5 crashes Python if the disk fills up while a file is open.
 
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it.
+    Raises an OSError if it cannot be written; names it.
     """
     content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
     return _write_and_release(path, content)
@@ -121,10 +107,7 @@ def dataset(
 def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
     """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root.
 
-    Raises
-    ------
-    OSError
-        If it cannot be written; names it.
+    Raises an OSError if it cannot be written; names it.
     """
     import xarray as xr
 

@@ -75,10 +75,7 @@ def number(
 ) -> float:
     """``value`` as a finite float within the range.
 
-    Raises
-    ------
-    ValueError
-        If it is not a number or outside the range; names parameter, value and range.
+    Raises a ValueError if it is not a number or outside the range; names parameter, value and range.
     """
     x = value if type(value) is float else _as_float(value)  # floats first: a solver takes microseconds
     if x is not None and math.isfinite(x):
@@ -97,10 +94,7 @@ def number(
 def whole(name: str, value: Any, lowest: int, highest: int) -> int:
     """``value`` as an int in [lowest, highest]; floats are refused, including 2.0.
 
-    Raises
-    ------
-    ValueError
-        If it is not a whole number or outside the range.
+    Raises a ValueError if it is not a whole number or outside the range.
     """
     is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
     if not is_whole or not lowest <= value <= highest:
@@ -123,10 +117,7 @@ def _describe_whole(value: int | None, lowest: int, highest: int) -> str:
 def numbers(name: str, values: Any, count: int, **limits: Any) -> tuple[float, ...]:
     """``count`` numbers from a sequence or a one-dimensional array; a single number is repeated.
 
-    Raises
-    ------
-    ValueError
-        If there are not ``count`` numbers, or one of them is outside the range.
+    Raises a ValueError if there are not ``count`` numbers, or one of them is outside the range.
     """
     if _as_float(values) is not None:
         return (number(name, values, **limits),) * count
@@ -155,10 +146,7 @@ def array(
     converts to a NumPy array of a real type (xarray, pandas, …). ``ndim`` is the largest number of dimensions, None
     means any.
 
-    Raises
-    ------
-    ValueError
-        If it is none of these, has masked entries, or a value is outside the range.
+    Raises a ValueError if it is none of these, has masked entries, or a value is outside the range.
     """
     one_dimensional = "a number or a one-dimensional array of numbers"
     wanted = one_dimensional if ndim == 1 else "a number or an array of numbers"
@@ -181,10 +169,7 @@ def array(
 def each(name: str, values: Any, count: int, **limits: Any) -> NDArray[np.float64]:
     """``count`` numbers as a read-only array; a single number is broadcast, not copied.
 
-    Raises
-    ------
-    ValueError
-        If there are not ``count`` numbers, or one of them is outside the range; names its index.
+    Raises a ValueError if there are not ``count`` numbers, or one of them is outside the range; names its index.
     """
     if _as_float(values) is not None:
         return np.broadcast_to(np.float64(number(name, values, **limits)), count)
@@ -209,10 +194,7 @@ def _check_each(name: str, found: NDArray[np.float64], **limits: Any) -> None:
 def rows(name: str, values: Any, widths: Sequence[int]) -> NDArray[np.float64]:
     """Finite numbers in rows of one of these widths, as a read-only array.
 
-    Raises
-    ------
-    ValueError
-        If it has another shape or no rows, or a number is not finite; names the row.
+    Raises a ValueError if it has another shape or no rows, or a number is not finite; names the row.
     """
     shapes = " or ".join(f"(N, {width})" for width in widths)
     found = _as_array(values)
@@ -309,10 +291,7 @@ def _is_list(values: Any) -> bool:
 def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
     """``value``, if it is one of the choices.
 
-    Raises
-    ------
-    ValueError
-        If it is not.
+    Raises a ValueError if it is not.
     """
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name}: got {shown(value)}, must be one of {', '.join(choices)}")
@@ -322,10 +301,7 @@ def one_of(name: str, value: Any, choices: Sequence[str]) -> str:
 def flag(name: str, value: Any) -> bool:
     """``value``, if it is True or False.
 
-    Raises
-    ------
-    ValueError
-        If it is something else, such as 1 or "yes".
+    Raises a ValueError if it is something else, such as 1 or "yes".
     """
     if not isinstance(value, bool):
         raise ValueError(f"{name}: got {shown(value)}, must be True or False")
@@ -335,10 +311,7 @@ def flag(name: str, value: Any) -> bool:
 def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]:
     """The members of a sequence, which must be instances of ``kind``; ``what`` is its name in messages.
 
-    Raises
-    ------
-    ValueError
-        If it is not a sequence, or a member is something else.
+    Raises a ValueError if it is not a sequence, or a member is something else.
     """
     if not _is_list(values):
         raise ValueError(f"{name}: got {shown(values)}, must be a list of {what}")
@@ -351,10 +324,7 @@ def instances(name: str, values: Any, kind: type[T], what: str) -> tuple[T, ...]
 def exactly_one(**given: Any) -> str:
     """The name of the alternative that is given (not None).
 
-    Raises
-    ------
-    ValueError
-        If none or several are given.
+    Raises a ValueError if none or several are given.
     """
     names = [name for name, value in given.items() if value is not None]
     if len(names) != 1:

@@ -52,10 +52,7 @@ class Memory:
 def insist_on_room(computation: Computation, chunks: Chunks, in_store: bool) -> None:
     """Refuse results that do not fit in memory, or too many chunks for a store.
 
-    Raises
-    ------
-    ValueError
-        With the size of the results.
+    Raises a ValueError with the size of the results.
     """
     each = sum(variable.bytes_of_point for variable in computation.results.values())
     points, taken = computation.size, f"{size(computation.size * each)} of results"

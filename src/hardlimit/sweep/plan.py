@@ -206,10 +206,7 @@ def make_plan(
 ) -> Plan:
     """Make the plan of a sweep from the arguments of ``hl.sweep``.
 
-    Raises
-    ------
-    ValueError
-        For an unknown name, a value outside its range, or a column that cannot be swept.
+    Raises a ValueError for an unknown name, a value outside its range, or a column that cannot be swept.
     """
     if not isinstance(column, Column) or not column.floor:
         raise ValueError(f"column: got {validation.shown(column)}, must be a column of balls on a floor")

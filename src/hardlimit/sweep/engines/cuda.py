@@ -45,10 +45,8 @@ POINTS: Final = 1 << 22
 def check(plan: Any) -> None:
     """Refuse sweeps that the kernel does not support.
 
-    Raises
-    ------
-    ValueError
-        Unless the column has two balls, its law and model have a kernel, and all variables have one value per point.
+    Raises a ValueError unless the column has two balls, its law and model have a kernel, and all variables have one
+    value per point.
     """
     if not isinstance(plan, Plan) or plan.balls != 2:
         need = "must be 'cpu' or 'dask' unless two balls are swept"

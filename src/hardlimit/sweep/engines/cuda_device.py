@@ -122,12 +122,7 @@ def open_gpu() -> Gpu:
     The driver uses the current device of the calling thread, and a new thread has none: each thread that uses the GPU
     must call this. The kernel is compiled and loaded once.
 
-    Raises
-    ------
-    ImportError
-        Without the packages of the extra ``hardlimit[cuda]``.
-    ValueError
-        Without a driver, or without a device that the compiler supports.
+    Raises an ImportError without the packages of the extra ``hardlimit[cuda]``.
     """
     gpu = _opened_once()
     gpu.make_current()
