@@ -272,7 +272,7 @@ def test_units_of_balls_and_laws() -> None:
 
 
 def test_usual_formula() -> None:
-    assert "Asked for 0.5, the usual DEM formula gives 0.5503" in run("contact", "--restitution", 0.5).stdout
+    assert "a request for ε = 0.5 results in 0.5503" in run("contact", "--restitution", 0.5).stdout
     for asked, obtained in ((0.9, 0.9020), (0.7, 0.7182), (0.5, 0.5503), (0.3, 0.3971), (0.1, 0.2527)):
         found = printed("contact", "--restitution", asked)
         assert found["usual_formula"]["restitution"] == pytest.approx(obtained, abs=5e-5)
@@ -330,7 +330,7 @@ def test_order_of_the_axes_is_that_of_the_options() -> None:
 def test_sweep_resumes_a_store(tmp_path: Path) -> None:
     store = tmp_path / "map.zarr"
     first = printed("sweep", *MAP, "--out", store)
-    assert "which exists: --resume" in refused("sweep", *MAP, "--out", store)
+    assert "must not exist unless --resume" in refused("sweep", *MAP, "--out", store)
     again = printed("sweep", *MAP, "--out", store, "--resume")
     assert again["ranges"] == first["ranges"]
 
@@ -488,7 +488,7 @@ def test_explore_serves(monkeypatch: pytest.MonkeyPatch) -> None:
         (["sweep", *MAP, "--threads", 0], "threads: got 0"),
         (["sweep", *MAP, "--tolerance", 1e-9], "tolerance: got 1e-09, must not be given"),
         (["sweep", *MAP, "--out", "map.csv"], "--out: got 'map.csv', must end in .nc or .zarr"),
-        (["sweep", *MAP, "--resume"], "--resume: needs --out"),
+        (["sweep", *MAP, "--resume"], "--resume: must be given with --out"),
         (["sweep", *MAP, "--height", "0.5,0.6", "--plot", "a.png"], "must be one or two"),
         (["explore", "--port", "lots"], "--port"),
         (["jump"], "jump"),

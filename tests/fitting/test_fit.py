@@ -190,7 +190,7 @@ def test_verdict_tells_a_law_that_fails_from_one_that_describes() -> None:
 def test_data_without_a_trend_cannot_tell_the_laws_apart() -> None:
     e = 0.8 + np.random.default_rng(0).normal(0.0, 0.05, 5)
     found = hl.fit(hl.Impacts.of_restitution(np.linspace(0.9, 1.1, 5), e, 0.05))
-    assert found.verdict.endswith("one ε (linear, tsuji) cannot be told from it (AIC within 10)")
+    assert found.verdict.endswith("one ε (linear, tsuji) cannot be distinguished from it (AIC within 10)")
 
 
 def test_restitution_at_its_limit() -> None:

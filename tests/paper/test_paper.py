@@ -346,7 +346,7 @@ def test_report_puts_what_deviates_first(data, rows, tmp_path):
     page = report.to_markdown()
     assert page.index("## Statements that do not agree") < page.index("## Statements that agree")
     assert page.index("| partly |") < page.index("| yes |") < page.index("| misprint |")
-    assert "| verdict | statement | where | what comes out |" in page
+    assert "| verdict | statement | place in the paper | result |" in page
     assert "**partly**: agrees in part" in page
     assert report.summary() == "25 of 35 statements agree, 10 in part, 0 not; 5 misprints"
 

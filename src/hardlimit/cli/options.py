@@ -18,7 +18,7 @@ from ..support.formatting import digits, listed
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-class Quantity(click.ParamType[float]):
+class Quantity(click.ParamType[Any]):
     """A number in the SI unit of the option, or a number with a unit such as ``1mm``.
 
     Its range is checked by the function that gets it.
@@ -29,18 +29,15 @@ class Quantity(click.ParamType[float]):
     def __init__(self, unit: str = "1") -> None:
         self.unit = unit
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        if isinstance(value, float):
-            return value
+    def read(self, option: str, text: str) -> Any:
+        """The value of the text that the user typed after ``option``."""
+        return units.number(option, text, self.unit)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         try:
-            return units.number(option_name(param), str(value), self.unit)
+            return self.read(param.opts[0] if param else "number", str(value))
         except ValueError as error:
             raise click.UsageError(str(error), ctx) from None
-
-
-def option_name(param: click.Parameter | None) -> str:
-    """The option as the user types it."""
-    return param.opts[0] if param is not None else "number"
 
 
 def spelled(name: str) -> str:
@@ -59,9 +56,20 @@ def options(*made: Callable[[Any], Any]) -> Callable[[F], F]:
     return decorate
 
 
-def quantity_option(option: str, *names: str, unit: str, help: str, **more: Any) -> Callable[[F], F]:
+def quantity_option(
+    option: str, *names: str, unit: str, help: str, multiple: bool = False
+) -> Callable[[F], F]:
     """An option that takes a :class:`Quantity`."""
-    return click.option(option, *names, type=Quantity(unit), help=help, **more)
+    return click.option(option, *names, type=Quantity(unit), help=help, multiple=multiple)
+
+
+def quantity_options(*rows: tuple[str, str, str] | tuple[str, str, str, str]) -> Callable[[F], F]:
+    """Options that take a :class:`Quantity`: option, unit and help, and a name for one that may be repeated."""
+    made = [
+        quantity_option(option, *name, unit=unit, help=help, multiple=bool(name))
+        for option, unit, help, *name in rows
+    ]
+    return options(*made)
 
 
 def json_option(help: str = "Print JSON.") -> Callable[[F], F]:
@@ -134,7 +142,7 @@ def output_option(option: str, help: str, metavar: str = "FILE") -> Callable[[F]
 
 
 def writable(option: str, path: str | None, *endings: str) -> Path | None:
-    """The path, if it can be written and ends in one of these; checked before anything is computed."""
+    """The path, if it can be written and ends in one of ``endings``; call it before computing."""
     if path is None:
         return None
     target = file_name(option, path)

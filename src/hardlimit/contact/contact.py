@@ -232,17 +232,7 @@ class Law:
         matching = [i for i, choice in enumerate(choices) if {p["name"] for p in choice} == rest]
         if len(matching) != 1:
             raise ValueError(_refused_choice(choices, rest))
-        checked = {
-            p["name"]: validation.number(
-                p["name"],
-                named[p["name"]],
-                p["lowest"],
-                p["highest"],
-                lowest_allowed=p["lowest_allowed"],
-                highest_allowed=p["highest_allowed"],
-            )
-            for p in [*common, *choices[matching[0]]]
-        }
+        checked = {p["name"]: check_parameter(p, named[p["name"]]) for p in [*common, *choices[matching[0]]]}
         self.__dict__.update(alternative=matching[0], parameters=MappingProxyType(checked))
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -346,6 +336,12 @@ def _contact(law: Law, mass: float, radius: float) -> Contact:
     """The contact of two bodies of this effective mass and radius."""
     parameters = list(law.parameters.values())
     return Contact(law, _core.make_contact(law.record["name"], law.alternative, parameters, mass, radius))
+
+
+def check_parameter(record: Mapping[str, Any], value: Any) -> float:
+    """A parameter of a law, if it is within the range in its record."""
+    limits = {name: record[name] for name in ("lowest", "highest", "lowest_allowed", "highest_allowed")}
+    return validation.number(record["name"], value, **limits)
 
 
 def law_parameters(law: type[Law]) -> dict[str, dict[str, Any]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -54,9 +56,9 @@ def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
     margin = 1.15 if speed.max() > 1.02 * speed.min() else 2.0
     v = np.geomspace(speed.min() / margin, speed.max() * margin, 300)
     for trial, look in _looks(found):
-        curve = np.asarray(trial.law.between(trial.candidate.ball, trial.candidate.other).restitution(v))
+        curve = np.asarray(trial.contact.restitution(v))
         ax.plot(v, curve, label=trial.name, **look)
-        if trial is found.chosen and found.scatter is not None:
+        if trial is found and found.scatter is not None:
             s = found.scatter.value
             ax.fill_between(v, curve - s, curve + s, color=look["color"], alpha=0.15, lw=0.0)
     _logarithmic(ax)
@@ -93,9 +95,8 @@ def _logarithmic(ax: Axes) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _looks(found: Fit) -> list[tuple[Trial, dict[str, Any]]]:
-    trials = (found.chosen, *found.others)
-    return [(trial, LOOKS[i % len(LOOKS)]) for i, trial in enumerate(trials)]
+def _looks(found: Fit) -> Iterator[tuple[Trial, dict[str, Any]]]:
+    return zip((found, *found.others), cycle(LOOKS), strict=False)
 
 
 def _deviations(ax: Axes, x: Any, deviations: Any) -> None:
