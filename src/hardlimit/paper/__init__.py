@@ -9,7 +9,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
+
+import xarray as xr
+from matplotlib.figure import Figure
 
 from ..column.scenario import PAPER_DENSITY
 from ..plots.style import checked_resolution, save, style
@@ -20,10 +23,6 @@ from .misprints import MISPRINTS
 from .registry import FIGURES, STATEMENTS
 from .report import Report, Row
 from .setup import Paper
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
 
 __all__ = ["FIGURES", "FORMATS", "Report", "Row", "draw", "run"]
 

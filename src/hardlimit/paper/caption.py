@@ -6,11 +6,10 @@ import json
 import math
 import re
 import textwrap
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
+import xarray as xr
+from matplotlib.figure import Figure
 
 FONT_SIZE: Final = 8.5  #: [points]
 LINE: Final = 0.155  #: [inch] from one line of the caption to the next

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..plots.labels import QUANTITIES
 from ..plots.style import PALETTE
-
-if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
-
-    from .sampling import Array, Counts
+from .sampling import Array, Counts
 
 MILLI, MICRO, KILO = 1e3, 1e6, 1e-3  #: factors from an SI unit to mm or ms, to µm or µs, and to kN
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
@@ -15,9 +16,6 @@ from .drawing import KILO, MICRO
 from .sampling import ball_contacts, variable
 from .setup import Paper
 from .statement import Outcome, Statements, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Forces during one drop"
 CHOICES: Final = ""

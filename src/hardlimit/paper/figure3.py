@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..column.solvers import adiabatic, newton
@@ -15,6 +16,7 @@ from ..plots.style import PAGE_WIDTH
 from . import figure4
 from .drawing import BLACK, FLOOR_END, MICRO, RED, TIME, draw_outlines, draw_rows, line, outline
 from .sampling import (
+    Array,
     ball_contacts,
     counts_of,
     counts_over,
@@ -29,11 +31,6 @@ from .sampling import (
 )
 from .setup import RESTITUTION, Paper
 from .statement import Outcome, Statements, about, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .sampling import Array
 
 TITLE: Final = "Sequence of contacts over the coefficient of restitution"
 CHOICES: Final = "The range of ε and of the time is chosen here."

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FormatStrFormatter
@@ -20,9 +21,6 @@ from .drawing import MILLI
 from .sampling import Array, Axis, Counts, counts_over, middles, share, variable
 from .setup import GAP, RADIUS_RATIO, RESTITUTION, Paper
 from .statement import Outcome, Statements, about
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Number of ball–ball contacts"
 CHOICES: Final = (

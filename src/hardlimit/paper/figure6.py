@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..plots.labels import QUANTITIES
@@ -16,9 +17,6 @@ from .drawing import BLUE, RATIO, broken, count_ticks, ratio_and_counts
 from .sampling import counts_of, refine, share
 from .setup import RADIUS_RATIO, Paper
 from .statement import Outcome, Statements
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Effective restitution over the ratio of radii"
 CHOICES: Final = "The range of R1/R2, 1 to 20, is chosen here."

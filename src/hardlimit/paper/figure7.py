@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..contact.balls import FLOOR
@@ -17,9 +18,6 @@ from .drawing import MILLI, TIME, draw_sequence, sequence_legend
 from .sampling import counts_of, late_contacts, maxima, refine, sequences, variable
 from .setup import INPUT_SPEED, POISSON_RATIO, YOUNGS_MODULUS_INSET, Paper
 from .statement import Outcome, Statements, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 TITLE: Final = "Sequence of contacts, viscoelastic spheres"
 CHOICES: Final = (

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
 from ..plots.style import PAGE_WIDTH
 from .drawing import MICRO, MILLI, TIME, draw_sequence, sequence_legend
-from .sampling import Counts, counts_of, late_contacts, refine, sequences, successive, variable
+from .sampling import Array, Counts, counts_of, late_contacts, refine, sequences, successive, variable
 from .setup import INPUT_SPEED, Paper
 from .statement import Outcome, Statements, near
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from .sampling import Array
 
 TITLE: Final = "Sequence of contacts, one material"
 CHOICES: Final = "The range of A, 0.1 to 100 µs (logarithmic, upside down as in Fig. 7), is chosen here."

@@ -9,8 +9,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
+from ..column.result import Result
 from ..column.solvers import independent
 from ..support import validation
 from . import video
@@ -18,9 +19,6 @@ from .stage import CloseUp, Wide
 from .storyboard import storyboard
 from .style import style
 from .video import STYLE, Frame
-
-if TYPE_CHECKING:
-    from ..column.result import Result
 
 ENDINGS: Final = (".mp4", ".gif")
 WIDTHS: Final = (160, 3840)  #: [pixels]

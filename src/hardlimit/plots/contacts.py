@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
+from ..contact.contact import Contact
 from .labels import scaled
 from .style import COLUMN_WIDTH, PAGE_WIDTH, PALETTE, style
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from ..contact.contact import Contact
-
 
 #: Smallest span of an axis of ε, so that a constant ε appears as a straight line.
 LEAST_SPAN: Final = 0.1

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..fitting.measurements import OBSERVED, Impacts, Rebounds
+from ..fitting.result import Fit, Trial
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, PALETTE, style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from ..fitting.result import Fit, Trial
 
 #: Colour and line of the chosen law, then of the others in order.
 LOOKS: Final[tuple[dict[str, Any], ...]] = (

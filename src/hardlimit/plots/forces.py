@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
+from numpy.typing import NDArray
 
+from ..column.result import Result
 from .labels import scaled
 from .style import GREY, PAGE_WIDTH, pair_colour, pair_label, style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
 
 Curve = tuple["NDArray[np.float64]", "NDArray[np.float64]"]
 

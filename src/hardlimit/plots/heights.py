@@ -5,24 +5,20 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, FigureBase
+from numpy.typing import NDArray
 
 from ..column.models import MODELS
+from ..column.result import Result
 from ..column.solvers import adiabatic, newton
 from ..contact.compression import CompressionWarning
 from .forces import draw_forces, pairs_of, spread, unresolved, window
 from .labels import LOOKS, scaled
 from .style import PAGE_WIDTH, ball_colour, style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import FigureBase
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
 
 MOST_NAMED = 6  #: balls in the legend; for more, none is listed
 

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, NullLocator
+from numpy.typing import NDArray
 
 from .labels import axis_label, axis_scale
 from .style import MISSING, MOST_COUNTED, PAGE_WIDTH, PALETTE, count_colours, style
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
 
 MOST_CELLS: Final = 2000  #: along a side of a map; larger maps are thinned
 LABEL_SIZES: Final = (9.0, 7.5, 6.0)  #: [points] font sizes of the counts on a map

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse, Rectangle
+from numpy.typing import NDArray
 
 from ..column.models import MODELS
+from ..column.result import Result
 from .forces import draw_forces, pairs_of, window
 from .labels import scaled
 from .storyboard import Scene, gaps_at, round_up
 from .style import ball_colour
 from .video import Canvas, Frame
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from numpy.typing import NDArray
-
-    from ..column.result import Result
 
 SQUEEZE: Final = 0.3  #: largest drawn deformation [radii]
 SMALLEST_DRAWN: Final = 0.28  #: smallest drawn radius in the close-up, relative to the largest
