@@ -386,8 +386,10 @@ class Result:
         path : path
             The file appears when it is complete.
         **options
-            ``ghost``: a second Result of the same column to show; independent collisions by default. ``width`` in
-            pixels, 160 to 3840. ``frames_per_second``, 1 to 120. ``progress``: callable(done, total).
+            ``ghost``: a Result of the same column under another model, shown beside it; independent collisions by
+            default. ``width`` of the 16:9 frames in pixels, 160 to 3840, rounded down to a multiple of 32; 1280 (MP4)
+            or 640 (GIF) by default. ``frames_per_second``, 1 to 120; 30 or 15 by default. ``progress``:
+            callable(done, total).
 
         Raises
         ------

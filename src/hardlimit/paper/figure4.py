@@ -14,7 +14,7 @@ from matplotlib.ticker import FormatStrFormatter
 
 from ..plots.labels import QUANTITIES
 from ..plots.maps import label_regions
-from ..plots.style import MOST_COUNTED, PAGE_WIDTH, count_colours
+from ..plots.style import MAX_COUNTED, PAGE_WIDTH, count_colours
 from ..sweep import sweep
 from .caption import quantity, typeset
 from .drawing import MILLI
@@ -125,8 +125,8 @@ def draw(data: xr.Dataset) -> Figure:
     _name_line(top, gap * MILLI, "Δh of Fig. 3")
     _name_line(bottom, ratio, "R1/R2 of Fig. 3")
     _name_line(bottom, 1.0, "R1 = R2")
-    shown = np.arange(lowest, min(highest, MOST_COUNTED) + 1)
-    extend = "max" if highest > MOST_COUNTED else "neither"
+    shown = np.arange(lowest, min(highest, MAX_COUNTED) + 1)
+    extend = "max" if highest > MAX_COUNTED else "neither"
     bar = figure.colorbar(mesh, ax=[top, bottom], ticks=shown, extend=extend, aspect=40)
     bar.ax.minorticks_off()
     bar.set_label(QUANTITIES["n_contacts"][0])

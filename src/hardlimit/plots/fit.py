@@ -24,7 +24,7 @@ LOOKS: Final[tuple[dict[str, Any], ...]] = (
     {"color": PALETTE["purple"], "ls": (0, (6, 1.5, 1, 1.5))},
 )
 #: More points than this are drawn without error bars.
-MOST_BARS: Final = 300
+MAX_BARS: Final = 300
 DOTS: Final[dict[str, Any]] = {"fmt": "o", "ms": 3.2, "color": "black", "elinewidth": 0.8, "zorder": 3}
 
 
@@ -46,7 +46,7 @@ def fit(found: Fit) -> Figure:
 
 def _impacts(ax: Axes, found: Fit, data: Impacts) -> Any:
     speed = data.speed
-    if data.n > MOST_BARS:
+    if data.n > MAX_BARS:
         ax.plot(speed, data.restitution, ".", ms=2.0, color=GREY, zorder=0, rasterized=True)
     else:
         ax.errorbar(speed, data.restitution, yerr=data.restitution_error, **DOTS)
@@ -99,7 +99,7 @@ def _looks(found: Fit) -> Iterator[tuple[Trial, dict[str, Any]]]:
 def _deviations(ax: Axes, x: Any, deviations: Any) -> None:
     ax.axhspan(-1.0, 1.0, color=GREY, alpha=0.2, lw=0.0)
     ax.axhline(0.0, color=PALETTE["vermillion"], lw=1.2)
-    ax.plot(x, deviations, "o", ms=3.2 if len(deviations) <= MOST_BARS else 1.0, color="black")
+    ax.plot(x, deviations, "o", ms=3.2 if len(deviations) <= MAX_BARS else 1.0, color="black")
     largest = max(2.5, 1.15 * float(np.abs(deviations).max()))
     ax.set_ylim(-largest, largest)
     ax.set_ylabel("deviation\n[errors]")

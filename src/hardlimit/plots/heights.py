@@ -20,7 +20,7 @@ from .forces import draw_forces, pairs_of, spread, unresolved, window
 from .labels import LOOKS, scaled
 from .style import PAGE_WIDTH, ball_colour, style
 
-MOST_NAMED = 6  #: balls in the legend; for more, none is listed
+MAX_NAMED = 6  #: the legend lists the balls of columns up to this number
 
 
 def heights(*results: Result, until: float | None = None) -> Figure:
@@ -168,7 +168,7 @@ def _name_lines(ax: Axes, results: Sequence[Result]) -> None:
         name = MODELS[result.model].label
         label = name if math.isnan(highest) else f"{name}, {what} to {highest:.3g} m"
         ax.plot([], [], color="black", label=label, **LOOKS[result.model])
-    if 1 < len(results[0].column.balls) <= MOST_NAMED:
+    if 1 < len(results[0].column.balls) <= MAX_NAMED:
         for ball in range(len(results[0].column.balls), 0, -1):
             ax.plot([], [], color=ball_colour(ball), label=f"ball {ball}")
 
