@@ -232,9 +232,9 @@ class OneDevice:
 
 def test_the_device_is_current_in_every_thread_that_opens_it(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[OneDevice] = []
-    monkeypatch.setattr(cuda_device, "_insist_on_packages", lambda: None)
-    monkeypatch.setattr(cuda_device, "_insist_on_device", lambda: None)
-    monkeypatch.setattr(cuda_device, "CudaGpu", lambda: opened.append(OneDevice()) or opened[0])
+    monkeypatch.setattr(cuda_device, "_require_packages", lambda: None)
+    monkeypatch.setattr(cuda_device, "_require_device", lambda: None)
+    monkeypatch.setattr(cuda_device, "Gpu", lambda: opened.append(OneDevice()) or opened[0])
     cuda_device._opened_once.cache_clear()
     threads = [threading.Thread(target=cuda_device.open_gpu) for _ in range(3)]
     for thread in threads:

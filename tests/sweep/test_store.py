@@ -429,7 +429,7 @@ def test_without_its_group_a_store_with_chunks_is_refused(tmp_path: Path, finish
     shutil.copytree(finished, path)
     (path / "zarr.json").write_text("[]")
     with pytest.raises(
-        ValueError, match=r"holds something else, must be a store of hl\.sweep with its zarr\.json"
+        ValueError, match=r"has other contents, must be a store of hl\.sweep with its zarr\.json"
     ):
         hl.sweep(PAPER, store=path, **KEPT)
 
@@ -459,9 +459,9 @@ def test_what_is_not_the_stores_own_is_left_alone(tmp_path: Path) -> None:
 # --- refusals -----------------------------------------------------------------------------------------------
 
 OTHER = {
-    "other values of what is swept": {"gap": np.geomspace(1e-6, 2e-2, 5)},
-    "other values of what is swept ": {"height": 0.8},
-    "other values of what is swept  ": {"restitution": xr.DataArray(GRID["restitution"], dims="row")},
+    "other values of the swept parameters": {"gap": np.geomspace(1e-6, 2e-2, 5)},
+    "other values of the swept parameters ": {"height": 0.8},
+    "other values of the swept parameters  ": {"restitution": xr.DataArray(GRID["restitution"], dims="row")},
     "model newton, not adiabatic": {"model": "adiabatic"},
     "variables effective_restitution, n_contacts": {"variables": ["n_contacts"]},
     "column Column(": {"column": hl.Column.paper(height=0.61)},
@@ -503,11 +503,11 @@ def test_a_store_of_another_version_is_refused(tmp_path: Path) -> None:
 
 def test_what_is_no_store_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
-    for path, message in ((tmp_path, "holds something else"), (tmp_path / "notes.txt", "is a file")):
+    for path, message in ((tmp_path, "has other contents"), (tmp_path / "notes.txt", "is a file")):
         with pytest.raises(ValueError, match=message):
             hl.sweep(PAPER, store=path, **GRID)
     xr.Dataset({"a": 1.0}).to_zarr(tmp_path / "other.zarr", consolidated=False)
-    with pytest.raises(ValueError, match="holds something else"):
+    with pytest.raises(ValueError, match="has other contents"):
         hl.sweep(PAPER, store=tmp_path / "other.zarr", **GRID)
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
@@ -647,9 +647,7 @@ def can_mount() -> bool:
 
 def test_without_zarr_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "zarr", None)
-    with pytest.raises(
-        ValueError, match=r"store: got '.*map', must have Zarr: pip install 'hardlimit\[store\]'"
-    ):
+    with pytest.raises(ValueError, match=r"store: got '.*map', needs Zarr: pip install 'hardlimit\[store\]'"):
         hl.sweep(PAPER, store=tmp_path / "map", **GRID)
     assert not (tmp_path / "map").exists()
     assert hl.sweep(PAPER, **GRID).sizes["restitution"] == 9

@@ -14,7 +14,7 @@ import hardlimit as hl
 from hardlimit.contact.contact import Law
 from hardlimit.sweep.chunks import Chunks
 from hardlimit.sweep.plan import Plan, make_plan
-from hardlimit.sweep.variables import OF_POINT, usual
+from hardlimit.sweep.variables import OF_POINT, default_variables
 
 PAPER = hl.Column.paper()
 SOFT = hl.Column.paper(law=hl.Viscoelastic(youngs_modulus=1e8, poisson_ratio=0.3, dissipative_time=1e-5))
@@ -506,7 +506,9 @@ def test_every_parameter_of_three_balls_is_tried_above() -> None:
 def test_other_columns_than_two_balls_have_variables_of_their_own() -> None:
     ds = hl.sweep(three_balls(), height=[0.3, 0.4], gap_2=[1e-4, 1e-3, 1e-2])
     assert (
-        list(ds) == list(usual(3)) == ["n_contacts", "rebound_height", "final_velocity", "t_end", "outcome"]
+        list(ds)
+        == list(default_variables(3))
+        == ["n_contacts", "rebound_height", "final_velocity", "t_end", "outcome"]
     )
     assert ds.rebound_height.dims == ("height", "gap_2", "ball")
     assert ds.ball.values.tolist() == [1, 2, 3]

@@ -62,10 +62,8 @@ def of_law(record: dict[str, Any], alternative: int, balls: int) -> dict[str, Pa
         places = tuple(_core.law_place(contact, balls) + i for contact in range(balls))
         found[name] = Parameter(name, name, places, unit, meaning, limits)
         for contact, place in enumerate(places):
-            one, words = contact_name(contact), contact_meaning(contact)
-            found[f"{name}_{one}"] = Parameter(
-                f"{name}_{one}", name, (place,), unit, f"{meaning}, {words}", limits
-            )
+            one, of = f"{name}_{contact_name(contact)}", contact_meaning(contact)
+            found[one] = Parameter(one, name, (place,), unit, f"{meaning}, {of}", limits)
     return found
 
 

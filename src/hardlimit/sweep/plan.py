@@ -20,7 +20,7 @@ from ..support import validation
 from .axes import Axes
 from .computation import Coordinate, Report, Values, Variable
 from .parameters import Parameter, contact_name, geometry, of_law
-from .variables import BALL, OF_BALL, OF_TWO_BALLS, VARIABLES, usual
+from .variables import BALL, OF_BALL, OF_TWO_BALLS, VARIABLES, default_variables
 
 #: Names of the models in the order of the core.
 MODELS: Final = tuple(models.MODELS)
@@ -124,37 +124,20 @@ class Plan:
         """
         alone = [name for name in self.variables if name in OF_BALL or self.balls != 2]
         kernel = [name for name in self.variables if name not in alone]
-        passes = (kernel != []) + (alone != [])
+        passes = [p for p in ((self._through_kernel, kernel), (self._one_by_one, alone)) if p[1]]
         found: Values = {}
-        if kernel:
-            found |= self._through_kernel(kernel, first, count, threads, _share(progress, 0, passes, count))
-        if alone:
-            found |= self._one_by_one(
-                alone, first, count, threads, _share(progress, passes - 1, passes, count)
-            )
+        for i, (solve, names) in enumerate(passes):
+            found |= solve(names, first, count, threads, _part_of(progress, i, len(passes), count))
         return {name: found[name] for name in self.variables}
 
     def _through_kernel(
         self, names: Sequence[str], first: int, count: int, threads: int, progress: Report | None
     ) -> Values:
         out: Values = {name: np.empty(count, VARIABLES[name].dtype) for name in names}
-        lower, upper = self.densities
-        large = _core.run_map(
-            self.law,
-            MODELS.index(self.model),
-            self.alternative,
-            lower,
-            upper,
-            self.restitution_at,
-            list(self.values),
-            list(self.strides),
-            first,
-            count,
-            threads,
-            math.nan if self.tolerance is None else self.tolerance,
-            out,
-            progress,
-        )
+        law = (self.law, MODELS.index(self.model), self.alternative, *self.densities, self.restitution_at)
+        points = (list(self.values), list(self.strides), first, count)
+        tolerance = math.nan if self.tolerance is None else self.tolerance
+        large = _core.run_map(*law, *points, threads, tolerance, out, progress)
         if large:  # more than 255 contacts somewhere
             out["n_contacts"] = out["n_contacts"].astype(np.uint32)
             for point, n in large:
@@ -168,26 +151,16 @@ class Plan:
         for name in names:
             variable = self.results[name]
             out[name] = np.empty((count, *variable.shape), variable.stored or variable.dtype)
-        _core.run_columns(
-            self.law,
-            MODELS.index(self.model),
-            self.alternative,
-            list(self.densities),
-            list(self.values),
-            list(self.strides),
-            first,
-            count,
-            threads,
-            self.general_tolerance,
-            {name: values.reshape(-1) for name, values in out.items()},
-            progress,
-        )
+        law = (self.law, MODELS.index(self.model), self.alternative, list(self.densities))
+        points = (list(self.values), list(self.strides), first, count)
+        flat = {name: values.reshape(-1) for name, values in out.items()}
+        _core.run_columns(*law, *points, threads, self.general_tolerance, flat, progress)
         if "n_contacts" in out and out["n_contacts"].max(initial=0) <= 255:
             out["n_contacts"] = out["n_contacts"].astype(np.uint8)
         return out
 
 
-def _share(progress: Report | None, part: int, parts: int, count: int) -> Report | None:
+def _part_of(progress: Report | None, part: int, parts: int, count: int) -> Report | None:
     """Progress of one of several passes over the same points."""
     if progress is None or parts == 1:
         return progress
@@ -219,7 +192,7 @@ def make_plan(
     taken = _taken(known[name] for name in swept)
     densities, fixed = _numbers(column, alternative, taken)
     values, strides = _vary(fixed, taken, axes)
-    _insist_on_law(column, alternative, values)
+    _require_parameters(column, alternative, values)
     exact = model != "newton" or column.solvable_exactly
     in_kernel = balls == 2 and _core.has_kernel(record["name"], MODELS.index(model))
     names = [p["name"] for p in [*record["common"], *record["alternatives"][alternative]]]
@@ -254,7 +227,7 @@ def _check_model(name: Any, column: Column) -> None:
 def _kept(variables: Iterable[str] | None, balls: int) -> tuple[str, ...]:
     """The requested variables."""
     if variables is None:
-        return usual(balls)
+        return default_variables(balls)
     one = isinstance(variables, str) or getattr(variables, "ndim", 1) == 0  # an array without dimensions
     if one or not isinstance(variables, Iterable):
         raise ValueError(f"variables: got {validation.shown(variables)}, must be a list of names")
@@ -280,31 +253,25 @@ def _tolerance(tolerance: Any, exact: bool, in_kernel: bool) -> float | None:
         raise ValueError(f"tolerance: got {validation.shown(tolerance)}, {need}")
     if tolerance is None:
         return KERNEL_TOLERANCE if in_kernel else GENERAL_TOLERANCE
-    lowest, highest = (1e-13, 1e-6) if in_kernel else (1e-15, 1e-2)
-    return validation.number(
-        "tolerance", tolerance, lowest, highest, lowest_allowed=True, highest_allowed=True
-    )
+    limits = (1e-13, 1e-6) if in_kernel else (1e-15, 1e-2)
+    return validation.number("tolerance", tolerance, *limits, lowest_allowed=True, highest_allowed=True)
 
 
 def _alternative(laws: Sequence[Law], swept: Mapping[str, Any]) -> int:
     """Number of the law's set of parameters: the one with the swept names, otherwise that of the column."""
     contacts = ["", *(f"_{contact_name(i)}" for i in range(len(laws)))]
     choices = [{p["name"] for p in choice} for choice in laws[0].record["alternatives"]]
+    chosen = {name for name in set().union(*choices) if any(name + contact in swept for contact in contacts)}
     for i, names in enumerate(choices):
-        others = set().union(*choices) - names
-        if _any_of(names, contacts, swept) and not _any_of(others, contacts, swept):
+        if chosen and chosen <= names:
             return i
     if len({law.alternative for law in laws}) > 1:
         raise ValueError("law: the laws of all contacts must be given by the same parameters")
     return laws[0].alternative
 
 
-def _any_of(names: Iterable[str], contacts: Sequence[str], swept: Mapping[str, Any]) -> bool:
-    return any(name + contact in swept for name in names for contact in contacts)
-
-
 def _taken(swept: Iterable[Parameter]) -> dict[int, Parameter]:
-    """The parameter that gives each number of the row; two are refused."""
+    """The swept parameter that determines each number of the row; two for one number are refused."""
     claimed: dict[int, Parameter] = {}
     for parameter in swept:
         for place in (*parameter.places, *parameter.overrides):
@@ -354,7 +321,7 @@ def _vary(
     return tuple(values), tuple(strides)
 
 
-def _insist_on_law(column: Column, alternative: int, values: Sequence[NDArray[np.float64]]) -> None:
+def _require_parameters(column: Column, alternative: int, values: Sequence[NDArray[np.float64]]) -> None:
     """Refuse a law with a parameter that is neither swept nor given for all contacts."""
     record, balls = column.laws[0].record, len(column.balls)
     choice = [p["name"] for p in record["alternatives"][alternative]]

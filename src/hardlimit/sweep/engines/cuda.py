@@ -25,14 +25,8 @@ LEFT_TO_HOST: Final = 255
 
 #: Results in the order of the kernel's struct Task.
 RESULTS: Final = (
-    "n_contacts",
-    "outcome",
-    "relative_velocity",
-    "separation_velocity",
-    "effective_restitution",
-    "restitution_ratio",
-    "t_end",
-    "t_floor_end",
+    *("n_contacts", "outcome", "relative_velocity", "separation_velocity"),
+    *("effective_restitution", "restitution_ratio", "t_end", "t_floor_end"),
 )
 
 #: Size of the kernel's struct Task in 64-bit words.
@@ -126,7 +120,7 @@ def _solve_on_host(plan: Plan, values: Values, points: NDArray[np.int64], thread
 
 
 class Slot:
-    """Memory for one piece on the device and, pinned, on the host, with its own stream."""
+    """Memory for one piece on the device and on the host (pinned), with its own stream."""
 
     def __init__(self, gpu: Gpu, plan: Plan, points: int) -> None:
         self.gpu = gpu
@@ -152,10 +146,9 @@ class Slot:
     def finish(self) -> Values:
         """Results of the piece, valid until the next start."""
         self.gpu.wait(self.stream)
+        host, count = self.results.host, self.count
         return {
-            name: self.results.host[at : at + _bytes(name, self.count)].view(VARIABLES[name].dtype)[
-                : self.count
-            ]
+            name: host[at : at + _bytes(name, count)].view(VARIABLES[name].dtype)[:count]
             for name, at in self._places(0).items()
         }
 
