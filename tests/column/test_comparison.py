@@ -206,7 +206,7 @@ def test_the_sentence_agrees_with_the_numbers(column):
 
 @draws(400)
 @given(any_column())
-def test_a_verdict_survives_a_second_definition(column):
+def test_a_second_definition_gives_the_same_verdict(column):
     """A comparison at one instant gives the same verdict as one at the same stage of the sequence, except for the
     effect of gravity during a delay. If all balls leave upwards and rise equally high, the verdict is not No."""
     found = hl.compare(column)
@@ -292,7 +292,7 @@ def test_known_answers(name):
         check(hl.compare(column))
 
 
-def test_a_collapse_is_no():
+def test_a_collapse_gives_the_verdict_no():
     """Below ε = 7 − 4√3 a ball between two approaching balls collides infinitely often."""
     found = hl.compare(hl.Column.cradle([BALL] * 3, [1.0, 0.0, -1.0], law_of("linear", 0.05), 1e-3))
     assert found.independent.outcome.startswith("inelastic collapse")

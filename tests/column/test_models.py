@@ -63,7 +63,7 @@ def test_a_model_takes_what_it_applies_to(model, column):
 
 @settings(max_examples=30)
 @given(column=st.one_of(columns(least=1, most=3), free_columns(most=3)))
-def test_what_is_solvable_exactly(column):
+def test_columns_that_are_solvable_exactly(column):
     assert hl.newton(column, until=1e-6).method.endswith("exact") == column.solvable_exactly
     if column.solvable_exactly:
         assert "exact" in hl.newton(column, until=1e-6, method="exact").method

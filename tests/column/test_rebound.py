@@ -142,11 +142,8 @@ def test_collisions_of_the_upper_balls_after_the_second_floor_contact_count(mode
     speed = math.sqrt(2.0 * G * 0.5)
     # The second ball leaves with 2V; the third, still falling with V, is reflected with 2·2V + V − 2gt.
     meeting = 0.4 / (3.0 * speed)
-    z2, v2, v3 = (
-        0.03 + meeting * (2.0 * speed - 0.5 * G * meeting),
-        2.0 * speed - G * meeting,
-        -speed - G * meeting,
-    )
+    z2 = 0.03 + meeting * (2.0 * speed - 0.5 * G * meeting)
+    v2, v3 = 2.0 * speed - G * meeting, -speed - G * meeting
     top = z2 + 0.02 + (2.0 * v2 - v3) ** 2 / (2.0 * G)
     assert bounces(result)[2] == math.inf  # the sequence ends earlier
     found = heights(result)

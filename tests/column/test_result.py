@@ -19,7 +19,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
-from conftest import columns, draws, law_of, laws
+from conftest import columns, draws, law_of, laws, refusal
 from hardlimit.support import html, saving
 
 PAPER = hl.Column.paper(0.7)
@@ -252,7 +252,7 @@ def test_models_and_methods_name_themselves():
 
 
 @every_result
-def test_datasets_say_what_they_are(kind):
+def test_datasets_have_all_attributes(kind):
     """A dataset contains all that is needed to compute it again."""
     result = RESULTS[kind]
     for data in (result.contacts, result.trajectory([0.0])):
@@ -353,14 +353,14 @@ def test_results_pickle_and_copy(kind):
         same_bits(result, other)
 
 
-def test_pickles_are_small_whatever_was_asked_before():
+def test_pickles_are_small():
     result = hl.newton(PAPER, until=1.0)
     before = len(pickle.dumps(result))
     result.trajectory()
     assert len(result.contacts.pair) > 1 and len(pickle.dumps(result)) == before < 3000
 
 
-def test_nobody_changes_what_a_result_remembers():
+def test_arrays_of_a_result_are_read_only():
     result = hl.newton(PAPER)
     for name in ("positions", "velocities", "final_velocities", "rebound_heights"):
         with pytest.raises(ValueError, match="read-only"):
@@ -563,6 +563,11 @@ def test_a_floor_contact_that_was_not_followed_leaves_final_velocities():
 LINEAR = law_of("linear", 0.5)
 SOFT = law_of("viscoelastic", 0.5)
 
+
+def moving(velocities, gravity=9.81, height=1.0):
+    return hl.Column(BALLS, [0.0], height, LINEAR, velocities, gravity)
+
+
 BAD_COLUMNS = {
     "no balls": (lambda: hl.Column([], [], 1.0, LINEAR), ("balls", "0", "one or more")),
     "cradle of one ball": (lambda: hl.Column.cradle(BALLS[:1], [1.0], LINEAR), ("balls", "1", "two or more")),
@@ -574,16 +579,13 @@ BAD_COLUMNS = {
     "text for gaps": (lambda: hl.Column(BALLS, "no", 1.0, LINEAR), ("gaps", "'no'")),
     "below the floor": (lambda: hl.Column(BALLS, [0.0], 0.049, LINEAR), ("height", "0.049", "radius")),
     "NaN height": (lambda: hl.Column(BALLS, [0.0], math.nan, LINEAR), ("height", "nan", "finite")),
-    "nothing moves": (lambda: hl.Column(BALLS, [0.0], 0.05, LINEAR), ("height", "0.05", "nothing mov")),
-    "negative gravity": (lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, gravity=-1.0), ("gravity", ">= 0")),
-    "never lands": (
-        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, velocities=1.0, gravity=0.0),
-        ("velocities[0]", "1", "< 0"),
+    "nothing moves": (
+        lambda: hl.Column(BALLS, [0.0], 0.05, LINEAR),
+        ("height", "0.05", "nothing would move"),
     ),
-    "NaN velocity": (
-        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, velocities=[0.0, math.nan]),
-        ("velocities[1]", "nan", "finite"),
-    ),
+    "negative gravity": (lambda: moving(0.0, -1.0), ("gravity", ">= 0")),
+    "never lands": (lambda: moving(1.0, 0.0), ("velocities[0]", "1", "< 0")),
+    "NaN velocity": (lambda: moving([0.0, math.nan]), ("velocities[1]", "nan", "finite")),
     "no law": (lambda: hl.Column(BALLS, [0.0], 1.0, 0.5), ("law", "0.5", "contact law")),
     "too few laws": (lambda: hl.Column(BALLS, [0.0], 1.0, [LINEAR]), ("law", "1 laws", "one or 2")),
     "two kinds": (lambda: hl.Column(BALLS, [0.0], 1.0, [LINEAR, SOFT]), ("law", "one kind")),
@@ -603,14 +605,8 @@ BAD_COLUMNS = {
     "exact for Hertz": (lambda: hl.newton(three_balls(), method="exact"), ("method", "exact")),
     "endless height": (lambda: hl.Column(BALLS, [0.0], 1e101, LINEAR), ("height", "1e+101", "1e+100]")),
     "endless gap": (lambda: hl.Column(BALLS, [2e100], 1.0, LINEAR), ("gaps[0]", "2e+100", "1e+100]")),
-    "endless speed": (
-        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, velocities=[0.0, -1e308]),
-        ("velocities[1]", "-1e+308", "[-1e+100"),
-    ),
-    "nothing falls": (
-        lambda: hl.Column(BALLS, [0.0], 1.0, LINEAR, gravity=0.0),
-        ("gravity | velocities", "nothing moves"),
-    ),
+    "endless speed": (lambda: moving([0.0, -1e308]), ("velocities[1]", "-1e+308", "[-1e+100")),
+    "nothing falls": (lambda: moving(0.0, 0.0), ("gravity | velocities", "nothing would move")),
     "until before release": (lambda: hl.newton(PAPER, until=-1.0), ("until", "-1", "release")),
     "until before a cradle": (
         lambda: hl.independent(RESULTS["cradle"].column, until=-1e-9),
@@ -625,12 +621,8 @@ BAD_COLUMNS = {
 @pytest.mark.parametrize("case", BAD_COLUMNS)
 def test_bad_input_is_refused_in_one_line(case):
     call, words = BAD_COLUMNS[case]
-    with pytest.raises(ValueError) as caught:
-        call()
-    message = str(caught.value)
-    assert "\n" not in message
-    for word in words:
-        assert word in message, message
+    message = refusal(call)
+    assert all(word in message for word in words), message
 
 
 def test_a_file_that_cannot_be_written_frees_its_content(

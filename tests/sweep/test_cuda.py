@@ -171,12 +171,8 @@ def test_maps_larger_than_the_device_come_in_chunks(library: Path, swept: dict[s
 @pytest.mark.slow
 def test_the_kernel_copies_no_flag_before_it_is_set(tmp_path: Path) -> None:
     """Shared memory is not initialized: bytes that are neither true nor false trap when copied."""
-    flags = (
-        "-O1",
-        "-fsanitize=bool,enum",
-        "-fsanitize-undefined-trap-on-error",
-        "-ftrivial-auto-var-init=pattern",
-    )
+    sanitize = ("-fsanitize=bool,enum", "-fsanitize-undefined-trap-on-error")
+    flags = ("-O1", *sanitize, "-ftrivial-auto-var-init=pattern")
     checked = build(HERE / "warp.cpp", tmp_path / "checked.so", *flags)
     plan = plan_of(restitution=np.linspace(0.3, 1.0, 10), gap=[1e-6, 1e-4, 1e-2])
     out = tmp_path / "chunk.npz"
@@ -283,7 +279,7 @@ def test_without_a_device(monkeypatch: pytest.MonkeyPatch, answer: str, said: st
 
 
 @needs_compiler
-def test_what_this_machine_says() -> None:
+def test_the_driver_of_this_machine() -> None:
     """The real driver, or its absence."""
     try:
         cuda_device.open_gpu()

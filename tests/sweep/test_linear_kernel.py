@@ -34,19 +34,8 @@ def compute(
     plan = make_plan(hl.Column.paper(), model, list(OF_POINT), swept)
     out: Results = {name: np.empty(plan.size, OF_POINT[name].dtype) for name in plan.variables}
     where = (*plan.densities, plan.restitution_at, list(plan.values), list(plan.strides))
-    _core.run_map(
-        plan.law,
-        MODELS.index(model),
-        plan.alternative,
-        *where,
-        0,
-        plan.size,
-        threads,
-        math.nan,
-        out,
-        None,
-        instruction_set,
-    )
+    how = (0, plan.size, threads, math.nan, out, None, instruction_set)
+    _core.run_map(plan.law, MODELS.index(model), plan.alternative, *where, *how)
     return out
 
 

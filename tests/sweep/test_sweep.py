@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hardlimit as hl
+from conftest import refusal
 from hardlimit.contact.contact import Law
 from hardlimit.sweep.chunks import Chunks
 from hardlimit.sweep.plan import Plan, make_plan
@@ -223,13 +224,13 @@ def test_counts_above_a_byte_widen_their_variable() -> None:
 
 @pytest.mark.parametrize("column", [PAPER, SOFT], ids=["linear", "viscoelastic"])
 @pytest.mark.parametrize("threads", [1, 2, 3])
-def test_threads_do_not_matter(column: hl.Column, threads: int) -> None:
+def test_results_do_not_depend_on_threads(column: hl.Column, threads: int) -> None:
     swept = {"gap": np.geomspace(1e-6, 1e-2, 37), "height": np.linspace(0.3, 0.7, 11)}
     assert same_bits(hl.sweep(column, threads=threads, **swept), hl.sweep(column, threads=1, **swept))
 
 
 @pytest.mark.parametrize("column, more", [(PAPER, {}), (SOFT, {"impact_speed": 3.0})])
-def test_the_order_of_the_axes_does_not_matter(column: hl.Column, more: dict[str, float]) -> None:
+def test_results_do_not_depend_on_the_order_of_the_axes(column: hl.Column, more: dict[str, float]) -> None:
     """The damping of a point comes from its row, from a table of its axis, or is computed."""
     restitution, gap = np.linspace(0.3, 1, 61), np.geomspace(1e-6, 1e-2, 41)
     rows = hl.sweep(column, restitution=restitution, gap=gap, **more)
@@ -335,10 +336,7 @@ BAD = {
 
 @pytest.mark.parametrize("message", BAD)
 def test_bad_input_is_one_clear_line(message: str) -> None:
-    with pytest.raises(ValueError) as refused:
-        hl.sweep(PAPER, **BAD[message])
-    assert str(refused.value).startswith(message)
-    assert "\n" not in str(refused.value)
+    assert refusal(lambda: hl.sweep(PAPER, **BAD[message])).startswith(message)
 
 
 @pytest.mark.parametrize(
@@ -351,19 +349,14 @@ def test_only_columns_on_a_floor(column: object) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-14, 1e-5, math.nan, True, "fine"])
 def test_tolerance_has_a_range(tolerance: object) -> None:
-    with pytest.raises(ValueError, match=r"tolerance: got .*, must be") as refused:
-        hl.sweep(SOFT, tolerance=tolerance, gap=[1e-4])
-    assert "\n" not in str(refused.value)
+    refused = refusal(lambda: hl.sweep(SOFT, tolerance=tolerance, gap=[1e-4]))
+    assert re.match(r"tolerance: got .*, must be", refused)
 
 
-def test_the_independent_model_takes_no_tolerance() -> None:
-    with pytest.raises(ValueError, match="tolerance: got 1e-09, must not be given"):
-        hl.sweep(SOFT, model="independent", tolerance=1e-9, gap=[1e-4])
-
-
-def test_the_adiabatic_model_needs_the_linear_law() -> None:
-    with pytest.raises(ValueError, match="model: got 'adiabatic'"):
-        hl.sweep(SOFT, model="adiabatic", gap=[1e-4])
+def test_models_that_do_not_fit() -> None:
+    refused = refusal(lambda: hl.sweep(SOFT, model="independent", tolerance=1e-9, gap=[1e-4]))
+    assert refused.startswith("tolerance: got 1e-09, must not be given")
+    assert refusal(lambda: hl.sweep(SOFT, "adiabatic", gap=[1e-4])).startswith("model: got 'adiabatic'")
 
 
 # --- any number of balls, values of each ball ---------------------------------------------------------------
@@ -427,11 +420,8 @@ def test_a_point_of_any_column_is_that_column(balls: int, kind: str, model: str)
 @pytest.mark.parametrize(
     "kind, model",
     [
-        ("linear", "newton"),
-        ("linear", "adiabatic"),
-        ("linear", "independent"),
-        ("viscoelastic", "newton"),
-        ("viscoelastic", "independent"),
+        *(("linear", model) for model in ("newton", "adiabatic", "independent")),
+        *(("viscoelastic", model) for model in ("newton", "independent")),
         ("tsuji", "newton"),
     ],
 )
@@ -478,9 +468,7 @@ OF_THREE_BALLS = {
     "restitution": 0.5,
     **{f"gap_{i}": 1e-3 for i in (1, 2)},
     **{
-        f"{name}_{i}": v
-        for i in (1, 2, 3)
-        for name, v in {"radius": 0.02, "density": 2e3, "mass": 0.1}.items()
+        f"{name}_{i}": v for i in (1, 2, 3) for name, v in (("radius", 0.02), ("density", 2e3), ("mass", 0.1))
     },
     **{f"velocity_{i}": -0.3 for i in (1, 2, 3)},
     **{f"stiffness_{at}": 1e7 for at in ("floor", "pair_1", "pair_2")},
@@ -521,7 +509,7 @@ def test_other_columns_than_two_balls_have_variables_of_their_own() -> None:
         hl.sweep(three_balls(), model="adiabatic")
 
 
-def test_asking_for_more_does_not_change_what_there_is() -> None:
+def test_more_variables_do_not_change_the_others() -> None:
     alone = hl.sweep(PAPER, **GRID)
     more = hl.sweep(PAPER, variables=[*alone, "rebound_height"], **GRID)
     assert same_bits(alone, more[list(alone)])

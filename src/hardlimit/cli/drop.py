@@ -169,19 +169,20 @@ def stiff_enough(result: Result) -> str:
     column = result.column
     law = column.laws[0]
     name = next(iter(law.parameters))  # the elastic constant
-    with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
-        for decade in range(1, MAX_DECADES + 1):
-            stiffer = [each.replace(**{name: each.parameters[name] * 10.0**decade}) for each in column.laws]
-            if newton(column.replace(law=stiffer), result.until)._core.too_deep < 0:
-                break
-        else:
-            return ""
     unit = LAW_PARAMETERS[name][0]["unit"]
-    value = law.parameters[name] * 10.0**decade
-    enough = (
-        f"of {digits(value)} {unit}" if len(set(column.laws)) == 1 else f"{10.0**decade:g} times as large"
-    )
-    return f" With a {name.replace('_', ' ')} {enough}, contacts are not too deep."
+    for factor in (10.0**decade for decade in range(1, MAX_DECADES + 1)):
+        stiffer = [each.replace(**{name: each.parameters[name] * factor}) for each in column.laws]
+        with warnings.catch_warnings(action="ignore", category=compression.CompressionWarning):
+            found = newton(column.replace(law=stiffer), result.until)
+        if found._core.too_deep < 0:
+            shared = len(set(column.laws)) == 1
+            enough = (
+                f"of {digits(law.parameters[name] * factor)} {unit}"
+                if shared
+                else f"{factor:g} times as large"
+            )
+            return f" With a {name.replace('_', ' ')} {enough}, contacts are not too deep."
+    return ""
 
 
 def column_table(column: Column) -> Table:

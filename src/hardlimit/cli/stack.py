@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from ..contact.contact import Law
-from ..stacks import MOST_BALLS, Stack
+from ..stacks import MAX_BALLS, Stack
 from ..stacks import stack as best
 from ..support import validation
 from ..support.formatting import digits, quantity
@@ -36,7 +36,7 @@ MODELS = {"newton": "Newton's equations", "independent": "collisions"}
     epilog="\b\nExample:\n  hardlimit stack --balls 3 --bottom-mass 1kg --top-mass 10g --restitution 1",
 )
 @click.option(
-    "--balls", "n", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MOST_BALLS}."
+    "--balls", "n", type=int, default=3, show_default=True, help=f"Number of balls, 2 to {MAX_BALLS}."
 )
 @quantity_options(
     ("--bottom-mass", "kg", "Mass of the lowest ball [kg].  [default: 1]"),

@@ -276,13 +276,13 @@ def draw(ds: xr.Dataset, job: Job, dpi: float | None) -> None:
         # A tolerance belongs to the first model; the other one may not accept it.
         needed = {**job.run, "variables": ("relative_velocity",)}
         needed.pop("tolerance", None)
-        maps = [
+        newton, independent = [
             ds
             if model == ds.attrs["model"]
             else compute(job.column, **(needed | {"model": model}), **job.axes)
             for model in ("newton", "independent")
         ]
-        plots.save(plots.difference_map(*maps), job.pictures["difference"], dpi)
+        plots.save(plots.difference_map(newton, independent), job.pictures["difference"], dpi)
 
 
 # --- the summary --------------------------------------------------------------------------------------------

@@ -57,9 +57,8 @@ def newton(
     if method is not AUTO:  # the default is not checked: a solve takes microseconds
         general = _is_general(method, general)
     if tolerance is not TOLERANCE:
-        tolerance = validation.number(
-            "tolerance", tolerance, 1e-15, 1e-2, lowest_allowed=True, highest_allowed=True
-        )
+        both = {"lowest_allowed": True, "highest_allowed": True}
+        tolerance = validation.number("tolerance", tolerance, 1e-15, 1e-2, **both)
     description = "order-8 Runge–Kutta, switches located" if general else "piecewise exact"
     return Result._solved(column, NEWTON, description, end, (general, tolerance))
 
@@ -92,9 +91,8 @@ def _is_general(method: Any, only: bool) -> bool:
     """Whether ``method`` selects the general solver; ``only`` is true if the exact one does not apply."""
     validation.one_of("method", method, METHODS)
     if method == "exact" and only:
-        raise ValueError(
-            "method: got 'exact', must be auto or general except for two balls on a floor under the linear law"
-        )
+        need = "must be auto or general except for two balls on a floor under the linear law"
+        raise ValueError(f"method: got 'exact', {need}")
     return method == "general" or only
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from inspect import Parameter, Signature
 from types import MappingProxyType
 from typing import Any, ClassVar, Final, Self, overload
@@ -55,9 +56,7 @@ class Contact:
         constants = self.__dict__.get("_constants", {})
         if name in constants:
             return float(constants[name])
-        raise AttributeError(
-            f"{type(self).__name__} of a {type(self.law).__name__} has no attribute {name!r}"
-        )
+        raise AttributeError(f"Contact of a {type(self.law).__name__} has no attribute {name!r}")
 
     def __repr__(self) -> str:
         inner = ", ".join(f"{k}={v:.6g}" for k, v in self._constants.items())
@@ -143,9 +142,7 @@ class Contact:
     @overload
     def force(self, compression: float, rate: Values) -> Floats: ...
     def force(self, compression: float | Values, rate: float | Values = 0.0) -> float | Floats:
-        """Repulsive force, never below zero (Eqs. 7, B1).
-
-        Arrays are broadcast against each other.
+        """Repulsive force [N], never below zero (Eqs. 7, B1). Arrays are broadcast against each other.
 
         Parameters
         ----------
@@ -204,12 +201,6 @@ class Law:
 
     The classes are made by the package from records of the compiled core. A law is immutable. Laws of the same class
     with the same parameters are equal. Parameters are attributes.
-
-    Examples
-    --------
-    >>> law = hl.LinearDashpot(stiffness=1e6, restitution=0.5)
-    >>> law.stiffness, law == hl.LAWS["linear"](stiffness=1e6, restitution=0.5)
-    (1000000.0, True)
     """
 
     record: ClassVar[dict[str, Any]]
@@ -242,7 +233,7 @@ class Law:
         raise AttributeError(f"{name}: a law is immutable")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _law, (type(self), dict(self.parameters))
+        return partial(type(self), **self.parameters), ()
 
     def __getattr__(self, name: str) -> float:
         parameters = self.__dict__.get("parameters", {})
@@ -312,7 +303,7 @@ class Law:
         Raises
         ------
         ValueError
-            If ``ball`` is not a Ball or ``other`` is neither a Ball nor FLOOR.
+            If an argument is not such a body.
 
         Examples
         --------
@@ -327,9 +318,8 @@ class Law:
             raise ValueError(f"ball: got {validation.shown(ball)}, must be a Ball")
         if not isinstance(other, Ball | Floor):
             raise ValueError(f"other: got {validation.shown(other)}, must be a Ball or FLOOR")
-        return _contact(
-            self, _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
-        )
+        mass, radius = _core.effective(ball.mass, other.mass), _core.effective(ball.radius, other.radius)
+        return _contact(self, mass, radius)
 
 
 def _contact(law: Law, mass: float, radius: float) -> Contact:
@@ -361,10 +351,6 @@ def _refused_choice(choices: Sequence[Sequence[Mapping[str, Any]]], given: set[s
     return f"{' | '.join(names)}: got {got or nothing}, must be {wanted}"
 
 
-def _law(kind: type[Law], parameters: dict[str, float]) -> Law:
-    return kind(**parameters)
-
-
 def _range_of(parameter: dict[str, Any]) -> str:
     return validation.describe_range(
         parameter["lowest"], parameter["highest"], parameter["lowest_allowed"], parameter["highest_allowed"]
@@ -381,12 +367,10 @@ def make_law(record: dict[str, Any]) -> type[Law]:
 
 def _signature(record: dict[str, Any]) -> Signature:
     """Keyword-only parameters: required ones, then the optional ones of the alternatives."""
-    common = [p["name"] for p in record["common"]]
+    only = Parameter.KEYWORD_ONLY
     chosen = dict.fromkeys(p["name"] for choice in record["alternatives"] for p in choice)
-    required = [Parameter(name, Parameter.KEYWORD_ONLY, annotation=float) for name in common]
-    optional = [
-        Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=float | None) for name in chosen
-    ]
+    required = [Parameter(p["name"], only, annotation=float) for p in record["common"]]
+    optional = [Parameter(name, only, default=None, annotation=float | None) for name in chosen]
     return Signature([*required, *optional])
 
 
@@ -401,10 +385,8 @@ def _documentation(law: type[Law]) -> str:
     lines += [f"* ``{c['name']}``, {c['meaning']}{_unit(c)}" for c in record["constants"]]
     lines += ["", "Parameters", "----------"]
     for name, p in law_parameters(law).items():
-        lines += [
-            f"{name} : float{_unit(p)}",
-            f"    {p['meaning'][0].upper()}{p['meaning'][1:]}; {_range_of(p)}.",
-        ]
+        meaning = f"{p['meaning'][0].upper()}{p['meaning'][1:]}"
+        lines += [f"{name} : float{_unit(p)}", f"    {meaning}; {_range_of(p)}."]
     lines += ["", "Raises", "------", "ValueError"]
     lines += ["    If a value is outside its range or not exactly one of the sets is given."]
     lines += ["", "Notes", "-----", f"Source: {record['source']}."]

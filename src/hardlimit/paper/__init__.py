@@ -105,7 +105,7 @@ def run(
 def draw(number: int, data: xr.Dataset) -> Figure:
     """The picture of a figure, with a caption: the parameters, and a sentence for users of event-driven simulations."""
     with style():
-        figure = FIGURES[number].draw(data)
+        figure: Figure = FIGURES[number].draw(data)
         write_caption(figure, data)
     return figure
 
@@ -114,8 +114,8 @@ def _figures(figures: Iterable[int | str] | str | None) -> tuple[int, ...]:
     """The chosen figures in order, without repetitions."""
     if figures is None:
         return tuple(FIGURES)
-    names = figures.split(",") if isinstance(figures, str) else figures
-    names = [str(name).strip() for name in ([names] if isinstance(names, int) else names)]
+    given = figures.split(",") if isinstance(figures, str) else figures
+    names = [str(name).strip() for name in ([given] if isinstance(given, int) else given)]
     known = {str(number): number for number in FIGURES}
     for got in [name for name in names if name not in known] or ["none"] * (not names):
         shown = repr(got) if names else got

@@ -51,9 +51,9 @@ def write_caption(figure: Figure, data: xr.Dataset) -> None:
     wrap = int(LETTERS * width)
     lines = textwrap.wrap(parameter_line(json.loads(data.attrs["parameters"])), wrap)
     lines += textwrap.wrap(str(data.attrs.get("meaning", "")), wrap)
-    share = (LINE * len(lines) + 0.15) / height
+    below = (LINE * len(lines) + 0.15) / height
     engine: Any = figure.get_layout_engine()
-    engine.set(rect=(0.0, share, 1.0, 1.0 - share))
+    engine.set(rect=(0.0, below, 1.0, 1.0 - below))
     for i, line in enumerate(reversed(lines)):
         y = (0.07 + LINE * i) / height
         figure.text(0.02, y, typeset(line), ha="left", va="baseline", fontsize=FONT_SIZE, color="#222222")

@@ -10,11 +10,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..plots.labels import QUANTITIES
-from ..plots.style import PALETTE
+from ..plots.style import PAGE_WIDTH, PALETTE
 from .sampling import Array, Counts
 
 MILLI, MICRO, KILO = 1e3, 1e6, 1e-3  #: factors from an SI unit to mm or ms, to µm or µs, and to kN
@@ -73,6 +74,15 @@ def line(label: str, **look: Any) -> Line2D:
 def outline() -> Patch:
     """The entry of a legend for the tinted regions."""
     return Patch(facecolor=TINT, edgecolor=EDGE, lw=0.8, label="the same, between the lines")
+
+
+def sequence_axes(data: xr.Dataset) -> tuple[Figure, Axes]:
+    """A figure with the time axis of Figs. 7 and 8 [ms]."""
+    figure = Figure(figsize=(PAGE_WIDTH * 0.85, 5.7))
+    ax = figure.subplots()
+    ax.set_xlim(0.0, round(2.2 * MILLI * float(data["outline_t_floor_end"].max())))
+    ax.set_xlabel(f"{TIME} [ms]")
+    return figure, ax
 
 
 def sequence_legend() -> list[Any]:

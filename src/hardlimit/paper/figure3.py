@@ -20,12 +20,12 @@ from .sampling import (
     ball_contacts,
     counts_of,
     counts_over,
+    fraction,
     late_contacts,
     maxima,
     middles,
     refine,
     sequences,
-    share,
     successive,
     variable,
 )
@@ -148,7 +148,7 @@ def _either_order(paper: Paper) -> Outcome:
     figure = paper.figure(3)
     epsilon = figure["restitution_outline"].values
     late = figure["outline_t_end"].values > figure["outline_t_floor_end"].values
-    after = share(late, (epsilon, False))
+    after = fraction(late, (epsilon, False))
     return (
         f"after it for {100 * after:.1f} % of the ε from {epsilon[0]:g} to {epsilon[-1]:g}",
         0.0 < after < 1.0,

@@ -18,7 +18,7 @@ from ..plots.style import MAX_COUNTED, PAGE_WIDTH, count_colours
 from ..sweep import sweep
 from .caption import quantity, typeset
 from .drawing import MILLI
-from .sampling import Array, Axis, Counts, counts_over, middles, share, variable
+from .sampling import Array, Axis, Counts, counts_over, fraction, middles, variable
 from .setup import GAP, RADIUS_RATIO, RESTITUTION, Paper
 from .statement import Outcome, Statements, about
 
@@ -36,7 +36,7 @@ RATIOS: Final = (0.2, 20.0)
 VARIABLES: Final = ("n_contacts", "relative_velocity", "restitution_ratio", "outcome")
 
 #: A statement on the maps is a mean over ROWS rows with FINE points each: spikes are narrow. With more of
-#: either, the shares change by less than the rounding of :func:`about`.
+#: either, the fractions change by less than the rounding of :func:`about`.
 ROWS: Final = 60
 FINE: Final = 3000
 
@@ -72,7 +72,7 @@ def axes(data: xr.Dataset, name: str) -> tuple[Axis, Axis]:
 def meaning(data: xr.Dataset) -> str:
     single = data["n_contacts_over_gap"].values == 1
     close = np.abs(data["restitution_ratio_over_gap"].values - 1.0) < 0.05
-    right = 100.0 * share(single & close, *axes(data, "gap")) / share(single, *axes(data, "gap"))
+    right = 100.0 * fraction(single & close, *axes(data, "gap")) / fraction(single, *axes(data, "gap"))
     return (
         f"Wherever the count is not 1 an event-driven simulation has the wrong sequence, and a count of 1 "
         f"is no guarantee: in the upper map its effective restitution is within 5 % in only {right:.0f} % "
@@ -81,9 +81,9 @@ def meaning(data: xr.Dataset) -> str:
 
 
 def highest(paper: Paper, name: str) -> tuple[float, str]:
-    """The largest ε_eff/ε on a map, and where it lies.
+    """The largest ε_eff/ε on a map, and its position.
 
-    The map gives ε of the maximum; its ridge is narrower than a cell, so that this ε is sampled again, finely.
+    The map gives ε of the maximum. The ridge is narrower than a cell, so this ε is sampled again with finer steps.
     """
     maps = paper.figure(4)
     values = maps[f"restitution_ratio_over_{name}"].values
@@ -93,8 +93,8 @@ def highest(paper: Paper, name: str) -> tuple[float, str]:
     found = sweep(paper.linear(epsilon), variables=["restitution_ratio"], **swept)
     row = found["restitution_ratio"].values
     i = int(np.nanargmax(row))
-    place = f"Δh = {fine[i] * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {fine[i]:.2f}"
-    return float(row[i]), f"at ε = {epsilon:.2f}, {place}"
+    where = f"Δh = {fine[i] * 1e3:.2f} mm" if name == "gap" else f"R1/R2 = {fine[i]:.2f}"
+    return float(row[i]), f"at ε = {epsilon:.2f}, {where}"
 
 
 # --- drawing ------------------------------------------------------------------------------------------------
@@ -212,7 +212,7 @@ def _durations(paper: Paper) -> Outcome:
 
 
 @STATEMENTS.add(
-    "The number of contacts grows with R1/R2, as the dominating of two effects", "Sec. IV A, Fig. 4", 4
+    "The number of contacts grows with R1/R2, the dominant of two effects", "Sec. IV A, Fig. 4", 4
 )
 def _grows_with_ratio(paper: Paper) -> Outcome:
     epsilon = middles(*RESTITUTIONS, ROWS)

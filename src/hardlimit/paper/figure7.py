@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from ..contact.balls import FLOOR
 from ..contact.laws import LAWS
 from ..plots.labels import QUANTITIES
-from ..plots.style import PAGE_WIDTH
 from .caption import quantity, typeset
-from .drawing import MILLI, TIME, draw_sequence, sequence_legend
+from .drawing import MILLI, draw_sequence, sequence_axes, sequence_legend
 from .sampling import counts_of, late_contacts, maxima, refine, sequences, variable
 from .setup import INPUT_SPEED, POISSON_RATIO, YOUNGS_MODULUS_INSET, Paper
 from .statement import Outcome, Statements, near
@@ -71,13 +70,9 @@ def meaning(data: xr.Dataset) -> str:
 
 def draw(data: xr.Dataset) -> Figure:
     """The sequence with its inset."""
-    figure = Figure(figsize=(PAGE_WIDTH * 0.85, 5.7))
-    ax = figure.subplots()
-    floor_end = float(data["outline_t_floor_end"].max()) * MILLI
-    ax.set_xlim(0.0, round(2.2 * floor_end))
+    figure, ax = sequence_axes(data)
     ax.set_ylim(float(data["restitution"].min()) - 0.012, 1.012)
     draw_sequence(ax, data, "restitution", "", 1.3)
-    ax.set_xlabel(f"{TIME} [ms]")
     ax.set_ylabel(rf"{QUANTITIES['restitution'][0]} at {float(data['input_speed']):g} m/s")
     _draw_inset(ax, data)
     ax.legend(handles=sequence_legend(), loc="upper right", bbox_to_anchor=(1.0, 0.72))

@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter
 
-from ..plots.style import PAGE_WIDTH
-from .drawing import MICRO, MILLI, TIME, draw_sequence, sequence_legend
+from .drawing import MICRO, draw_sequence, sequence_axes, sequence_legend
 from .sampling import Array, Counts, counts_of, late_contacts, refine, sequences, successive, variable
 from .setup import INPUT_SPEED, Paper
 from .statement import Outcome, Statements, near
@@ -62,10 +61,7 @@ def meaning(data: xr.Dataset) -> str:
 
 def draw(data: xr.Dataset) -> Figure:
     """The sequence, with the restitution of the ball–ball contact on the right axis."""
-    figure = Figure(figsize=(PAGE_WIDTH * 0.85, 5.7))
-    ax = figure.subplots()
-    floor_end = float(data["outline_t_floor_end"].max()) * MILLI
-    ax.set_xlim(0.0, round(2.2 * floor_end))
+    figure, ax = sequence_axes(data)
     ax.set_yscale("log")
     a = data["dissipative_time"].values * MICRO
     scaled = data.assign_coords(
@@ -75,7 +71,6 @@ def draw(data: xr.Dataset) -> Figure:
     ax.set_ylim(a[-1] * margin, a[0] / margin)
     ax.yaxis.set_major_formatter(FormatStrFormatter("%g"))
     draw_sequence(ax, scaled, "dissipative_time", "", 1.3)
-    ax.set_xlabel(f"{TIME} [ms]")
     ax.set_ylabel("dissipative time $A$ [µs]")
     ax.tick_params(axis="y", which="both", right=False)
     _add_restitution(ax, a, data)

@@ -116,8 +116,9 @@ def draw_forces(axes: list[Axes], result: Result, ghost: Result | None) -> None:
             _draw_impulses(ax, result, pair, factor)
     else:
         _draw_curves(axes, result, pairs, span, factor)
-        for ax, pair in zip(axes, pairs, strict=True) if ghost is not None else ():
-            _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
+        if ghost is not None:
+            for ax, pair in zip(axes, pairs, strict=True):
+                _draw_instants(ax, contacts_of(ghost, pair)[0] * factor, GREY)
     end = result.t_end if len(result.column.balls) > 1 else math.nan
     _mark_end(axes, end, span, factor)
     # The title is on the other side than the label of t_f.

@@ -65,7 +65,7 @@ def difference_map(
     """
     first, second = _plane(newton, variable), _plane(independent, variable)
     if first.dims != second.dims or any(not np.array_equal(first[d], second[d]) for d in first.dims):
-        raise ValueError("independent: its axes differ from those of newton, must be the same")
+        raise ValueError("independent: got other axes, must have those of newton")
     difference = first.values.astype(float) - second.values.astype(float)
     finite = difference[np.isfinite(difference)]
     factor, name = _scaled_label(variable, dict(newton[variable].attrs), finite)
@@ -81,7 +81,7 @@ def _plane(ds: xr.Dataset, variable: str) -> xr.DataArray:
     if variable not in ds:
         raise ValueError(f"variable: got {variable!r}, must be one of {', '.join(map(str, ds.data_vars))}")
     if ds[variable].ndim != 2:
-        raise ValueError(f"{variable}: got {ds[variable].ndim} dimensions, a map must have 2")
+        raise ValueError(f"{variable}: got {ds[variable].ndim} dimensions, must have 2 for a map")
     step = [slice(None, None, math.ceil(n / MAX_CELLS)) for n in ds[variable].shape]
     return ds[variable][step[0], step[1]].load()
 

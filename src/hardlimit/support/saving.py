@@ -1,4 +1,4 @@
-"""Write files completely or not at all, by one process at a time."""
+"""Write files completely or not at all, by one process at a time; an OSError names the file."""
 
 from __future__ import annotations
 
@@ -51,8 +51,6 @@ def whole(path: str | Path) -> Iterator[Path]:
 
     If the block fails, the temporary file is removed and ``path`` stays as it was. Devices and pipes are written
     directly.
-
-    Raises an OSError if it cannot be written; names ``path``.
     """
     target = Path(os.path.realpath(path))
     special = target.exists() and not target.is_file()
@@ -71,10 +69,7 @@ def whole(path: str | Path) -> Iterator[Path]:
 
 
 def write(path: str | Path, content: bytes | bytearray | memoryview) -> Path:
-    """Write a file.
-
-    Raises an OSError if it cannot be written; names it.
-    """
+    """Write a file."""
     with memoryview(content) as view, whole(path) as temporary, open(temporary, "wb", buffering=0) as file:
         done = 0
         while done < len(view):
@@ -97,18 +92,13 @@ def dataset(
     """Write a Dataset as NetCDF; ``encoding`` is that of ``xarray.Dataset.to_netcdf``.
 
     The file is built in memory: HDF5 crashes Python if the disk fills up while a file is open.
-
-    Raises an OSError if it cannot be written; names it.
     """
     content = data.to_netcdf(None, engine="h5netcdf", encoding=encoding)
     return _write_and_release(path, content)
 
 
 def groups(data: Mapping[str, xr.Dataset], path: str | Path) -> Path:
-    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root.
-
-    Raises an OSError if it cannot be written; names it.
-    """
+    """Write Datasets as groups of one NetCDF file, by name such as ``newton/contacts``; ``/`` is the root."""
     import xarray as xr
 
     content = xr.DataTree.from_dict(dict(data)).to_netcdf(None, engine="h5netcdf")

@@ -134,7 +134,8 @@ class Plan:
         self, names: Sequence[str], first: int, count: int, threads: int, progress: Report | None
     ) -> Values:
         out: Values = {name: np.empty(count, VARIABLES[name].dtype) for name in names}
-        law = (self.law, MODELS.index(self.model), self.alternative, *self.densities, self.restitution_at)
+        lower, upper = self.densities
+        law = (self.law, MODELS.index(self.model), self.alternative, lower, upper, self.restitution_at)
         points = (list(self.values), list(self.strides), first, count)
         tolerance = math.nan if self.tolerance is None else self.tolerance
         large = _core.run_map(*law, *points, threads, tolerance, out, progress)
@@ -266,7 +267,7 @@ def _alternative(laws: Sequence[Law], swept: Mapping[str, Any]) -> int:
         if chosen and chosen <= names:
             return i
     if len({law.alternative for law in laws}) > 1:
-        raise ValueError("law: the laws of all contacts must be given by the same parameters")
+        raise ValueError("law: got laws given by different parameters, must be given by the same ones")
     return laws[0].alternative
 
 
@@ -274,12 +275,12 @@ def _taken(swept: Iterable[Parameter]) -> dict[int, Parameter]:
     """The swept parameter that determines each number of the row; two for one number are refused."""
     claimed: dict[int, Parameter] = {}
     for parameter in swept:
-        for place in (*parameter.places, *parameter.overrides):
-            if place in claimed:
-                names = f"{parameter.name} | {claimed[place].name}"
+        for index in (*parameter.indices, *parameter.overrides):
+            if index in claimed:
+                names = f"{parameter.name} | {claimed[index].name}"
                 raise ValueError(f"{names}: got both, must be at most one of them")
-            claimed[place] = parameter
-    return {place: p for place, p in claimed.items() if place not in p.overrides}
+            claimed[index] = parameter
+    return {index: p for index, p in claimed.items() if index not in p.overrides}
 
 
 def _numbers(
@@ -287,23 +288,23 @@ def _numbers(
 ) -> tuple[tuple[bool, ...], list[float]]:
     """The row of numbers of the column itself; NaN for parameters that its law does not have."""
     balls = len(column.balls)
-    place = {row["name"]: row["first"] for row in _core.swept_parameters(balls)}
+    index = {row["name"]: row["first"] for row in _core.swept_parameters(balls)}
     kinds = [
-        taken[at].kind if (at := place["density"] + i) in taken else ball.given
+        taken[at].kind if (at := index["density"] + i) in taken else ball.given
         for i, ball in enumerate(column.balls)
     ]
     row = [math.nan] * _core.law_place(balls, balls)
     for i, ball in enumerate(column.balls):
-        row[place["radius"] + i] = ball.radius
-        row[place["density"] + i] = ball.density if kinds[i] == "density" else ball.mass
-        row[place["velocity"] + i] = column.velocities[i]
+        row[index["radius"] + i] = ball.radius
+        row[index["density"] + i] = ball.density if kinds[i] == "density" else ball.mass
+        row[index["velocity"] + i] = column.velocities[i]
     for i, gap in enumerate(column.gaps):
-        row[place["gap"] + i] = gap
-    row[place["height"]], row[place["gravity"]] = column.height, column.gravity
+        row[index["gap"] + i] = gap
+    row[index["height"]], row[index["gravity"]] = column.height, column.gravity
     for contact, law in enumerate(column.laws):
         for p in of_law(law.record, alternative, balls).values():
             if p.name == p.kind:
-                row[p.places[contact]] = law.parameters.get(p.name, math.nan)
+                row[p.indices[contact]] = law.parameters.get(p.name, math.nan)
     return tuple(kind == "density" for kind in kinds), row
 
 
@@ -314,8 +315,8 @@ def _vary(
     swept = {c.name: c for c in axes.coordinates}
     stride = axes.strides()
     values, strides = [], []
-    for place, number in enumerate(fixed):
-        coordinate = swept[taken[place].name] if place in taken else None
+    for index, number in enumerate(fixed):
+        coordinate = swept[taken[index].name] if index in taken else None
         values.append(np.array([number]) if coordinate is None else coordinate.values)
         strides.append(1 if coordinate is None or coordinate.dim is None else stride[coordinate.dim])
     return tuple(values), tuple(strides)
@@ -326,6 +327,6 @@ def _require_parameters(column: Column, alternative: int, values: Sequence[NDArr
     record, balls = column.laws[0].record, len(column.balls)
     choice = [p["name"] for p in record["alternatives"][alternative]]
     for p in of_law(record, alternative, balls).values():
-        if p.name == p.kind and any(np.isnan(values[place][0]) for place in p.places):
+        if p.name == p.kind and any(np.isnan(values[index][0]) for index in p.indices):
             need = f"must be swept or given for every contact when {', '.join(choice)} are"
             raise ValueError(f"{p.name}: missing, {need}")

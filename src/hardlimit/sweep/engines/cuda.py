@@ -134,8 +134,8 @@ class Slot:
     def start(self, plan: Plan, copy_out: bool = True) -> None:
         """Start a piece."""
         self.count = plan.size
-        words, places = self.inputs.host.view(np.uint64), self._places(self.results.address)
-        write_task(plan, words, self.inputs.address, places)
+        words, addresses = self.inputs.host.view(np.uint64), self._addresses(self.results.address)
+        write_task(plan, words, self.inputs.address, addresses)
         self.gpu.to_device(self.stream, self.inputs)
         if plan.restitution_at >= 0:
             self.gpu.launch(self.stream, "damping_ratios", self.inputs.address)
@@ -149,16 +149,16 @@ class Slot:
         host, count = self.results.host, self.count
         return {
             name: host[at : at + _bytes(name, count)].view(VARIABLES[name].dtype)[:count]
-            for name, at in self._places(0).items()
+            for name, at in self._addresses(0).items()
         }
 
-    def _places(self, start: int) -> dict[str, int]:
+    def _addresses(self, start: int) -> dict[str, int]:
         """Address of each result if the first is at ``start``."""
-        places = {}
+        addresses = {}
         for name in self.kept:
-            places[name] = start
+            addresses[name] = start
             start += _bytes(name, self.count)
-        return places
+        return addresses
 
 
 def _bytes(name: str, points: int) -> int:
