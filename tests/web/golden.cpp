@@ -1,7 +1,7 @@
 // Golden values of the page's core: columns, what the native build makes of them, and a hash over a large map, as JSON
-// on standard output; then those of boxes of grains. tests/data/golden_wasm.json is what this printed (web/golden.sh
-// writes it); web/tests/golden.test.mjs replays it in WebAssembly.
-#include "../bindings/wasm.cpp"
+// on standard output; then those of boxes of grains. tests/data/golden_wasm.json is what this printed (tests/web/golden.sh
+// writes it); tests/web/golden.test.mjs replays it in WebAssembly.
+#include "../../bindings/wasm.cpp"
 
 #include <array>
 
