@@ -1,4 +1,4 @@
-// Prints the golden values of the page's core as JSON: solutions of columns, a hash over a large map, and boxes of grains.
+// Prints the golden values of the page's core as JSON: solutions of columns, a hash over a large map, boxes of grains.
 // golden.sh writes them to tests/data/golden_wasm.json; golden.test.mjs compares the WebAssembly build with them.
 #include "../../bindings/wasm.cpp"
 
