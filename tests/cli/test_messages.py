@@ -21,6 +21,11 @@ from hardlimit.support import validation
 WORD = 2**31 - 1
 
 
+def folder_of_measurements(folder: Path) -> Path:
+    (folder / "impacts.csv").write_text(run("fit", "--example").stdout)
+    return folder
+
+
 # --- bounds -------------------------------------------------------------------------------------------------
 
 
@@ -150,8 +155,7 @@ def test_messages_name_the_option_that_was_typed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """For each option that takes a quantity: text that is no number, and nan, which no parameter accepts."""
-    monkeypatch.chdir(tmp_path)
-    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
     for typed in [o.opts[0] for of, o in every_option() if of == name and isinstance(o.type, Quantity)]:
         for value in ("much", "nan"):
             message = refused(*name.split(), *beside(name, typed), f"{typed}={value}")
@@ -247,8 +251,7 @@ MINIMAL = {
 def test_an_ending_that_is_not_known_is_refused_before_anything_is_computed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
     before = sorted(tmp_path.iterdir())
     for module in ("drop.compare", "sweep.compute", "fit.fitted", "stack.best"):
         monkeypatch.setattr(f"hardlimit.cli.{module}", lambda *_, **__: pytest.fail("computed"))
@@ -262,8 +265,7 @@ def test_an_ending_that_is_not_known_is_refused_before_anything_is_computed(
 
 @pytest.mark.parametrize("name", [name for name in [*COMMANDS, "gas compare"] if "--plot" in outputs(name)])
 def test_every_picture_has_its_resolution(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("impacts.csv").write_text(run("fit", "--example").stdout)
+    monkeypatch.chdir(folder_of_measurements(tmp_path))
     size = {}
     for dpi in (40, 80):
         run(*name.split(), *MINIMAL.get(name, []), "--plot", f"{dpi}.png", "--dpi", dpi)

@@ -196,7 +196,7 @@ def test_other_errors_of_the_server_are_reported(
         address = (server.HOST, running.server_address[1])
         exchange(address, f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{address[1]}\r\n\r\n".encode())
         assert ends.wait()
-    assert "AttributeError" in capfd.readouterr().err
+    assert "TypeError" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("sent", [b"", b"GET / HT", b"GET / HTTP/1.1\r\nHost: 127", b"GET / HTTP/1.1\r\n"])

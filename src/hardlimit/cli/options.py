@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -12,8 +10,8 @@ import click
 
 from ..contact.contact import Law, law_parameters
 from ..contact.laws import LAWS
-from ..support import units, validation
-from ..support.formatting import digits, listed
+from ..support import saving, units, validation
+from ..support.formatting import digits
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -142,16 +140,8 @@ def output_option(option: str, help: str, metavar: str = "FILE") -> Callable[[F]
 
 
 def writable(option: str, path: str | None, *endings: str) -> Path | None:
-    """The path, if it can be written and ends in one of ``endings``; call it before computing."""
-    if path is None:
-        return None
-    target = file_name(option, path)
-    special = target.exists() and not target.is_file()  # a device is written in place, a file is replaced
-    if not special and target.suffix.lower() not in endings:
-        raise ValueError(f"--{option}: got {validation.shown(path)}, must end in {listed(endings, 'or')}")
-    if target.is_dir() or not os.access(target if special else target.parent, os.W_OK):
-        raise ValueError(f"--{option}: got {path!r}, must be writable")
-    return target
+    """The path, if it can be written and ends in one of ``endings``."""
+    return None if path is None else saving.checked(f"--{option}", path, endings)
 
 
 def picture(option: str, path: str | None) -> Path | None:
@@ -171,23 +161,6 @@ def film(option: str, path: str | None) -> Path | None:
 
         require_ffmpeg()
     return target
-
-
-def file_name(option: str, path: str) -> Path:
-    """The path, if the system accepts the name and its folder exists."""
-    shown = validation.shown(path)
-    target = Path(path)
-    try:
-        with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-            target.stat()
-        if target.name and target.parent.is_dir():
-            return target
-    except (OSError, ValueError) as error:  # too long, or with a null character
-        because = error.strerror if isinstance(error, OSError) else "embedded null character"
-        raise ValueError(f"--{option}: got {shown}, must be the name of a file: {because}") from None
-    if not target.name:
-        raise ValueError(f"--{option}: got {shown}, must be the name of a file")
-    raise ValueError(f"--{option}: got {shown}, must be in an existing folder")
 
 
 def dpi_option(function: F) -> F:

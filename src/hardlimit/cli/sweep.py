@@ -29,7 +29,6 @@ from .options import (
     F,
     Quantity,
     dpi_option,
-    file_name,
     json_option,
     law_options,
     options,
@@ -251,7 +250,7 @@ def checked_output(out: str | None, resume: bool) -> Path | None:
         if resume:
             raise ValueError("--resume: must be given with --out, the Zarr store to continue")
         return None
-    path = file_name("out", out)
+    path = saving.checked("--out", out)
     if path.suffix == ".nc":
         if resume:
             raise ValueError(f"--resume: got --out {out!r}, must be a Zarr store (.zarr)")

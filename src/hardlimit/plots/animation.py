@@ -6,14 +6,13 @@ in which gaps and deformations are enlarged more than the balls; the frames stat
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
 from ..column.result import Result
 from ..column.solvers import independent
-from ..support import validation
+from ..support import saving, validation
 from . import video
 from .stage import CloseUp, Wide
 from .storyboard import storyboard
@@ -35,16 +34,10 @@ def animate(
     progress: Callable[[int, int], object] | None = None,
 ) -> Path:
     """Write a film of the drop; parameters and errors as for ``Result.animate``."""
-    if not isinstance(path, str | os.PathLike):
-        raise ValueError(f"path: got {validation.shown(path)}, must be a path")
+    target = saving.checked("path", path, ENDINGS)
     if progress is not None and not callable(progress):
         raise ValueError(f"progress: got {validation.shown(progress)}, must be callable with (done, total)")
-    target = Path(path)
     mp4 = target.suffix.lower() == ".mp4"
-    if target.suffix.lower() not in ENDINGS:
-        raise ValueError(f"path: got {str(path)!r}, must end in {' or '.join(ENDINGS)}")
-    if not target.parent.is_dir() or not os.access(target.parent, os.W_OK) or target.is_dir():
-        raise ValueError(f"path: got {str(path)!r}, must be in a folder that can be written")
     if mp4:
         video.require_ffmpeg()
     default_rate, default_width = (30, 1280) if mp4 else (15, 640)

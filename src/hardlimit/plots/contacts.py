@@ -16,13 +16,6 @@ from .style import COLUMN_WIDTH, PAGE_WIDTH, PALETTE, style
 LEAST_SPAN: Final = 0.1
 
 
-def around(restitution: NDArray[np.float64]) -> tuple[float, float]:
-    """Limits of an axis for these values of ε."""
-    low, high = float(restitution.min()), float(restitution.max())
-    margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
-    return max(low - margin, 0.0), high + margin
-
-
 def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Figure:
     """Coefficient of restitution and duration of one isolated contact over the impact speed [m/s]."""
     with style():
@@ -31,7 +24,9 @@ def restitution_over_speed(contact: Contact, speeds: NDArray[np.float64]) -> Fig
         restitution = np.asarray(contact.restitution(speeds))
         upper.plot(speeds, restitution, color=PALETTE["blue"])
         upper.set_ylabel(r"coefficient of restitution $\varepsilon$")
-        upper.set_ylim(*around(restitution))
+        low, high = float(restitution.min()), float(restitution.max())
+        margin = max(0.1 * (high - low), 0.5 * (LEAST_SPAN - (high - low)))
+        upper.set_ylim(max(low - margin, 0.0), high + margin)
         duration = np.asarray(contact.duration(speeds))
         factor, unit = scaled(float(duration.max()), "s")
         lower.plot(speeds, duration * factor, color=PALETTE["vermillion"])

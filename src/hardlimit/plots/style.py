@@ -15,7 +15,6 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from ..support import saving, validation
-from ..support.formatting import listed
 
 #: Palette of Okabe and Ito (2008), for colour-blind readers.
 PALETTE: Final = {
@@ -97,15 +96,10 @@ def save(figure: Figure, path: str | Path, dpi: float | None = None) -> Path:
     OSError
         If the file cannot be written; names it.
     """
-    target = Path(path)
-    ending = target.suffix.lower()
-    if ending not in endings():
-        raise ValueError(f"plot: got {str(path)!r}, must end in {listed(endings(), 'or')}")
-    if not target.parent.is_dir():
-        raise ValueError(f"plot: got {str(path)!r}, must be in an existing folder")
+    target = saving.checked("plot", path, endings())
     resolution = checked_resolution(dpi)
     with style(), saving.whole(target) as unfinished:
-        figure.savefig(unfinished, dpi=resolution, format=ending.removeprefix("."))
+        figure.savefig(unfinished, dpi=resolution, format=target.suffix.lower().removeprefix("."))
     return target
 
 

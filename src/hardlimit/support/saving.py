@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
+
+from .formatting import listed
+from .validation import shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,6 +46,35 @@ def store_failure(path: Path, error: OSError, what: str = "write") -> OSError:
     told = OSError(f"store: cannot {what} {path}: {error.strerror or error}; finished chunks are kept")
     told.errno = error.errno
     return told
+
+
+def checked(name: str, path: Any, endings: Sequence[str] = ()) -> Path:
+    """The path of a file to write; call it before computing.
+
+    Raises a ValueError unless the system accepts the name, its folder exists, the file can be written, and it ends in
+    one of ``endings`` if given. A device is written in place and may have any name.
+    """
+    got = f"{name}: got {shown(str(path) if isinstance(path, os.PathLike) else path)}"
+    if not isinstance(path, str | os.PathLike):
+        raise ValueError(f"{got}, must be a path")
+    target = Path(path)
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            target.stat()
+        in_folder = target.parent.is_dir()
+    except (OSError, ValueError) as error:  # too long, or with a null character
+        reason = error.strerror if isinstance(error, OSError) else "embedded null character"
+        raise ValueError(f"{got}, must be the name of a file: {reason}") from None
+    if not target.name:
+        raise ValueError(f"{got}, must be the name of a file")
+    if not in_folder:
+        raise ValueError(f"{got}, must be in an existing folder")
+    special = target.exists() and not target.is_file()
+    if endings and not special and target.suffix.lower() not in endings:
+        raise ValueError(f"{got}, must end in {listed(endings, 'or')}")
+    if endings and (target.is_dir() or not os.access(target if special else target.parent, os.W_OK)):
+        raise ValueError(f"{got}, must be writable")
+    return target
 
 
 @contextmanager
